@@ -1,0 +1,276 @@
+//! The configuration file as types. Field names are the file's keys; lengths are metres, times
+//! seconds, speeds metres per second. What is absent in the file has its default here.
+
+use serde::Deserialize;
+
+/// The whole file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    pub machine: Machine,
+    pub bus: Bus,
+    pub signals: Signals,
+    #[serde(default)]
+    pub plausibility: Plausibility,
+    #[serde(default)]
+    pub model: Model,
+    #[serde(default)]
+    pub observer: Observer,
+    #[serde(default)]
+    pub fde: Fde,
+    #[serde(default)]
+    pub comparator: Comparator,
+    #[serde(default)]
+    pub alarm: Alarm,
+    #[serde(default)]
+    pub gateway: Gateway,
+    /// Overrides per cylinder; at most one table for each number.
+    #[serde(default)]
+    pub cylinder: Vec<Cylinder>,
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    pub name: String,
+    /// 1 to 6: Fd_Status has room for six.
+    pub cylinders: u8,
+    /// Ts, s.
+    pub sample_time: f64,
+    /// The cylinder's reach `[retracted, extended]`, m.
+    pub stroke: [f64; 2],
+    /// Platform states in which FDE1 and FDE2 judge; absent: always. Names as in the DBC's VAL_
+    /// table of the state signal (or the thesis's four), letter case ignored; or numbers as text.
+    pub monitored_states: Option<Vec<String>>,
+    /// Readings later than this after the opening of their cycle are late, s; absent: 0.8 Ts.
+    pub cycle_deadline: Option<f64>,
+    /// An observer predicts over at most this long a gap before it starts anew, s.
+    #[serde(default = "default_max_gap")]
+    pub max_gap: f64,
+}
+
+fn default_max_gap() -> f64 {
+    0.1
+}
+
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bus {
+    /// A SocketCAN interface, or "virtual": the embedded bus.
+    pub interface: String,
+    /// The DBC's path, relative to the configuration file.
+    pub dbc: String,
+}
+
+/// Where the signals are: `MESSAGE.SIGNAL` of the DBC.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Signals {
+    /// A message (not a signal) that opens a cycle.
+    pub sync: Option<String>,
+    pub state: Option<String>,
+    pub cylinder: CylinderSignals,
+}
+
+/// Signal names of one cylinder; `{n}` stands for its number.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CylinderSignals {
+    pub c1: String,
+    pub c1_velocity: Option<String>,
+    pub c1_status: Option<String>,
+    pub c1_counter: Option<String>,
+    pub c2: Option<String>,
+    pub c2_velocity: Option<String>,
+    pub c2_status: Option<String>,
+    pub c2_counter: Option<String>,
+    pub control_speed: String,
+    pub pressure_bottom: Option<String>,
+    pub pressure_rod: Option<String>,
+}
+
+/// When a reading is not to be believed before any model is asked.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Plausibility {
+    /// Without a new reading for this long a signal is stale, s.
+    pub stale: f64,
+    /// Raw codes that mean a broken wire; 32767 is the overflow code of an S7 analogue input.
+    pub broken_wire_codes: Vec<i64>,
+    /// Status bits that mean a broken wire, where a status signal is configured.
+    pub status_mask: u64,
+    /// Valid raw counts `[lowest, highest]`; absent: the DBC's [min|max], and always the stroke.
+    pub valid_raw: Option<[i64; 2]>,
+    /// A reading exactly constant for this long while the command moves is frozen, s.
+    pub frozen: f64,
+    /// The command moves when it is beyond this, m/s.
+    pub frozen_speed: f64,
+}
+
+impl Default for Plausibility {
+    fn default() -> Self {
+        Self {
+            stale: 0.1,
+            broken_wire_codes: vec![32767],
+            status_mask: u64::MAX,
+            valid_raw: None,
+            frozen: 0.1,
+            frozen_speed: 0.02,
+        }
+    }
+}
+
+/// The discrete model (4-1); defaults are Table 4-1.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Model {
+    pub theta: [f64; 5],
+    pub gamma: [f64; 2],
+}
+
+impl Default for Model {
+    fn default() -> Self {
+        Self { theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023], gamma: [0.0926, 6.5427] }
+    }
+}
+
+/// Weights of the Riccati equation, the diagonals of Q (position, velocity, load pressure) and R
+/// (position, velocity).
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Observer {
+    pub q: [f64; 3],
+    pub r: [f64; 2],
+    /// An observer judges after it has followed its readings for this long, s.
+    pub settle: f64,
+}
+
+impl Default for Observer {
+    fn default() -> Self {
+        Self { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2], settle: 1.0 }
+    }
+}
+
+/// Thresholds of R1 and R2 (section 5-4-1), m.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Fde {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Default for Fde {
+    fn default() -> Self {
+        Self { low: 7.5e-4, high: 1.0e-3 }
+    }
+}
+
+/// Thresholds of R3 (section 5-5), m.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Comparator {
+    pub bound: f64,
+    /// Below this R3 counts towards clearing; absent: three quarters of `bound`.
+    pub low: Option<f64>,
+    /// The machine's own "difference too big".
+    pub critical: f64,
+}
+
+impl Default for Comparator {
+    fn default() -> Self {
+        Self { bound: 1.5e-3, low: None, critical: 0.05 }
+    }
+}
+
+/// How warnings come and go.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Alarm {
+    /// A warning clears after its residual stayed below the lower threshold this long, s.
+    pub clear: f64,
+    /// FDEs that raise within this time of each other saw the same event, s.
+    pub coincidence: f64,
+    pub levels: Levels,
+}
+
+impl Default for Alarm {
+    fn default() -> Self {
+        Self { clear: 1.0, coincidence: 0.2, levels: Levels::default() }
+    }
+}
+
+/// A level of Table 2-1, mildest first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    #[default]
+    None,
+    Yellow,
+    Orange,
+    Red,
+    Black,
+}
+
+/// Which finding has which level of Table 2-1.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Levels {
+    /// One transducer is blamed by its FDE.
+    pub located: Level,
+    /// R3 beyond its bound and no decision on the location.
+    pub undecided: Level,
+    /// Both observers disagree with readings that agree with each other.
+    pub process: Level,
+    /// A reading is stale, out of range, frozen or has a broken wire.
+    pub implausible: Level,
+    /// Neither transducer of a cylinder can be relied on.
+    pub both: Level,
+    /// R3 beyond the critical limit, where the machine itself trips.
+    pub critical: Level,
+}
+
+impl Default for Levels {
+    fn default() -> Self {
+        Self {
+            located: Level::Yellow,
+            undecided: Level::Yellow,
+            process: Level::Yellow,
+            implausible: Level::Orange,
+            both: Level::Red,
+            critical: Level::Black,
+        }
+    }
+}
+
+/// The gateway's own place on the bus.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Gateway {
+    /// CANopen node: Fd_Status is 0x180 + node, Fd_Warning 0x280 + node, Fd_Estimate 0x380 + node.
+    pub node: u8,
+}
+
+impl Default for Gateway {
+    fn default() -> Self {
+        Self { node: 81 }
+    }
+}
+
+/// What one cylinder has of its own.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    pub n: u8,
+    /// a of (5-20).
+    #[serde(default = "unit_gain")]
+    pub c2_gain: f64,
+    /// b of (5-20), m.
+    #[serde(default)]
+    pub c2_offset: f64,
+    pub theta: Option<[f64; 5]>,
+    pub gamma: Option<[f64; 2]>,
+}
+
+fn unit_gain() -> f64 {
+    1.0
+}

@@ -1,0 +1,7 @@
+//! Tertius.
+pub mod bus;
+pub mod config;
+pub mod decode;
+pub mod frame;
+pub mod observe;
+pub mod time;
