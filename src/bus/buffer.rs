@@ -1,0 +1,122 @@
+//! A bounded window on a stream of bytes, cut into lines.
+
+use std::io;
+
+use super::candump::MAX_LINE;
+use super::input::Input;
+
+/// Room for many reads of the longest line and for the look-ahead of the time stamps' vote; small
+/// enough to stay in a core's second-level cache.
+const CAPACITY: usize = 256 * 1024;
+/// Below this much free room the unread bytes are moved to the front before reading.
+const LEAST_READ: usize = 64 * 1024;
+
+/// What the unread bytes begin with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// A line of `length` bytes; `taken` counts its newline too.
+    Line { length: usize, taken: usize },
+    /// A last line without a newline, of `length` bytes.
+    Unterminated { length: usize },
+    /// A line longer than [`MAX_LINE`], of which the first bytes are there.
+    TooLong,
+    /// Nothing whole: more must be read first.
+    More,
+    /// The input is over.
+    End,
+}
+
+/// Bytes that were read and not yet consumed.
+pub struct Buffer {
+    bytes: Box<[u8]>,
+    start: usize,
+    end: usize,
+    /// The input gave its last byte.
+    ended: bool,
+    /// Inside a line that is too long: everything up to the next newline is dropped.
+    skipping: bool,
+}
+
+impl Buffer {
+    pub fn new() -> Self {
+        let bytes = vec![0; CAPACITY].into_boxed_slice();
+        Self { bytes, start: 0, end: 0, ended: false, skipping: false }
+    }
+
+    /// Empty again, for the next input.
+    pub fn restart(&mut self) {
+        (self.start, self.end, self.ended, self.skipping) = (0, 0, false, false);
+    }
+
+    #[inline(always)]
+    pub fn unread(&self) -> &[u8] {
+        &self.bytes[self.start..self.end]
+    }
+
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
+    #[inline(always)]
+    pub fn consume(&mut self, length: usize) {
+        self.start += length;
+        debug_assert!(self.start <= self.end);
+    }
+
+    /// Drops the line that begins here, however long it is.
+    pub fn skip_line(&mut self) {
+        self.skipping = true;
+    }
+
+    /// What comes next, as far as can be said from what was read.
+    pub fn next(&mut self) -> Next {
+        if self.skipping && !self.finish_skipping() {
+            return if self.ended { Next::End } else { Next::More };
+        }
+        let unread = self.unread();
+        let head = &unread[..unread.len().min(MAX_LINE + 1)];
+        match memchr::memchr(b'\n', head) {
+            Some(length) => Next::Line { length, taken: length + 1 },
+            None if head.len() > MAX_LINE => Next::TooLong,
+            None if !self.ended => Next::More,
+            None if head.is_empty() => Next::End,
+            None => Next::Unterminated { length: head.len() },
+        }
+    }
+
+    /// Whether the newline that ends the dropped line was found.
+    fn finish_skipping(&mut self) -> bool {
+        match memchr::memchr(b'\n', self.unread()) {
+            Some(length) => {
+                self.consume(length + 1);
+                self.skipping = false;
+                true
+            }
+            None => {
+                self.start = self.end;
+                false
+            }
+        }
+    }
+
+    /// Reads once from `input`. After an error the input counts as ended.
+    ///
+    /// # Errors
+    /// What the input says, except that it was interrupted.
+    pub fn fill(&mut self, input: &mut Input) -> io::Result<()> {
+        if self.bytes.len() - self.end < LEAST_READ {
+            self.bytes.copy_within(self.start..self.end, 0);
+            (self.start, self.end) = (0, self.end - self.start);
+        }
+        match input.read(&mut self.bytes[self.end..]) {
+            Ok(0) => self.ended = true,
+            Ok(length) => self.end += length,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => {
+                self.ended = true;
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! From time stamps as they stand in the lines to instants.
+
+use crate::frame::Frame;
+use crate::time::Timestamp;
+
+use super::{Extent, Line, MAX_LINE, Reason, blank_frame};
+
+/// Lines that are looked at to tell `-td` from `-tz`.
+const VOTERS: usize = 64;
+/// Bytes that are looked at for them: enough for as many lines of any length.
+const HORIZON: usize = VOTERS * MAX_LINE;
+
+/// How short time stamps, those with fewer than nine digits before the point, are understood.
+/// Longer ones and dates are always absolute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimeStamps {
+    /// In the console form: as [`Self::Delta`] if among the first 64 lines one is earlier than its
+    /// predecessor, else as [`Self::Zero`]. In the log form: as they stand.
+    #[default]
+    Auto,
+    /// As they stand.
+    Absolute,
+    /// Each counts from the line before (`candump -td`); the input's first line is its zero.
+    Delta,
+    /// They count from the recording's start (`candump -tz`): as they stand.
+    Zero,
+}
+
+/// What short time stamps of one input mean.
+#[derive(Debug)]
+enum Meaning {
+    /// The lines were not looked at yet, or up to somewhere.
+    Undecided(Vote),
+    AsTheyStand,
+    /// In the console form each counts from the line before.
+    ConsoleDelta,
+    /// In both forms.
+    Delta,
+}
+
+/// Turns the time stamps of one input into instants.
+#[derive(Debug)]
+pub struct Clock {
+    option: TimeStamps,
+    meaning: Meaning,
+    /// The sum of the deltas, ns.
+    elapsed: i64,
+}
+
+impl Clock {
+    pub fn new(option: TimeStamps) -> Self {
+        let meaning = match option {
+            TimeStamps::Auto => Meaning::Undecided(Vote::default()),
+            TimeStamps::Absolute | TimeStamps::Zero => Meaning::AsTheyStand,
+            TimeStamps::Delta => Meaning::Delta,
+        };
+        Self { option, meaning, elapsed: 0 }
+    }
+
+    /// For the next input, which has a zero of its own.
+    pub fn restart(&mut self) {
+        *self = Self::new(self.option);
+    }
+
+    /// Whether the line can be placed in time only after [`Self::look_ahead`].
+    pub fn must_look_ahead(&self, line: &Line<'_>) -> bool {
+        matches!(self.meaning, Meaning::Undecided(_)) && line.is_short_console()
+    }
+
+    /// Looks at the unread bytes, which begin with the line that must wait; `whole` when no more
+    /// will come. False: call again with more bytes behind the same ones.
+    pub fn look_ahead(&mut self, unread: &[u8], whole: bool) -> bool {
+        if let Meaning::Undecided(vote) = &mut self.meaning {
+            match vote.count(unread, whole) {
+                None => return false,
+                Some(true) => self.meaning = Meaning::ConsoleDelta,
+                Some(false) => self.meaning = Meaning::AsTheyStand,
+            }
+        }
+        true
+    }
+
+    /// The line's instant. To be called once for every line, bad frame or not: deltas add up.
+    ///
+    /// # Errors
+    /// The deltas' sum leaves the range.
+    pub fn instant(&mut self, line: &Line<'_>) -> Result<Timestamp, Reason> {
+        let is_delta = match self.meaning {
+            Meaning::ConsoleDelta => line.is_short_console(),
+            Meaning::Delta => line.stamp.extent == Extent::Short,
+            Meaning::AsTheyStand | Meaning::Undecided(_) => false,
+        };
+        if !is_delta {
+            return Ok(Timestamp::from_nanos(line.stamp.nanos));
+        }
+        self.elapsed = self.elapsed.checked_add(line.stamp.nanos).ok_or(Reason::StampRange)?;
+        Ok(Timestamp::from_nanos(self.elapsed))
+    }
+}
+
+/// A look at the first lines with short time stamps.
+#[derive(Debug, Default)]
+struct Vote {
+    /// Bytes that were looked at, up to the start of a line.
+    seen: usize,
+    voters: usize,
+    last: Option<i64>,
+}
+
+impl Vote {
+    /// Whether they are deltas; `None` where more bytes are needed to tell. The answer depends on
+    /// the bytes alone, not on how they come in.
+    fn count(&mut self, unread: &[u8], whole: bool) -> Option<bool> {
+        let horizon = &unread[..unread.len().min(HORIZON)];
+        let mut scratch = blank_frame();
+        while self.voters < VOTERS {
+            let rest = &horizon[self.seen..];
+            let (length, taken) = match memchr::memchr(b'\n', rest) {
+                Some(length) => (length, length + 1),
+                None if whole && unread.len() < HORIZON => (rest.len(), rest.len()),
+                None if unread.len() < HORIZON => return None,
+                None => break,
+            };
+            if taken == 0 {
+                break;
+            }
+            self.seen += taken;
+            let Some(nanos) = voice(&rest[..length], &mut scratch) else { continue };
+            if self.last.is_some_and(|last| nanos < last) {
+                return Some(true);
+            }
+            self.last = Some(nanos);
+            self.voters += 1;
+        }
+        Some(false)
+    }
+}
+
+/// The time stamp of a good line of the console form, if it is short.
+fn voice(text: &[u8], scratch: &mut Frame) -> Option<i64> {
+    if text.len() > MAX_LINE {
+        return None;
+    }
+    let line = Line::parse(text).ok()??;
+    let counts = line.is_short_console() && line.read_frame(scratch).is_ok();
+    counts.then_some(line.stamp.nanos)
+}

@@ -1,0 +1,157 @@
+//! The line that nearly all of a recording consists of, read without looking for its end:
+//! `(1700000000.000516) can0 181#E02D00000000`. Whatever differs is left to [`super::Line`],
+//! which reads these lines the same way.
+
+use crate::frame::{Frame, Id, Kind};
+use crate::time::Timestamp;
+
+use super::hex;
+
+/// Bytes that must be there so that no look beyond the end needs a check; more than the longest
+/// line read here.
+const WINDOW: usize = 64;
+/// `(1700000000.`
+const PREFIX: usize = 12;
+/// Where the interface begins: behind the prefix, six decimals and `") "`.
+const NAME_AT: usize = PREFIX + 8;
+/// The last second whose every nanosecond is in range.
+const LAST_SECOND: i64 = i64::MAX / NANOS_PER_SECOND - 1;
+const NANOS_PER_SECOND: i64 = 1_000_000_000;
+
+/// An interface that was seen before.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    /// Its place in the list of interfaces.
+    pub place: usize,
+    /// Its frames are given out.
+    pub wanted: bool,
+}
+
+/// Reads lines that begin as the one before did: the same second, the same interface.
+#[derive(Debug)]
+pub struct Common {
+    /// The first eight and the next four bytes.
+    prefix: (u64, u32),
+    /// The second that they say, in nanoseconds.
+    base: i64,
+    /// The interface and the blank behind it.
+    name: u64,
+    /// Which bytes of `name` count.
+    mask: u64,
+    /// Where the identifier begins.
+    frame_at: usize,
+    interface: Known,
+}
+
+impl Common {
+    pub fn new() -> Self {
+        // No line has a zero byte first and none equals one under an empty mask.
+        let interface = Known { place: 0, wanted: false };
+        Self { prefix: (0, 0), base: 0, name: 1, mask: 0, frame_at: 0, interface }
+    }
+
+    /// The interface of the lines that [`Self::read`] reads.
+    #[inline(always)]
+    pub fn interface(&self) -> Known {
+        self.interface
+    }
+
+    /// Reads the line at the start of `text` into `frame`; gives its length with its line end.
+    /// `None`, and anything in `frame`, if it is not of this form or too near the end of `text`.
+    ///
+    /// `find` knows the interfaces.
+    #[inline(always)]
+    pub fn read(
+        &mut self,
+        text: &[u8],
+        frame: &mut Frame,
+        find: impl FnOnce(&[u8]) -> Option<Known>,
+    ) -> Option<usize> {
+        let window: &[u8; WINDOW] = text.first_chunk()?;
+        if !self.fits(window)? && !self.learn(window, find)? {
+            return None;
+        }
+        let micros = hex::six_decimals(word(window, PREFIX)?)?;
+        let at = self.frame_at;
+        let (id, data_at) = identifier(window, at)?;
+        let (low, high) = (word(window, data_at)?, word(window, data_at + 8)?);
+        let first = hex::leading_digits(low);
+        let digits = if first == 8 { 8 + hex::leading_digits(high) } else { first };
+        if digits % 2 != 0 {
+            return None;
+        }
+        let end = data_at + digits as usize;
+        let taken = match (*window.get(end)?, *window.get(end + 1)?) {
+            (b'\n', _) => end + 1,
+            (b'\r', b'\n') => end + 2,
+            _ => return None,
+        };
+        let data = u64::from(hex::bytes(low)) | u64::from(hex::bytes(high)) << 32;
+        frame.buffer_mut()[..8].copy_from_slice(&data.to_le_bytes());
+        frame.set_length(digits as usize / 2);
+        frame.timestamp = Timestamp::from_nanos(self.base + i64::from(micros) * 1000);
+        frame.id = id;
+        frame.kind = Kind::Data;
+        Some(taken)
+    }
+
+    #[inline(always)]
+    fn fits(&self, window: &[u8; WINDOW]) -> Option<bool> {
+        let same_name = word(window, NAME_AT)? & self.mask == self.name;
+        Some(prefix(window)? == self.prefix && same_name)
+    }
+
+    /// Takes second and interface from the line; `None` if it is of another form or the interface
+    /// is not known.
+    #[cold]
+    fn learn(
+        &mut self,
+        window: &[u8; WINDOW],
+        find: impl FnOnce(&[u8]) -> Option<Known>,
+    ) -> Option<bool> {
+        let [b'(', digits @ .., b'.'] = window.first_chunk::<PREFIX>()? else { return None };
+        let mut second = 0;
+        for digit in digits {
+            second = second * 10 + i64::from(char::from(*digit).to_digit(10)?);
+        }
+        if second > LAST_SECOND {
+            return None;
+        }
+        let name = window.get(NAME_AT..NAME_AT + 8)?;
+        let length = memchr::memchr(b' ', name)?;
+        self.interface = find(&name[..length])?;
+        self.mask = u64::MAX >> (56 - 8 * length);
+        self.name = word(window, NAME_AT)? & self.mask;
+        self.frame_at = NAME_AT + length + 1;
+        self.base = second * NANOS_PER_SECOND;
+        self.prefix = prefix(window)?;
+        Some(true)
+    }
+}
+
+#[inline(always)]
+fn identifier(window: &[u8; WINDOW], at: usize) -> Option<(Id, usize)> {
+    let digits = word(window, at)?;
+    if *window.get(at + 3)? == b'#' {
+        // A nought before the three digits makes whole bytes of them.
+        let value = hex::bytes(digits << 8 | u64::from(b'0')).swap_bytes() >> 16;
+        let id = Id::standard(value)?;
+        return (hex::leading_digits(digits) == 3).then_some((id, at + 4));
+    }
+    if *window.get(at + 8)? != b'#' || hex::leading_digits(digits) != 8 {
+        return None;
+    }
+    Some((Id::extended(hex::bytes(digits).swap_bytes())?, at + 9))
+}
+
+#[inline(always)]
+fn prefix(window: &[u8; WINDOW]) -> Option<(u64, u32)> {
+    let rest = window.get(8..)?.first_chunk()?;
+    Some((word(window, 0)?, u32::from_le_bytes(*rest)))
+}
+
+/// Eight bytes, the first lowest.
+#[inline(always)]
+fn word(window: &[u8; WINDOW], at: usize) -> Option<u64> {
+    Some(u64::from_le_bytes(*window.get(at..)?.first_chunk()?))
+}

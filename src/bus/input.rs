@@ -1,0 +1,218 @@
+//! One input of a recording: opened, recognised, decompressed, counted.
+
+use std::fs::{self, File};
+use std::io::{self, BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
+
+use super::source::SourceError;
+
+const GZIP_MAGIC: &[u8] = &[0x1F, 0x8B];
+const ZSTD_MAGIC: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];
+/// Compressed bytes are handed to the decompressor in pieces of this size.
+const COMPRESSED_PIECE: usize = 64 * 1024;
+/// flate2 loses what it had decoded in the call that meets corrupt data; small calls lose little.
+const DECODED_PIECE: usize = 16 * 1024;
+
+/// An input that is not open yet.
+pub enum Place {
+    StandardInput,
+    File(PathBuf),
+    Reader { name: String, reader: Box<dyn Read + Send> },
+}
+
+impl Place {
+    /// `-` is standard input.
+    pub fn of(path: &Path) -> Self {
+        if path.as_os_str() == "-" { Self::StandardInput } else { Self::File(path.to_owned()) }
+    }
+
+    /// The name for people.
+    pub fn name(&self) -> String {
+        match self {
+            Self::StandardInput => "standard input".to_owned(),
+            Self::File(path) => path.display().to_string(),
+            Self::Reader { name, .. } => name.clone(),
+        }
+    }
+
+    /// The size in bytes where it is known; refuses at once what cannot be opened, so that a
+    /// mistyped last file does not come to light after the first ones were replayed.
+    ///
+    /// # Errors
+    /// The file does not exist, may not be read or is a directory.
+    pub fn check(&self) -> Result<Option<u64>, SourceError> {
+        let Self::File(path) = self else { return Ok(None) };
+        let failed = |error| SourceError::Open { file: self.name(), error };
+        let metadata = fs::metadata(path).map_err(failed)?;
+        if metadata.is_dir() {
+            return Err(SourceError::Directory { file: self.name() });
+        }
+        if !metadata.is_file() {
+            // Opening and closing a pipe would end its writer.
+            return Ok(None);
+        }
+        File::open(path).map_err(failed)?;
+        Ok(Some(metadata.len()))
+    }
+
+    /// Opens it; what it holds is looked at with the first read.
+    ///
+    /// # Errors
+    /// The file cannot be opened.
+    pub fn open(self) -> Result<Input, SourceError> {
+        let name = self.name();
+        let reader: Box<dyn Read + Send> = match self {
+            Self::StandardInput => Box::new(io::stdin()),
+            Self::Reader { reader, .. } => reader,
+            Self::File(path) => match File::open(path) {
+                Ok(file) => Box::new(file),
+                Err(error) => return Err(SourceError::Open { file: name, error }),
+            },
+        };
+        Ok(Input { name, state: State::Fresh(Counted { reader, count: 0 }) })
+    }
+}
+
+/// An open input that reads as plain text whatever its compression.
+pub struct Input {
+    name: String,
+    state: State,
+}
+
+type Pieces = BufReader<Whole<Prefixed>>;
+type Prefixed = io::Chain<Cursor<Vec<u8>>, Counted>;
+
+enum State {
+    /// Its first bytes were not looked at yet.
+    Fresh(Counted),
+    Plain(Prefixed),
+    Gzip(Box<flate2::bufread::MultiGzDecoder<Pieces>>),
+    Zstd(Box<zstd::stream::read::Decoder<'static, Pieces>>),
+    /// It failed while being recognised.
+    Failed(u64),
+}
+
+impl Input {
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Bytes taken from the file so far, before decompression.
+    pub fn consumed(&self) -> u64 {
+        match &self.state {
+            State::Fresh(counted) => counted.count,
+            State::Plain(reader) => reader.get_ref().1.count,
+            State::Gzip(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1.count,
+            State::Zstd(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1.count,
+            State::Failed(count) => *count,
+        }
+    }
+
+    /// As [`Read::read`].
+    ///
+    /// # Errors
+    /// The file cannot be read or its compressed data are damaged.
+    pub fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if matches!(self.state, State::Fresh(_)) {
+            self.recognise()?;
+        }
+        let piece = buffer.len().min(DECODED_PIECE);
+        match &mut self.state {
+            State::Plain(reader) => reader.read(buffer),
+            State::Gzip(decoder) => decoder.read(&mut buffer[..piece]),
+            State::Zstd(decoder) => decoder.read(&mut buffer[..piece]),
+            State::Fresh(_) | State::Failed(_) => Ok(0),
+        }
+    }
+
+    /// The reason for people why `error` ended the input early.
+    pub fn explain(&self, error: &io::Error) -> String {
+        let kind = match self.state {
+            State::Gzip(_) => "gzip",
+            State::Zstd(_) => "zstd",
+            _ => return format!("reading failed: {error}; the rest is lost"),
+        };
+        if error.kind() == io::ErrorKind::UnexpectedEof {
+            format!("the {kind} data are cut off ({error}); what comes after is lost")
+        } else {
+            format!("the {kind} data are corrupt ({error}); the rest is lost")
+        }
+    }
+
+    fn recognise(&mut self) -> io::Result<()> {
+        let State::Fresh(mut counted) = std::mem::replace(&mut self.state, State::Failed(0)) else {
+            return Ok(());
+        };
+        let mut magic = Vec::with_capacity(ZSTD_MAGIC.len());
+        let read = (&mut counted).take(ZSTD_MAGIC.len() as u64).read_to_end(&mut magic);
+        if let Err(error) = read {
+            self.state = State::Failed(counted.count);
+            return Err(error);
+        }
+        let is_gzip = magic.starts_with(GZIP_MAGIC);
+        let is_zstd = magic.starts_with(ZSTD_MAGIC);
+        let prefixed = Cursor::new(magic).chain(counted);
+        if !is_gzip && !is_zstd {
+            self.state = State::Plain(prefixed);
+            return Ok(());
+        }
+        let pieces =
+            BufReader::with_capacity(COMPRESSED_PIECE, Whole { reader: prefixed, failure: None });
+        self.state = if is_gzip {
+            State::Gzip(Box::new(flate2::bufread::MultiGzDecoder::new(pieces)))
+        } else {
+            State::Zstd(Box::new(zstd::stream::read::Decoder::with_buffer(pieces)?))
+        };
+        Ok(())
+    }
+}
+
+/// Counts the bytes that pass.
+struct Counted {
+    reader: Box<dyn Read + Send>,
+    count: u64,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = self.reader.read(buffer)?;
+        self.count += length as u64;
+        Ok(length)
+    }
+}
+
+/// Fills the buffer that it is given, so that a decompressor sees the same pieces, and loses the
+/// same bytes to damage, however its input arrives.
+struct Whole<R> {
+    reader: R,
+    /// Met behind bytes that had to be given out first.
+    failure: Option<io::Error>,
+}
+
+impl<R> Whole<R> {
+    fn get_ref(&self) -> &R {
+        &self.reader
+    }
+}
+
+impl<R: Read> Read for Whole<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if let Some(error) = self.failure.take() {
+            return Err(error);
+        }
+        let mut length = 0;
+        while length < buffer.len() {
+            match self.reader.read(&mut buffer[length..]) {
+                Ok(0) => break,
+                Ok(more) => length += more,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if length == 0 => return Err(error),
+                Err(error) => {
+                    self.failure = Some(error);
+                    break;
+                }
+            }
+        }
+        Ok(length)
+    }
+}

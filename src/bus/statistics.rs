@@ -1,0 +1,135 @@
+//! What a recording held beside the frames that were given out.
+
+use super::candump::Reason;
+
+/// Bad lines that are kept with their text; the others are only counted.
+pub const KEPT_BAD_LINES: usize = 5;
+/// Interfaces that are told apart by name.
+pub const INTERFACES_KEPT: usize = 16;
+/// Damage reports that are kept; the others are only counted.
+pub const KEPT_DAMAGE: usize = 16;
+/// Bytes of a bad line that are shown.
+const EXCERPT: usize = 80;
+
+/// What was read so far.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Lines of any kind, empty and bad ones included.
+    pub lines: u64,
+    /// Well-formed frames of every kind on every interface, given out or not.
+    pub frames: u64,
+    /// Error frames among them.
+    pub error_frames: u64,
+    /// Remote frames among them.
+    pub remote_frames: u64,
+    /// Frames among them that were not given out: of another interface than the one asked for.
+    pub other_interface_frames: u64,
+    /// Lines that are no frame.
+    pub bad_lines: u64,
+    /// The first [`KEPT_BAD_LINES`] of them.
+    pub first_bad_lines: Vec<BadLine>,
+    /// The first [`INTERFACES_KEPT`] interfaces in the order of their first frame.
+    pub interfaces: Vec<Interface>,
+    /// Frames of interfaces beyond those.
+    pub unlisted_interface_frames: u64,
+    /// Inputs whose end could not be read.
+    pub damaged_inputs: u64,
+    /// The first [`KEPT_DAMAGE`] of them.
+    pub damage: Vec<Damage>,
+}
+
+/// A line that is no frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BadLine {
+    /// The file as it was given, or "standard input".
+    pub file: String,
+    /// Counted from 1 within its file.
+    pub line: u64,
+    /// Its beginning: at most 80 bytes, `…` if there were more, control characters escaped.
+    pub text: String,
+    /// What was found and what was expected.
+    pub reason: Reason,
+}
+
+impl std::fmt::Display for BadLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}: {}: {}", self.file, self.line, self.reason, self.text)
+    }
+}
+
+/// An interface and its frames.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Interface {
+    pub name: String,
+    pub frames: u64,
+}
+
+/// An input that could not be read to its end; what came before was given out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// The file as it was given, or "standard input".
+    pub file: String,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+impl std::fmt::Display for Damage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.file, self.reason)
+    }
+}
+
+impl Statistics {
+    pub(super) fn add_bad_line(&mut self, file: &str, line: u64, text: &[u8], reason: Reason) {
+        self.bad_lines += 1;
+        if self.first_bad_lines.len() < KEPT_BAD_LINES {
+            let (file, text) = (file.to_owned(), excerpt(text));
+            self.first_bad_lines.push(BadLine { file, line, text, reason });
+        }
+    }
+
+    pub(super) fn add_damage(&mut self, file: &str, reason: String) {
+        self.damaged_inputs += 1;
+        if self.damage.len() < KEPT_DAMAGE {
+            self.damage.push(Damage { file: file.to_owned(), reason });
+        }
+    }
+
+    /// The place of an interface in the list, if it is there.
+    pub(super) fn interface(&self, name: &[u8]) -> Option<usize> {
+        self.interfaces.iter().position(|interface| interface.name.as_bytes() == name)
+    }
+
+    /// Counts a frame of the interface, a name of ASCII characters.
+    pub(super) fn add_interface_frame(&mut self, name: &[u8]) {
+        if let Some(place) = self.interface(name) {
+            self.interfaces[place].frames += 1;
+        } else if self.interfaces.len() < INTERFACES_KEPT {
+            let name = String::from_utf8_lossy(name).into_owned();
+            self.interfaces.push(Interface { name, frames: 1 });
+        } else {
+            self.unlisted_interface_frames += 1;
+        }
+    }
+}
+
+/// The beginning of a line as text that does nothing to a terminal.
+fn excerpt(line: &[u8]) -> String {
+    let line = line.trim_ascii_end();
+    let shown = &line[..line.len().min(EXCERPT)];
+    let mut text = String::with_capacity(EXCERPT);
+    for character in String::from_utf8_lossy(shown).chars() {
+        // The invisible ones turn the direction of writing.
+        let is_bidi = matches!(character, '\u{200E}'..='\u{200F}' | '\u{202A}'..='\u{202E}')
+            || matches!(character, '\u{2066}'..='\u{2069}');
+        if character.is_control() || is_bidi {
+            text.extend(character.escape_default());
+        } else {
+            text.push(character);
+        }
+    }
+    if shown.len() < line.len() {
+        text.push('…');
+    }
+    text
+}
