@@ -1,0 +1,298 @@
+//! From statements to drafts of messages: what a DBC says, gathered by message, not yet judged.
+
+use std::collections::HashMap;
+
+use can_dbc::{Comment, Dbc, MessageId, ValueDescription};
+
+use super::draft::{Draft, DraftSignal, Multiplex};
+use super::finding::{Concern, Finding, Findings, Severity};
+use super::parse_error::{ParseError, excerpt};
+use super::statement::{Keyword, Statement};
+use super::syntax::{id_of, parse, syntax};
+use super::{MAX_MESSAGES, MAX_MULTIPLEX_RANGES, MAX_NAME, MAX_SIGNALS, MAX_SIGNALS_PER_MESSAGE};
+
+/// The pseudo-message that holds signals without a message.
+const INDEPENDENT: &str = "VECTOR__INDEPENDENT_SIG_MSG";
+const INDEPENDENT_ID: u64 = 0xC000_0000;
+
+/// Gathers `statements`.
+///
+/// # Errors
+/// Syntax in a statement that bears on decoding, or too much of something. A broken value table or
+/// comment is a warning.
+pub(super) fn collect(
+    statements: Vec<Statement>,
+    findings: &mut Findings,
+) -> Result<Vec<Draft>, ParseError> {
+    let (messages, others): (Vec<_>, Vec<_>) =
+        statements.into_iter().partition(|statement| statement.keyword == Keyword::Message);
+    let mut drafts = Vec::new();
+    let mut signals = 0;
+    for statement in messages {
+        let Some(draft) = message(&statement, findings)? else { continue };
+        signals += draft.signals.len();
+        let line = draft.line;
+        drafts.push(draft);
+        for (what, count, limit) in
+            [("messages", drafts.len(), MAX_MESSAGES), ("signals in all", signals, MAX_SIGNALS)]
+        {
+            if count > limit {
+                return Err(ParseError::TooMany { line, what, limit });
+            }
+        }
+    }
+    let mut gathered = Gathered::new(drafts, findings);
+    for statement in others {
+        gathered.attach(&statement)?;
+    }
+    Ok(gathered.drafts)
+}
+
+fn message(statement: &Statement, findings: &mut Findings) -> Result<Option<Draft>, ParseError> {
+    let line = statement.line();
+    let id = id_of(statement, 1);
+    let name = statement.word(2).and_then(|word| word.split(':').next()).unwrap_or_default();
+    if id == Some(INDEPENDENT_ID) || name == INDEPENDENT {
+        return Ok(None);
+    }
+    if statement.lines.len() > MAX_SIGNALS_PER_MESSAGE + 1 {
+        return Err(ParseError::TooMany {
+            line,
+            what: "signals in a message",
+            limit: MAX_SIGNALS_PER_MESSAGE,
+        });
+    }
+    // An identifier that the parser cannot take would refuse the whole file: checked before.
+    if let Some(id) = id
+        && u32::try_from(id).is_err()
+    {
+        let mut draft = empty_draft(statement, id, checked_name(name, line)?);
+        let finding = draft.finding(
+            Severity::Error,
+            Concern::IdOutOfRange,
+            None,
+            format!(
+                "the identifier {} is beyond 32 bits",
+                excerpt(statement.word(1).unwrap_or(""))
+            ),
+            "give the identifier that the message has on the bus",
+        );
+        draft.judge(finding, findings);
+        return Ok(Some(draft));
+    }
+    let mut parsed = parse(statement)?.messages;
+    let (Some(message), true, Some(id)) = (parsed.pop(), parsed.is_empty(), id) else {
+        return Err(syntax(statement, line, "not one message".to_owned()));
+    };
+    let consistent = u32::try_from(id).ok().and_then(|id| MessageId::try_from(id).ok());
+    if consistent != Some(message.id) || message.signals.len() + 1 != statement.lines.len() {
+        return Err(syntax(statement, line, "the parser read something else".to_owned()));
+    }
+    let mut draft = empty_draft(statement, id, checked_name(&message.name, line)?);
+    draft.length = message.size;
+    for ((parsed, &line), text) in
+        message.signals.into_iter().zip(&statement.lines[1..]).zip(statement.text.lines().skip(1))
+    {
+        checked_name(&parsed.name, line)?;
+        draft.signals.push(DraftSignal {
+            line,
+            parsed,
+            bare_indicator: text
+                .split(':')
+                .next()
+                .is_some_and(|head| head.split_ascii_whitespace().nth(2) == Some("m")),
+            value_type: None,
+            multiplex: None,
+            values: Vec::new(),
+            comment: None,
+        });
+    }
+    Ok(Some(draft))
+}
+
+fn empty_draft(statement: &Statement, id: u64, name: String) -> Draft {
+    Draft {
+        line: statement.line(),
+        id,
+        name,
+        length: 0,
+        comment: None,
+        signals: Vec::new(),
+        refused: None,
+    }
+}
+
+fn checked_name(name: &str, line: usize) -> Result<String, ParseError> {
+    if name.len() > MAX_NAME {
+        return Err(ParseError::LongName { line, bytes: name.len() });
+    }
+    Ok(name.to_owned())
+}
+
+/// Drafts with what other statements say about them.
+struct Gathered<'a> {
+    drafts: Vec<Draft>,
+    /// Drafts by identifier; several where it is given twice.
+    by_id: HashMap<u64, Vec<usize>>,
+    /// Signals by draft and name; the first where there are several.
+    by_name: HashMap<(usize, String), usize>,
+    findings: &'a mut Findings,
+}
+
+impl<'a> Gathered<'a> {
+    fn new(drafts: Vec<Draft>, findings: &'a mut Findings) -> Self {
+        let mut by_id: HashMap<u64, Vec<usize>> = HashMap::new();
+        let mut by_name = HashMap::new();
+        for (index, draft) in drafts.iter().enumerate() {
+            by_id.entry(draft.id).or_default().push(index);
+            for (at, signal) in draft.signals.iter().enumerate() {
+                by_name.entry((index, signal.parsed.name.clone())).or_insert(at);
+            }
+        }
+        Self { drafts, by_id, by_name, findings }
+    }
+
+    fn attach(&mut self, statement: &Statement) -> Result<(), ParseError> {
+        let about = match statement.keyword {
+            // CM_ BO_ id …, CM_ SG_ id …; others are about nodes, variables or the whole.
+            Keyword::Comment if !matches!(statement.word(1), Some("BO_" | "SG_")) => return Ok(()),
+            Keyword::Comment => id_of(statement, 2),
+            _ => id_of(statement, 1),
+        };
+        // VAL_ of an environment variable has no identifier.
+        let (Some(id), keyword) = (about, statement.keyword) else {
+            return if matches!(statement.keyword, Keyword::Values | Keyword::Comment) {
+                Ok(())
+            } else {
+                Err(syntax(statement, statement.line(), "expected an identifier".to_owned()))
+            };
+        };
+        if id == INDEPENDENT_ID {
+            return Ok(());
+        }
+        if !self.by_id.contains_key(&id) {
+            self.warn(statement, None, None, format!("there is no message with identifier {id}"));
+            return Ok(());
+        }
+        match (parse(statement), keyword) {
+            (Ok(dbc), _) => self.attach_parsed(id, dbc, statement),
+            (Err(error), Keyword::Values | Keyword::Comment) => {
+                self.findings.push(Finding {
+                    severity: Severity::Warning,
+                    concern: Concern::Statement,
+                    line: statement.line(),
+                    message: self.by_id[&id].first().map(|&index| self.drafts[index].name.clone()),
+                    signal: None,
+                    what: error.to_string(),
+                    remedy: "the statement is ignored; correct it",
+                });
+                Ok(())
+            }
+            (Err(error), _) => Err(error),
+        }
+    }
+
+    fn attach_parsed(
+        &mut self,
+        id: u64,
+        mut dbc: Dbc,
+        statement: &Statement,
+    ) -> Result<(), ParseError> {
+        if let Some(multiplex) = dbc.extended_multiplex.first()
+            && multiplex.mappings.len() > MAX_MULTIPLEX_RANGES
+        {
+            return Err(ParseError::TooMany {
+                line: statement.line(),
+                what: "ranges in one SG_MUL_VAL_",
+                limit: MAX_MULTIPLEX_RANGES,
+            });
+        }
+        for index in self.by_id[&id].clone() {
+            if let Some(Comment::Message { comment, .. }) = dbc.comments.first() {
+                self.drafts[index].comment = Some(comment.clone());
+                continue;
+            }
+            let Some(name) = signal_name(&dbc) else { continue };
+            match self.by_name.get(&(index, name.clone())) {
+                Some(&at) => self.attach_to_signal(index, at, &mut dbc, statement.line()),
+                None => {
+                    let message = self.drafts[index].name.clone();
+                    self.warn(statement, Some(message), Some(name), "no such signal".to_owned());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn attach_to_signal(&mut self, index: usize, at: usize, dbc: &mut Dbc, line: usize) {
+        let mut twice = None;
+        let signal = &mut self.drafts[index].signals[at];
+        if let Some(entry) = dbc.signal_extended_value_type_list.first() {
+            let new = entry.signal_extended_value_type;
+            if signal.value_type.replace(new).is_some_and(|old| old != new) {
+                twice = Some("SIG_VALTYPE_ gives it two types");
+            }
+        }
+        if let Some(entry) = dbc.extended_multiplex.first() {
+            let ranges = entry.mappings.iter().map(|m| (m.min_value, m.max_value)).collect();
+            let multiplexor = entry.multiplexor_signal_name.clone();
+            if signal.multiplex.replace(Multiplex { line, multiplexor, ranges }).is_some() {
+                twice = Some("two SG_MUL_VAL_ are about it");
+            }
+        }
+        if let Some(ValueDescription::Signal { value_descriptions, .. }) =
+            dbc.value_descriptions.first()
+        {
+            signal.values =
+                value_descriptions.iter().map(|v| (v.id, v.description.clone())).collect();
+        }
+        if let Some(Comment::Signal { comment, .. }) = dbc.comments.first() {
+            signal.comment = Some(comment.clone());
+        }
+        if let Some(what) = twice {
+            let draft = &mut self.drafts[index];
+            let mut finding = draft.finding(
+                Severity::Error,
+                Concern::Reference,
+                Some(&draft.signals[at]),
+                what.to_owned(),
+                "keep one of the statements",
+            );
+            finding.line = line;
+            draft.judge(finding, self.findings);
+        }
+    }
+
+    fn warn(
+        &mut self,
+        statement: &Statement,
+        message: Option<String>,
+        signal: Option<String>,
+        what: String,
+    ) {
+        self.findings.push(Finding {
+            severity: Severity::Warning,
+            concern: Concern::Reference,
+            line: statement.line(),
+            message,
+            signal,
+            what,
+            remedy: "the statement is ignored; correct or remove it",
+        });
+    }
+}
+
+/// The signal that a parsed statement is about.
+fn signal_name(dbc: &Dbc) -> Option<String> {
+    let value_type = dbc.signal_extended_value_type_list.first().map(|entry| &entry.signal_name);
+    let multiplex = dbc.extended_multiplex.first().map(|entry| &entry.signal_name);
+    let values = dbc.value_descriptions.first().and_then(|entry| match entry {
+        ValueDescription::Signal { name, .. } => Some(name),
+        ValueDescription::EnvironmentVariable { .. } => None,
+    });
+    let comment = dbc.comments.first().and_then(|entry| match entry {
+        Comment::Signal { name, .. } => Some(name),
+        _ => None,
+    });
+    value_type.or(multiplex).or(values).or(comment).cloned()
+}

@@ -1,0 +1,206 @@
+//! Where a signal's bits lie in a payload, and how to get at them.
+
+use crate::frame::MAX_DATA;
+
+const MAX_BITS: u64 = 8 * MAX_DATA as u64;
+/// Where a load of eight bytes may begin at the latest.
+const LAST_LOAD: usize = MAX_DATA - 8;
+/// The same of sixteen bytes.
+const LAST_WIDE_LOAD: usize = MAX_DATA - 16;
+
+/// Up to 64 bits of a payload: which eight bytes to load, and what to do with them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Field {
+    /// As many ones as the field has bits.
+    mask: u64,
+    /// The sign bit at the field's own width; 0 for unsigned ones, so that `(x ^ sign) - sign`
+    /// extends either without a branch.
+    sign: u64,
+    /// Brings the field's lowest bit to bit 0 of the loaded word.
+    shift: u8,
+    /// Byte at which the load begins.
+    at: u8,
+    /// Bytes that the payload must have.
+    needs: u8,
+    motorola: bool,
+    /// The field touches nine bytes: no load of eight holds it.
+    wide: bool,
+    /// First bit: of Intel, 8 · byte + significance; of Motorola, 8 · byte + place from the top.
+    first: u16,
+    length: u8,
+}
+
+/// Why there cannot be such a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoField {
+    /// The length is 0 or above 64 bits.
+    Length,
+    /// It ends behind the longest payload.
+    Beyond,
+}
+
+impl Field {
+    /// The field of `length` bits at `start`, counted as a DBC file does: Intel fields by their
+    /// lowest bit, Motorola fields by their highest, both 8 · byte + significance.
+    pub fn new(start: u64, length: u64, motorola: bool, signed: bool) -> Result<Self, NoField> {
+        if !(1..=64).contains(&length) {
+            return Err(NoField::Length);
+        }
+        if start >= MAX_BITS {
+            return Err(NoField::Beyond);
+        }
+        let first = if motorola { start ^ 7 } else { start };
+        if first + length > MAX_BITS {
+            return Err(NoField::Beyond);
+        }
+        let (first, length) = (first as usize, length as usize);
+        let at = (first / 8).min(LAST_LOAD);
+        let before = first - 8 * at;
+        let wide = before + length > 64;
+        let shift = match (wide, motorola) {
+            (true, _) => 0,
+            (false, false) => before,
+            (false, true) => 64 - before - length,
+        };
+        Ok(Self {
+            mask: u64::MAX >> (64 - length),
+            sign: if signed { 1 << (length - 1) } else { 0 },
+            shift: shift as u8,
+            at: at as u8,
+            needs: (first + length).div_ceil(8) as u8,
+            motorola,
+            wide,
+            first: first as u16,
+            length: length as u8,
+        })
+    }
+
+    /// Bytes that a payload must have to hold the field.
+    #[inline]
+    pub fn needs(&self) -> usize {
+        usize::from(self.needs)
+    }
+
+    /// Width in bits.
+    pub fn length(&self) -> u32 {
+        u32::from(self.length)
+    }
+
+    pub fn is_signed(&self) -> bool {
+        self.sign != 0
+    }
+
+    /// The field's bits, right-aligned, zeros above.
+    #[inline]
+    pub fn bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
+        if self.wide {
+            return (self.load_wide(payload) >> self.wide_shift()) as u64 & self.mask;
+        }
+        // `min` and `&` change nothing: they let the compiler drop its own checks.
+        let at = usize::from(self.at).min(LAST_LOAD);
+        let bytes: [u8; 8] = payload[at..at + 8].try_into().expect("the slice is eight bytes");
+        let word =
+            if self.motorola { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) };
+        (word >> (self.shift & 63)) & self.mask
+    }
+
+    /// The bits as a number of the field's width and sign; of an unsigned field of 64 bits, the
+    /// bits reinterpreted.
+    #[inline]
+    pub fn integer(&self, payload: &[u8; MAX_DATA]) -> i64 {
+        (self.bits(payload) ^ self.sign).wrapping_sub(self.sign) as i64
+    }
+
+    /// Writes the lowest bits of `bits` and nothing else.
+    pub fn set_bits(&self, bits: u64, payload: &mut [u8; MAX_DATA]) {
+        let shift = self.wide_shift();
+        let word = self.load_wide(payload) & !(u128::from(self.mask) << shift)
+            | (u128::from(bits & self.mask) << shift);
+        let bytes = if self.motorola { word.to_be_bytes() } else { word.to_le_bytes() };
+        let at = self.wide_at();
+        payload[at..at + 16].copy_from_slice(&bytes);
+    }
+
+    /// Which bits of the payload it holds; bit 8 · byte + significance.
+    pub fn occupied(&self) -> [u64; 8] {
+        let mut bits = [0; 8];
+        for place in self.first..self.first + u16::from(self.length) {
+            let bit = if self.motorola { place ^ 7 } else { place };
+            bits[usize::from(bit / 64)] |= 1 << (bit % 64);
+        }
+        bits
+    }
+
+    fn wide_at(&self) -> usize {
+        (usize::from(self.first) / 8).min(LAST_WIDE_LOAD)
+    }
+
+    fn wide_shift(&self) -> usize {
+        let before = usize::from(self.first) - 8 * self.wide_at();
+        if self.motorola { 128 - before - usize::from(self.length) } else { before }
+    }
+
+    /// Sixteen bytes, which hold any field.
+    fn load_wide(&self, payload: &[u8; MAX_DATA]) -> u128 {
+        let at = self.wide_at();
+        let bytes: [u8; 16] = payload[at..at + 16].try_into().expect("the slice is 16 bytes");
+        if self.motorola { u128::from_be_bytes(bytes) } else { u128::from_le_bytes(bytes) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bit by bit, as the format's description has it.
+    fn slowly(start: usize, length: usize, motorola: bool, payload: &[u8; MAX_DATA]) -> u64 {
+        let bit = |place: usize| u64::from(payload[place / 8] >> (place % 8) & 1);
+        let mut value = 0;
+        let mut place = start;
+        for i in 0..length {
+            if motorola {
+                value = value << 1 | bit(place);
+                place = if place.is_multiple_of(8) { place + 15 } else { place - 1 };
+            } else {
+                value |= bit(start + i) << i;
+            }
+        }
+        value
+    }
+
+    #[test]
+    fn every_place_and_length_reads_as_bit_by_bit_and_writes_back() {
+        let mut payload = [0; MAX_DATA];
+        for (i, byte) in payload.iter_mut().enumerate() {
+            *byte = (i as u8).wrapping_mul(97) ^ 0x5A;
+        }
+        let mut fields = 0;
+        for motorola in [false, true] {
+            for start in 0..512_usize {
+                for length in 1..=64_usize {
+                    let Ok(field) = Field::new(start as u64, length as u64, motorola, false) else {
+                        continue;
+                    };
+                    fields += 1;
+                    let bits = field.bits(&payload);
+                    assert_eq!(bits, slowly(start, length, motorola, &payload), "{field:?}");
+                    let mut other = payload;
+                    field.set_bits(!bits, &mut other);
+                    assert_eq!(field.bits(&other), !bits & field.mask);
+                    field.set_bits(bits, &mut other);
+                    assert_eq!(other, payload, "a neighbour was changed by {field:?}");
+                }
+            }
+        }
+        assert_eq!(fields, 2 * (512 * 64 - 63 * 64 / 2));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_no_field() {
+        assert_eq!(Field::new(0, 0, false, false), Err(NoField::Length));
+        assert_eq!(Field::new(0, 65, true, false), Err(NoField::Length));
+        assert_eq!(Field::new(511, 2, false, false), Err(NoField::Beyond));
+        assert_eq!(Field::new(504, 2, true, false), Err(NoField::Beyond));
+        assert_eq!(Field::new(u64::MAX, 64, true, false), Err(NoField::Beyond));
+    }
+}

@@ -1,0 +1,194 @@
+//! A signal compiled for reading and writing frames.
+
+use super::field::Field;
+use super::value::{Decoded, Inserted, Raw, Value};
+use crate::frame::{Frame, Kind, MAX_DATA};
+
+/// How a field's bits are a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    Integer,
+    Float32,
+    Float64,
+}
+
+/// A multiplexor on the way to a signal, and the values with which it selects the signal.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Gate {
+    pub field: Field,
+    /// Inclusive.
+    pub ranges: Box<[(u64, u64)]>,
+}
+
+impl Gate {
+    fn selects(&self, payload: &[u8; MAX_DATA]) -> bool {
+        let number = self.field.integer(payload);
+        if self.field.is_signed() && number < 0 {
+            return false;
+        }
+        self.ranges.iter().any(|&(low, high)| (low..=high).contains(&(number as u64)))
+    }
+}
+
+/// A signal's place, type and scale, ready to read frames: no allocation, and for an integer of up
+/// to eight bytes one load, shift, mask, sign extension and multiply-add.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalPlan {
+    factor: f64,
+    offset: f64,
+    field: Field,
+    form: Form,
+    /// Outermost multiplexor first; empty where the signal is always there.
+    gates: Box<[Gate]>,
+}
+
+impl SignalPlan {
+    pub(super) fn new(
+        field: Field,
+        form: Form,
+        factor: f64,
+        offset: f64,
+        gates: Box<[Gate]>,
+    ) -> Self {
+        Self { factor, offset, field, form, gates }
+    }
+
+    /// Reads the signal. The frame's identifier is not looked at: it must be the message's.
+    #[inline]
+    pub fn decode(&self, frame: &Frame) -> Decoded {
+        if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
+            return Decoded::Absent;
+        }
+        if !self.gates.is_empty()
+            && let Err(outcome) = self.pass_gates(frame)
+        {
+            return outcome;
+        }
+        if frame.length() < self.field.needs() {
+            return Decoded::Short;
+        }
+        Decoded::Value(self.read(frame.buffer()))
+    }
+
+    fn pass_gates(&self, frame: &Frame) -> Result<(), Decoded> {
+        for gate in &self.gates {
+            if frame.length() < gate.field.needs() {
+                return Err(Decoded::Short);
+            }
+            if !gate.selects(frame.buffer()) {
+                return Err(Decoded::Absent);
+            }
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn read(&self, payload: &[u8; MAX_DATA]) -> Value {
+        let raw = match self.form {
+            Form::Integer if self.field.is_signed() => Raw::Signed(self.field.integer(payload)),
+            Form::Integer => Raw::Unsigned(self.field.bits(payload)),
+            Form::Float32 => Raw::Float(f64::from(f32::from_bits(self.field.bits(payload) as u32))),
+            Form::Float64 => Raw::Float(f64::from_bits(self.field.bits(payload))),
+        };
+        Value { raw, physical: self.physical(raw) }
+    }
+
+    /// raw · factor + offset, with two roundings as cantools and everyone else has it.
+    #[inline]
+    pub fn physical(&self, raw: Raw) -> f64 {
+        raw.as_f64() * self.factor + self.offset
+    }
+
+    /// The raw number, not yet rounded, that stands for `physical`.
+    pub fn unscaled(&self, physical: f64) -> f64 {
+        (physical - self.offset) / self.factor
+    }
+
+    /// Puts `raw` into a payload and changes no other bit; multiplexors are left as they are. An
+    /// integer signal takes a float's nearest whole number (ties to even), a float signal an
+    /// integer's nearest double.
+    pub fn insert(&self, raw: Raw, payload: &mut [u8; MAX_DATA]) -> Inserted {
+        match self.form {
+            Form::Integer => self.insert_integer(raw, payload),
+            Form::Float64 => {
+                self.field.set_bits(raw.as_f64().to_bits(), payload);
+                Inserted::Whole
+            }
+            Form::Float32 => self.insert_float32(raw.as_f64(), payload),
+        }
+    }
+
+    /// Puts the raw number nearest to `physical` into a payload; otherwise as [`Self::insert`].
+    pub fn insert_physical(&self, physical: f64, payload: &mut [u8; MAX_DATA]) -> Inserted {
+        self.insert(Raw::Float(self.unscaled(physical)), payload)
+    }
+
+    fn insert_integer(&self, raw: Raw, payload: &mut [u8; MAX_DATA]) -> Inserted {
+        let wanted = match raw {
+            Raw::Float(float) if float.is_nan() => return Inserted::NotANumber,
+            // Saturates far beyond 64 bits.
+            Raw::Float(float) => float.round_ties_even() as i128,
+            Raw::Unsigned(number) => i128::from(number),
+            Raw::Signed(number) => i128::from(number),
+        };
+        let (lowest, highest) = self.raw_limits_of_field();
+        let number = wanted.clamp(lowest, highest);
+        self.field.set_bits(number as u64, payload);
+        match (number == wanted, self.field.is_signed()) {
+            (true, _) => Inserted::Whole,
+            (false, true) => Inserted::Clamped(Raw::Signed(number as i64)),
+            (false, false) => Inserted::Clamped(Raw::Unsigned(number as u64)),
+        }
+    }
+
+    fn insert_float32(&self, wanted: f64, payload: &mut [u8; MAX_DATA]) -> Inserted {
+        let mut float = wanted as f32;
+        let clamped = float.is_infinite() && wanted.is_finite();
+        if clamped {
+            float = f32::MAX.copysign(float);
+        }
+        self.field.set_bits(u64::from(float.to_bits()), payload);
+        if clamped { Inserted::Clamped(Raw::Float(f64::from(float))) } else { Inserted::Whole }
+    }
+
+    fn raw_limits_of_field(&self) -> (i128, i128) {
+        let length = self.field.length();
+        if self.field.is_signed() {
+            (-(1 << (length - 1)), (1 << (length - 1)) - 1)
+        } else {
+            (0, (1 << length) - 1)
+        }
+    }
+
+    /// The lowest and highest raw number that the bits can hold; `None` for a float.
+    pub fn raw_limits(&self) -> Option<(i128, i128)> {
+        (self.form == Form::Integer).then(|| self.raw_limits_of_field())
+    }
+
+    pub fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Width in bits.
+    pub fn bits(&self) -> u32 {
+        self.field.length()
+    }
+
+    pub fn is_float(&self) -> bool {
+        self.form != Form::Integer
+    }
+
+    /// Whether a multiplexor decides if a frame carries the signal.
+    pub fn is_multiplexed(&self) -> bool {
+        !self.gates.is_empty()
+    }
+
+    /// The bytes that a payload must have to carry the signal and its multiplexors.
+    pub fn needed_length(&self) -> usize {
+        self.gates.iter().map(|gate| gate.field.needs()).fold(self.field.needs(), usize::max)
+    }
+}
