@@ -1,3 +1,82 @@
 //! The configuration: from a TOML file to settings that are known to be sound.
+//!
+//! [`load`] reads the file and the DBC beside it; [`parse`] is the same without a file system. A
+//! file passes three stages: the walk over its keys ([`keys`] knows them all), the types of
+//! [`settings`], and the relations between values. What does not pass is refused with everything
+//! that was found ([`ConfigError`]).
 
+mod document;
+mod keys;
+mod loader;
+mod problem;
+mod relations;
+mod resolve;
+mod schema;
 pub mod settings;
+mod text;
+mod walk;
+
+use serde::Deserialize;
+use toml::de::{DeTable, Deserializer};
+
+pub use document::Document;
+pub use loader::{Loaded, MAX_DBC_SIZE, load};
+pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
+pub use settings::Settings;
+
+use problem::Problems;
+
+/// The longest configuration file, bytes.
+pub const MAX_SIZE: usize = 1 << 20;
+
+/// Settings from the text of a configuration; `name` is what problems call the file.
+///
+/// # Errors
+/// All that is wrong with the text. Only problems of one of the stages may be hidden by those of
+/// an earlier one: a file that is no TOML has no keys to judge.
+pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError> {
+    if text.len() > MAX_SIZE {
+        return Err(too_long(name));
+    }
+    let mut document = Document::new(name, text);
+    let mut problems = Problems::default();
+    let (mut root, errors) = DeTable::parse_recoverable(text);
+    for error in errors {
+        problems.push_with(|| {
+            let message = format!("not TOML: {}", error.message());
+            let help = "a line is [table], key = value or # comment, each key and table once";
+            document.problem_at(error.span().unwrap_or(0..0), "", message, help.into())
+        });
+    }
+    if !problems.is_empty() {
+        return Err(document.error(problems));
+    }
+    walk::walk(root.get_mut(), &mut document, &mut problems);
+    match Settings::deserialize(Deserializer::from(root)) {
+        Ok(settings) => {
+            relations::check(&settings, &document, &mut problems);
+            if problems.is_empty() {
+                Ok((settings, document))
+            } else {
+                Err(document.error(problems))
+            }
+        }
+        Err(error) => {
+            // The walk found it already and said it better, or the schema has a hole.
+            if problems.is_empty() {
+                let span = error.span().unwrap_or(0..0);
+                let message = error.message().to_owned();
+                problems.push_with(|| document.problem_at(span, "", message, String::new()));
+            }
+            Err(document.error(problems))
+        }
+    }
+}
+
+fn too_long(name: &str) -> ConfigError {
+    ConfigError::of_file(
+        name,
+        format!("longer than {MAX_SIZE} bytes"),
+        "a configuration is a page of text; is this the right file?",
+    )
+}

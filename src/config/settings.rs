@@ -3,6 +3,9 @@
 
 use serde::Deserialize;
 
+/// Stands for the cylinder's number in the signal names of `[signals.cylinder]`.
+pub const PLACEHOLDER: &str = "{n}";
+
 /// The whole file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,0 +1,78 @@
+//! The configuration from the file system: the only place of this room that reads files.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::settings::Settings;
+use super::{ConfigError, Document, MAX_SIZE, parse, too_long};
+
+/// The longest DBC file, bytes.
+pub const MAX_DBC_SIZE: usize = 64 << 20;
+
+/// A configuration with the DBC that it names.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    pub settings: Settings,
+    pub document: Document,
+    /// Where the DBC was read from.
+    pub dbc_path: PathBuf,
+    /// The DBC as it is on disk; its encoding is for the DBC reader to judge.
+    pub dbc_text: Vec<u8>,
+}
+
+/// Reads a configuration and its DBC; the DBC's path is relative to the configuration's folder.
+///
+/// # Errors
+/// A file that cannot be read, is too long or is not UTF-8, and all that [`parse`] refuses.
+pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
+    let name = path.display().to_string();
+    let bytes = match read(path, MAX_SIZE) {
+        Ok(Some(bytes)) => bytes,
+        Ok(None) => return Err(too_long(&name)),
+        Err(error) => {
+            let help = "give the path of a configuration, for example config/e-type.toml";
+            return Err(ConfigError::of_file(&name, format!("cannot be read: {error}"), help));
+        }
+    };
+    let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
+    let (settings, document) = parse(&name, &text)?;
+    let dbc_path = path.parent().unwrap_or(Path::new("")).join(&settings.bus.dbc);
+    let dbc_text = read_dbc(&dbc_path, &document)?;
+    Ok(Loaded { settings, document, dbc_path, dbc_text })
+}
+
+fn read_dbc(path: &Path, document: &Document) -> Result<Vec<u8>, ConfigError> {
+    let (message, help) = match read(path, MAX_DBC_SIZE) {
+        Ok(Some(bytes)) => return Ok(bytes),
+        Ok(None) => (
+            format!("the DBC {} is longer than {MAX_DBC_SIZE} bytes", path.display()),
+            "is this the right file?",
+        ),
+        Err(error) => (
+            format!("the DBC {} cannot be read: {error}", path.display()),
+            "`bus.dbc` is relative to the folder of this configuration; put the DBC there or \
+             correct the path",
+        ),
+    };
+    let problem = document.problem("bus.dbc", message, help);
+    Err(document.refuse([problem]).expect("one problem is a refusal"))
+}
+
+/// The file's bytes; `None` beyond `longest`, of which no more is read.
+fn read(path: &Path, longest: usize) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(longest as u64 + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() <= longest).then_some(bytes))
+}
+
+fn not_utf8(name: &str, error: &std::string::FromUtf8Error) -> ConfigError {
+    let sound = error.utf8_error().valid_up_to();
+    let readable = String::from_utf8_lossy(error.as_bytes());
+    // What is sound is the same in both, so the place is, too.
+    let document = Document::new(name, &readable);
+    let message = format!("byte 0x{:02X} is not UTF-8", error.as_bytes()[sound]);
+    let help = "save the file as UTF-8; letters such as µ and ° are often the cause".to_owned();
+    let problem = document.problem_at(sound..sound + 1, "", message, help);
+    document.refuse([problem]).expect("one problem is a refusal")
+}

@@ -1,0 +1,58 @@
+//! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
+
+use super::settings::{Cylinder, CylinderSignals, PLACEHOLDER, Settings};
+
+impl Settings {
+    /// `(theta, gamma)` of (4-1) for cylinder `n`: its own, else those of `[model]`.
+    pub fn model_of(&self, n: u8) -> ([f64; 5], [f64; 2]) {
+        let own = self.own(n);
+        let theta = own.and_then(|cylinder| cylinder.theta);
+        let gamma = own.and_then(|cylinder| cylinder.gamma);
+        (theta.unwrap_or(self.model.theta), gamma.unwrap_or(self.model.gamma))
+    }
+
+    /// `(a, b)` of (5-20) for cylinder `n`, b in metres: Ĉ2 = a·C2 + b; without a table (1, 0).
+    pub fn comparator_of(&self, n: u8) -> (f64, f64) {
+        self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
+    }
+
+    /// Readings later than this after the opening of their cycle are late, s.
+    pub fn cycle_deadline(&self) -> f64 {
+        self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)
+    }
+
+    /// Below this |R3| counts towards clearing, m.
+    pub fn comparator_low(&self) -> f64 {
+        self.comparator.low.unwrap_or(0.75 * self.comparator.bound)
+    }
+
+    fn own(&self, n: u8) -> Option<&Cylinder> {
+        self.cylinder.iter().find(|cylinder| cylinder.n == n)
+    }
+}
+
+impl CylinderSignals {
+    /// Every signal that is configured, with its key; `{n}` is not yet replaced.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        [
+            ("c1", Some(&self.c1)),
+            ("c1_velocity", self.c1_velocity.as_ref()),
+            ("c1_status", self.c1_status.as_ref()),
+            ("c1_counter", self.c1_counter.as_ref()),
+            ("c2", self.c2.as_ref()),
+            ("c2_velocity", self.c2_velocity.as_ref()),
+            ("c2_status", self.c2_status.as_ref()),
+            ("c2_counter", self.c2_counter.as_ref()),
+            ("control_speed", Some(&self.control_speed)),
+            ("pressure_bottom", self.pressure_bottom.as_ref()),
+            ("pressure_rod", self.pressure_rod.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
+    }
+
+    /// A signal's name for cylinder `n`.
+    pub fn of_cylinder(signal: &str, n: u8) -> String {
+        signal.replace(PLACEHOLDER, &n.to_string())
+    }
+}

@@ -1,0 +1,176 @@
+//! What a configuration may hold, as data: tables, keys, types and the limits of single values.
+//!
+//! The one place that knows the keys; [`super::keys`] holds them, a test there compares them with
+//! the types of [`super::settings`].
+
+use std::fmt;
+use std::ops::{Bound, RangeBounds};
+
+use super::text::TextRule;
+
+/// A table of the file.
+pub(super) struct Table {
+    pub keys: &'static [Key],
+}
+
+/// A key of a [`Table`].
+pub(super) struct Key {
+    pub name: &'static str,
+    pub required: bool,
+    /// What it is, with its unit.
+    pub what: &'static str,
+    /// A value as the file would write it; empty for tables.
+    pub example: &'static str,
+    pub kind: Kind,
+}
+
+/// The shape of a key's value.
+pub(super) enum Kind {
+    Table(&'static Table),
+    /// `[[name]]`, any number of times.
+    Tables(&'static Table),
+    One(Scalar),
+    /// A list of `least` to `most` values.
+    List {
+        least: usize,
+        most: usize,
+        of: Scalar,
+    },
+}
+
+/// A single value, and what is sound.
+pub(super) enum Scalar {
+    Text(TextRule),
+    Number(Limits),
+    Whole(WholeLimits),
+    Choice(&'static [&'static str]),
+}
+
+/// Limits of a number; never anything but a finite one.
+pub(super) struct Limits {
+    pub low: Bound<f64>,
+    pub high: Bound<f64>,
+    pub why: &'static str,
+}
+
+/// Inclusive limits of a whole number.
+pub(super) struct WholeLimits {
+    pub low: i128,
+    pub high: i128,
+    pub why: &'static str,
+}
+
+impl Table {
+    pub fn key(&self, name: &str) -> Option<&'static Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.keys.iter().map(|key| key.name)
+    }
+}
+
+impl Key {
+    pub const fn required(
+        name: &'static str,
+        kind: Kind,
+        example: &'static str,
+        what: &'static str,
+    ) -> Self {
+        Self { name, required: true, what, example, kind }
+    }
+
+    pub const fn optional(
+        name: &'static str,
+        kind: Kind,
+        example: &'static str,
+        what: &'static str,
+    ) -> Self {
+        Self { name, required: false, what, example, kind }
+    }
+
+    /// How a person writes it: `[table]`, `[[tables]]` or `key = example`.
+    pub fn written(&self) -> String {
+        match self.kind {
+            Kind::Table(_) => format!("[{}]", self.name),
+            Kind::Tables(_) => format!("[[{}]]", self.name),
+            Kind::One(_) | Kind::List { .. } => format!("{} = {}", self.name, self.example),
+        }
+    }
+
+    /// What the value has to be, in words.
+    pub fn expected(&self) -> String {
+        match &self.kind {
+            Kind::Table(_) => "a table".into(),
+            Kind::Tables(_) => format!("tables written as [[{}]]", self.name),
+            Kind::One(scalar) => scalar.expected().into(),
+            Kind::List { least, most, of } if least == most => {
+                format!("a list of {least} values, each {}", of.expected())
+            }
+            Kind::List { of, .. } => format!("a list of values, each {}", of.expected()),
+        }
+    }
+}
+
+impl Scalar {
+    pub fn expected(&self) -> &'static str {
+        match self {
+            Self::Text(_) | Self::Choice(_) => "a string",
+            Self::Number(_) => "a number",
+            Self::Whole(_) => "a whole number",
+        }
+    }
+}
+
+impl Limits {
+    pub const fn finite(why: &'static str) -> Self {
+        Self { low: Bound::Unbounded, high: Bound::Unbounded, why }
+    }
+
+    pub const fn above(low: f64, why: &'static str) -> Self {
+        Self { low: Bound::Excluded(low), high: Bound::Unbounded, why }
+    }
+
+    pub const fn least(low: f64, why: &'static str) -> Self {
+        Self { low: Bound::Included(low), high: Bound::Unbounded, why }
+    }
+
+    pub const fn most(self, high: f64) -> Self {
+        Self { low: self.low, high: Bound::Included(high), why: self.why }
+    }
+
+    pub fn hold(&self, value: f64) -> bool {
+        value.is_finite() && (self.low, self.high).contains(&value)
+    }
+}
+
+impl fmt::Display for Limits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.low, self.high) {
+            (Bound::Unbounded, Bound::Unbounded) => return f.write_str("a finite number"),
+            (Bound::Unbounded, _) => {}
+            (Bound::Included(low), _) => write!(f, "at least {low}")?,
+            (Bound::Excluded(low), _) => write!(f, "above {low}")?,
+        }
+        if !matches!(self.low, Bound::Unbounded) && !matches!(self.high, Bound::Unbounded) {
+            f.write_str(" and ")?;
+        }
+        match self.high {
+            Bound::Unbounded => f.write_str(" and finite"),
+            Bound::Included(high) => write!(f, "at most {high}"),
+            Bound::Excluded(high) => write!(f, "below {high}"),
+        }
+    }
+}
+
+impl WholeLimits {
+    pub const fn new(low: i128, high: i128, why: &'static str) -> Self {
+        Self { low, high, why }
+    }
+}
+
+impl fmt::Display for WholeLimits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} to {}", self.low, self.high)
+    }
+}

@@ -1,0 +1,95 @@
+//! What a text in the configuration may say.
+
+use super::settings::PLACEHOLDER;
+
+/// The longest name that a DBC file may hold.
+const LONGEST_NAME: usize = 128;
+/// IFNAMSIZ of Linux without the closing zero.
+const LONGEST_INTERFACE: usize = 15;
+const LONGEST_TEXT: usize = 200;
+/// PATH_MAX of Linux.
+const LONGEST_PATH: usize = 4096;
+
+/// The rule for a text.
+#[derive(Clone, Copy)]
+pub(super) enum TextRule {
+    /// Something for people to read.
+    Name,
+    /// A network interface.
+    Interface,
+    Path,
+    /// `MESSAGE` of the DBC.
+    Message,
+    /// `MESSAGE.SIGNAL` of the DBC.
+    Signal,
+    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number.
+    CylinderSignal,
+}
+
+/// What a text has to be, and why or how.
+pub(super) struct TextFault {
+    pub must: String,
+    pub help: &'static str,
+}
+
+const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState";
+const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.Position; {n} is \
+                             replaced by the cylinder's number";
+const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
+                            DBC without a signal, for example Sync";
+const INTERFACE_HELP: &str =
+    "as `ip link` lists it, for example can0; or virtual, the embedded bus";
+
+impl TextRule {
+    pub fn check(self, text: &str) -> Result<(), TextFault> {
+        match self {
+            Self::Name => bounded(text, LONGEST_TEXT, "it is shown to people"),
+            Self::Path => bounded(text, LONGEST_PATH, "a path relative to this file"),
+            Self::Interface => interface(text),
+            Self::Message if is_name(text) => Ok(()),
+            Self::Message => fault("the bare name of a message", MESSAGE_HELP),
+            Self::Signal if is_signal(text) => Ok(()),
+            Self::Signal if text.contains(PLACEHOLDER) => {
+                fault("one signal for the whole machine, without {n}", SIGNAL_HELP)
+            }
+            Self::Signal => fault("of the form MESSAGE.SIGNAL", SIGNAL_HELP),
+            Self::CylinderSignal if is_signal(&text.replace(PLACEHOLDER, "1")) => Ok(()),
+            Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
+        }
+    }
+}
+
+fn fault(must: impl Into<String>, help: &'static str) -> Result<(), TextFault> {
+    Err(TextFault { must: must.into(), help })
+}
+
+fn bounded(text: &str, longest: usize, help: &'static str) -> Result<(), TextFault> {
+    if text.trim().is_empty() {
+        fault("not empty", help)
+    } else if text.len() > longest {
+        fault(format!("at most {longest} bytes long"), help)
+    } else if text.contains(char::is_control) {
+        fault("without control characters", help)
+    } else {
+        Ok(())
+    }
+}
+
+fn interface(text: &str) -> Result<(), TextFault> {
+    bounded(text, LONGEST_INTERFACE, INTERFACE_HELP)?;
+    if text.contains(|c: char| c.is_whitespace() || c == '/') {
+        return fault("without spaces and slashes", INTERFACE_HELP);
+    }
+    Ok(())
+}
+
+/// A C identifier, as DBC files name things.
+fn is_name(text: &str) -> bool {
+    text.len() <= LONGEST_NAME
+        && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+fn is_signal(text: &str) -> bool {
+    text.split_once('.').is_some_and(|(message, signal)| is_name(message) && is_name(signal))
+}
