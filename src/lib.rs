@@ -1,4 +1,5 @@
 //! Tertius.
+pub mod alarm;
 pub mod bus;
 pub mod config;
 pub mod decode;
