@@ -1,7 +1,7 @@
 //! The configuration: from a TOML file to settings that are known to be sound.
 //!
 //! [`load`] reads the file and the DBC beside it; [`parse`] is the same without a file system. A
-//! file passes three stages: the walk over its keys ([`keys`] knows them all), the types of
+//! file passes three stages: the walk over its keys (`keys.rs` knows them all), the types of
 //! [`settings`], and the relations between values. What does not pass is refused with everything
 //! that was found ([`ConfigError`]).
 
@@ -32,8 +32,9 @@ pub const MAX_SIZE: usize = 1 << 20;
 /// Settings from the text of a configuration; `name` is what problems call the file.
 ///
 /// # Errors
-/// All that is wrong with the text. Only problems of one of the stages may be hidden by those of
-/// an earlier one: a file that is no TOML has no keys to judge.
+/// All that is wrong with the text, at most [`MAX_PROBLEMS`] in full. What needs an earlier stage
+/// waits for it: text that is no TOML has no keys to judge, and values are compared with each
+/// other once every key is there and has its type.
 pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError> {
     if text.len() > MAX_SIZE {
         return Err(too_long(name));
