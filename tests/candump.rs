@@ -2,7 +2,7 @@
 
 mod candump_support;
 
-use candump_support::{frames_of, read, read_with};
+use candump_support::{frames_of, read, read_in_pieces, read_with};
 use tertius::bus::{Found, Options, Reason, Source, Statistics, TimeStamps};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
@@ -309,6 +309,19 @@ fn a_line_has_at_most_1024_bytes() {
         let (frames, statistics) =
             read(format!("{good}{}", blanks(length).trim_end_matches('\n')).as_bytes());
         assert_eq!((frames.len(), statistics.lines, statistics.bad_lines), (1, 2, 1));
+    }
+}
+
+#[test]
+fn the_end_of_a_long_line_is_no_line_wherever_the_pieces_part() {
+    let line = |id: &str| format!("(1700000000.000516) can0 {id}#1122334455667788\n");
+    let good = line("7FF").repeat(3);
+    let text = format!("{good}{}{}{good}", "x".repeat(2000), line("001"));
+    // Somewhere among them a piece ends where the frame begins within the long line.
+    for size in good.len() + 1980..good.len() + 2010 {
+        let (frames, statistics) = read_in_pieces(text.as_bytes(), &[size], Options::default());
+        assert!(frames.iter().all(|frame| frame.id == standard(0x7FF)), "pieces of {size}");
+        assert_eq!((frames.len(), statistics.lines, statistics.bad_lines), (6, 7, 1));
     }
 }
 
