@@ -184,6 +184,7 @@ fn a_bad_line_is_counted_with_its_reason() {
         ("(17000000-1.000516) can0 123#11", "", Reason::Stamp),
         ("(2023-13-14 22:13:20.0) can0 123#11", "", Reason::Stamp),
         ("(2023-02-29 22:13:20.0) can0 123#11", "", Reason::Stamp),
+        ("(2100-02-29 22:13:20.0) can0 123#11", "", Reason::Stamp),
         ("(2023-02-28 24:13:20.0) can0 123#11", "", Reason::Stamp),
         ("(2023-02-28T22:13:20.0) can0 123#11", "", Reason::Stamp),
         ("(2023-02-28 22:13) can0 123#11", "", Reason::Stamp),

@@ -3,7 +3,7 @@
 mod candump_support;
 
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -122,27 +122,42 @@ fn corrupt_data_are_reported() {
     assert_eq!((frames.len(), statistics.damaged_inputs), (20_000, 1));
 }
 
-#[test]
-fn a_reader_that_fails_is_damage() {
-    struct Failing(bool);
-    impl Read for Failing {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            if std::mem::replace(&mut self.0, true) {
-                return Err(io::Error::other("the disk is gone"));
+/// Fails once after its bytes, and then is at its end.
+struct Failing {
+    bytes: Cursor<Vec<u8>>,
+    failed: bool,
+}
+
+impl Read for Failing {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self.bytes.read(buffer)? {
+            0 if !self.failed => {
+                self.failed = true;
+                Err(io::Error::other("the disk is gone"))
             }
-            let text = b"(1.0) can0 123#11\n(2.0) can0 123#22";
-            buffer[..text.len()].copy_from_slice(text);
-            Ok(text.len())
+            length => Ok(length),
         }
     }
-    // Recognising the compression reads at most four bytes at once.
-    let reader = Box::new(io::BufReader::new(Failing(false)));
-    let recording = Recording::from_reader("disk", reader, Options::default());
-    let (frames, statistics) = drain(recording);
-    assert_eq!(frames.len(), 1);
-    assert_eq!(statistics.first_bad_lines[0].reason, Reason::CutOff);
-    let damage = statistics.damage[0].to_string();
-    assert_eq!(damage, "disk: reading failed: the disk is gone; the rest is lost");
+}
+
+#[test]
+fn a_reader_that_fails_is_damage_whatever_it_holds() {
+    let text = lines(20_000);
+    let gz = gzip(&text);
+    let zst = zstd::encode_all(&text[..], 3).unwrap();
+    let halves = [&text[..text.len() / 2 - 5], &gz[..gz.len() / 2], &zst[..zst.len() / 2]];
+    for half in halves {
+        let reader = Failing { bytes: Cursor::new(half.to_vec()), failed: false };
+        let recording = Recording::from_reader("disk", Box::new(reader), Options::default());
+        let (frames, statistics) = drain(recording);
+        assert!(frames.len() > 5_000, "{}", frames.len());
+        assert!(statistics.first_bad_lines.iter().all(|bad| bad.reason == Reason::CutOff));
+        let damage = statistics.damage[0].to_string();
+        assert_eq!(damage, "disk: reading failed: the disk is gone; the rest is lost");
+    }
+    let reader = Failing { bytes: Cursor::new(b"(1".to_vec()), failed: false };
+    let recording = Recording::from_reader("disk", Box::new(reader), Options::default());
+    assert_eq!(drain(recording).1.damaged_inputs, 1);
 }
 
 #[test]
