@@ -33,19 +33,17 @@ pub struct Buffer {
     end: usize,
     /// The input gave its last byte.
     ended: bool,
-    /// Inside a line that is too long: everything up to the next newline is dropped.
-    skipping: bool,
 }
 
 impl Buffer {
     pub fn new() -> Self {
         let bytes = vec![0; CAPACITY].into_boxed_slice();
-        Self { bytes, start: 0, end: 0, ended: false, skipping: false }
+        Self { bytes, start: 0, end: 0, ended: false }
     }
 
     /// Empty again, for the next input.
     pub fn restart(&mut self) {
-        (self.start, self.end, self.ended, self.skipping) = (0, 0, false, false);
+        (self.start, self.end, self.ended) = (0, 0, false);
     }
 
     #[inline(always)]
@@ -63,16 +61,8 @@ impl Buffer {
         debug_assert!(self.start <= self.end);
     }
 
-    /// Drops the line that begins here, however long it is.
-    pub fn skip_line(&mut self) {
-        self.skipping = true;
-    }
-
     /// What comes next, as far as can be said from what was read.
-    pub fn next(&mut self) -> Next {
-        if self.skipping && !self.finish_skipping() {
-            return if self.ended { Next::End } else { Next::More };
-        }
+    pub fn next(&self) -> Next {
         let unread = self.unread();
         let head = &unread[..unread.len().min(MAX_LINE + 1)];
         match memchr::memchr(b'\n', head) {
@@ -84,12 +74,11 @@ impl Buffer {
         }
     }
 
-    /// Whether the newline that ends the dropped line was found.
-    fn finish_skipping(&mut self) -> bool {
+    /// Drops bytes up to the next newline; false if it is not there yet.
+    pub fn drop_line(&mut self) -> bool {
         match memchr::memchr(b'\n', self.unread()) {
             Some(length) => {
                 self.consume(length + 1);
-                self.skipping = false;
                 true
             }
             None => {

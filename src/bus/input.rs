@@ -69,7 +69,7 @@ impl Place {
                 Err(error) => return Err(SourceError::Open { file: name, error }),
             },
         };
-        Ok(Input { name, state: State::Fresh(Counted { reader, count: 0 }) })
+        Ok(Input { name, state: State::Fresh(Counted::new(reader)) })
     }
 }
 
@@ -88,8 +88,8 @@ enum State {
     Plain(Prefixed),
     Gzip(Box<flate2::bufread::MultiGzDecoder<Pieces>>),
     Zstd(Box<zstd::stream::read::Decoder<'static, Pieces>>),
-    /// It failed while being recognised.
-    Failed(u64),
+    /// It failed while being recognised, or is just being recognised.
+    Failed(Counted),
 }
 
 impl Input {
@@ -99,12 +99,15 @@ impl Input {
 
     /// Bytes taken from the file so far, before decompression.
     pub fn consumed(&self) -> u64 {
+        self.counted().count
+    }
+
+    fn counted(&self) -> &Counted {
         match &self.state {
-            State::Fresh(counted) => counted.count,
-            State::Plain(reader) => reader.get_ref().1.count,
-            State::Gzip(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1.count,
-            State::Zstd(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1.count,
-            State::Failed(count) => *count,
+            State::Fresh(counted) | State::Failed(counted) => counted,
+            State::Plain(reader) => reader.get_ref().1,
+            State::Gzip(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1,
+            State::Zstd(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1,
         }
     }
 
@@ -128,9 +131,13 @@ impl Input {
     /// The reason for people why `error` ended the input early.
     pub fn explain(&self, error: &io::Error) -> String {
         let kind = match self.state {
-            State::Gzip(_) => "gzip",
-            State::Zstd(_) => "zstd",
-            _ => return format!("reading failed: {error}; the rest is lost"),
+            _ if self.counted().failed => None,
+            State::Gzip(_) => Some("gzip"),
+            State::Zstd(_) => Some("zstd"),
+            _ => None,
+        };
+        let Some(kind) = kind else {
+            return format!("reading failed: {error}; the rest is lost");
         };
         if error.kind() == io::ErrorKind::UnexpectedEof {
             format!("the {kind} data are cut off ({error}); what comes after is lost")
@@ -140,13 +147,14 @@ impl Input {
     }
 
     fn recognise(&mut self) -> io::Result<()> {
-        let State::Fresh(mut counted) = std::mem::replace(&mut self.state, State::Failed(0)) else {
+        let nothing = State::Failed(Counted::new(Box::new(io::empty())));
+        let State::Fresh(mut counted) = std::mem::replace(&mut self.state, nothing) else {
             return Ok(());
         };
         let mut magic = Vec::with_capacity(ZSTD_MAGIC.len());
         let read = (&mut counted).take(ZSTD_MAGIC.len() as u64).read_to_end(&mut magic);
         if let Err(error) = read {
-            self.state = State::Failed(counted.count);
+            self.state = State::Failed(counted);
             return Err(error);
         }
         let is_gzip = magic.starts_with(GZIP_MAGIC);
@@ -167,17 +175,27 @@ impl Input {
     }
 }
 
-/// Counts the bytes that pass.
+/// Counts the bytes that pass, and knows whether it was the reader that failed.
 struct Counted {
     reader: Box<dyn Read + Send>,
     count: u64,
+    failed: bool,
+}
+
+impl Counted {
+    fn new(reader: Box<dyn Read + Send>) -> Self {
+        Self { reader, count: 0, failed: false }
+    }
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let length = self.reader.read(buffer)?;
-        self.count += length as u64;
-        Ok(length)
+        let read = self.reader.read(buffer);
+        match &read {
+            Ok(length) => self.count += *length as u64,
+            Err(error) => self.failed |= error.kind() != io::ErrorKind::Interrupted,
+        }
+        read
     }
 }
 

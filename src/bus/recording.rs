@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::frame::{Frame, Kind};
 
 use super::buffer::{Buffer, Next};
-use super::candump::{Clock, Common, Known, Line, Reason, TimeStamps, blank_frame};
+use super::candump::{Clock, Common, Known, Line, MAX_LINE, Reason, TimeStamps, blank_frame};
 use super::input::{Input, Place};
 use super::source::{Source, SourceError};
 use super::statistics::Statistics;
@@ -153,11 +153,7 @@ impl Recording {
                 Ok(self.bad_line(length, length, Reason::CutOff))
             }
             Next::Unterminated { length } => Ok(self.line(length, length)),
-            Next::TooLong => {
-                let shown = super::candump::MAX_LINE;
-                self.buffer.skip_line();
-                Ok(self.bad_line(shown, 0, Reason::LineTooLong))
-            }
+            Next::TooLong => Ok(self.long_line()),
             Next::More => Ok(self.fill()),
             Next::End => Ok(self.end_input()),
         }
@@ -207,6 +203,16 @@ impl Recording {
         let text = &self.buffer.unread()[..length];
         self.statistics.add_bad_line(file, number, text, reason);
         self.buffer.consume(taken);
+        Step::On
+    }
+
+    /// Counts a line that is too long and drops it, however long it is.
+    fn long_line(&mut self) -> Step {
+        self.bad_line(MAX_LINE, 0, Reason::LineTooLong);
+        // To its very end: what follows within it may look like a line of its own.
+        while !self.buffer.drop_line() && !self.buffer.ended() {
+            self.fill();
+        }
         Step::On
     }
 

@@ -22,7 +22,7 @@ pub fn leading_digits(word: u64) -> u32 {
     // Adding 0x80 − c sets a byte's high bit exactly when its low seven bits are at least c.
     let at_least = |word: u64, c: u8| word + ONES * u64::from(0x80 - c);
     let low = word & !HIGH;
-    let lower = low | ONES * 0x20;
+    let lower = low | (ONES * 0x20);
     let decimal = at_least(low, b'0') & !at_least(low, b'9' + 1);
     let letter = at_least(lower, b'a') & !at_least(lower, b'f' + 1);
     let no_digit = !(decimal | letter) | word;
