@@ -66,7 +66,8 @@ fn message_id(draft: &Draft, own: &mut Vec<Finding>) -> Option<Id> {
     let id = u32::try_from(number)
         .ok()
         .and_then(|number| if extended { Id::extended(number) } else { Id::standard(number) });
-    if id.is_none() && draft.refused.is_none() {
+    // Beyond 32 bits it was found while reading.
+    if id.is_none() && u32::try_from(draft.id).is_ok() {
         let (what, remedy) = if extended {
             (
                 format!("extended identifier 0x{number:X} is above 0x{:X}", Id::EXTENDED_MAX),
