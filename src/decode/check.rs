@@ -13,9 +13,9 @@ use super::parse_error::ParseError;
 use super::plan::{Form, Gate, SignalPlan};
 use crate::frame::{Id, MAX_DATA};
 
-/// Steps that the search for overlaps may take in one DBC: a second or so, and far more than an
+/// Steps that the search for overlaps may take in one DBC: less than a second, and more than an
 /// honest file needs.
-pub(super) const OVERLAP_STEPS: u64 = 200_000_000;
+pub(super) const OVERLAP_STEPS: u64 = 100_000_000;
 
 const EXTENDED_FLAG: u64 = 1 << 31;
 
