@@ -132,19 +132,19 @@ fn checked_name(name: &str, line: usize) -> Result<String, ParseError> {
 /// Drafts with what other statements say about them.
 struct Gathered<'a> {
     drafts: Vec<Draft>,
-    /// Drafts by identifier; several where it is given twice.
-    by_id: HashMap<u64, Vec<usize>>,
-    /// Signals by draft and name; the first where there are several.
+    /// Drafts by identifier; the first of twins, which are all refused later.
+    by_id: HashMap<u64, usize>,
+    /// Signals by draft and name; the first of twins.
     by_name: HashMap<(usize, String), usize>,
     findings: &'a mut Findings,
 }
 
 impl<'a> Gathered<'a> {
     fn new(drafts: Vec<Draft>, findings: &'a mut Findings) -> Self {
-        let mut by_id: HashMap<u64, Vec<usize>> = HashMap::new();
+        let mut by_id = HashMap::new();
         let mut by_name = HashMap::new();
         for (index, draft) in drafts.iter().enumerate() {
-            by_id.entry(draft.id).or_default().push(index);
+            by_id.entry(draft.id).or_insert(index);
             for (at, signal) in draft.signals.iter().enumerate() {
                 by_name.entry((index, signal.parsed.name.clone())).or_insert(at);
             }
@@ -153,78 +153,76 @@ impl<'a> Gathered<'a> {
     }
 
     fn attach(&mut self, statement: &Statement) -> Result<(), ParseError> {
+        let optional = matches!(statement.keyword, Keyword::Values | Keyword::Comment);
         let about = match statement.keyword {
             // CM_ BO_ id …, CM_ SG_ id …; others are about nodes, variables or the whole.
             Keyword::Comment if !matches!(statement.word(1), Some("BO_" | "SG_")) => return Ok(()),
             Keyword::Comment => id_of(statement, 2),
             _ => id_of(statement, 1),
         };
-        // VAL_ of an environment variable has no identifier.
-        let (Some(id), keyword) = (about, statement.keyword) else {
-            return if matches!(statement.keyword, Keyword::Values | Keyword::Comment) {
-                Ok(())
-            } else {
-                Err(syntax(statement, statement.line(), "expected an identifier".to_owned()))
-            };
+        let id = match about {
+            // VAL_ of an environment variable has no identifier.
+            None if optional => return Ok(()),
+            None => {
+                return Err(syntax(statement, statement.line(), "no identifier".to_owned()));
+            }
+            Some(INDEPENDENT_ID) => return Ok(()),
+            Some(id) => id,
         };
-        if id == INDEPENDENT_ID {
-            return Ok(());
-        }
-        if !self.by_id.contains_key(&id) {
+        let Some(&index) = self.by_id.get(&id) else {
             self.warn(statement, None, None, format!("there is no message with identifier {id}"));
             return Ok(());
+        };
+        // Such a message is refused already, and the parser would refuse the file.
+        if u32::try_from(id).is_err() {
+            return Ok(());
         }
-        match (parse(statement), keyword) {
-            (Ok(dbc), _) => self.attach_parsed(id, dbc, statement),
-            (Err(error), Keyword::Values | Keyword::Comment) => {
+        match parse(statement) {
+            Ok(dbc) => self.attach_parsed(index, &dbc, statement),
+            Err(error) if optional => {
                 self.findings.push(Finding {
                     severity: Severity::Warning,
                     concern: Concern::Statement,
                     line: statement.line(),
-                    message: self.by_id[&id].first().map(|&index| self.drafts[index].name.clone()),
+                    message: Some(self.drafts[index].name.clone()),
                     signal: None,
                     what: error.to_string(),
                     remedy: "the statement is ignored; correct it",
                 });
                 Ok(())
             }
-            (Err(error), _) => Err(error),
+            Err(error) => Err(error),
         }
     }
 
     fn attach_parsed(
         &mut self,
-        id: u64,
-        mut dbc: Dbc,
+        index: usize,
+        dbc: &Dbc,
         statement: &Statement,
     ) -> Result<(), ParseError> {
+        let line = statement.line();
         if let Some(multiplex) = dbc.extended_multiplex.first()
             && multiplex.mappings.len() > MAX_MULTIPLEX_RANGES
         {
-            return Err(ParseError::TooMany {
-                line: statement.line(),
-                what: "ranges in one SG_MUL_VAL_",
-                limit: MAX_MULTIPLEX_RANGES,
-            });
+            let (what, limit) = ("ranges in one SG_MUL_VAL_", MAX_MULTIPLEX_RANGES);
+            return Err(ParseError::TooMany { line, what, limit });
         }
-        for index in self.by_id[&id].clone() {
-            if let Some(Comment::Message { comment, .. }) = dbc.comments.first() {
-                self.drafts[index].comment = Some(comment.clone());
-                continue;
-            }
-            let Some(name) = signal_name(&dbc) else { continue };
-            match self.by_name.get(&(index, name.clone())) {
-                Some(&at) => self.attach_to_signal(index, at, &mut dbc, statement.line()),
-                None => {
-                    let message = self.drafts[index].name.clone();
-                    self.warn(statement, Some(message), Some(name), "no such signal".to_owned());
-                }
+        if let Some(Comment::Message { comment, .. }) = dbc.comments.first() {
+            self.drafts[index].comment = Some(comment.clone());
+        }
+        let Some(name) = signal_name(dbc) else { return Ok(()) };
+        match self.by_name.get(&(index, name.clone())) {
+            Some(&at) => self.attach_to_signal(index, at, dbc, line),
+            None => {
+                let message = self.drafts[index].name.clone();
+                self.warn(statement, Some(message), Some(name), "no such signal".to_owned());
             }
         }
         Ok(())
     }
 
-    fn attach_to_signal(&mut self, index: usize, at: usize, dbc: &mut Dbc, line: usize) {
+    fn attach_to_signal(&mut self, index: usize, at: usize, dbc: &Dbc, line: usize) {
         let mut twice = None;
         let signal = &mut self.drafts[index].signals[at];
         if let Some(entry) = dbc.signal_extended_value_type_list.first() {

@@ -31,6 +31,8 @@ pub use value::{Decoded, Inserted, Raw, Value};
 
 /// The longest DBC text that is read, in bytes.
 pub const MAX_TEXT: usize = 16 << 20;
+/// The longest statement (a message with its signals, a value table), in bytes.
+pub const MAX_STATEMENT: usize = 1 << 20;
 /// The most messages that a DBC may have.
 pub const MAX_MESSAGES: usize = 8192;
 /// The most signals of one message.

@@ -85,7 +85,16 @@ impl Resolver<'_> {
         findings: &mut Vec<Finding>,
     ) -> Result<Option<Route>, Finding> {
         let error = |what: String, remedy| {
-            self.draft.finding(Severity::Error, Concern::Multiplexing, Some(signal), what, remedy)
+            let mut finding = self.draft.finding(
+                Severity::Error,
+                Concern::Multiplexing,
+                Some(signal),
+                what,
+                remedy,
+            );
+            // Where there is a SG_MUL_VAL_, all that can be wrong is wrong with that.
+            finding.line = signal.multiplex.as_ref().map_or(signal.line, |extended| extended.line);
+            finding
         };
         if signal.bare_indicator {
             return Err(error(

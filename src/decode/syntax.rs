@@ -2,6 +2,7 @@
 
 use can_dbc::{Dbc, DbcError};
 
+use super::MAX_STATEMENT;
 use super::parse_error::{ParseError, excerpt};
 use super::statement::{Keyword, Statement};
 
@@ -17,6 +18,11 @@ pub(super) fn id_of(statement: &Statement, index: usize) -> Option<u64> {
 /// # Errors
 /// With the statement's own line in the DBC, what was found there, and what it should look like.
 pub(super) fn parse(statement: &Statement) -> Result<Dbc, ParseError> {
+    // The parser takes many times a text's size in memory.
+    if statement.text.len() > MAX_STATEMENT {
+        let (what, limit) = ("bytes in one statement", MAX_STATEMENT);
+        return Err(ParseError::TooMany { line: statement.line(), what, limit });
+    }
     let dbc = Dbc::try_from(statement.text.as_str()).map_err(|error| {
         let at = statement.line();
         match error {
@@ -43,7 +49,12 @@ pub(super) fn parse(statement: &Statement) -> Result<Dbc, ParseError> {
                 let reason = format!("multiplex indicator m{} out of range", excerpt(&text));
                 syntax_at(statement.keyword, line, found, reason)
             }
-            other => syntax(statement, at, other.to_string()),
+            other => match without_length(statement) {
+                Some((line, text)) => {
+                    syntax_at(statement.keyword, line, text, "no length in bits".to_owned())
+                }
+                None => syntax(statement, at, other.to_string()),
+            },
         }
     })?;
     let things = dbc.messages.len()
@@ -64,6 +75,13 @@ fn find<'a>(statement: &'a Statement, part: &str) -> (usize, &'a str) {
     let first = statement.text.lines().next().unwrap_or_default();
     rows.find(|(text, _)| text.contains(part))
         .map_or((statement.line(), first), |(text, &line)| (line, text))
+}
+
+/// The signal line that has no `|length`, which the grammar takes and the parser then refuses.
+fn without_length(statement: &Statement) -> Option<(usize, &str)> {
+    let mut rows = statement.text.lines().zip(&statement.lines).skip(1);
+    let place = |text: &'_ str| text.split('@').next().is_some_and(|place| !place.contains('|'));
+    rows.find(|(text, _)| place(text)).map(|(text, &line)| (line, text))
 }
 
 /// Row and column, both from 1, of ` --> row:column`.
