@@ -1,1 +1,3 @@
 //! The model and its observer.
+pub mod model;
+pub mod riccati;
