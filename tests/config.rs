@@ -4,9 +4,8 @@
 mod common;
 
 use common::{EXAMPLE, broken, refusal};
-use tertius::config::settings::{
-    Alarm, Comparator, Fde, Gateway, Level, Model, Observer, Plausibility,
-};
+use tertius::alarm::Level;
+use tertius::config::settings::{Alarm, Comparator, Fde, Gateway, Model, Observer, Plausibility};
 use tertius::config::{MAX_PROBLEMS, MAX_SIZE, parse};
 
 #[test]

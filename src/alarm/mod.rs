@@ -1,2 +1,13 @@
-//! From verdicts to warnings, and from warnings to the frames that carry them.
+//! From verdicts to warnings, and from warnings to the gateway's own frames.
+
 pub mod e2e;
+pub mod frames;
+pub mod level;
+pub mod register;
+pub mod status;
+pub mod warning;
+
+pub use frames::{Encoder, OwnFrame};
+pub use level::Level;
+pub use register::Register;
+pub use warning::{Detector, Finding, State, Warning};

@@ -131,6 +131,8 @@ static PLAUSIBILITY: Table = Table { keys: &[
     Key::optional("frozen_speed",
         number(Limits::least(0.0, "the size of a speed in metres per second")), "0.02",
         "the command moves when it is beyond this, m/s"),
+    Key::optional("state_stale", number(Limits::above(0.0, DURATION).most(3600.0)), "1.0",
+        "without a new platform state for this long the state is not known, s"),
 ] };
 
 #[rustfmt::skip]

@@ -1,6 +1,7 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
 //! seconds, speeds metres per second. What is absent in the file has its default here.
 
+use crate::alarm::Level;
 use serde::Deserialize;
 
 /// Stands for the cylinder's number in the signal names of `[signals.cylinder]`.
@@ -108,6 +109,8 @@ pub struct Plausibility {
     pub frozen: f64,
     /// The command moves when it is beyond this, m/s.
     pub frozen_speed: f64,
+    /// Without a new platform state for this long the state is not known, s.
+    pub state_stale: f64,
 }
 
 impl Default for Plausibility {
@@ -119,6 +122,7 @@ impl Default for Plausibility {
             valid_raw: None,
             frozen: 0.1,
             frozen_speed: 0.02,
+            state_stale: 1.0,
         }
     }
 }
@@ -200,18 +204,6 @@ impl Default for Alarm {
     fn default() -> Self {
         Self { clear: 1.0, coincidence: 0.2, levels: Levels::default() }
     }
-}
-
-/// A level of Table 2-1, mildest first.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Level {
-    #[default]
-    None,
-    Yellow,
-    Orange,
-    Red,
-    Black,
 }
 
 /// Which finding has which level of Table 2-1.

@@ -1,3 +1,5 @@
-//! The model and its observer.
+//! The model of a cylinder and its observers.
+
 pub mod model;
+pub mod observer;
 pub mod riccati;

@@ -1,0 +1,153 @@
+//! The gateway's own frames: Fd_Status and Fd_Warning, protected by E2E profile 5.
+
+use super::e2e;
+use super::status::Status;
+use super::warning::{Detector, Finding};
+use crate::frame::{Frame, Id, Kind};
+use crate::time::Timestamp;
+use crate::verdict::{Fault, Suspect};
+
+/// A frame that the gateway may send. Only [`Encoder`] makes one, so that no other identifier can
+/// ever leave the gateway, whatever arrives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct OwnFrame(Frame);
+
+impl OwnFrame {
+    pub const fn as_frame(&self) -> &Frame {
+        &self.0
+    }
+}
+
+/// COB-IDs of the gateway's TPDO1, TPDO2 and TPDO3 in CANopen's predefined connection set.
+const TPDO: [u32; 3] = [0x180, 0x280, 0x380];
+
+/// CANopen has nodes 1 to 127.
+const NODES: std::ops::RangeInclusive<u8> = 1..=127;
+
+/// Fd_Warning.Residual counts, m.
+const RESIDUAL_UNIT: f64 = 1e-5;
+
+/// Fd_Warning.Threshold counts, m.
+const THRESHOLD_UNIT: f64 = 5e-5;
+
+/// Fd_Warning.Threshold beyond its scale.
+const THRESHOLD_BEYOND: u64 = 255;
+
+/// Fd_Warning.Residual where the detector has none.
+const NO_RESIDUAL: i16 = i16::MIN;
+
+/// The identifiers that the gateway of node `node` sends; `None` unless `node` is 1 to 127.
+pub fn identifiers(node: u8) -> Option<[Id; 3]> {
+    let [status, warning, estimate] =
+        TPDO.map(|base| Id::standard(base + u32::from(node)).filter(|_| NODES.contains(&node)));
+    Some([status?, warning?, estimate?])
+}
+
+/// Makes the gateway's frames and keeps their alive counters.
+#[derive(Clone, Debug)]
+pub struct Encoder {
+    status: Channel,
+    warning: Channel,
+}
+
+#[derive(Clone, Debug)]
+struct Channel {
+    id: Id,
+    counter: u8,
+}
+
+impl Encoder {
+    /// The frames of the gateway at CANopen node `node`; `None` unless it is 1 to 127.
+    pub fn new(node: u8) -> Option<Self> {
+        let [status, warning, _] = identifiers(node)?;
+        let channel = |id| Channel { id, counter: 0 };
+        Some(Self { status: channel(status), warning: channel(warning) })
+    }
+
+    /// Fd_Status.
+    pub fn status(&mut self, at: Timestamp, status: &Status) -> OwnFrame {
+        let mut payload = Payload::default();
+        for (n, pair) in status.transducers.iter().enumerate() {
+            for (c, health) in pair.iter().enumerate() {
+                payload.put(24 + 4 * n as u32 + 2 * c as u32, 2, *health as u64);
+            }
+        }
+        payload.put(48, 3, status.level as u64);
+        payload.put(51, 3, status.mode as u64);
+        payload.put(54, 6, u64::from(status.active_warnings).min(63));
+        self.status.protect(at, payload)
+    }
+
+    /// Fd_Warning.
+    pub fn warning(
+        &mut self,
+        at: Timestamp,
+        cylinder: u8,
+        detector: Detector,
+        finding: &Finding,
+        raised: bool,
+    ) -> OwnFrame {
+        let mut payload = Payload::default();
+        payload.put(24, 3, u64::from(cylinder));
+        payload.put(27, 3, detector as u64);
+        payload.put(30, 3, fault_code(finding.fault));
+        payload.put(33, 2, suspect_code(finding.suspect));
+        payload.put(35, 3, finding.level as u64);
+        payload.put(38, 1, u64::from(raised));
+        payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
+        payload.put(56, 8, threshold_counts(finding.threshold));
+        self.warning.protect(at, payload)
+    }
+}
+
+impl Channel {
+    fn protect(&mut self, at: Timestamp, payload: Payload) -> OwnFrame {
+        let mut data = payload.0.to_le_bytes();
+        // The data ID is the identifier, which has 11 bits.
+        e2e::protect(&mut data, self.id.value() as u16, self.counter);
+        self.counter = self.counter.wrapping_add(1);
+        OwnFrame(Frame::new(at, self.id, Kind::Data, &data))
+    }
+}
+
+/// Eight bytes, little-endian.
+#[derive(Default)]
+struct Payload(u64);
+
+impl Payload {
+    /// Puts the low `length` bits of `value` at bit `start`.
+    fn put(&mut self, start: u32, length: u32, value: u64) {
+        self.0 |= (value & ((1 << length) - 1)) << start;
+    }
+}
+
+fn residual_counts(residual: Option<f64>) -> i16 {
+    // The conversion saturates; the lowest count is kept for "none".
+    residual.map_or(NO_RESIDUAL, |r| ((r / RESIDUAL_UNIT).round() as i16).max(-i16::MAX))
+}
+
+fn threshold_counts(threshold: Option<f64>) -> u64 {
+    threshold.map_or(0, |t| ((t / THRESHOLD_UNIT).round() as u64).min(THRESHOLD_BEYOND))
+}
+
+const fn fault_code(fault: Fault) -> u64 {
+    match fault {
+        Fault::Unclassified => 0,
+        Fault::Abrupt => 1,
+        Fault::Noise => 2,
+        Fault::Incipient => 3,
+        Fault::OutOfRange => 4,
+        Fault::BrokenWire => 5,
+        Fault::Frozen => 6,
+        Fault::Stale => 7,
+    }
+}
+
+const fn suspect_code(suspect: Suspect) -> u64 {
+    match suspect {
+        Suspect::Undecided => 0,
+        Suspect::C1 => 1,
+        Suspect::C2 => 2,
+        Suspect::Process => 3,
+    }
+}

@@ -1,0 +1,44 @@
+//! What Fd_Status tells the bus every 100 ms.
+
+use super::Level;
+
+/// Cylinders that Fd_Status has room for.
+pub const MAX_CYLINDERS: usize = 6;
+
+/// The state of one transducer. The numbers are those of Fd_Status.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Health {
+    /// No evidence either way.
+    #[default]
+    Unknown = 0,
+    Healthy = 1,
+    /// A warning stands that may be its fault.
+    Suspect = 2,
+    /// A warning stands that blames it.
+    Faulty = 3,
+}
+
+/// What the monitor as a whole is doing. The numbers are those of Fd_Status.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Not everything has been judged yet.
+    #[default]
+    Starting = 0,
+    Monitoring = 1,
+    /// The platform is in a state in which FDE1 and FDE2 do not judge.
+    Gated = 2,
+    /// Something that should be judged cannot be.
+    Degraded = 3,
+    Stopping = 4,
+}
+
+/// The content of Fd_Status.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Status {
+    /// C1 and C2 of each cylinder.
+    pub transducers: [[Health; 2]; MAX_CYLINDERS],
+    /// The highest level of the warnings that stand.
+    pub level: Level,
+    pub mode: Mode,
+    pub active_warnings: u32,
+}

@@ -1,0 +1,88 @@
+//! A warning as it leaves the monitor.
+
+use super::level::Level;
+use crate::time::Timestamp;
+use crate::verdict::{Fault, Suspect};
+
+/// Who warns. The numbers are those of Fd_Warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Detector {
+    /// The observer on C1.
+    Fde1 = 1,
+    /// The observer on C2.
+    Fde2 = 2,
+    /// The comparator of C1 and the corrected C2.
+    Fde3 = 3,
+    /// The checks before any model.
+    Plausibility = 4,
+    Sequential = 5,
+    Hexapod = 6,
+}
+
+impl Detector {
+    pub const ALL: [Self; 6] =
+        [Self::Fde1, Self::Fde2, Self::Fde3, Self::Plausibility, Self::Sequential, Self::Hexapod];
+
+    /// The name in files and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fde1 => "fde1",
+            Self::Fde2 => "fde2",
+            Self::Fde3 => "fde3",
+            Self::Plausibility => "plausibility",
+            Self::Sequential => "sequential",
+            Self::Hexapod => "hexapod",
+        }
+    }
+}
+
+/// What happened to a warning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    Raised,
+    /// Its fault, suspect or level is another one now.
+    Changed,
+    Cleared,
+}
+
+impl State {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Raised => "raised",
+            Self::Changed => "changed",
+            Self::Cleared => "cleared",
+        }
+    }
+}
+
+/// What a detector has found, as long as it finds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    pub fault: Fault,
+    pub suspect: Suspect,
+    pub level: Level,
+    /// m, signed; `None` where the detector has no residual (a reading that is not there).
+    pub residual: Option<f64>,
+    /// m; `None` like the residual.
+    pub threshold: Option<f64>,
+}
+
+impl Finding {
+    /// Whether `other` says the same to a person; the residual moves all the time.
+    pub fn says_as(&self, other: &Self) -> bool {
+        (self.fault, self.suspect, self.level) == (other.fault, other.suspect, other.level)
+    }
+}
+
+/// A warning that is raised, changed or cleared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Warning {
+    pub timestamp: Timestamp,
+    /// From 1.
+    pub cylinder: u8,
+    pub detector: Detector,
+    /// Which of the cylinder's warnings it is, see [`super::register::DETECTORS`].
+    pub place: usize,
+    pub state: State,
+    pub finding: Finding,
+}

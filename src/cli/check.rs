@@ -1,0 +1,104 @@
+//! `tertius check`: validates a configuration and its DBC.
+
+use super::Failure;
+use super::machine::Machine;
+use crate::monitor::wiring::{Line, Target};
+use crate::observe::model::Model;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Checks a configuration and its DBC, and tells what the monitor would do with them.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  tertius check config/e-type.toml")]
+pub struct Check {
+    /// The machine's configuration
+    #[arg(value_name = "FILE")]
+    config: PathBuf,
+}
+
+impl Check {
+    /// Checks.
+    ///
+    /// # Errors
+    /// Everything wrong with the configuration and its DBC.
+    pub fn run(self) -> Result<(), Failure> {
+        let machine = Machine::load(&self.config)?;
+        let text = describe(&machine);
+        let mut out = std::io::stdout();
+        out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
+    }
+}
+
+fn describe(machine: &Machine) -> String {
+    let settings = &machine.loaded.settings;
+    let lines = machine.design.wiring.lines();
+    let mut text = format!(
+        "{}: sound\n{}: {} messages, of which {} are listened to\n\n",
+        machine.loaded.document.name(),
+        machine.loaded.dbc_path.display(),
+        machine.database.messages().len(),
+        lines.len(),
+    );
+    text += &format!(
+        "{}: {} cylinders, every {} s; {}\n",
+        settings.machine.name,
+        settings.machine.cylinders,
+        settings.machine.sample_time,
+        match &settings.machine.monitored_states {
+            Some(states) => format!("FDE1 and FDE2 judge when {}", states.join(" or ")),
+            None => "FDE1 and FDE2 always judge".to_owned(),
+        }
+    );
+    for (n, cylinder) in (1_u8..).zip(&machine.design.cylinders) {
+        let (theta, gamma) = settings.model_of(n);
+        let model = Model::new(settings.machine.sample_time, theta, gamma);
+        text += &format!("\ncylinder {n}\n");
+        text += &identifiers(n, lines);
+        text += &format!("  model     {}\n", describe_model(&model));
+        for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
+            let l = observer.l.column(0);
+            let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
+            text += &format!("  {name}      gain of the position's innovation {gain}\n");
+        }
+        text += &format!(
+            "  FDE3      C1 − ({} C2 {:+} m)\n",
+            cylinder.comparator.gain, cylinder.comparator.offset
+        );
+    }
+    text += &findings(machine);
+    text
+}
+
+fn describe_model(model: &Model) -> String {
+    let poles = model.poles().map_or("not finite".to_owned(), |poles| {
+        poles.map(|pole| format!("{:.5}", pole.norm())).join(", ")
+    });
+    let gain = model.velocity_gain().map_or("none".to_owned(), |gain| format!("{gain:.3}"));
+    format!("moduli of the poles {poles}; steady speed per commanded speed {gain}")
+}
+
+fn identifiers(n: u8, lines: &[Line]) -> String {
+    let of_cylinder = |line: &&Line| {
+        line.wires.iter().any(|wire| matches!(wire.target, Target::Cylinder(i, _) if i + 1 == n))
+    };
+    let ids: Vec<String> =
+        lines.iter().filter(of_cylinder).map(|line| format!("0x{}", line.id)).collect();
+    format!("  frames    {}\n", ids.join(" "))
+}
+
+fn findings(machine: &Machine) -> String {
+    let findings = machine.database.findings();
+    if findings.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n{}: worth a look\n", machine.loaded.dbc_path.display());
+    for finding in findings {
+        text += &format!("  {finding}\n");
+    }
+    let left_out = machine.database.findings_left_out();
+    if left_out > 0 {
+        text += &format!("  … and {left_out} more\n");
+    }
+    text
+}

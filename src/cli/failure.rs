@@ -1,0 +1,63 @@
+//! Why a command did not do what it was asked.
+
+use crate::bus::SourceError;
+use crate::config::ConfigError;
+use std::io;
+use std::path::Path;
+
+/// A failure with its exit code: 1 it failed, 2 the call or a file of the user's is wrong.
+#[derive(Debug)]
+pub enum Failure {
+    /// The configuration is refused.
+    Config(Box<ConfigError>),
+    /// The call or a file of the user's is wrong.
+    Wrong(String),
+    /// It failed.
+    Failed(String),
+    /// Whoever reads the output has enough.
+    OutputClosed,
+}
+
+impl Failure {
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::OutputClosed => 0,
+            Self::Failed(_) => 1,
+            Self::Config(_) | Self::Wrong(_) => 2,
+        }
+    }
+
+    /// What could not be written, and why.
+    pub fn writing(what: &str, error: &io::Error) -> Self {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return Self::OutputClosed;
+        }
+        Self::Failed(format!("{what} cannot be written: {error}"))
+    }
+
+    /// A file for output that cannot be made.
+    pub fn creating(path: &Path, error: &io::Error) -> Self {
+        Self::Wrong(format!("{} cannot be created: {error}", path.display()))
+    }
+
+    /// Tells a person, on standard error.
+    pub fn report(&self) {
+        match self {
+            Self::Config(error) => eprintln!("{:?}", error.report()),
+            Self::Wrong(message) | Self::Failed(message) => eprintln!("tertius: {message}"),
+            Self::OutputClosed => {}
+        }
+    }
+}
+
+impl From<ConfigError> for Failure {
+    fn from(error: ConfigError) -> Self {
+        Self::Config(Box::new(error))
+    }
+}
+
+impl From<SourceError> for Failure {
+    fn from(error: SourceError) -> Self {
+        Self::Wrong(error.to_string())
+    }
+}

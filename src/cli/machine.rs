@@ -1,0 +1,50 @@
+//! A configuration with its DBC, ready to be monitored.
+
+use super::Failure;
+use crate::config::{self, Loaded};
+use crate::decode::{self, Database};
+use crate::monitor::MonitorDesign;
+use crate::monitor::design::Flaw;
+use std::path::Path;
+
+/// What a configuration file leads to.
+#[derive(Debug)]
+pub struct Machine {
+    pub loaded: Loaded,
+    pub database: Database,
+    pub design: MonitorDesign,
+}
+
+impl Machine {
+    /// Reads the configuration `path` and its DBC.
+    ///
+    /// # Errors
+    /// Everything wrong with either.
+    pub fn load(path: &Path) -> Result<Self, Failure> {
+        let loaded = config::load(path)?;
+        let text = decode::text::from_bytes(&loaded.dbc_text);
+        let database = Database::parse(&text).map_err(|error| {
+            refusal(
+                &loaded,
+                &[Flaw {
+                    key: "bus.dbc".to_owned(),
+                    message: format!("{}: {error}", loaded.dbc_path.display()),
+                    help: "correct the DBC; `tertius check` lists what is wrong with it".to_owned(),
+                }],
+            )
+        })?;
+        let design = MonitorDesign::new(&loaded.settings, &database)
+            .map_err(|flaws| refusal(&loaded, &flaws))?;
+        Ok(Self { loaded, database, design })
+    }
+}
+
+fn refusal(loaded: &Loaded, flaws: &[Flaw]) -> Failure {
+    let document = &loaded.document;
+    let problems =
+        flaws.iter().map(|flaw| document.problem(&flaw.key, flaw.message.clone(), &*flaw.help));
+    document.refuse(problems).map_or_else(
+        || Failure::Failed("the configuration was refused without a reason".to_owned()),
+        Failure::from,
+    )
+}

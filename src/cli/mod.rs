@@ -1,0 +1,39 @@
+//! The commands.
+
+mod check;
+mod failure;
+mod machine;
+mod output;
+mod progress;
+mod replay;
+
+use clap::{Parser, Subcommand};
+pub use failure::Failure;
+
+/// The third vote for redundant position transducers: monitors the cylinders of motion-compensated
+/// gangways from their CAN bus, and advises. The machine's own safety system acts.
+#[derive(Debug, Parser)]
+#[command(name = "tertius", version, about, max_term_width = 100)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Replay(replay::Replay),
+    Check(check::Check),
+}
+
+impl Arguments {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What went wrong, for a person, with the exit code.
+    pub fn run(self) -> Result<(), Failure> {
+        match self.command {
+            Command::Replay(replay) => replay.run(),
+            Command::Check(check) => check.run(),
+        }
+    }
+}

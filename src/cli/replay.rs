@@ -1,0 +1,167 @@
+//! `tertius replay`: a recording through the monitor.
+
+use super::Failure;
+use super::machine::Machine;
+use super::output::Output;
+use super::progress::Bar;
+use crate::bus::{Options, Recording, Source, TimeStamps};
+use crate::monitor::Monitor;
+use crate::report::human::{self, Heading};
+use crate::report::{Summary, jsonl};
+use clap::{Args, ValueEnum};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+
+/// Runs candump recordings through the same monitor as the live gateway.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  tertius replay field.log.zst --config config/e-type.toml")]
+pub struct Replay {
+    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; .gz and
+    /// .zst as they are, - for standard input
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// The machine's configuration
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// A page for people, or lines of JSON for scripts
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Writes readings, estimates and residuals of every cylinder and cycle
+    #[arg(long, value_name = "FILE.csv")]
+    residuals: Option<PathBuf>,
+    /// Writes the frames that the gateway would have sent, as candump -l lines
+    #[arg(long, value_name = "FILE.log")]
+    warnings: Option<PathBuf>,
+    /// Takes only the frames of this interface [default: of all]
+    #[arg(long, value_name = "NAME")]
+    interface: Option<String>,
+    /// What the time stamps of a console recording are
+    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
+    time_stamps: Stamps,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Human,
+    Jsonl,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Stamps {
+    /// As they look
+    Auto,
+    /// Time of day (candump -ta, -tA)
+    Absolute,
+    /// Since the frame before (candump -td)
+    Delta,
+    /// Since the first frame (candump -tz)
+    Zero,
+}
+
+impl From<Stamps> for TimeStamps {
+    fn from(stamps: Stamps) -> Self {
+        match stamps {
+            Stamps::Auto => Self::Auto,
+            Stamps::Absolute => Self::Absolute,
+            Stamps::Delta => Self::Delta,
+            Stamps::Zero => Self::Zero,
+        }
+    }
+}
+
+/// Frames between two looks at progress and output.
+const STRIDE: u64 = 1 << 16;
+
+impl Replay {
+    /// Replays.
+    ///
+    /// # Errors
+    /// What is wrong with the call, its files or the output.
+    pub fn run(self) -> Result<(), Failure> {
+        let machine = Machine::load(&self.config)?;
+        let options =
+            Options { time_stamps: self.time_stamps.into(), interface: self.interface.clone() };
+        let mut recording = Recording::open(&self.logs, options)?;
+        let mut output = Output::create(
+            self.format == Format::Jsonl,
+            self.residuals.as_deref(),
+            self.warnings.as_deref(),
+            &machine.loaded.settings.bus.interface,
+        )?;
+        let mut monitor = Monitor::new(machine.design.clone());
+        let duration = feed(&mut recording, &mut monitor, &mut output)?;
+        self.conclude(&machine, &recording, &monitor, duration, &mut output)?;
+        output.close()?;
+        damage(&recording)
+    }
+
+    fn conclude(
+        &self,
+        machine: &Machine,
+        recording: &Recording,
+        monitor: &Monitor,
+        duration: f64,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        let tallies = monitor.tallies().copied().collect::<Vec<_>>();
+        let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
+        let episodes = output.episodes.clone();
+        let summary = Summary {
+            duration,
+            statistics: recording.statistics(),
+            counts: monitor.counts(),
+            tallies: &tallies,
+            counter_jumps: &counter_jumps,
+            episodes: &episodes,
+        };
+        let to_stdout = |error| Failure::writing("standard output", &error);
+        if let Some(lines) = output.lines() {
+            return jsonl::summary(lines, &summary).map_err(to_stdout);
+        }
+        let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let heading = Heading {
+            inputs: &inputs.join(", "),
+            machine: &machine.loaded.settings.machine.name,
+            config: &self.config.display().to_string(),
+            first: output.first,
+            colour: std::io::stdout().is_terminal(),
+        };
+        let page = human::page(&heading, &summary, &output.notices);
+        std::io::stdout().write_all(page.as_bytes()).map_err(to_stdout)
+    }
+}
+
+/// Feeds the whole recording to the monitor; the duration from its first to its last frame, s.
+fn feed(
+    recording: &mut Recording,
+    monitor: &mut Monitor,
+    output: &mut Output,
+) -> Result<f64, Failure> {
+    let bar = Bar::new(recording.progress());
+    let mut first = None;
+    let mut last = output.first;
+    let mut frames = 0_u64;
+    while let Some(frame) = recording.next_frame()? {
+        last = frame.timestamp;
+        output.first = *first.get_or_insert(last);
+        monitor.take(frame, output);
+        frames += 1;
+        if frames.is_multiple_of(STRIDE) {
+            if output.failed() {
+                break;
+            }
+            bar.show(recording.progress());
+        }
+    }
+    monitor.finish(output);
+    bar.finish();
+    Ok(last.since(output.first).as_seconds())
+}
+
+/// An input of which a part could not be read is a failure, though the rest was replayed.
+fn damage(recording: &Recording) -> Result<(), Failure> {
+    match recording.statistics().damage.first() {
+        Some(damage) => Err(Failure::Failed(damage.to_string())),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,407 @@
+//! One cylinder: from what arrived in a cycle to what its detectors find.
+
+use super::gate::Opening;
+use super::sink::Record;
+use crate::alarm::register::PLACES;
+use crate::alarm::status::Health;
+use crate::alarm::{Finding, Level};
+use crate::compare::Comparator;
+use crate::config::settings::Levels;
+use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
+use crate::sample::plausibility::{Limits, Moment, Plausibility};
+use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
+use crate::time::{Span, Timestamp};
+use crate::verdict::{
+    Bank, BankDesign, Fault, Residuals, Suspect, Thresholds, Trigger, Verdict, bank::Detection,
+};
+
+/// What one cylinder is monitored by.
+#[derive(Clone, Debug)]
+pub struct CylinderDesign {
+    /// From 1.
+    pub number: u8,
+    /// Fields that a complete cycle has, by [`Field::bit`].
+    pub required: u16,
+    /// C1 and C2; a cylinder without C2 never judges it.
+    pub limits: [Limits; 2],
+    pub counter_bits: [Option<u32>; 2],
+    /// Cycles without a command until it is stale.
+    pub command_stale: u32,
+    /// The command moves the cylinder beyond this, m/s.
+    pub moving_speed: f64,
+    pub observers: [Design; 2],
+    pub comparator: Comparator,
+    pub bank: BankDesign,
+    /// |R3| at which the machine itself trips, m.
+    pub critical: f64,
+    pub levels: Levels,
+    /// Good readings for this long clear a plausibility warning.
+    pub clear: Span,
+}
+
+/// The cycle in which a cylinder is evaluated.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation {
+    /// When it is evaluated: the last frame of the cycle, or its deadline.
+    pub at: Timestamp,
+    pub cycle: u64,
+    pub opened: Timestamp,
+    /// See [`Moment::live`].
+    pub live: bool,
+    pub gate: Opening,
+}
+
+/// Counts and extremes of one cylinder, for reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Cycles evaluated, whether complete or not.
+    pub cycles: u64,
+    /// Of these, cycles that neither FDE1 nor FDE2 judged.
+    pub gated: u64,
+    /// Of these, cycles in which something configured did not arrive.
+    pub incomplete: u64,
+    /// Readings of C1 and C2 that did not pass the plausibility checks, missing ones not counted.
+    pub implausible: [u64; 2],
+    /// Largest |R1| and |R2| judged, and largest |R3|, m.
+    pub worst: [Option<f64>; 3],
+}
+
+/// A plausibility warning: raised at once, cleared with hysteresis.
+#[derive(Clone, Debug)]
+struct Implausible {
+    trigger: Trigger,
+    fault: Fault,
+    beyond: f64,
+}
+
+impl Implausible {
+    fn new(clear: Span) -> Self {
+        let trigger = Trigger::new(Thresholds { low: 0.5, high: 0.5, clear });
+        Self { trigger, fault: Fault::Unclassified, beyond: 0.0 }
+    }
+
+    fn judge(&mut self, at: Timestamp, quality: Quality, beyond: f64) {
+        let fault = match quality {
+            Quality::Good | Quality::Missing => None,
+            Quality::Stale => Some(Fault::Stale),
+            Quality::BrokenWire => Some(Fault::BrokenWire),
+            Quality::OutOfRange => Some(Fault::OutOfRange),
+            Quality::Frozen => Some(Fault::Frozen),
+        };
+        if let Some(fault) = fault {
+            (self.fault, self.beyond) = (fault, beyond);
+        }
+        let evidence = match (fault, quality) {
+            (Some(_), _) => Some(1.0),
+            (None, Quality::Good) => Some(0.0),
+            (None, _) => None,
+        };
+        self.trigger.judge(at, evidence);
+    }
+
+    fn raised(&self) -> bool {
+        self.trigger.raised().is_some()
+    }
+}
+
+const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];
+
+/// The monitor of one cylinder.
+#[derive(Clone, Debug)]
+pub struct Cylinder {
+    design: CylinderDesign,
+    pub inputs: Inputs,
+    /// Still to be evaluated in the open cycle.
+    pub pending: bool,
+    plausibility: [Plausibility; 2],
+    implausible: [Implausible; 3],
+    observers: [Observer; 2],
+    bank: Bank,
+    was_critical: bool,
+    command_missing: u32,
+    moving: bool,
+    judged: [bool; 2],
+    tally: Tally,
+}
+
+impl Cylinder {
+    pub fn new(design: CylinderDesign) -> Self {
+        let plausibility =
+            |i: usize| Plausibility::new(design.limits[i].clone(), design.counter_bits[i]);
+        Self {
+            inputs: Inputs::default(),
+            pending: false,
+            plausibility: [plausibility(0), plausibility(1)],
+            implausible: std::array::from_fn(|_| Implausible::new(design.clear)),
+            observers: design.observers.clone().map(Observer::new),
+            bank: Bank::new(&design.bank),
+            was_critical: false,
+            command_missing: 0,
+            moving: false,
+            judged: [false; 2],
+            tally: Tally::default(),
+            design,
+        }
+    }
+
+    pub const fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// Times that an alive counter of C1 and C2 jumped.
+    pub fn counter_jumps(&self) -> [u64; 2] {
+        [self.plausibility[0].counter_jumps(), self.plausibility[1].counter_jumps()]
+    }
+
+    /// Everything configured has arrived.
+    #[inline]
+    pub const fn is_complete(&self) -> bool {
+        self.inputs.got() & self.design.required == self.design.required
+    }
+
+    pub const fn has(&self, transducer: Transducer) -> bool {
+        self.design.required & Field::Position(transducer).bit() != 0
+    }
+
+    /// Every configured transducer was judged by its observer in the newest cycle.
+    pub fn judges(&self) -> bool {
+        TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.judged[t as usize])
+    }
+
+    /// Evaluates the cycle. `restarted` hears of observers that start anew.
+    pub fn evaluate(
+        &mut self,
+        now: Evaluation,
+        mut restarted: impl FnMut(Transducer, Restart),
+    ) -> Record {
+        self.pending = false;
+        let command = self.inputs.command_value();
+        let moment = Moment {
+            cycle: now.cycle,
+            live: now.live,
+            moving: self.moving && now.gate == Opening::Open,
+        };
+        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required).copied());
+        let mut good = [None; 2];
+        let mut innovations = [None; 2];
+        for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
+            if !self.has(transducer) {
+                continue;
+            }
+            good[i] = self.check(i, readings[i].as_ref(), moment, now.at);
+            let measurement = good[i].map(|reading| Measurement {
+                position: reading.position,
+                velocity: reading.velocity,
+            });
+            let (innovation, restart) = self.observers[i].step(measurement, command);
+            innovations[i] = innovation;
+            if let Some(reason) = restart {
+                restarted(transducer, reason);
+            }
+        }
+        self.follow_command(command, now);
+        let difference = good[0]
+            .zip(good[1])
+            .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
+        let residuals = self.judge(now, innovations, difference);
+        self.count(&residuals);
+        let record = self.record(now, readings, innovations, difference);
+        self.inputs.clear();
+        record
+    }
+
+    /// Time jumped: what was learnt of motion is void, what was found stands.
+    pub fn interrupt(&mut self) {
+        self.observers.iter_mut().for_each(|observer| observer.stop(Restart::TimeJump));
+        self.plausibility.iter_mut().for_each(Plausibility::reset);
+        self.bank.interrupt();
+        self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
+        self.judged = [false; 2];
+        self.moving = false;
+        self.pending = false;
+        self.inputs.clear();
+    }
+
+    fn check(
+        &mut self,
+        i: usize,
+        reading: Option<&Reading>,
+        moment: Moment,
+        at: Timestamp,
+    ) -> Option<Reading> {
+        let checks = &mut self.plausibility[i];
+        let quality = checks.judge(reading, moment);
+        let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
+        self.implausible[i].judge(at, quality, beyond);
+        let seen = !matches!(quality, Quality::Missing | Quality::Stale);
+        self.tally.implausible[i] += u64::from(seen && !quality.is_good());
+        reading.filter(|_| quality.is_good()).copied()
+    }
+
+    fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
+        match command {
+            Some(u) => {
+                self.command_missing = 0;
+                self.moving = u.abs() > self.design.moving_speed;
+            }
+            None => {
+                let aged = u32::from(now.live);
+                self.command_missing = self.command_missing.saturating_add(aged);
+            }
+        }
+        let stale = self.command_missing >= self.design.command_stale;
+        let quality = match (command, stale) {
+            (Some(_), _) => Quality::Good,
+            (None, true) => Quality::Stale,
+            (None, false) => Quality::Missing,
+        };
+        self.implausible[2].judge(now.at, quality, 0.0);
+    }
+
+    fn judge(
+        &mut self,
+        now: Evaluation,
+        innovations: [Option<Innovation>; 2],
+        difference: Option<f64>,
+    ) -> Residuals {
+        // Without a command the model predicts nothing, so its residual is no evidence.
+        let open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
+        let judged = innovations
+            .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
+        self.judged = judged.map(|residual| residual.is_some());
+        let residuals = Residuals { r: [judged[0], judged[1], difference] };
+        self.bank.judge(now.at, &residuals);
+        let critical = difference.is_some_and(|r3| r3.abs() >= self.design.critical);
+        let raised = self.bank.verdicts()[2] == Verdict::Faulty;
+        self.was_critical = raised && (self.was_critical || critical);
+        residuals
+    }
+
+    fn count(&mut self, residuals: &Residuals) {
+        let tally = &mut self.tally;
+        tally.cycles += 1;
+        tally.gated += u64::from(!self.judged.contains(&true));
+        tally.incomplete +=
+            u64::from(self.inputs.got() & self.design.required != self.design.required);
+        for (worst, residual) in tally.worst.iter_mut().zip(residuals.r) {
+            if let Some(magnitude) = residual.map(f64::abs) {
+                *worst = Some(worst.map_or(magnitude, |w| w.max(magnitude)));
+            }
+        }
+    }
+
+    fn record(
+        &self,
+        now: Evaluation,
+        readings: [Option<Reading>; 2],
+        innovations: [Option<Innovation>; 2],
+        difference: Option<f64>,
+    ) -> Record {
+        let [c1, c2] = readings.map(|reading| reading.map(|reading| reading.position));
+        let residual = |i: usize| innovations[i].map(|innovation: Innovation| innovation.residual);
+        Record {
+            timestamp: now.opened,
+            cylinder: self.design.number,
+            c1,
+            c2,
+            c2_corrected: c2.map(|c2| self.design.comparator.corrected(c2)),
+            command: self.inputs.command_value(),
+            estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
+            residuals: [residual(0), residual(1), difference],
+            gated: !self.judged.contains(&true),
+        }
+    }
+
+    /// Whether any detector finds anything now.
+    #[inline]
+    pub fn finds_anything(&self) -> bool {
+        self.bank.any_found() || self.implausible.iter().any(Implausible::raised)
+    }
+
+    /// What the detectors find now, in the places of the [`crate::alarm::Register`].
+    pub fn findings(&self) -> [Option<Finding>; PLACES] {
+        let [fde1, fde2, fde3] = self.bank.detections();
+        let levels = &self.design.levels;
+        let mut findings = [
+            fde1.map(|detection| self.observer_finding(detection)),
+            fde2.map(|detection| self.observer_finding(detection)),
+            fde3.map(|detection| self.difference_finding(detection)),
+            self.implausible_finding(0, Suspect::C1),
+            self.implausible_finding(1, Suspect::C2),
+            self.implausible_finding(2, Suspect::Process),
+        ];
+        let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
+        if blames(Suspect::C1) && blames(Suspect::C2) {
+            for finding in findings.iter_mut().flatten() {
+                if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
+                    finding.level = finding.level.max(levels.both);
+                }
+            }
+        }
+        findings
+    }
+
+    fn observer_finding(&self, detection: Detection) -> Finding {
+        let levels = &self.design.levels;
+        let level = match detection.suspect {
+            Suspect::C1 | Suspect::C2 => levels.located,
+            Suspect::Process => levels.process,
+            Suspect::Undecided => levels.undecided,
+        };
+        finding(detection, level, detection.threshold)
+    }
+
+    fn difference_finding(&self, detection: Detection) -> Finding {
+        if self.was_critical {
+            return finding(detection, self.design.levels.critical, self.design.critical);
+        }
+        self.observer_finding(detection)
+    }
+
+    fn implausible_finding(&self, i: usize, suspect: Suspect) -> Option<Finding> {
+        let implausible = self.implausible.get(i).filter(|implausible| implausible.raised())?;
+        let frozen =
+            |i: usize| self.implausible[i].raised() && self.implausible[i].fault == Fault::Frozen;
+        // Two transducers do not freeze at once: it is the cylinder that does not follow.
+        let suspect = if i < 2 && frozen(0) && frozen(1) { Suspect::Process } else { suspect };
+        let out_of_range = implausible.fault == Fault::OutOfRange;
+        Some(Finding {
+            fault: implausible.fault,
+            suspect,
+            level: self.design.levels.implausible,
+            residual: out_of_range.then_some(implausible.beyond),
+            threshold: out_of_range.then_some(0.0),
+        })
+    }
+
+    /// The state of each transducer, given the `findings` that stand for this cylinder.
+    pub fn health(&self, findings: &[Option<Finding>; PLACES]) -> [Health; 2] {
+        let stands = |suspect| findings.iter().flatten().any(|finding| finding.suspect == suspect);
+        let verdicts = self.bank.verdicts();
+        std::array::from_fn(|i| {
+            let blamed = [Suspect::C1, Suspect::C2][i];
+            if !self.has(TRANSDUCERS[i]) {
+                Health::Unknown
+            } else if stands(blamed) {
+                Health::Faulty
+            } else if stands(Suspect::Undecided) {
+                Health::Suspect
+            } else if self.judged[i] && verdicts[i] == Verdict::Healthy && !stands(Suspect::Process)
+            {
+                Health::Healthy
+            } else {
+                Health::Unknown
+            }
+        })
+    }
+}
+
+fn finding(detection: Detection, level: Level, threshold: f64) -> Finding {
+    Finding {
+        fault: detection.fault,
+        suspect: detection.suspect,
+        level,
+        residual: Some(detection.residual),
+        threshold: Some(threshold),
+    }
+}

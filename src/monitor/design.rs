@@ -1,0 +1,353 @@
+//! From settings and a DBC to everything a monitor is made from.
+
+use super::MonitorDesign;
+use super::cylinder::CylinderDesign;
+use super::gate::Gate;
+use super::wiring::{Target, Wire, Wiring};
+use crate::alarm::{Encoder, frames};
+use crate::compare::Comparator;
+use crate::config::settings::{CylinderSignals, Settings};
+use crate::decode::{Database, Message, Signal};
+use crate::observe::model::Model;
+use crate::observe::observer::Design;
+use crate::sample::cycle::CycleTiming;
+use crate::sample::plausibility::Limits;
+use crate::sample::{Field, Transducer};
+use crate::time::Span;
+use crate::verdict::fault::Signatures;
+use crate::verdict::{BankDesign, Thresholds};
+
+/// Something in the configuration that does not fit the DBC or cannot be computed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Flaw {
+    /// The key to blame, for example `signals.cylinder.c1`.
+    pub key: String,
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl Flaw {
+    fn new(key: &str, message: impl ToString, help: impl ToString) -> Self {
+        Self { key: key.to_owned(), message: message.to_string(), help: help.to_string() }
+    }
+}
+
+/// States of the thesis (section 2-2-1), for a DBC that names none.
+const STATES: [(&str, i64); 4] = [("safe", 0), ("settled", 1), ("neutral", 2), ("engaged", 3)];
+
+impl MonitorDesign {
+    /// What `settings` ask for, with the signals of `database`.
+    ///
+    /// # Errors
+    /// Every flaw found: signals that the DBC does not have or that cannot be used, identifiers
+    /// that are the gateway's own, states without a number, weights without an observer gain.
+    pub fn new(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
+        let mut wirer = Wirer { settings, database, wiring: Wiring::new(), flaws: Vec::new() };
+        wirer.connect_sync();
+        let monitored = wirer.connect_state();
+        let cylinders = (1..=settings.machine.cylinders)
+            .filter_map(|n| wirer.connect_cylinder(n))
+            .collect::<Vec<_>>();
+        wirer.refuse_own_identifiers();
+        let encoder = Encoder::new(settings.gateway.node);
+        if encoder.is_none() {
+            wirer.flaws.push(Flaw::new("gateway.node", "not a CANopen node", "use 1 to 127"));
+        }
+        match encoder {
+            Some(encoder) if wirer.flaws.is_empty() => Ok(Self {
+                wiring: wirer.wiring,
+                timing: CycleTiming {
+                    sample_time: Span::from_seconds(settings.machine.sample_time),
+                    deadline: Span::from_seconds(settings.cycle_deadline()),
+                    synchronised: settings.signals.sync.is_some(),
+                },
+                gap_cycles: cycles(settings, settings.machine.max_gap).into(),
+                gate: Gate::new(monitored, Span::from_seconds(settings.plausibility.state_stale)),
+                cylinders,
+                encoder,
+            }),
+            _ => Err(wirer.flaws),
+        }
+    }
+}
+
+/// Whole cycles nearest to `seconds`.
+fn cycles(settings: &Settings, seconds: f64) -> u32 {
+    (seconds / settings.machine.sample_time).round() as u32
+}
+
+struct Wirer<'a> {
+    settings: &'a Settings,
+    database: &'a Database,
+    wiring: Wiring,
+    flaws: Vec<Flaw>,
+}
+
+/// What is known of a signal once it is connected.
+struct Connected<'a> {
+    message: &'a Message,
+    signal: &'a Signal,
+}
+
+impl<'a> Wirer<'a> {
+    fn connect_sync(&mut self) {
+        let Some(name) = &self.settings.signals.sync else { return };
+        match self.database.message(name) {
+            Ok(message) => self.wiring.line(message.id).sync = true,
+            Err(error) => self.flaws.push(Flaw::new(
+                "signals.sync",
+                error,
+                "name the message that opens a cycle, or leave the key out",
+            )),
+        }
+    }
+
+    /// The numbers of the monitored states; `None` where FDE1 and FDE2 always judge.
+    fn connect_state(&mut self) -> Option<Vec<i64>> {
+        let machine = &self.settings.machine;
+        let Some(name) = &self.settings.signals.state else {
+            if machine.monitored_states.is_some() {
+                self.flaws.push(Flaw::new(
+                    "machine.monitored_states",
+                    "there is no signal that tells the platform's state",
+                    "name it as signals.state, or leave monitored_states out to judge always",
+                ));
+            }
+            return None;
+        };
+        let found = self.find("signals.state", name)?;
+        let wire = Wire { plan: found.signal.plan.clone(), target: Target::State };
+        self.wiring.line(found.message.id).wires.push(wire);
+        let names = machine.monitored_states.as_ref()?;
+        Some(names.iter().flat_map(|name| self.state_numbers(found.signal, name)).collect())
+    }
+
+    fn state_numbers(&mut self, signal: &Signal, name: &str) -> Vec<i64> {
+        if let Ok(number) = name.parse() {
+            return vec![number];
+        }
+        let mut numbers: Vec<i64> = signal.numbers_named(name).collect();
+        if signal.values.is_empty() {
+            let known = STATES.iter().filter(|(known, _)| known.eq_ignore_ascii_case(name));
+            numbers.extend(known.map(|(_, number)| number));
+        }
+        if numbers.is_empty() {
+            let known: Vec<&str> = if signal.values.is_empty() {
+                STATES.iter().map(|(name, _)| *name).collect()
+            } else {
+                signal.values.iter().map(|(_, name)| name.as_str()).collect()
+            };
+            self.flaws.push(Flaw::new(
+                "machine.monitored_states",
+                format!("the platform has no state {name:?}"),
+                format!("known states: {}; or give the number as text", known.join(", ")),
+            ));
+        }
+        numbers
+    }
+
+    fn connect_cylinder(&mut self, n: u8) -> Option<CylinderDesign> {
+        let before = self.flaws.len();
+        let signals = &self.settings.signals.cylinder;
+        let limits = [
+            self.connect_transducer(n, Transducer::C1, Some(&signals.c1)),
+            self.connect_transducer(n, Transducer::C2, signals.c2.as_deref()),
+        ];
+        self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
+        for (key, name) in
+            [("pressure_bottom", &signals.pressure_bottom), ("pressure_rod", &signals.pressure_rod)]
+        {
+            // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
+            let name = name.as_ref().map(|name| CylinderSignals::of_cylinder(name, n));
+            name.and_then(|name| self.find(&format!("signals.cylinder.{key}"), &name).map(drop));
+        }
+        let observers = self.observers(n);
+        let ([first, second], Some(observers)) = (limits, observers) else { return None };
+        if self.flaws.len() > before {
+            return None;
+        }
+        let settings = self.settings;
+        let (gain, offset) = settings.comparator_of(n);
+        let clear = Span::from_seconds(settings.alarm.clear);
+        let fde = &settings.fde;
+        Some(CylinderDesign {
+            number: n,
+            required: self.required(n),
+            counter_bits: [first.counter_bits, second.counter_bits],
+            limits: [first.limits, second.limits],
+            command_stale: cycles(settings, settings.plausibility.stale).max(1),
+            moving_speed: settings.plausibility.frozen_speed,
+            comparator: Comparator { gain, offset },
+            bank: BankDesign {
+                observer: Thresholds { low: fde.low, high: fde.high, clear },
+                difference: Thresholds {
+                    low: settings.comparator_low(),
+                    high: settings.comparator.bound,
+                    clear,
+                },
+                coincidence: Span::from_seconds(settings.alarm.coincidence),
+                signatures: observers.each_ref().map(Signatures::of_innovation),
+            },
+            observers,
+            critical: settings.comparator.critical,
+            levels: settings.alarm.levels.clone(),
+            clear,
+        })
+    }
+
+    /// The fields of cylinder `n` that were connected, by [`Field::bit`].
+    fn required(&self, n: u8) -> u16 {
+        let wires = self.wiring.lines().iter().flat_map(|line| &line.wires);
+        let bits = wires.filter_map(|wire| match wire.target {
+            Target::Cylinder(index, field) if index + 1 == n => Some(field.bit()),
+            _ => None,
+        });
+        bits.fold(0, |all, bit| all | bit)
+    }
+
+    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Checks {
+        let signals = &self.settings.signals.cylinder;
+        let (prefix, velocity, status, counter) = match which {
+            Transducer::C1 => ("c1", &signals.c1_velocity, &signals.c1_status, &signals.c1_counter),
+            Transducer::C2 => ("c2", &signals.c2_velocity, &signals.c2_status, &signals.c2_counter),
+        };
+        let position = self.connect(n, prefix, name, Field::Position(which));
+        if name.is_some() {
+            let key = |suffix| format!("{prefix}_{suffix}");
+            self.connect(n, &key("velocity"), velocity.as_deref(), Field::Velocity(which));
+            self.connect(n, &key("status"), status.as_deref(), Field::Status(which));
+        }
+        let counter = counter
+            .as_deref()
+            .filter(|_| name.is_some())
+            .and_then(|name| {
+                self.connect(n, &format!("{prefix}_counter"), Some(name), Field::Counter(which))
+            })
+            .map(|counter| counter.signal.plan.bits());
+        Checks { limits: self.limits(position), counter_bits: counter }
+    }
+
+    fn limits(&self, position: Option<Connected<'_>>) -> Limits {
+        let plausibility = &self.settings.plausibility;
+        let [lowest, highest] = self.settings.machine.stroke;
+        let (mut lengths, mut half_count) = ((lowest, highest), 0.0);
+        if let Some(Connected { signal, .. }) = position {
+            if !signal.plan.is_float() {
+                half_count = signal.plan.factor().abs() / 2.0;
+            }
+            if let (Some([minimum, maximum]), None) = (signal.range, plausibility.valid_raw) {
+                lengths = (lowest.max(minimum), highest.min(maximum));
+            }
+        }
+        Limits {
+            stale: cycles(self.settings, plausibility.stale).max(1),
+            broken_wire_codes: plausibility.broken_wire_codes.clone(),
+            status_mask: plausibility.status_mask,
+            codes: plausibility.valid_raw.map(|[lowest, highest]| (lowest, highest)),
+            // A limit in decimals lies beside its count by rounding.
+            lengths: (lengths.0 - half_count, lengths.1 + half_count),
+            frozen: cycles(self.settings, plausibility.frozen).max(1),
+        }
+    }
+
+    fn observers(&mut self, n: u8) -> Option<[Design; 2]> {
+        let settings = self.settings;
+        let (theta, gamma) = settings.model_of(n);
+        let model = Model::new(settings.machine.sample_time, theta, gamma);
+        let signals = &settings.signals.cylinder;
+        let velocities = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
+        let [first, second] = velocities.map(|velocity| {
+            let design = Design::new(
+                &model,
+                settings.observer.q,
+                settings.observer.r,
+                velocity,
+                cycles(settings, settings.observer.settle),
+                cycles(settings, settings.machine.max_gap),
+            );
+            design.map_err(|error| {
+                self.flaws.push(Flaw::new(
+                    "observer.q",
+                    format!("cylinder {n} has no observer gain: {error}"),
+                    "check theta and gamma of the model, and the weights q and r",
+                ));
+            })
+        });
+        Some([first.ok()?, second.ok()?])
+    }
+
+    fn connect(
+        &mut self,
+        n: u8,
+        key: &str,
+        name: Option<&str>,
+        field: Field,
+    ) -> Option<Connected<'a>> {
+        let name = CylinderSignals::of_cylinder(name?, n);
+        let key = format!("signals.cylinder.{key}");
+        let found = self.find(&key, &name)?;
+        self.refuse_unit(&key, &name, found.signal, field);
+        self.refuse_twice(&key, &name, found.message, found.signal);
+        let line = self.wiring.line(found.message.id);
+        line.reading |= field.is_reading();
+        line.cyclic = true;
+        let target = Target::Cylinder(n - 1, field);
+        line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+        Some(found)
+    }
+
+    fn find(&mut self, key: &str, name: &str) -> Option<Connected<'a>> {
+        match self.database.signal(name) {
+            Ok((message, signal)) => Some(Connected { message, signal }),
+            Err(error) => {
+                let help = "name it MESSAGE.SIGNAL as the DBC does";
+                self.flaws.push(Flaw::new(key, error, help));
+                None
+            }
+        }
+    }
+
+    /// Lengths are metres throughout; a signal in another unit would be wrong by its factor.
+    fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
+        let expected = match field {
+            Field::Position(_) => "m",
+            Field::Velocity(_) => "m/s",
+            Field::Status(_) | Field::Counter(_) | Field::Command => return,
+        };
+        if !(signal.unit.is_empty() || signal.unit == expected) {
+            self.flaws.push(Flaw::new(
+                key,
+                format!("{name} is in {:?}, expected {expected:?}", signal.unit),
+                format!("scale factor, offset and range of the DBC to {expected}"),
+            ));
+        }
+    }
+
+    fn refuse_twice(&mut self, key: &str, name: &str, message: &Message, signal: &Signal) {
+        let line = self.wiring.find(message.id).map(|place| &self.wiring.lines()[place]);
+        if line.is_some_and(|line| line.wires.iter().any(|wire| wire.plan == signal.plan)) {
+            self.flaws.push(Flaw::new(
+                key,
+                format!("{name} is used already for something else"),
+                "every signal of every cylinder needs a place of its own; is {n} missing?",
+            ));
+        }
+    }
+
+    fn refuse_own_identifiers(&mut self) {
+        let Some(own) = frames::identifiers(self.settings.gateway.node) else { return };
+        for line in self.wiring.lines().iter().filter(|line| own.contains(&line.id)) {
+            self.flaws.push(Flaw::new(
+                "gateway.node",
+                format!("identifier 0x{} is the gateway's own and also an input", line.id),
+                "choose a node whose identifiers nothing else on the bus sends",
+            ));
+        }
+    }
+}
+
+struct Checks {
+    limits: Limits,
+    counter_bits: Option<u32>,
+}

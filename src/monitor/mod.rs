@@ -1,0 +1,461 @@
+//! The monitor: time-stamped frames in, records, warnings and the gateway's frames out.
+//!
+//! It has no clock. Time passes with the time stamps of the frames it listens to and with
+//! [`Monitor::advance`]; what falls due in between is done first, at its own time. So a gateway
+//! that advances by its clock, some guard time behind the bus, and a replay of the same frames say
+//! the same.
+
+pub mod cylinder;
+pub mod design;
+pub mod gate;
+pub mod sink;
+pub mod wiring;
+
+use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
+use crate::alarm::{Detector, Encoder, Register};
+use crate::decode::{Decoded, Value};
+use crate::frame::{Frame, Kind};
+use crate::sample::Field;
+use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
+use crate::time::{Span, Timestamp};
+use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
+use gate::{Gate, Opening};
+pub use sink::{Notice, Record, Sink};
+use wiring::{Target, Wiring};
+
+/// Everything a monitor is made from.
+#[derive(Clone, Debug)]
+pub struct MonitorDesign {
+    pub wiring: Wiring,
+    pub timing: CycleTiming,
+    /// Missing cycles that are predicted over; a longer silence is told as a gap.
+    pub gap_cycles: u64,
+    pub gate: Gate,
+    /// At most [`MAX_CYLINDERS`].
+    pub cylinders: Vec<CylinderDesign>,
+    pub encoder: Encoder,
+}
+
+/// Fd_Status is sent this often.
+const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
+
+/// Time stamps that leap further ahead than this are a clock that was set, not a quiet bus.
+const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
+
+/// What the monitor counts of the bus.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Frames that the monitor listens to.
+    pub used: u64,
+    /// Frames of other identifiers, remote frames and error frames.
+    pub ignored: u64,
+    /// Of these, error frames.
+    pub errors: u64,
+    /// Cycles that opened.
+    pub cycles: u64,
+    /// Of these, cycles in which something configured did not arrive.
+    pub incomplete: u64,
+    /// Cycles that should have opened and did not.
+    pub missing: u64,
+    /// Frames after the deadline of their cycle.
+    pub late: u64,
+    /// Frames that came twice in a cycle; the first one counts.
+    pub repeated: u64,
+    /// Signals that their frame was too short for, or whose value is not a finite number.
+    pub bad_signals: u64,
+    /// Frames with a time stamp before the one before.
+    pub backwards: u64,
+    /// Jumps in time after which everything started anew.
+    pub time_jumps: u64,
+}
+
+/// The monitor of one machine.
+#[derive(Clone, Debug)]
+pub struct Monitor {
+    wiring: Wiring,
+    clock: CycleClock,
+    gap_cycles: u64,
+    gate: Gate,
+    cylinders: Vec<Cylinder>,
+    /// Cylinders still to be evaluated in the open cycle.
+    pending: usize,
+    incomplete: bool,
+    /// Missing cycles since the last real one.
+    missing_run: u64,
+    /// Something that belongs to a cycle arrived since the last cycle closed.
+    live: bool,
+    monitored_once: bool,
+    register: Register,
+    encoder: Encoder,
+    counts: Counts,
+    last: Option<Timestamp>,
+    next_status: Timestamp,
+    /// The earliest time at which anything falls due, so that most frames need one comparison.
+    next_due: Timestamp,
+}
+
+impl Monitor {
+    pub fn new(design: MonitorDesign) -> Self {
+        debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
+        Self {
+            wiring: design.wiring,
+            clock: CycleClock::new(design.timing),
+            gap_cycles: design.gap_cycles,
+            gate: design.gate,
+            register: Register::new(design.cylinders.len()),
+            cylinders: design.cylinders.into_iter().map(Cylinder::new).collect(),
+            pending: 0,
+            incomplete: false,
+            missing_run: 0,
+            live: false,
+            monitored_once: false,
+            encoder: design.encoder,
+            counts: Counts::default(),
+            last: None,
+            next_status: Timestamp::default(),
+            next_due: Timestamp::default(),
+        }
+    }
+
+    pub const fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// The tallies of the cylinders, in their order.
+    pub fn tallies(&self) -> impl Iterator<Item = &Tally> {
+        self.cylinders.iter().map(Cylinder::tally)
+    }
+
+    /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
+    pub fn counter_jumps(&self) -> impl Iterator<Item = [u64; 2]> {
+        self.cylinders.iter().map(Cylinder::counter_jumps)
+    }
+
+    /// Takes a frame from the bus. Frames must come in the order in which they were on it.
+    pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
+        let place = match frame.kind {
+            Kind::Data | Kind::Fd { .. } => self.wiring.find(frame.id),
+            Kind::Remote { .. } => None,
+            Kind::Error => {
+                self.counts.errors += 1;
+                None
+            }
+        };
+        let Some(place) = place else {
+            self.counts.ignored += 1;
+            return;
+        };
+        self.counts.used += 1;
+        let at = self.follow_time(frame.timestamp, sink);
+        self.sort(place, at, frame, sink);
+    }
+
+    /// Time has passed until `now`, and every frame before it has been taken.
+    pub fn advance(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        if self.last.is_none_or(|last| now <= last) {
+            return;
+        }
+        if self.next_due < now {
+            self.do_due(now, sink);
+        }
+        self.last = Some(now);
+    }
+
+    /// No frame follows: the open cycle is closed at its deadline.
+    pub fn finish(&mut self, sink: &mut impl Sink) {
+        if let Some(Due::Close(at)) = self.clock.due() {
+            self.close_cycle(at, sink);
+        }
+    }
+
+    /// Brings time to `stamp`, or says at which earlier or later time the frame is taken instead.
+    #[inline]
+    fn follow_time(&mut self, stamp: Timestamp, sink: &mut impl Sink) -> Timestamp {
+        let Some(last) = self.last else {
+            self.begin(stamp);
+            return stamp;
+        };
+        if stamp >= last && stamp <= self.next_due {
+            self.last = Some(stamp);
+            return stamp;
+        }
+        self.follow_irregular_time(last, stamp, sink)
+    }
+
+    #[cold]
+    fn follow_irregular_time(
+        &mut self,
+        last: Timestamp,
+        stamp: Timestamp,
+        sink: &mut impl Sink,
+    ) -> Timestamp {
+        let step = stamp.since(last);
+        if step < Span::ZERO {
+            self.counts.backwards += 1;
+            if step.as_nanos().saturating_neg() <= self.clock.sample_time().as_nanos() {
+                // Out of order by less than a cycle: the order of arrival is believed.
+                return last;
+            }
+        }
+        if step < Span::ZERO || step > LARGEST_PAUSE {
+            self.jump(stamp, step, sink);
+        } else {
+            self.do_due(stamp, sink);
+            self.last = Some(stamp);
+        }
+        stamp
+    }
+
+    fn begin(&mut self, at: Timestamp) {
+        self.last = Some(at);
+        self.next_status = at.after(STATUS_PERIOD);
+        self.reckon_due();
+    }
+
+    fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
+        self.counts.time_jumps += 1;
+        sink.notice(&Notice::TimeJump { at, by });
+        self.clock.reset();
+        self.pending = 0;
+        self.gate.reset();
+        self.cylinders.iter_mut().for_each(Cylinder::interrupt);
+        self.register.rephase(at);
+        self.begin(at);
+    }
+
+    fn reckon_due(&mut self) {
+        let cycle = self.clock.due().map(Due::at);
+        let times = [cycle, self.register.due()].into_iter().flatten();
+        self.next_due = times.fold(self.next_status, Timestamp::min);
+    }
+
+    /// Does everything that falls due before `now`, in the order of time.
+    #[cold]
+    fn do_due(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        while self.next_due < now {
+            let at = self.next_due;
+            match self.clock.due() {
+                Some(Due::Close(due)) if due == at => self.close_cycle(at, sink),
+                Some(Due::Missing(due)) if due == at => self.miss_cycle(at, sink),
+                _ if self.register.due() == Some(at) => self.repeat_warnings(at, sink),
+                _ => self.send_status(at, sink),
+            }
+            self.reckon_due();
+        }
+    }
+
+    fn sort(&mut self, place: usize, at: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let line = &self.wiring.lines()[place];
+        let (sync, reading, cyclic) = (line.sync, line.reading, line.cyclic);
+        if sync && !self.clock.confirms(at) {
+            self.open_cycle(at, true, sink);
+        }
+        if cyclic {
+            self.live = true;
+            let repeated = |monitor: &Self| {
+                monitor.wiring.lines()[place].arrived == Some(monitor.clock.number())
+            };
+            if reading && !sync && self.clock.arrival(at, repeated(self)) == Arrival::Opens {
+                self.open_cycle(at, false, sink);
+            }
+            if !self.clock.is_open() {
+                self.counts.late += 1;
+                return self.take_state(place, at, frame);
+            }
+            if repeated(self) {
+                self.counts.repeated += 1;
+                return self.take_state(place, at, frame);
+            }
+            let number = self.clock.number();
+            self.wiring.lines_mut()[place].arrived = Some(number);
+        }
+        self.fill(place, at, frame, sink);
+    }
+
+    /// Decodes the signals of `frame` into their places, and evaluates the cylinders that are
+    /// complete with it.
+    fn fill(&mut self, place: usize, at: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let Self { wiring, cylinders, gate, counts, .. } = self;
+        let mut touched = 0_u8;
+        for wire in &wiring.lines()[place].wires {
+            let value = match wire.plan.decode(frame) {
+                Decoded::Value(value) => value,
+                Decoded::Absent => continue,
+                Decoded::Short => {
+                    counts.bad_signals += 1;
+                    continue;
+                }
+            };
+            match wire.target {
+                Target::State => gate.state(at, state_number(value)),
+                Target::Cylinder(index, field) => {
+                    touched |= 1 << index;
+                    let taken = put(&mut cylinders[usize::from(index)], field, value);
+                    counts.bad_signals += u64::from(!taken);
+                }
+            }
+        }
+        while touched != 0 {
+            let index = touched.trailing_zeros() as usize;
+            touched &= touched - 1;
+            if self.cylinders[index].pending && self.cylinders[index].is_complete() {
+                self.evaluate(index, at, sink);
+            }
+        }
+    }
+
+    /// The platform's state does not belong to a cycle, even where a late frame carries it.
+    fn take_state(&mut self, place: usize, at: Timestamp, frame: &Frame) {
+        for wire in &self.wiring.lines()[place].wires {
+            if let (Target::State, Decoded::Value(value)) = (wire.target, wire.plan.decode(frame)) {
+                self.gate.state(at, state_number(value));
+            }
+        }
+    }
+
+    fn open_cycle(&mut self, at: Timestamp, by_sync: bool, sink: &mut impl Sink) {
+        if self.clock.is_open() {
+            self.close_cycle(at, sink);
+        }
+        for _ in 0..self.clock.missing_before(at) {
+            self.miss_cycle(at, sink);
+        }
+        if self.missing_run > self.gap_cycles {
+            let sample_time = self.clock.sample_time().as_nanos();
+            let length = Span::from_nanos(sample_time.saturating_mul(self.missing_run as i64));
+            sink.notice(&Notice::Gap { at, length });
+        }
+        self.missing_run = 0;
+        self.clock.open(at, by_sync);
+        self.counts.cycles += 1;
+        self.pending = self.cylinders.len();
+        self.incomplete = false;
+        for cylinder in &mut self.cylinders {
+            cylinder.pending = true;
+            cylinder.inputs.clear();
+        }
+        self.reckon_due();
+    }
+
+    /// Evaluates what the open cycle still owes.
+    fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        self.incomplete |= self.pending > 0;
+        for index in 0..self.cylinders.len() {
+            if self.pending > 0 && self.cylinders[index].pending {
+                self.evaluate(index, at, sink);
+            }
+        }
+        self.counts.incomplete += u64::from(self.incomplete);
+        self.clock.close();
+        self.live = false;
+    }
+
+    /// A cycle did not open: the observers predict over it.
+    fn miss_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        self.clock.skip(1);
+        self.counts.missing += 1;
+        self.missing_run += 1;
+        // Beyond that the observers stand still and nothing is judged any more.
+        if self.live || self.missing_run <= self.gap_cycles + 1 {
+            for index in 0..self.cylinders.len() {
+                self.evaluate(index, at, sink);
+            }
+        }
+        self.live = false;
+    }
+
+    fn evaluate(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        let cylinder = &mut self.cylinders[index];
+        self.pending -= usize::from(cylinder.pending);
+        let now = Evaluation {
+            at,
+            cycle: self.clock.number(),
+            opened: self.clock.opened().unwrap_or(at),
+            live: self.live,
+            gate: self.gate.opening(at),
+        };
+        let number = index as u8 + 1;
+        let record = cylinder.evaluate(now, |transducer, reason| {
+            let detector = [Detector::Fde1, Detector::Fde2][transducer as usize];
+            sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
+        });
+        sink.record(&record);
+        if cylinder.finds_anything() || self.register.any(index) {
+            self.warn(index, at, sink);
+        }
+    }
+
+    fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        let findings = self.cylinders[index].findings();
+        let Self { register, encoder, .. } = self;
+        register.update(at, index, &findings, |warning| {
+            let raised = warning.state != crate::alarm::State::Cleared;
+            sink.warning(&warning);
+            let frame =
+                encoder.warning(at, warning.cylinder, warning.detector, &warning.finding, raised);
+            sink.transmit(&frame);
+        });
+        self.reckon_due();
+    }
+
+    fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let Self { register, encoder, .. } = self;
+        register.repeat(at, |cylinder, detector, finding| {
+            sink.transmit(&encoder.warning(at, cylinder, detector, finding, true));
+        });
+    }
+
+    fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let status = self.status(at);
+        sink.transmit(&self.encoder.status(at, &status));
+        self.next_status = self.next_status.after(STATUS_PERIOD);
+    }
+
+    /// The state of the whole at `at`.
+    pub fn status(&mut self, at: Timestamp) -> Status {
+        let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];
+        for (index, cylinder) in self.cylinders.iter().enumerate() {
+            transducers[index] = cylinder.health(&self.register.findings(index));
+        }
+        let all_judge = self.cylinders.iter().all(Cylinder::judges);
+        let mode = match (self.gate.opening(at), all_judge) {
+            (Opening::Closed, _) => Mode::Gated,
+            (Opening::Open, true) => Mode::Monitoring,
+            _ if self.monitored_once => Mode::Degraded,
+            _ => Mode::Starting,
+        };
+        self.monitored_once |= mode == Mode::Monitoring;
+        let (level, active_warnings) = (self.register.level(), self.register.standing());
+        Status { transducers, level, mode, active_warnings }
+    }
+}
+
+/// Puts a decoded value into its place; `false` if it is not a finite number there.
+fn put(cylinder: &mut Cylinder, field: Field, value: Value) -> bool {
+    let inputs = &mut cylinder.inputs;
+    match field {
+        Field::Position(transducer) => {
+            inputs.position(transducer, value.physical, value.raw.as_i64());
+            true
+        }
+        Field::Velocity(transducer) => inputs.velocity(transducer, value.physical),
+        Field::Status(transducer) => {
+            inputs.status(transducer, bits(value));
+            true
+        }
+        Field::Counter(transducer) => {
+            inputs.counter(transducer, bits(value));
+            true
+        }
+        Field::Command => inputs.command(value.physical),
+    }
+}
+
+/// The raw bits of an integer signal; a float has none, and its whole part is taken.
+fn bits(value: Value) -> u64 {
+    value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
+}
+
+fn state_number(value: Value) -> i64 {
+    value.raw.as_i64().unwrap_or(value.raw.as_f64() as i64)
+}

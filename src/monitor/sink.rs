@@ -1,0 +1,59 @@
+//! What leaves the monitor.
+
+use crate::alarm::{Detector, OwnFrame, Warning};
+use crate::observe::observer::Restart;
+use crate::time::{Span, Timestamp};
+
+/// Everything known of one cylinder in one cycle; `None` where there was nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record {
+    /// The opening of the cycle.
+    pub timestamp: Timestamp,
+    /// From 1.
+    pub cylinder: u8,
+    /// The readings as they came, m.
+    pub c1: Option<f64>,
+    pub c2: Option<f64>,
+    /// Ĉ2 = a·C2 + b, m.
+    pub c2_corrected: Option<f64>,
+    /// u(k), m/s.
+    pub command: Option<f64>,
+    /// C x̂ of both observers before the correction, m.
+    pub estimates: [Option<f64>; 2],
+    /// R1, R2 and R3, m, signed.
+    pub residuals: [Option<f64>; 3],
+    /// Neither FDE1 nor FDE2 judged this cycle.
+    pub gated: bool,
+}
+
+/// Something to tell beside warnings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Notice {
+    /// Cycles were missing for longer than the observers predict over.
+    Gap { at: Timestamp, length: Span },
+    /// Time stamps went backwards, or so far forwards that it is no pause any more.
+    TimeJump { at: Timestamp, by: Span },
+    /// The observer of one transducer starts anew.
+    Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
+}
+
+/// Takes what the monitor gives, in the order of time. What is not wanted need not be implemented.
+pub trait Sink {
+    /// A cycle of one cylinder is complete.
+    fn record(&mut self, record: &Record) {
+        _ = record;
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        _ = warning;
+    }
+
+    /// A frame to send.
+    fn transmit(&mut self, frame: &OwnFrame) {
+        _ = frame;
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        _ = notice;
+    }
+}

@@ -1,0 +1,110 @@
+//! Warnings gathered from raise to clear.
+
+use crate::alarm::register::PLACES;
+use crate::alarm::{Detector, Finding, State, Warning};
+use crate::time::Timestamp;
+use crate::verdict::Fault;
+
+/// Episodes that are kept for the page; the others are counted.
+pub const KEPT: usize = 500;
+
+/// One warning from its raise to its clearing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Episode {
+    pub cylinder: u8,
+    pub detector: Detector,
+    pub raised: Timestamp,
+    /// `None` while it stands.
+    pub cleared: Option<Timestamp>,
+    /// The fault first named, which later residuals may have corrected.
+    pub first_fault: Fault,
+    /// As raised, with the fault, suspect and level as last changed.
+    pub finding: Finding,
+}
+
+/// The episodes of a replay, in the order of their raise.
+#[derive(Clone, Debug, Default)]
+pub struct Episodes {
+    kept: Vec<Episode>,
+    left_out: u64,
+    /// Raised, for each detector in the order of [`Detector::ALL`].
+    raised: [u64; Detector::ALL.len()],
+    /// Of each cylinder in its order.
+    cylinders: Vec<OfCylinder>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct OfCylinder {
+    raised: u64,
+    /// Which of the kept episodes stands at each place.
+    standing: [Option<usize>; PLACES],
+}
+
+impl Episodes {
+    /// Takes the next warning.
+    pub fn take(&mut self, warning: &Warning) {
+        match warning.state {
+            State::Raised => self.raise(warning),
+            State::Changed | State::Cleared => self.follow(warning),
+        }
+    }
+
+    pub fn kept(&self) -> &[Episode] {
+        &self.kept
+    }
+
+    /// Episodes beyond [`KEPT`].
+    pub const fn left_out(&self) -> u64 {
+        self.left_out
+    }
+
+    /// Warnings raised, for each detector in the order of [`Detector::ALL`].
+    pub const fn raised(&self) -> &[u64; Detector::ALL.len()] {
+        &self.raised
+    }
+
+    /// Warnings raised for the cylinder `n` (from 1).
+    pub fn of_cylinder(&self, n: usize) -> u64 {
+        self.cylinders.get(n - 1).map_or(0, |cylinder| cylinder.raised)
+    }
+
+    fn raise(&mut self, warning: &Warning) {
+        self.raised[warning.detector as usize - 1] += 1;
+        let kept = self.kept.len() < KEPT;
+        let place = kept.then_some(self.kept.len());
+        let cylinder = self.cylinder(warning);
+        cylinder.raised += 1;
+        cylinder.standing[warning.place] = place;
+        if !kept {
+            self.left_out += 1;
+            return;
+        }
+        self.kept.push(Episode {
+            cylinder: warning.cylinder,
+            detector: warning.detector,
+            raised: warning.timestamp,
+            cleared: None,
+            first_fault: warning.finding.fault,
+            finding: warning.finding,
+        });
+    }
+
+    fn follow(&mut self, warning: &Warning) {
+        let Some(index) = self.cylinder(warning).standing[warning.place] else { return };
+        let episode = &mut self.kept[index];
+        let Finding { fault, suspect, level, .. } = warning.finding;
+        episode.finding = Finding { fault, suspect, level, ..episode.finding };
+        if warning.state == State::Cleared {
+            episode.cleared = Some(warning.timestamp);
+            self.cylinder(warning).standing[warning.place] = None;
+        }
+    }
+
+    fn cylinder(&mut self, warning: &Warning) -> &mut OfCylinder {
+        let index = usize::from(warning.cylinder) - 1;
+        if self.cylinders.len() <= index {
+            self.cylinders.resize_with(index + 1, OfCylinder::default);
+        }
+        &mut self.cylinders[index]
+    }
+}

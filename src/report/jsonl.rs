@@ -1,0 +1,194 @@
+//! Lines of JSON for scripts, one object each.
+
+use super::Summary;
+use crate::alarm::{Detector, Warning};
+use crate::monitor::Notice;
+use crate::observe::observer::Restart;
+use crate::time::{Span, Timestamp};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+#[derive(Serialize)]
+struct WarningLine {
+    r#type: &'static str,
+    t: f64,
+    timestamp: f64,
+    cylinder: u8,
+    detector: &'static str,
+    fault: &'static str,
+    suspect: &'static str,
+    level: &'static str,
+    state: &'static str,
+    residual: Option<f64>,
+    threshold: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct NoticeLine {
+    r#type: &'static str,
+    t: f64,
+    timestamp: f64,
+    notice: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cylinder: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    detector: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct SummaryLine {
+    r#type: &'static str,
+    frames: u64,
+    ignored_frames: u64,
+    error_frames: u64,
+    bad_lines: u64,
+    damaged_inputs: u64,
+    cycles: u64,
+    incomplete_cycles: u64,
+    missing_cycles: u64,
+    late_frames: u64,
+    repeated_frames: u64,
+    bad_signals: u64,
+    backwards: u64,
+    time_jumps: u64,
+    duration: f64,
+    warnings: BTreeMap<Position, u64>,
+    cylinders: Vec<CylinderLine>,
+}
+
+/// A detector as a key, in the order of the detectors and not of their names.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Position(Detector);
+
+impl Serialize for Position {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+#[derive(Serialize)]
+struct CylinderLine {
+    cylinder: usize,
+    samples: u64,
+    gated: u64,
+    incomplete: u64,
+    implausible: [u64; 2],
+    counter_jumps: [u64; 2],
+    worst_r1: Option<f64>,
+    worst_r2: Option<f64>,
+    worst_r3: Option<f64>,
+    warnings: u64,
+}
+
+/// Writes `warning`; `first` is the time stamp of the recording's first frame.
+///
+/// # Errors
+/// What `out` says.
+pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io::Result<()> {
+    let finding = &warning.finding;
+    write_line(
+        out,
+        &WarningLine {
+            r#type: "warning",
+            t: warning.timestamp.since(first).as_seconds(),
+            timestamp: warning.timestamp.as_seconds(),
+            cylinder: warning.cylinder,
+            detector: warning.detector.name(),
+            fault: finding.fault.name(),
+            suspect: finding.suspect.name(),
+            level: finding.level.name(),
+            state: warning.state.name(),
+            residual: finding.residual,
+            threshold: finding.threshold,
+        },
+    )
+}
+
+/// Writes `notice`, as [`warning`].
+///
+/// # Errors
+/// What `out` says.
+pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
+    let line = |at: Timestamp, notice, seconds: Option<Span>| NoticeLine {
+        r#type: "notice",
+        t: at.since(first).as_seconds(),
+        timestamp: at.as_seconds(),
+        notice,
+        seconds: seconds.map(Span::as_seconds),
+        cylinder: None,
+        detector: None,
+        reason: None,
+    };
+    let line = match *notice {
+        Notice::Gap { at, length } => line(at, "gap", Some(length)),
+        Notice::TimeJump { at, by } => line(at, "time_jump", Some(by)),
+        Notice::Restart { at, cylinder, detector, reason } => NoticeLine {
+            cylinder: Some(cylinder),
+            detector: Some(detector.name()),
+            reason: Some(restart_name(reason)),
+            ..line(at, "restart", None)
+        },
+    };
+    write_line(out, &line)
+}
+
+/// Writes the last line.
+///
+/// # Errors
+/// What `out` says.
+pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
+    let Summary { statistics, counts, episodes, .. } = summary;
+    let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();
+    let line = SummaryLine {
+        r#type: "summary",
+        frames: statistics.frames,
+        ignored_frames: summary.ignored_frames(),
+        error_frames: statistics.error_frames,
+        bad_lines: statistics.bad_lines,
+        damaged_inputs: statistics.damaged_inputs,
+        cycles: counts.cycles,
+        incomplete_cycles: counts.incomplete,
+        missing_cycles: counts.missing,
+        late_frames: counts.late,
+        repeated_frames: counts.repeated,
+        bad_signals: counts.bad_signals,
+        backwards: counts.backwards,
+        time_jumps: counts.time_jumps,
+        duration: summary.duration,
+        warnings: Detector::ALL.map(Position).into_iter().zip(*episodes.raised()).collect(),
+        cylinders: cylinders
+            .map(|(index, (tally, jumps))| CylinderLine {
+                cylinder: index + 1,
+                samples: tally.cycles,
+                gated: tally.gated,
+                incomplete: tally.incomplete,
+                implausible: tally.implausible,
+                counter_jumps: *jumps,
+                worst_r1: tally.worst[0],
+                worst_r2: tally.worst[1],
+                worst_r3: tally.worst[2],
+                warnings: episodes.of_cylinder(index + 1),
+            })
+            .collect(),
+    };
+    write_line(out, &line)
+}
+
+/// Why an observer starts anew, in files and reports.
+pub const fn restart_name(reason: Restart) -> &'static str {
+    match reason {
+        Restart::Gap => "gap",
+        Restart::Diverged => "diverged",
+        Restart::TimeJump => "time_jump",
+    }
+}
+
+fn write_line(out: &mut impl Write, line: &impl Serialize) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, line)?;
+    out.write_all(b"\n")
+}

@@ -1,0 +1,32 @@
+//! What people and scripts read of a replay: lines of JSON, tables of residuals, a page of text.
+
+pub mod episode;
+pub mod human;
+pub mod jsonl;
+pub mod residuals;
+
+pub use episode::{Episode, Episodes};
+pub use residuals::ResidualTable;
+
+use crate::bus::Statistics;
+use crate::monitor::{Counts, cylinder::Tally};
+
+/// Everything that a summary is made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Summary<'a> {
+    /// From the first to the last frame, s.
+    pub duration: f64,
+    pub statistics: &'a Statistics,
+    pub counts: &'a Counts,
+    pub tallies: &'a [Tally],
+    /// Jumps of the alive counters of C1 and C2 of each cylinder.
+    pub counter_jumps: &'a [[u64; 2]],
+    pub episodes: &'a Episodes,
+}
+
+impl Summary<'_> {
+    /// Frames that the monitor does not listen to.
+    pub fn ignored_frames(&self) -> u64 {
+        self.statistics.frames.saturating_sub(self.counts.used)
+    }
+}

@@ -1,0 +1,51 @@
+//! The table of residuals, as comma-separated values.
+
+use crate::monitor::Record;
+use crate::time::Timestamp;
+use std::io::{self, Write};
+
+const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
+
+/// Writes one row for each cylinder and cycle, in full double precision. What is not there is
+/// empty; `gated` is 1 where neither FDE1 nor FDE2 judged.
+#[derive(Debug)]
+pub struct ResidualTable<W: Write> {
+    out: W,
+}
+
+impl<W: Write> ResidualTable<W> {
+    /// A table on `out`, which should be buffered.
+    ///
+    /// # Errors
+    /// What `out` says.
+    pub fn new(mut out: W) -> io::Result<Self> {
+        writeln!(out, "{HEADER}")?;
+        Ok(Self { out })
+    }
+
+    /// Writes the row of `record`; `first` is the time stamp of the recording's first frame.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn write(&mut self, first: Timestamp, record: &Record) -> io::Result<()> {
+        let t = record.timestamp.since(first).as_seconds();
+        write!(self.out, "{t},{}", record.cylinder)?;
+        let readings = [record.c1, record.c2, record.c2_corrected, record.command];
+        for value in readings.into_iter().chain(record.estimates).chain(record.residuals) {
+            match value {
+                // `Display` of a double is the shortest form that reads back the same.
+                Some(value) => write!(self.out, ",{value}")?,
+                None => write!(self.out, ",")?,
+            }
+        }
+        writeln!(self.out, ",{}", u8::from(record.gated))
+    }
+
+    /// Writes what is still buffered.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}

@@ -1,0 +1,10 @@
+//! From decoded values to the sample of a cycle: what belongs together, and what it is worth.
+
+pub mod counter;
+pub mod cycle;
+pub mod plausibility;
+pub mod quality;
+pub mod reading;
+
+pub use quality::Quality;
+pub use reading::{Field, Inputs, Reading, Transducer};

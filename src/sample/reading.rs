@@ -1,0 +1,123 @@
+//! What arrives of one cylinder within one cycle.
+
+/// C1 or C2, as an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transducer {
+    C1 = 0,
+    C2 = 1,
+}
+
+/// The places that a signal can fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    Position(Transducer),
+    Velocity(Transducer),
+    Status(Transducer),
+    Counter(Transducer),
+    Command,
+}
+
+impl Field {
+    /// The bit of this field in [`Inputs::got`].
+    pub const fn bit(self) -> u16 {
+        match self {
+            Self::Position(t) => 1 << (4 * t as u16),
+            Self::Velocity(t) => 2 << (4 * t as u16),
+            Self::Status(t) => 4 << (4 * t as u16),
+            Self::Counter(t) => 8 << (4 * t as u16),
+            Self::Command => 1 << 8,
+        }
+    }
+
+    /// Whether it comes from a transducer.
+    pub const fn is_reading(self) -> bool {
+        !matches!(self, Self::Command)
+    }
+}
+
+/// One reading of one transducer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// l, m.
+    pub position: f64,
+    /// The raw code of the position, where it is an integer.
+    pub code: Option<i64>,
+    /// l̇, m/s.
+    pub velocity: Option<f64>,
+    pub status: Option<u64>,
+    pub counter: Option<u64>,
+}
+
+/// What has arrived so far in the open cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inputs {
+    got: u16,
+    readings: [Reading; 2],
+    command: f64,
+}
+
+impl Inputs {
+    /// Forgets everything, for the next cycle.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The fields that have arrived, by [`Field::bit`].
+    pub const fn got(&self) -> u16 {
+        self.got
+    }
+
+    /// Takes a position with its raw code.
+    pub fn position(&mut self, transducer: Transducer, metres: f64, code: Option<i64>) {
+        let reading = &mut self.readings[transducer as usize];
+        (reading.position, reading.code) = (metres, code);
+        self.got |= Field::Position(transducer).bit();
+    }
+
+    /// Takes a velocity, m/s; one that is not finite is bad data.
+    #[must_use]
+    pub fn velocity(&mut self, transducer: Transducer, metres_per_second: f64) -> bool {
+        let finite = metres_per_second.is_finite();
+        if finite {
+            self.readings[transducer as usize].velocity = Some(metres_per_second);
+            self.got |= Field::Velocity(transducer).bit();
+        }
+        finite
+    }
+
+    pub fn status(&mut self, transducer: Transducer, status: u64) {
+        self.readings[transducer as usize].status = Some(status);
+        self.got |= Field::Status(transducer).bit();
+    }
+
+    pub fn counter(&mut self, transducer: Transducer, counter: u64) {
+        self.readings[transducer as usize].counter = Some(counter);
+        self.got |= Field::Counter(transducer).bit();
+    }
+
+    /// Takes the command, m/s; one that is not finite is bad data.
+    #[must_use]
+    pub fn command(&mut self, metres_per_second: f64) -> bool {
+        let finite = metres_per_second.is_finite();
+        if finite {
+            self.command = metres_per_second;
+            self.got |= Field::Command.bit();
+        }
+        finite
+    }
+
+    /// u(k), m/s.
+    pub fn command_value(&self) -> Option<f64> {
+        (self.got & Field::Command.bit() != 0).then_some(self.command)
+    }
+
+    /// The reading of `transducer`, if its position came, and with it all of status and counter
+    /// that `required` names: without them it is not known to be good.
+    pub fn reading(&self, transducer: Transducer, required: u16) -> Option<&Reading> {
+        let vital = Field::Position(transducer).bit()
+            | Field::Status(transducer).bit()
+            | Field::Counter(transducer).bit();
+        let wanted = (required & vital) | Field::Position(transducer).bit();
+        (self.got & wanted == wanted).then(|| &self.readings[transducer as usize])
+    }
+}

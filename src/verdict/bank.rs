@@ -1,0 +1,179 @@
+//! The bank of fault detection estimators of one cylinder (Figure 5-17), after its residuals.
+
+use super::Verdict;
+use super::fault::{Fault, Signatures, WINDOW};
+use super::history::History;
+use super::suspect::{self, Seen, Suspect};
+use super::trigger::{Raise, Thresholds, Trigger};
+use crate::time::{Span, Timestamp};
+
+/// Residuals of one cycle, m, signed; `None` where there is nothing to judge.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residuals {
+    /// R1, R2 and R3.
+    pub r: [Option<f64>; 3],
+}
+
+/// What the bank of one cylinder judges by.
+#[derive(Clone, Debug)]
+pub struct BankDesign {
+    /// Of R1 and R2.
+    pub observer: Thresholds,
+    /// Of R3.
+    pub difference: Thresholds,
+    /// FDEs that raise within this time of each other saw the same event.
+    pub coincidence: Span,
+    /// Of R1 and R2.
+    pub signatures: [Signatures; 2],
+}
+
+/// A fault that an FDE sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    pub fault: Fault,
+    pub suspect: Suspect,
+    /// The newest residual, m, signed.
+    pub residual: f64,
+    /// δ_h, m.
+    pub threshold: f64,
+}
+
+/// Cycles after a raise at which the kind of the fault is looked at again.
+const LOOKS: [u32; 3] = [0, 4, WINDOW as u32 - 1];
+
+/// R3 before the window, whose mean is what R3 was like before: 1 s at 50 Hz.
+const BASELINE: usize = 48;
+
+const FDE3: usize = 2;
+
+/// FDE1, FDE2 and FDE3 of one cylinder.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    triggers: [Trigger; 3],
+    verdicts: [Verdict; 3],
+    newest: [f64; 3],
+    observed: [History<WINDOW>; 2],
+    difference: History<{ WINDOW + BASELINE }>,
+    found: [Option<Found>; 3],
+    /// Of R1, R2 and R3.
+    signatures: [Signatures; 3],
+    coincidence: Span,
+}
+
+/// What is remembered of a raised FDE.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    fault: Fault,
+    suspect: Suspect,
+    age: u32,
+}
+
+impl Bank {
+    pub fn new(design: &BankDesign) -> Self {
+        let observer = Trigger::new(design.observer);
+        let [first, second] = design.signatures.clone();
+        Self {
+            triggers: [observer.clone(), observer, Trigger::new(design.difference)],
+            verdicts: [Verdict::Unknown; 3],
+            newest: [0.0; 3],
+            observed: [History::default(), History::default()],
+            difference: History::default(),
+            found: [None; 3],
+            signatures: [first, second, Signatures::of_difference()],
+            coincidence: design.coincidence,
+        }
+    }
+
+    /// Takes the residuals of the cycle at `at`. Afterwards [`Self::verdicts`] and
+    /// [`Self::detections`] stand.
+    pub fn judge(&mut self, at: Timestamp, residuals: &Residuals) {
+        for (i, residual) in residuals.r.iter().enumerate() {
+            self.verdicts[i] = self.triggers[i].judge(at, *residual);
+            if let Some(residual) = *residual {
+                self.newest[i] = residual;
+                if i == FDE3 {
+                    self.difference.push(residual);
+                } else {
+                    self.observed[i].push(residual);
+                }
+            }
+        }
+        if self.triggers.iter().any(|t| t.raised().is_some()) || self.any_found() {
+            self.remember(at);
+        }
+    }
+
+    /// Time jumped: what was found stands, what clears it counts anew.
+    pub fn interrupt(&mut self) {
+        self.triggers.iter_mut().for_each(Trigger::interrupt);
+        self.observed.iter_mut().for_each(History::clear);
+        self.difference.clear();
+        self.verdicts = [Verdict::Unknown; 3];
+    }
+
+    /// The verdicts of FDE1, FDE2 and FDE3.
+    pub const fn verdicts(&self) -> [Verdict; 3] {
+        self.verdicts
+    }
+
+    /// What FDE1, FDE2 and FDE3 see now.
+    pub fn detections(&self) -> [Option<Detection>; 3] {
+        std::array::from_fn(|i| {
+            self.found[i].map(|found| Detection {
+                fault: found.fault,
+                suspect: found.suspect,
+                residual: self.newest[i],
+                threshold: self.triggers[i].thresholds().high,
+            })
+        })
+    }
+
+    pub fn any_found(&self) -> bool {
+        self.found.iter().any(Option::is_some)
+    }
+
+    fn remember(&mut self, at: Timestamp) {
+        for i in 0..3 {
+            let Some(raise) = self.triggers[i].raised() else {
+                self.found[i] = None;
+                continue;
+            };
+            let age = self.found[i].map_or(0, |found| found.age.saturating_add(1));
+            let fault = match self.found[i] {
+                Some(found) if !LOOKS.contains(&age) => found.fault,
+                _ => self.classify(i),
+            };
+            let suspect = match self.found[i] {
+                Some(found) if at.since(raise.at) > self.coincidence => found.suspect,
+                _ => self.suspect(i, raise),
+            };
+            self.found[i] = Some(Found { fault, suspect, age });
+        }
+    }
+
+    fn suspect(&self, i: usize, own: Raise) -> Suspect {
+        let [fde1, fde2, fde3] = std::array::from_fn(|i| Seen {
+            verdict: self.verdicts[i],
+            raised: self.triggers[i].raised(),
+        });
+        match i {
+            0 => suspect::of_observer(Suspect::C1, own, fde2, fde3, self.coincidence),
+            1 => suspect::of_observer(Suspect::C2, own, fde1, fde3, self.coincidence),
+            _ => suspect::of_difference(own, fde1, fde2, self.coincidence),
+        }
+    }
+
+    fn classify(&self, i: usize) -> Fault {
+        if i != FDE3 {
+            return self.signatures[i].classify(&self.observed[i].in_order());
+        }
+        let all = self.difference.in_order();
+        let baseline = all[..BASELINE].iter().sum::<f64>() / BASELINE as f64;
+        let window: [f64; WINDOW] = std::array::from_fn(|k| all[BASELINE + k] - baseline);
+        if window[WINDOW - 1].abs() < 0.5 * all[BASELINE + WINDOW - 1].abs() {
+            // Most of R3 was there a second ago: it crept up to its bound.
+            return Fault::Incipient;
+        }
+        self.signatures[FDE3].classify(&window)
+    }
+}

@@ -1,0 +1,32 @@
+//! The newest residuals of one detector.
+
+/// A ring of the last `N` values; unfilled places read as zero.
+#[derive(Clone, Debug)]
+pub struct History<const N: usize> {
+    values: [f64; N],
+    next: usize,
+}
+
+impl<const N: usize> Default for History<N> {
+    fn default() -> Self {
+        Self { values: [0.0; N], next: 0 }
+    }
+}
+
+impl<const N: usize> History<N> {
+    pub fn push(&mut self, value: f64) {
+        self.values[self.next] = value;
+        self.next = if self.next + 1 == N { 0 } else { self.next + 1 };
+    }
+
+    /// All values, oldest first.
+    pub fn in_order(&self) -> [f64; N] {
+        let mut values = self.values;
+        values.rotate_left(self.next);
+        values
+    }
+
+    pub fn clear(&mut self) {
+        self.values = [0.0; N];
+    }
+}

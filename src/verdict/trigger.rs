@@ -1,0 +1,141 @@
+//! A threshold with hysteresis and a memory of time: raise above δ_h, clear below δ_l for a while.
+
+use super::Verdict;
+use crate::time::{Span, Timestamp};
+
+/// Thresholds of one residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// δ_l, m.
+    pub low: f64,
+    /// δ_h, m.
+    pub high: f64,
+    /// The magnitude must stay below δ_l this long to clear.
+    pub clear: Span,
+}
+
+/// When a raised trigger saw what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Raise {
+    /// When the residual first exceeded δ_h.
+    pub at: Timestamp,
+    /// When it last did.
+    pub last_exceeded: Timestamp,
+}
+
+/// Judges the magnitude of one residual, cycle after cycle.
+#[derive(Clone, Debug)]
+pub struct Trigger {
+    thresholds: Thresholds,
+    raised: Option<Raise>,
+    below_since: Option<Timestamp>,
+}
+
+impl Trigger {
+    pub fn new(thresholds: Thresholds) -> Self {
+        Self { thresholds, raised: None, below_since: None }
+    }
+
+    pub const fn thresholds(&self) -> &Thresholds {
+        &self.thresholds
+    }
+
+    pub const fn raised(&self) -> Option<Raise> {
+        self.raised
+    }
+
+    /// Takes the residual of the cycle at `at`; `None` or not a number where there is nothing to
+    /// judge. What is raised stays raised until the evidence of a whole clearing time is there.
+    pub fn judge(&mut self, at: Timestamp, residual: Option<f64>) -> Verdict {
+        let Some(magnitude) = residual.map(f64::abs).filter(|m| !m.is_nan()) else {
+            self.below_since = None;
+            return if self.raised.is_some() { Verdict::Faulty } else { Verdict::Unknown };
+        };
+        if magnitude > self.thresholds.high {
+            self.exceeded(at);
+        } else if self.raised.is_some() {
+            self.calm(at, magnitude < self.thresholds.low);
+        }
+        if self.raised.is_some() { Verdict::Faulty } else { Verdict::Healthy }
+    }
+
+    /// Time jumped: the time below the threshold counts anew.
+    pub fn interrupt(&mut self) {
+        self.below_since = None;
+    }
+
+    fn exceeded(&mut self, at: Timestamp) {
+        self.below_since = None;
+        match &mut self.raised {
+            Some(raise) => raise.last_exceeded = at,
+            None => self.raised = Some(Raise { at, last_exceeded: at }),
+        }
+    }
+
+    fn calm(&mut self, at: Timestamp, below: bool) {
+        if !below {
+            self.below_since = None;
+            return;
+        }
+        let since = *self.below_since.get_or_insert(at);
+        if at.since(since) >= self.thresholds.clear {
+            self.raised = None;
+            self.below_since = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(cycle: i64) -> Timestamp {
+        Timestamp::from_nanos(cycle * 20_000_000)
+    }
+
+    fn trigger() -> Trigger {
+        Trigger::new(Thresholds { low: 0.75e-3, high: 1.0e-3, clear: Span::from_seconds(0.1) })
+    }
+
+    #[test]
+    fn raises_only_above_the_upper_threshold() {
+        let mut trigger = trigger();
+        for (cycle, residual) in [0.0, 0.9e-3, 1.0e-3, -1.0e-3].into_iter().enumerate() {
+            assert_eq!(trigger.judge(at(cycle as i64), Some(residual)), Verdict::Healthy);
+        }
+        assert_eq!(trigger.judge(at(4), Some(-1.000_001e-3)), Verdict::Faulty);
+        assert_eq!(trigger.raised().map(|raise| raise.at), Some(at(4)));
+    }
+
+    #[test]
+    fn clears_after_the_whole_time_below_the_lower_threshold() {
+        let mut trigger = trigger();
+        trigger.judge(at(0), Some(2e-3));
+        for cycle in 1..6 {
+            assert_eq!(trigger.judge(at(cycle), Some(0.7e-3)), Verdict::Faulty, "{cycle}");
+        }
+        assert_eq!(trigger.judge(at(6), Some(0.7e-3)), Verdict::Healthy);
+    }
+
+    #[test]
+    fn between_the_thresholds_and_without_evidence_the_time_starts_again() {
+        for interruption in [Some(0.8e-3), None, Some(f64::NAN)] {
+            let mut trigger = trigger();
+            trigger.judge(at(0), Some(2e-3));
+            (1..5).for_each(|cycle| _ = trigger.judge(at(cycle), Some(0.0)));
+            assert_eq!(trigger.judge(at(5), interruption), Verdict::Faulty);
+            (6..11).for_each(|cycle| {
+                assert_eq!(trigger.judge(at(cycle), Some(0.0)), Verdict::Faulty, "{interruption:?}")
+            });
+            assert_eq!(trigger.judge(at(11), Some(0.0)), Verdict::Healthy);
+        }
+    }
+
+    #[test]
+    fn no_evidence_is_never_healthy() {
+        let mut trigger = trigger();
+        assert_eq!(trigger.judge(at(0), None), Verdict::Unknown);
+        assert_eq!(trigger.judge(at(1), Some(f64::NAN)), Verdict::Unknown);
+        assert_eq!(trigger.judge(at(2), Some(f64::INFINITY)), Verdict::Faulty);
+    }
+}
