@@ -147,6 +147,15 @@ fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> 
             "the range is ignored; write the smaller number first, both finite",
         );
     }
+    check_place(draft, signal, own)
+}
+
+/// The signal's bits, if there can be such; errors where they are no float or leave the message.
+fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
+    let parsed = &signal.parsed;
+    let mut error = |concern, what: String, remedy| {
+        own.push(draft.finding(Severity::Error, concern, Some(signal), what, remedy));
+    };
     let float_bits = match signal.value_type {
         Some(SignalExtendedValueType::IEEEfloat32Bit) => Some(32),
         Some(SignalExtendedValueType::IEEEdouble64bit) => Some(64),
@@ -155,41 +164,35 @@ fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> 
     if let Some(bits) = float_bits
         && bits != parsed.size
     {
-        note(
-            Severity::Error,
+        error(
             Concern::SignalLength,
             format!("a {bits}-bit float in {} bits", parsed.size),
             "SIG_VALTYPE_ 1 is 32 bits, 2 is 64 bits; correct type or length",
         );
     }
-    let motorola = parsed.byte_order == ByteOrder::BigEndian;
-    let outside = |end: String| {
-        (
-            Severity::Error,
+    let mut outside = |end: String| {
+        error(
             Concern::OutsideMessage,
             format!("{end}, but the message has {} bytes", draft.length),
             "correct start bit or length, or the message's length (Motorola signals start at \
              their highest bit)",
-        )
+        );
     };
-    let signed = is_signed(signal) && float_bits.is_none();
-    match Field::new(parsed.start_bit, parsed.size, motorola, signed) {
-        Ok(field) if field.needs() as u64 > draft.length => {
-            let (severity, concern, what, remedy) =
+    let motorola = parsed.byte_order == ByteOrder::BigEndian;
+    match Field::new(parsed.start_bit, parsed.size, motorola, is_signed(signal)) {
+        Ok(field) => {
+            if field.needs() as u64 > draft.length {
                 outside(format!("it ends in byte {}, counted from 1", field.needs()));
-            note(severity, concern, what, remedy);
+            }
             Some(field)
         }
-        Ok(field) => Some(field),
-        Err(NoField::Length) => {
-            let what = format!("a length of {} bits", parsed.size);
-            note(Severity::Error, Concern::SignalLength, what, "a signal has 1 to 64 bits");
+        Err(NoField::Beyond) => {
+            outside(format!("{} bits from bit {} on", parsed.size, parsed.start_bit));
             None
         }
-        Err(NoField::Beyond) => {
-            let (severity, concern, what, remedy) =
-                outside(format!("{} bits from bit {} on", parsed.size, parsed.start_bit));
-            note(severity, concern, what, remedy);
+        Err(NoField::Length) => {
+            let what = format!("a length of {} bits", parsed.size);
+            error(Concern::SignalLength, what, "a signal has 1 to 64 bits");
             None
         }
     }
@@ -257,6 +260,7 @@ fn signal(draft: &Draft, at: usize, fields: &[Field], routes: &Routes) -> Signal
     let source = &draft.signals[at];
     let parsed = &source.parsed;
     let form = match (is_float(source), parsed.size) {
+        (false, 64) if !is_signed(source) => Form::Unsigned64,
         (false, _) => Form::Integer,
         (true, 32) => Form::Float32,
         (true, _) => Form::Float64,
