@@ -21,7 +21,8 @@ fn id() -> impl Strategy<Value = Id> {
 
 fn nanos() -> impl Strategy<Value = i64> {
     let micros = (0..3_000_000i64).prop_map(|micros| 1_700_000_000_000_000_000 + micros * 1000);
-    prop_oneof![4 => micros, 1 => any::<i64>(), 1 => Just(i64::MAX), 1 => Just(i64::MIN)]
+    let fine = (0..3_000_000_000i64).prop_map(|nanos| 1_700_000_000_000_000_000 + nanos);
+    prop_oneof![4 => micros, 2 => fine, 1 => any::<i64>(), 1 => Just(i64::MAX), 1 => Just(i64::MIN)]
 }
 
 /// Any frame that a bus can carry.

@@ -12,8 +12,6 @@ use super::hex;
 const WINDOW: usize = 64;
 /// `(1700000000.`
 const PREFIX: usize = 12;
-/// Where the interface begins: behind the prefix, six decimals and `") "`.
-const NAME_AT: usize = PREFIX + 8;
 /// The last second whose every nanosecond is in range.
 const LAST_SECOND: i64 = i64::MAX / NANOS_PER_SECOND - 1;
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
@@ -38,8 +36,8 @@ pub struct Common {
     name: u64,
     /// Which bytes of `name` count.
     mask: u64,
-    /// Where the identifier begins.
-    frame_at: usize,
+    /// How many they are.
+    name_length: usize,
     interface: Known,
 }
 
@@ -47,7 +45,7 @@ impl Common {
     pub fn new() -> Self {
         // No line has a zero byte first and none equals one under an empty mask.
         let interface = Known { place: 0, wanted: false };
-        Self { prefix: (0, 0), base: 0, name: 1, mask: 0, frame_at: 0, interface }
+        Self { prefix: (0, 0), base: 0, name: 1, mask: 0, name_length: 0, interface }
     }
 
     /// The interface of the lines that [`Self::read`] reads.
@@ -68,11 +66,17 @@ impl Common {
         find: impl FnOnce(&[u8]) -> Option<Known>,
     ) -> Option<usize> {
         let window: &[u8; WINDOW] = text.first_chunk()?;
-        if !self.fits(window)? && !self.learn(window, find)? {
-            return None;
+        if prefix(window)? != self.prefix {
+            self.learn_second(window)?;
         }
-        let micros = hex::six_decimals(word(window, PREFIX)?)?;
-        let at = self.frame_at;
+        let (fraction, name_at) = match hex::six_decimals(word(window, PREFIX)?) {
+            Some(micros) => (micros * 1000, PREFIX + 8),
+            None => (nine_decimals(window)?, PREFIX + 11),
+        };
+        if word(window, name_at)? & self.mask != self.name {
+            self.learn_interface(window, name_at, find)?;
+        }
+        let at = name_at + self.name_length;
         let (id, data_at) = identifier(window, at)?;
         let (low, high) = (word(window, data_at)?, word(window, data_at + 8)?);
         let first = hex::leading_digits(low);
@@ -89,26 +93,15 @@ impl Common {
         let data = u64::from(hex::bytes(low)) | u64::from(hex::bytes(high)) << 32;
         frame.buffer_mut()[..8].copy_from_slice(&data.to_le_bytes());
         frame.set_length(digits as usize / 2);
-        frame.timestamp = Timestamp::from_nanos(self.base + i64::from(micros) * 1000);
+        frame.timestamp = Timestamp::from_nanos(self.base + i64::from(fraction));
         frame.id = id;
         frame.kind = Kind::Data;
         Some(taken)
     }
 
-    #[inline(always)]
-    fn fits(&self, window: &[u8; WINDOW]) -> Option<bool> {
-        let same_name = word(window, NAME_AT)? & self.mask == self.name;
-        Some(prefix(window)? == self.prefix && same_name)
-    }
-
-    /// Takes second and interface from the line; `None` if it is of another form or the interface
-    /// is not known.
+    /// Takes the second from the line; `None` if it is of another form.
     #[cold]
-    fn learn(
-        &mut self,
-        window: &[u8; WINDOW],
-        find: impl FnOnce(&[u8]) -> Option<Known>,
-    ) -> Option<bool> {
+    fn learn_second(&mut self, window: &[u8; WINDOW]) -> Option<()> {
         let [b'(', digits @ .., b'.'] = window.first_chunk::<PREFIX>()? else { return None };
         let mut second = 0;
         for digit in digits {
@@ -117,16 +110,36 @@ impl Common {
         if second > LAST_SECOND {
             return None;
         }
-        let name = window.get(NAME_AT..NAME_AT + 8)?;
-        let length = memchr::memchr(b' ', name)?;
-        self.interface = find(&name[..length])?;
-        self.mask = u64::MAX >> (56 - 8 * length);
-        self.name = word(window, NAME_AT)? & self.mask;
-        self.frame_at = NAME_AT + length + 1;
         self.base = second * NANOS_PER_SECOND;
         self.prefix = prefix(window)?;
-        Some(true)
+        Some(())
     }
+
+    /// Takes the interface from the line; `None` if it is not known or its name too long.
+    #[inline(never)]
+    fn learn_interface(
+        &mut self,
+        window: &[u8; WINDOW],
+        at: usize,
+        find: impl FnOnce(&[u8]) -> Option<Known>,
+    ) -> Option<()> {
+        let name = window.get(at..at + 8)?;
+        let length = name.iter().position(|byte| *byte == b' ')?;
+        self.interface = find(&name[..length])?;
+        self.name_length = length + 1;
+        self.mask = u64::MAX >> (64 - 8 * self.name_length);
+        self.name = word(window, at)? & self.mask;
+        Some(())
+    }
+}
+
+/// Nine decimals behind the prefix, as a clock in the controller gives them.
+#[inline(never)]
+fn nine_decimals(window: &[u8; WINDOW]) -> Option<u32> {
+    let last = hex::six_decimals(word(window, PREFIX + 3)?)?;
+    let first = window.get(PREFIX..PREFIX + 3)?;
+    let add = |value, digit: &u8| Some(value * 10 + char::from(*digit).to_digit(10)?);
+    Some(first.iter().try_fold(0, add)? * 1_000_000 + last)
 }
 
 #[inline(always)]
