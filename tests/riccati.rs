@@ -1,4 +1,4 @@
-//! The Riccati solver against SciPy, NumPy and 80 digits of mpmath, on seeded random models.
+//! The Riccati solver against SciPy, NumPy and 60 digits of mpmath, on seeded random models.
 
 mod oracle;
 

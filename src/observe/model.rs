@@ -79,10 +79,26 @@ pub(super) fn eigenvalues(a: &Matrix3<f64>) -> Option<[Complex<f64>; 3]> {
     // Bar beside metres makes entries of 1e-5 and 10; balanced, they lose no digits.
     let mut balanced = *a;
     balance_parlett_reinsch(&mut balanced);
-    let schur = Schur::try_new(balanced, f64::EPSILON, EIGEN_ROUNDS)?;
-    let mut poles: [Complex<f64>; 3] = schur.complex_eigenvalues().into();
+    let (_, t) = Schur::try_new(balanced, f64::EPSILON, EIGEN_ROUNDS)?.unpack();
+    // The triangle holds a 2×2 block where two eigenvalues are a conjugate pair, or so nearly equal
+    // that rounding decides; nalgebra's own complex_eigenvalues answers NaN to the latter.
+    let mut poles = match (t[(1, 0)] != 0.0, t[(2, 1)] != 0.0) {
+        (false, false) => [t[(0, 0)].into(), t[(1, 1)].into(), t[(2, 2)].into()],
+        (true, false) => with_pair(t[(2, 2)], t.fixed_view::<2, 2>(0, 0).into()),
+        (false, true) => with_pair(t[(0, 0)], t.fixed_view::<2, 2>(1, 1).into()),
+        (true, true) => return None,
+    };
     poles.sort_by(|one, other| other.norm().total_cmp(&one.norm()));
-    Some(poles)
+    poles.iter().all(|pole| pole.norm().is_finite()).then_some(poles)
+}
+
+/// A real eigenvalue, and the two of a 2×2 block.
+fn with_pair(single: f64, block: Matrix2<f64>) -> [Complex<f64>; 3] {
+    let half_difference = (block[(0, 0)] - block[(1, 1)]) / 2.0;
+    let discriminant = half_difference * half_difference + block[(0, 1)] * block[(1, 0)];
+    let root = Complex::from(discriminant).sqrt();
+    let mean = Complex::from(block.trace() / 2.0);
+    [single.into(), mean + root, mean - root]
 }
 
 /// A pair (A, C) in units of the state in which A's rows and columns are alike and C's rows have
@@ -169,6 +185,18 @@ mod tests {
         assert!(model.is_observable(&POSITION) && model.is_observable(&POSITION_AND_VELOCITY));
         model.a[(1, 2)] = 0.0;
         assert!(!model.is_observable(&POSITION) && !model.is_observable(&POSITION_AND_VELOCITY));
+    }
+
+    /// Rounding decides whether the double pole at 0 is two real ones or a conjugate pair.
+    #[test]
+    fn a_double_pole_is_found() {
+        for step in 1..2000 {
+            let d = f64::from(step) * 1e-3;
+            let a = Matrix3::new(-d, -d * d / 0.64, 1.4, 0.64, d, -1.6, 0.0, 0.0, 5.0);
+            let poles = eigenvalues(&a).expect("finite");
+            assert!((poles[0] - 5.0).norm() < 1e-12, "{d}: {poles:?}");
+            assert!(poles[1].norm() < 1e-6 && poles[2].norm() < 1e-6, "{d}: {poles:?}");
+        }
     }
 
     #[test]

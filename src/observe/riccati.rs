@@ -116,8 +116,12 @@ pub fn solve<const M: usize>(
     if !(residual <= TOLERANCE && radius < 1.0) {
         return Err(RiccatiError::Inaccurate { residual, radius });
     }
-    let covariance = scale * p * scale;
-    Ok(Solution { covariance, gain: scale * gain * root, poles, passes, residual })
+    let (covariance, gain) = (scale * p * scale, scale * gain * root);
+    // Weights of 1e300 are weights, but what follows from them may not be a number.
+    if !covariance.iter().chain(gain.iter()).all(|entry| entry.is_finite()) {
+        return Err(unsettled);
+    }
+    Ok(Solution { covariance, gain, poles, passes, residual })
 }
 
 /// The doubling itself: P and the passes taken, for A, G = Cᵀ R⁻¹ C and Q.
