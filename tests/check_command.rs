@@ -158,7 +158,7 @@ fn an_error_of_the_dbc_matters_where_the_message_is_used() {
         ("BO_ 386 ".to_owned(), "BO_ 385 ".to_owned(), "has its identifier"),
     ] {
         let config = with_dbc(&scratch, &from, &to);
-        let words = ["message Cyl1_C1 cannot be used: line 1", words, "correct the message"];
+        let words = ["message Cyl1_C1 cannot be used: line", words, "correct the message"];
         let run = check(&config).failed(2, &words);
         assert!(run.stderr.contains(&format!("[{config}:")), "{}", run.stderr);
     }
