@@ -72,22 +72,41 @@ fn unwrapped(text: &str) -> String {
 
 /// Runs the program at the repository's top with `input` on its standard input.
 pub fn tertius(arguments: &[&str], input: &[u8]) -> Run {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_tertius"))
-        .args(arguments)
-        .current_dir(top())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
+    tertius_in_pieces(arguments, input, &mut || usize::MAX)
+}
+
+/// As [`tertius`], the input written in pieces of the sizes that `size` gives.
+pub fn tertius_in_pieces(
+    arguments: &[&str],
+    input: &[u8],
+    size: &mut (impl FnMut() -> usize + Send),
+) -> Run {
+    let mut child = command(arguments).stdin(Stdio::piped()).spawn().expect("the program starts");
     let mut stdin = child.stdin.take().expect("standard input is piped");
-    let input = input.to_owned();
-    // A program that refuses its call does not read its input, so an error here is none.
-    let writer = std::thread::spawn(move || drop(stdin.write_all(&input)));
-    let output = child.wait_with_output().expect("its output");
-    writer.join().expect("the writer does not panic");
+    let output = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let mut rest = input;
+            while !rest.is_empty() {
+                let (piece, behind) = rest.split_at(size().clamp(1, rest.len()));
+                // A program that refuses its call does not read its input: that is no error here.
+                if stdin.write_all(piece).is_err() {
+                    return;
+                }
+                rest = behind;
+            }
+        });
+        child.wait_with_output().expect("its output")
+    });
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+}
+
+/// The program at the repository's top, its outputs piped and nothing on its standard input.
+pub fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tertius"));
+    command.args(arguments).current_dir(top());
+    command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
 }
 
 /// Replays `logs` in lines of JSON.
