@@ -2,6 +2,7 @@
 
 mod check;
 mod failure;
+mod inject;
 mod machine;
 mod output;
 mod progress;
@@ -23,6 +24,7 @@ pub struct Arguments {
 enum Command {
     Replay(replay::Replay),
     Check(check::Check),
+    Inject(inject::Inject),
 }
 
 impl Arguments {
@@ -34,6 +36,7 @@ impl Arguments {
         match self.command {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Inject(inject) => inject.run(),
         }
     }
 }

@@ -1,5 +1,8 @@
 //! Runs the Python oracles beside this file. A test file takes it in with `mod oracle;`.
 
+// Each test file is a crate of its own and need not use all of this.
+#![allow(dead_code)]
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
