@@ -102,6 +102,18 @@ fn a_command_after_the_deadline_does_not_slip_into_the_next_cycle() {
 }
 
 #[test]
+fn a_bus_recorded_on_two_interfaces_is_one_bus() {
+    let frames = (0..100).flat_map(|k| Cycle::new(k).frames());
+    let (monitor, seen) = play(frames.flat_map(|frame| [frame.clone(), frame]));
+    assert_eq!((monitor.counts().cycles, monitor.counts().incomplete), (100, 0));
+    // All but the platform's state, which belongs to no cycle.
+    assert_eq!(monitor.counts().repeated, 19 * 100);
+    let (_, once) = play((0..100).flat_map(|k| Cycle::new(k).frames()));
+    assert_eq!(seen.records, once.records);
+    assert_eq!(seen.frames, once.frames);
+}
+
+#[test]
 fn a_late_reading_does_not_stand_in_for_a_sync_that_is_still_to_come() {
     let frames = (0..100).flat_map(|k| {
         let mut frames = Cycle::new(k).frames();

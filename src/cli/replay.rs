@@ -129,7 +129,7 @@ impl Replay {
     ) -> Result<(), Failure> {
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
-        let episodes = output.episodes.clone();
+        let episodes = std::mem::take(&mut output.episodes);
         let summary = Summary {
             duration,
             statistics: recording.statistics(),

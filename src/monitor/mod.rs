@@ -145,8 +145,12 @@ impl Monitor {
     fn sort(&mut self, place: usize, at: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         let line = &self.wiring.lines()[place];
         let (sync, reading, cyclic) = (line.sync, line.reading, line.cyclic);
-        if sync && !self.clock.confirms(at) {
-            self.open_cycle(at, true, sink);
+        if sync {
+            if self.is_sync_repeated(at) {
+                self.counts.repeated += 1;
+            } else if !self.clock.confirms(at) {
+                self.open_cycle(at, true, sink);
+            }
         }
         if cyclic {
             self.live = true;
@@ -168,6 +172,14 @@ impl Monitor {
             self.wiring.lines_mut()[place].arrived = Some(number);
         }
         self.fill(place, at, frame, sink);
+    }
+
+    /// Whether a Sync at `at` is that of the newest cycle once more, as where a bus is recorded on
+    /// two interfaces: it comes at once, and nothing of the cycle has come in between.
+    fn is_sync_repeated(&self, at: Timestamp) -> bool {
+        let number = Some(self.clock.number());
+        self.clock.has_just_opened(at)
+            && self.wiring.lines().iter().all(|line| line.arrived != number)
     }
 
     /// Decodes the signals of `frame` into their places, and evaluates the cylinders that are

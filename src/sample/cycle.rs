@@ -108,11 +108,16 @@ impl CycleClock {
 
     /// Whether a Sync at `at` only confirms a cycle that a reading opened just before it.
     pub fn confirms(&mut self, at: Timestamp) -> bool {
-        let confirms = self.without_sync && self.since_opening(at).is_some_and(|e| e < self.half());
+        let confirms = self.without_sync && self.has_just_opened(at);
         if confirms {
             self.without_sync = false;
         }
         confirms
+    }
+
+    /// Whether the newest cycle opened less than half a sample time before `at`.
+    pub fn has_just_opened(&self, at: Timestamp) -> bool {
+        self.since_opening(at).is_some_and(|elapsed| elapsed < self.half())
     }
 
     /// What a transducer frame at `at` does, if its message was `repeated` within this cycle.
