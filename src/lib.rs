@@ -36,6 +36,7 @@ pub mod compare;
 pub mod config;
 pub mod decode;
 pub mod frame;
+pub mod live;
 pub mod monitor;
 pub mod observe;
 pub mod report;

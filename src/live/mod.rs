@@ -1,0 +1,3 @@
+//! The gateway, live: the monitor between an interface's frames and the frames it sends.
+
+pub mod outbox;
