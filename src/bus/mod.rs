@@ -9,12 +9,14 @@
 mod buffer;
 mod candump;
 mod input;
+mod port;
 mod recording;
 mod source;
 mod statistics;
 mod writer;
 
 pub use candump::{Found, MAX_LINE, Reason, TimeStamps};
+pub use port::{Port, PortCounts, PortError, Received, Sent, Stamps, UnrestrictedPort};
 pub use recording::{Options, Progress, Recording};
 pub use source::{Source, SourceError};
 pub use statistics::{
