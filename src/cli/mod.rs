@@ -1,11 +1,14 @@
 //! The commands.
 
+mod appliance;
 mod check;
 mod failure;
+mod logging;
 mod machine;
 mod output;
 mod progress;
 mod replay;
+mod run;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
@@ -21,6 +24,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
 }
@@ -32,6 +36,7 @@ impl Arguments {
     /// What went wrong, for a person, with the exit code.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
+            Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
         }
