@@ -19,6 +19,7 @@
 //! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
+//! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
 //!   [`cli`]: the commands.
 //!
@@ -36,6 +37,7 @@ pub mod compare;
 pub mod config;
 pub mod decode;
 pub mod frame;
+pub mod inject;
 pub mod live;
 pub mod monitor;
 pub mod observe;

@@ -2,10 +2,10 @@
 
 use std::fmt;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::alarm::OwnFrame;
-use crate::frame::Frame;
+use crate::frame::{Frame, Id, Kind};
 use crate::time::{Span, Timestamp};
 
 /// A CAN interface, live. The only thing with a clock: it says how late it is, on the clock of its
@@ -50,14 +50,14 @@ pub trait Port {
     fn description(&self) -> String;
 }
 
-/// A port that sends whatever it is given: for a proxy that stands in for the machine, a simulator,
-/// a test. The gateway has none.
-pub trait UnrestrictedPort: Port {
-    /// Hands any frame to the interface, as [`Port::send`].
-    ///
-    /// # Errors
-    /// As [`Port::send`]; [`PortError::Io`] where no bus can carry the frame.
-    fn send_unrestricted(&mut self, frame: &Frame) -> Result<Sent, PortError>;
+/// Which frames to receive. Error frames always are, own frames never.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Identifiers {
+    /// All, remote frames included.
+    #[default]
+    All,
+    /// The data frames, classic and FD, of exactly these identifiers.
+    Only(Vec<Id>),
 }
 
 /// What one call of [`Port::receive`] did.
@@ -143,6 +143,64 @@ impl fmt::Display for Stamps {
                 ahead.as_seconds() * 1e3
             ),
             Self::Embedded => f.write_str("the embedded bus's"),
+        }
+    }
+}
+
+/// Why no bus can carry the frame, if so: more than 8 bytes in a classic one, or a length that CAN
+/// FD does not have.
+pub(super) fn carried(frame: &Frame) -> Result<(), PortError> {
+    let length = frame.length();
+    let carried = match frame.kind {
+        Kind::Data | Kind::Error => length <= 8,
+        Kind::Remote { length: asked } => length == 0 && asked <= 8,
+        Kind::Fd { .. } => matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64),
+    };
+    if carried {
+        return Ok(());
+    }
+    let reason = format!("no bus carries {length} bytes as {:?}", frame.kind);
+    Err(PortError::Io(io::Error::new(io::ErrorKind::InvalidInput, reason)))
+}
+
+/// The system's clock, which is also the kernel's for time stamps.
+pub(super) fn system_time() -> Timestamp {
+    // A clock set to before 1970 is wrong, and 1970 is as good.
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    Timestamp::from_nanos(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_frames_that_a_bus_carries_are_sent() {
+        let frame = |kind, length| {
+            let id = Id::standard(1).unwrap();
+            Frame::new(Timestamp::default(), id, kind, &[0; 64][..length])
+        };
+        let fd = Kind::Fd { flags: 0 };
+        for (kind, length) in [
+            (Kind::Data, 8),
+            (Kind::Error, 8),
+            (Kind::Remote { length: 8 }, 0),
+            (fd, 8),
+            (fd, 12),
+            (fd, 48),
+            (fd, 64),
+        ] {
+            assert!(carried(&frame(kind, length)).is_ok(), "{kind:?} of {length}");
+        }
+        for (kind, length) in [
+            (Kind::Data, 9),
+            (Kind::Error, 9),
+            (Kind::Remote { length: 9 }, 0),
+            (Kind::Remote { length: 1 }, 1),
+            (fd, 9),
+            (fd, 63),
+        ] {
+            assert!(carried(&frame(kind, length)).is_err(), "{kind:?} of {length}");
         }
     }
 }

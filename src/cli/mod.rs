@@ -3,6 +3,7 @@
 mod appliance;
 mod check;
 mod failure;
+mod inject;
 mod logging;
 mod machine;
 mod output;
@@ -27,6 +28,7 @@ enum Command {
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
+    Inject(inject::Inject),
 }
 
 impl Arguments {
@@ -39,6 +41,7 @@ impl Arguments {
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Inject(inject) => inject.run(),
         }
     }
 }

@@ -9,8 +9,9 @@ use crate::monitor::Monitor;
 use crate::report::human::{self, Heading};
 use crate::report::{Summary, jsonl};
 use clap::{Args, ValueEnum};
+use std::fs;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Runs candump recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
@@ -82,6 +83,7 @@ impl Replay {
         let options =
             Options { time_stamps: self.time_stamps.into(), interface: self.interface.clone() };
         let mut recording = Recording::open(&self.logs, options)?;
+        self.refuse_overwriting(&machine)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
             self.residuals.as_deref(),
@@ -93,6 +95,28 @@ impl Replay {
         self.conclude(&machine, &recording, &monitor, duration, &mut output)?;
         output.close()?;
         damage(&recording)
+    }
+
+    /// A file that is read here would be emptied before it is read.
+    fn refuse_overwriting(&self, machine: &Machine) -> Result<(), Failure> {
+        let outputs = [&self.residuals, &self.warnings].map(Option::as_deref);
+        let inputs = self.logs.iter().chain([&self.config, &machine.loaded.dbc_path]);
+        for (index, output) in outputs.iter().enumerate() {
+            let Some(output) = output else { continue };
+            if let Some(input) = inputs.clone().find(|input| is_same_file(input, output)) {
+                let (output, input) = (output.display(), input.display());
+                return Err(Failure::Wrong(format!(
+                    "{output} would be written over the input {input}; name another file"
+                )));
+            }
+            if outputs[..index].iter().flatten().any(|other| is_same_file(other, output)) {
+                return Err(Failure::Wrong(format!(
+                    "{} is to hold two outputs; name a file for each",
+                    output.display()
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn conclude(
@@ -128,6 +152,14 @@ impl Replay {
         };
         let page = human::page(&heading, &summary, &output.notices);
         std::io::stdout().write_all(page.as_bytes()).map_err(to_stdout)
+    }
+}
+
+/// Whether both are the same regular file, or would be. Devices and pipes may be named twice.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    match (fs::canonicalize(one), fs::canonicalize(other)) {
+        (Ok(one), Ok(other)) => one == other && one.is_file(),
+        _ => one == other,
     }
 }
 

@@ -94,7 +94,7 @@ impl Field {
     #[inline]
     pub fn bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
         if self.wide {
-            return (self.load_wide(payload) >> self.wide_shift()) as u64 & self.mask;
+            return self.wide_bits(payload);
         }
         // `min` and `&` change nothing: they let the compiler drop its own checks.
         let at = usize::from(self.at).min(LAST_LOAD);
@@ -102,6 +102,11 @@ impl Field {
         let word =
             if self.motorola { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) };
         (word >> (self.shift & 63)) & self.mask
+    }
+
+    #[cold]
+    fn wide_bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
+        (self.load_wide(payload) >> self.wide_shift()) as u64 & self.mask
     }
 
     /// The bits as a number of the field's width and sign; of an unsigned field of 64 bits, the

@@ -55,7 +55,7 @@ impl SignalPlan {
     }
 
     /// Reads the signal. The frame's identifier is not looked at: it must be the message's.
-    #[inline]
+    #[inline(always)]
     pub fn decode(&self, frame: &Frame) -> Decoded {
         if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
             return Decoded::Absent;
@@ -71,6 +71,7 @@ impl SignalPlan {
         Decoded::Value(self.read(frame.buffer()))
     }
 
+    #[inline(never)]
     fn pass_gates(&self, frame: &Frame) -> Result<(), Decoded> {
         for gate in &self.gates {
             if frame.length() < gate.field.needs() {
@@ -83,29 +84,26 @@ impl SignalPlan {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn read(&self, payload: &[u8; MAX_DATA]) -> Value {
-        let (raw, number) = match self.form {
-            Form::Integer => {
-                let integer = self.field.integer(payload);
-                let signed = self.field.is_signed();
-                let raw = if signed { Raw::Signed(integer) } else { Raw::Unsigned(integer as u64) };
-                (raw, integer as f64)
-            }
-            Form::Unsigned64 => {
-                let bits = self.field.bits(payload);
-                (Raw::Unsigned(bits), bits as f64)
-            }
-            Form::Float32 => {
-                let float = f64::from(f32::from_bits(self.field.bits(payload) as u32));
-                (Raw::Float(float), float)
-            }
-            Form::Float64 => {
-                let float = f64::from_bits(self.field.bits(payload));
-                (Raw::Float(float), float)
-            }
+        if self.form != Form::Integer {
+            return self.read_uncommon(payload);
+        }
+        let integer = self.field.integer(payload);
+        let signed = self.field.is_signed();
+        let raw = if signed { Raw::Signed(integer) } else { Raw::Unsigned(integer as u64) };
+        Value { raw, physical: self.scale(integer as f64) }
+    }
+
+    #[inline(never)]
+    fn read_uncommon(&self, payload: &[u8; MAX_DATA]) -> Value {
+        let bits = self.field.bits(payload);
+        let raw = match self.form {
+            Form::Integer | Form::Unsigned64 => Raw::Unsigned(bits),
+            Form::Float32 => Raw::Float(f64::from(f32::from_bits(bits as u32))),
+            Form::Float64 => Raw::Float(f64::from_bits(bits)),
         };
-        Value { raw, physical: self.scale(number) }
+        Value { raw, physical: self.physical(raw) }
     }
 
     #[inline]

@@ -7,7 +7,7 @@ use super::wiring::{Target, Wire, Wiring};
 use crate::alarm::{Encoder, frames};
 use crate::compare::Comparator;
 use crate::config::settings::{CylinderSignals, Settings};
-use crate::decode::{Database, Message, Signal};
+use crate::decode::{Database, LookupError, Message, Signal};
 use crate::observe::model::Model;
 use crate::observe::observer::Design;
 use crate::sample::cycle::CycleTiming;
@@ -301,7 +301,10 @@ impl<'a> Wirer<'a> {
         match self.database.signal(name) {
             Ok((message, signal)) => Some(Connected { message, signal }),
             Err(error) => {
-                let help = "name it MESSAGE.SIGNAL as the DBC does";
+                let help = match error {
+                    LookupError::Refused { .. } => "correct the message in the DBC",
+                    _ => "name it MESSAGE.SIGNAL as the DBC does",
+                };
                 self.flaws.push(Flaw::new(key, error, help));
                 None
             }

@@ -59,7 +59,12 @@ pub struct Inputs {
 impl Inputs {
     /// Forgets everything, for the next cycle.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        self.got = 0;
+        for reading in &mut self.readings {
+            // Position and command stand behind `got`; writing all of it anew would cost more.
+            (reading.code, reading.velocity) = (None, None);
+            (reading.status, reading.counter) = (None, None);
+        }
     }
 
     /// The fields that have arrived, by [`Field::bit`].

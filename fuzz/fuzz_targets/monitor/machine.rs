@@ -1,0 +1,19 @@
+//! The shipped machine.
+
+use std::sync::LazyLock;
+
+use tertius::alarm::frames;
+use tertius::config;
+use tertius::decode::Database;
+use tertius::frame::Id;
+use tertius::monitor::MonitorDesign;
+
+pub static MACHINE: LazyLock<MonitorDesign> = LazyLock::new(|| {
+    let text = include_str!("../../../config/e-type.toml");
+    let (settings, _) = config::parse("e-type.toml", text).expect("it ships");
+    let database = Database::parse(include_str!("../../../dbc/e-type.dbc")).expect("it ships");
+    MonitorDesign::new(&settings, &database).expect("they fit each other")
+});
+
+/// Of the gateway at the shipped node: Fd_Status, Fd_Warning, Fd_Estimate.
+pub static OWN: LazyLock<[Id; 3]> = LazyLock::new(|| frames::identifiers(81).expect("a node"));

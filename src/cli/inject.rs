@@ -1,0 +1,260 @@
+//! `tertius inject`: a recording with faults that were not there.
+
+use super::Failure;
+use super::machine::Machine;
+use super::progress::Bar;
+use crate::bus::{Options, Recording, Source, Statistics, append_log_line};
+use crate::inject::{Fault, Injector, MAX_FAULTS, Placed, Tally, grammar, place, table};
+use clap::Args;
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+const EXAMPLE: &str = "Example:
+  tertius inject healthy.log --config config/e-type.toml --output faulty.log \\
+      --fault step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65
+
+A fault is KIND,key=value,… with these keys, whatever the kind:
+  cylinder      number of the cylinder, from 1
+  sensor        a key of [signals.cylinder]: c1, c2, c1_velocity, … (default c1)
+  at            when it begins, s since the first frame (default 0)
+  until         when it has ended, s (default: to the end)
+and these of its own (m where the sensor reads m, else the sensor's unit):
+";
+
+const TABLE: &str = "
+A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1.
+
+Only the bits of the named signals change, clamped to what they can hold, which is reported. The
+machine's controller did not see the fault: the motion in the recording does not answer to it.";
+
+/// Puts faults into candump recordings and writes the result as candump -l would.
+#[derive(Args, Debug)]
+#[command(after_help = format!("{EXAMPLE}{}{TABLE}", grammar()))]
+pub struct Inject {
+    /// candump recordings, read in turn; .gz and .zst as they are, - for standard input
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// The machine's configuration
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// Where the recording with the faults goes; - for standard output
+    #[arg(long, value_name = "FILE.log", default_value = "-")]
+    output: PathBuf,
+    /// A fault; several act in this order where they meet
+    #[arg(long = "fault", value_name = "SPEC")]
+    faults: Vec<String>,
+    /// A table of faults, which act before those of --fault
+    #[arg(long = "faults", value_name = "FILE.csv")]
+    table: Option<PathBuf>,
+    /// Whatever is random comes from this number: the same seed gives the same bytes
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Puts faults only into frames of this interface [default: of all]; the others are passed on
+    #[arg(long, value_name = "NAME")]
+    interface: Option<String>,
+}
+
+/// Frames between two looks at progress.
+const STRIDE: u64 = 1 << 16;
+
+/// A fault with the words for it.
+struct Named {
+    name: String,
+    fault: Fault,
+}
+
+impl Inject {
+    /// Injects.
+    ///
+    /// # Errors
+    /// What is wrong with the call, its files or the output.
+    pub fn run(self) -> Result<(), Failure> {
+        let faults = self.faults()?;
+        let machine = Machine::load(&self.config)?;
+        let placed = faults
+            .iter()
+            .map(|named| {
+                place(&named.fault, &machine.loaded.settings, &machine.database)
+                    .map_err(|error| Failure::Wrong(format!("{}: {error}", named.name)))
+            })
+            .collect::<Result<Vec<Placed>, Failure>>()?;
+        let mut recording = Recording::open(&self.logs, Options::default())?;
+        self.refuse_input_as_output()?;
+        let mut injector = Injector::new(&placed, self.seed);
+        let mut out = Out::create(&self.output)?;
+        let fallback = &machine.loaded.settings.bus.interface;
+        let counts = self.pump(&mut recording, &mut injector, &mut out, fallback)?;
+        out.close()?;
+        report(&faults, injector.tallies(), counts, recording.statistics());
+        match recording.statistics().damage.first() {
+            Some(damage) => Err(Failure::Failed(damage.to_string())),
+            None => Ok(()),
+        }
+    }
+
+    /// Those of the table, then those of the call.
+    fn faults(&self) -> Result<Vec<Named>, Failure> {
+        let mut faults = match &self.table {
+            Some(path) => read_table(path)?,
+            None => Vec::new(),
+        };
+        for text in &self.faults {
+            let name = format!("--fault {text:?}");
+            match Fault::parse(text) {
+                Ok(fault) => faults.push(Named { name, fault }),
+                Err(error) => return Err(Failure::Wrong(format!("{name}: {error}"))),
+            }
+        }
+        if faults.is_empty() {
+            let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
+            return Err(Failure::Wrong(message.to_owned()));
+        }
+        if faults.len() > MAX_FAULTS {
+            let message = format!("{} faults, expected at most {MAX_FAULTS}", faults.len());
+            return Err(Failure::Wrong(message));
+        }
+        Ok(faults)
+    }
+
+    /// Writing to a file that is still being read would destroy it.
+    fn refuse_input_as_output(&self) -> Result<(), Failure> {
+        let Ok(output) = self.output.canonicalize() else { return Ok(()) };
+        let same = |log: &&PathBuf| log.canonicalize().is_ok_and(|log| log == output);
+        match self.logs.iter().find(same) {
+            Some(log) => Err(Failure::Wrong(format!(
+                "--output {} is also the recording {}; name another file",
+                self.output.display(),
+                log.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    fn pump(
+        &self,
+        recording: &mut Recording,
+        injector: &mut Injector,
+        out: &mut Out,
+        fallback: &str,
+    ) -> Result<Counts, Failure> {
+        let bar = Bar::new(recording.progress());
+        let mut interfaces = Interfaces::default();
+        let mut counts = Counts::default();
+        let mut line = Vec::with_capacity(192);
+        while let Some(frame) = recording.next_frame()? {
+            // The recording is asked about the frame's interface once it no longer lends the frame.
+            let frame = frame.clone();
+            let name = interfaces.of_newest(recording.statistics()).unwrap_or(fallback);
+            let concerned = self.interface.as_deref().is_none_or(|wanted| wanted == name);
+            let passed = if concerned { injector.take(&frame) } else { Some(&frame) };
+            counts.read += 1;
+            if let Some(frame) = passed {
+                line.clear();
+                append_log_line(&mut line, name, frame);
+                out.write(&line)?;
+                counts.written += 1;
+            }
+            if counts.read.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        bar.finish();
+        Ok(counts)
+    }
+}
+
+fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
+    let shown = path.display();
+    let wrong = |what: String| Failure::Wrong(format!("{shown}: {what}"));
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(table::MAX_TEXT as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| wrong("not a table: its text is not UTF-8".into()))?;
+    let faults = table::parse(&text).map_err(|error| wrong(error.to_string()))?;
+    let named = faults
+        .into_iter()
+        .map(|(line, fault)| Named { name: format!("{shown}: line {line}"), fault });
+    Ok(named.collect())
+}
+
+/// Tells the interface of the newest frame from the counts of the recording.
+#[derive(Default)]
+struct Interfaces {
+    frames: Vec<u64>,
+}
+
+impl Interfaces {
+    /// The interface whose count grew; `None` for one beyond those that are told apart.
+    fn of_newest<'a>(&mut self, statistics: &'a Statistics) -> Option<&'a str> {
+        self.frames.resize(statistics.interfaces.len(), 0);
+        let mut newest = None;
+        for (known, interface) in self.frames.iter_mut().zip(&statistics.interfaces) {
+            if *known != interface.frames {
+                *known = interface.frames;
+                newest = Some(interface.name.as_str());
+            }
+        }
+        newest
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    read: u64,
+    written: u64,
+}
+
+/// Where the recording goes.
+struct Out {
+    writer: BufWriter<Box<dyn Write>>,
+    name: String,
+}
+
+impl Out {
+    fn create(path: &Path) -> Result<Self, Failure> {
+        let (writer, name): (Box<dyn Write>, _) = if path == Path::new("-") {
+            (Box::new(io::stdout()), "standard output".to_owned())
+        } else {
+            let file = File::create(path).map_err(|error| Failure::creating(path, &error))?;
+            (Box::new(file), path.display().to_string())
+        };
+        Ok(Self { writer: BufWriter::with_capacity(1 << 16, writer), name })
+    }
+
+    fn write(&mut self, line: &[u8]) -> Result<(), Failure> {
+        self.writer.write_all(line).map_err(|error| Failure::writing(&self.name, &error))
+    }
+
+    fn close(mut self) -> Result<(), Failure> {
+        self.writer.flush().map_err(|error| Failure::writing(&self.name, &error))
+    }
+}
+
+/// Tells what became of each fault, on standard error: the recording may be on standard output.
+fn report(faults: &[Named], tallies: &[Tally], counts: Counts, statistics: &Statistics) {
+    eprintln!("{} frames read, {} written", counts.read, counts.written);
+    if statistics.bad_lines > 0 {
+        eprintln!("{} lines were no frames and are left out", statistics.bad_lines);
+        statistics.first_bad_lines.iter().for_each(|line| eprintln!("  {line}"));
+    }
+    for (named, tally) in faults.iter().zip(tallies) {
+        eprintln!("{}: {}", named.name, outcome(*tally));
+    }
+}
+
+fn outcome(tally: Tally) -> String {
+    if tally.frames == 0 && tally.absent == 0 {
+        return "nothing: none of its frames came in its time".to_owned();
+    }
+    let mut text = format!("{} of {} frames changed or lost", tally.altered, tally.frames);
+    if tally.clamped > 0 {
+        text += &format!(", {} clamped to what the signal can hold", tally.clamped);
+    }
+    if tally.absent > 0 {
+        text += &format!(", {} without the signal", tally.absent);
+    }
+    text
+}

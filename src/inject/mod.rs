@@ -1,0 +1,31 @@
+//! Faults on recorded or running machines: the thesis's first recommendation (chapter 6).
+//!
+//! ```text
+//! text ─ Fault ─→ place ─ Placed ─→ Injector: frames in, frames out
+//! ```
+//!
+//! [`Fault::parse`] and [`table::parse`] read what a person asks for, [`place()`] finds the signals
+//! by configuration and DBC, and [`Injector`] changes frames one by one: only the bits of the
+//! signals that have a fault, and no time stamp. It is pure: time comes with the frames, and
+//! whatever is random comes from a seed, so that the same seed gives the same bytes.
+//!
+//! A fault is added after the event: the machine's controller did not see it, so the motion in the
+//! recording does not answer to it.
+
+mod fault;
+mod injector;
+mod kind;
+mod place;
+mod shape;
+pub mod table;
+mod tally;
+
+pub use fault::{Fault, SENSORS, SpecError, Wanted};
+pub use injector::Injector;
+pub use kind::grammar;
+pub use place::{PlaceError, Placed, place};
+pub use shape::{Code, Shape, Window};
+pub use tally::Tally;
+
+/// The most faults at once.
+pub const MAX_FAULTS: usize = 10_000;

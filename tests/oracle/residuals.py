@@ -1,0 +1,441 @@
+"""The table of residuals of a replay, computed a second time by other means.
+
+    residuals.py DBC LOG CSV < configuration as JSON
+
+LOG is a recording in the form of candump -l, CSV what `tertius replay --residuals` made of it. Bits
+are found with cantools' reading of the DBC, the gain L is from SciPy's solve_discrete_are, and the
+rules are those of the description:
+
+- A cycle opens with Sync. When Sync was lost, a reading three quarters of Ts after the last opening
+  stands in for it; where no Sync is configured, the first reading half of Ts after it opens a cycle.
+  It closes 0.8 Ts later; what comes after that, and what comes twice, is not used.
+- A cylinder is evaluated when everything of it has come, or when the cycle closes.
+- A cycle that does not open is evaluated without readings, until the observers have stopped.
+- A reading is used unless its sender repeats itself, its code or status says broken wire, it is
+  beyond codes or stroke, or it has been exactly constant for `frozen` seconds under a command that
+  moved since the cycle before in a monitored state. It stays frozen until it changes.
+- (5-4): x(k+1) = A x(k) + B u(k) + L (y(k) - C x(k)); the residual is y - C x before this step. It
+  starts with the first reading as [length, speed or 0, 0]. Without a reading the model alone goes on,
+  for at most max_gap seconds; then it starts anew. The last command is held.
+- FDE1 and FDE2 judge when the platform's state is a monitored one (not older than a second), the
+  observer has followed 1 s of readings and a command has come within `stale` seconds.
+
+The answer is JSON: rows, the largest difference of each column, the first row that has something
+where the other has nothing, times of restarts, and counts that tell how much was tried.
+"""
+
+import json
+import math
+import sys
+
+import cantools
+import numpy
+from scipy.linalg import solve_discrete_are
+
+COLUMNS = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated".split(",")
+DEFAULTS = {
+    "plausibility": {
+        "stale": 0.1, "broken_wire_codes": [32767], "status_mask": ~0, "valid_raw": None,
+        "frozen": 0.1, "frozen_speed": 0.02, "state_stale": 1.0,
+    },
+    "model": {
+        "theta": [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023], "gamma": [0.0926, 6.5427],
+    },
+    "observer": {"q": [1e-8, 1e-3, 100.0], "r": [1e-8, 1e-2], "settle": 1.0},
+}
+
+
+def read_log(path):
+    """Times in ns, identifiers and payloads."""
+    times, ids, data = [], [], []
+    with open(path, "rb") as log:
+        for line in log:
+            stamp, _, frame = line.split(b" ")
+            whole, fraction = stamp[1:-1].split(b".")
+            times.append(int(whole) * 10**9 + int(fraction.ljust(9, b"0")))
+            identifier, payload = frame.strip().split(b"#")
+            ids.append(int(identifier, 16))
+            data.append(bytes.fromhex(payload.decode()))
+    return times, ids, data
+
+
+class Signals:
+    """Raw and physical values of MESSAGE.SIGNAL in every frame of its message."""
+
+    def __init__(self, dbc, ids, data):
+        self.dbc = cantools.database.load_file(dbc)
+        self.ids = numpy.array(ids)
+        self.data = data
+        self.padded = {}
+
+    def find(self, name):
+        message, signal = name.split(".")
+        message = self.dbc.get_message_by_name(message)
+        return message, message.get_signal_by_name(signal)
+
+    def of(self, name):
+        message, signal = self.find(name)
+        little, big = self.words(message.frame_id)
+        length = numpy.uint64(signal.length)
+        if signal.byte_order == "little_endian":
+            raw = little >> numpy.uint64(signal.start)
+        else:
+            # The DBC names the highest bit; bits count from the lowest of each byte.
+            first = signal.start // 8 * 8 + 7 - signal.start % 8
+            raw = big >> numpy.uint64(64 - first - signal.length)
+        raw = (raw & ((numpy.uint64(1) << length) - numpy.uint64(1))).astype(numpy.int64)
+        if signal.is_signed:
+            raw -= (raw >> (signal.length - 1)) << signal.length
+        physical = raw * float(signal.scale) + float(signal.offset)
+        self.check(message, signal, physical)
+        return raw.tolist(), physical.tolist()
+
+    def words(self, identifier):
+        if identifier not in self.padded:
+            frames = numpy.nonzero(self.ids == identifier)[0]
+            joined = b"".join(self.data[i].ljust(8, b"\0") for i in frames)
+            self.padded[identifier] = (
+                numpy.frombuffer(joined, "<u8"), numpy.frombuffer(joined, ">u8").astype("u8"),
+            )
+        return self.padded[identifier]
+
+    def check(self, message, signal, physical):
+        """Every hundredth value against cantools' own decoding."""
+        frames = numpy.nonzero(self.ids == message.frame_id)[0]
+        for row in range(0, len(frames), 100):
+            theirs = message.decode(self.data[frames[row]], decode_choices=False)[signal.name]
+            assert math.isclose(theirs, physical[row], rel_tol=1e-14, abs_tol=1e-15), signal
+
+
+class Observer:
+    def __init__(self, config, n, velocity):
+        model = {**config["model"], **config["cylinders"].get(n, {})}
+        t, g, ts = model["theta"], model["gamma"], config["machine"]["sample_time"]
+        self.a = numpy.array([[1, ts, 0], [t[0], 1 + t[1], t[2]], [0, t[3], 1 + t[4]]])
+        self.b = numpy.array([0, g[0], g[1]])
+        outputs = 2 if velocity else 1
+        c = numpy.eye(3)[:outputs]
+        weights = config["observer"]
+        q, r = numpy.diag(weights["q"]), numpy.diag(weights["r"][:outputs])
+        p = solve_discrete_are(self.a.T, c.T, q, r)
+        self.l = self.a @ p @ c.T @ numpy.linalg.inv(c @ p @ c.T + r)
+        self.velocity = velocity
+        self.settle = round(weights["settle"] / ts)
+        self.max_gap = round(config["machine"]["max_gap"] / ts)
+        self.x = None
+        self.started = False
+        self.u = 0.0
+
+    def step(self, reading, u):
+        """C x, the innovation and whether it may be judged; and whether it began anew."""
+        self.u = self.u if u is None else u
+        if reading is None:
+            if self.x is not None:
+                self.coasted += 1
+                gone = self.coasted > self.max_gap
+                self.x = None if gone else self.a @ self.x + self.b * self.u
+            return None, False
+        anew = self.x is None and self.started
+        if self.x is None:
+            speed = reading["velocity"] if self.velocity else 0.0
+            self.x = numpy.array([reading["position"], speed, 0.0])
+            self.followed, self.started = 0, True
+        settled = self.followed >= self.settle
+        self.followed += 1
+        self.coasted = 0
+        estimate = float(self.x[0])
+        residual = reading["position"] - estimate
+        innovation = [residual, reading["velocity"] - self.x[1]] if self.velocity else [residual]
+        self.x = self.a @ self.x + self.b * self.u + self.l @ innovation
+        return (estimate, residual, settled), anew
+
+
+class Transducer:
+    """The checks of one transducer."""
+
+    def __init__(self, config, signal):
+        plausibility, stroke = config["plausibility"], config["machine"]["stroke"]
+        self.limits = plausibility
+        half_count = abs(signal.scale) / 2
+        low, high = stroke
+        self.codes = plausibility["valid_raw"]
+        if self.codes is None:
+            low, high = max(low, signal.minimum), min(high, signal.maximum)
+        self.lengths = low - half_count, high + half_count
+        self.frozen = round(plausibility["frozen"] / config["machine"]["sample_time"])
+        self.last = self.counter = None
+        self.constant = 0
+
+    def good(self, reading, moving):
+        if reading is None:
+            return False
+        if "counter" in reading:
+            if reading["counter"] == self.counter:
+                return False
+            self.counter = reading["counter"]
+        same = reading["position"] == self.last
+        self.last = reading["position"]
+        self.constant = self.constant + 1 if same and (moving or self.is_frozen()) else 0
+        return not (self.is_broken(reading) or self.is_outside(reading) or self.is_frozen())
+
+    def is_broken(self, reading):
+        limits = self.limits
+        by_status = reading.get("status", 0) & limits["status_mask"]
+        return by_status or reading["code"] in limits["broken_wire_codes"]
+
+    def is_outside(self, reading):
+        low, high = self.codes or (-math.inf, math.inf)
+        inside = self.lengths[0] <= reading["position"] <= self.lengths[1]
+        return not (inside and low <= reading["code"] <= high)
+
+    def is_frozen(self):
+        return self.constant >= self.frozen
+
+
+class Cylinder:
+    def __init__(self, config, n, signals, gate, tried):
+        self.n, self.gate, self.tried = n, gate, tried
+        named = config["signals"]["cylinder"]
+        self.transducers, self.observers = [], []
+        for which in ("c1", "c2"):
+            _, signal = signals.find(named[which].replace("{n}", str(n)))
+            self.transducers.append(Transducer(config, signal))
+            self.observers.append(Observer(config, n, which + "_velocity" in named))
+        own = config["cylinders"].get(n, {})
+        self.gain, self.offset = own.get("c2_gain", 1.0), own.get("c2_offset", 0.0)
+        ts = config["machine"]["sample_time"]
+        self.stale = round(config["plausibility"]["stale"] / ts)
+        self.speed = config["plausibility"]["frozen_speed"]
+        self.moving = False
+        self.without_command = 0
+
+    def row(self, at, opened, live, readings, u, restarts):
+        monitored = self.gate.is_open(at)
+        estimates, residuals, judged, used = [None] * 2, [None] * 3, False, []
+        positions = [reading and reading["position"] for reading in readings]
+        for i, reading in enumerate(readings):
+            good = self.transducers[i].good(reading, self.moving and monitored)
+            self.tried["refused"] += reading is not None and not good
+            self.tried["frozen"] += self.transducers[i].is_frozen()
+            used.append(reading["position"] if good else None)
+            result, anew = self.observers[i].step(reading if good else None, u)
+            if anew:
+                restarts.append([at, self.n, f"fde{i + 1}"])
+            if result is not None:
+                estimates[i], residuals[i], settled = result
+                judged |= settled
+        if u is not None:
+            self.moving, self.without_command = abs(u) > self.speed, 0
+        else:
+            self.without_command += live
+        judged = judged and monitored and self.without_command < self.stale
+        corrected = None if positions[1] is None else self.gain * positions[1] + self.offset
+        if None not in used:
+            residuals[2] = used[0] - corrected
+        return [opened, self.n, *positions, corrected, u, *estimates, *residuals, int(not judged)]
+
+
+class Gate:
+    def __init__(self, config, signals):
+        states = config["machine"].get("monitored_states")
+        self.monitored = None
+        if states is not None:
+            choices = signals.find(config["signals"]["state"])[1].choices
+            self.monitored = {number for number, name in choices.items() if str(name) in states}
+        self.timeout = round(config["plausibility"]["state_stale"] * 1e9)
+        self.state, self.since = None, 0
+
+    def is_open(self, at):
+        if self.monitored is None:
+            return True
+        return self.state in self.monitored and at - self.since <= self.timeout
+
+
+class Machine:
+    def __init__(self, config, signals, first):
+        self.first = first
+        self.ts = round(config["machine"]["sample_time"] * 1e9)
+        self.deadline = round(0.8 * self.ts)
+        self.gap = round(config["machine"]["max_gap"] / config["machine"]["sample_time"])
+        self.gate = Gate(config, signals)
+        self.tried = dict.fromkeys(["frozen", "refused", "late", "twice", "missing"], 0)
+        count = config["machine"]["cylinders"]
+        self.cylinders = [
+            Cylinder(config, n, signals, self.gate, self.tried) for n in range(1, count + 1)
+        ]
+        self.rows, self.restarts = [], []
+        self.opened, self.is_open, self.by_reading = None, False, False
+        self.live, self.silent = False, 0
+        self.inputs, self.pending, self.came = {}, set(), set()
+        self.wire(config["signals"], signals)
+
+    def wire(self, named, signals):
+        self.sync, self.state, self.places = None, None, {}
+        if "sync" in named:
+            self.sync = signals.dbc.get_message_by_name(named["sync"]).frame_id
+        if "state" in named:
+            self.state = signals.find(named["state"])[0].frame_id
+            self.states = signals.of(named["state"])[0]
+        self.fields = [set() for _ in self.cylinders]
+        for key, name in named["cylinder"].items():
+            if key.startswith("pressure"):
+                continue
+            for index in range(len(self.cylinders)):
+                full = name.replace("{n}", str(index + 1))
+                place = index, key, *signals.of(full)
+                self.places.setdefault(signals.find(full)[0].frame_id, []).append(place)
+                self.fields[index].add(key)
+        self.readings = {
+            identifier for identifier, places in self.places.items()
+            if any(key != "control_speed" for _, key, _, _ in places)
+        }
+
+    def take(self, at, identifier, row):
+        if identifier == self.sync:
+            self.pass_time(at)
+            # One that comes just after the reading that stood in for it only confirms the cycle.
+            if not (self.by_reading and at - self.opened < self.ts // 2):
+                self.open(at, by_reading=False)
+        elif identifier == self.state:
+            self.pass_time(at)
+            self.gate.state, self.gate.since = self.states[row], at
+        elif identifier in self.places:
+            self.pass_time(at)
+            self.take_of_cylinders(at, identifier, row)
+
+    def take_of_cylinders(self, at, identifier, row):
+        self.live = True
+        if identifier in self.readings and self.opens(at, identifier in self.came):
+            self.open(at, by_reading=True)
+        if not self.is_open:
+            self.tried["late"] += 1
+            return
+        if identifier in self.came:
+            self.tried["twice"] += 1
+            return
+        self.came.add(identifier)
+        for index, key, raw, physical in self.places[identifier]:
+            self.inputs[index][key] = raw[row], physical[row]
+            if index in self.pending and self.inputs[index].keys() == self.fields[index]:
+                self.evaluate(index, at)
+
+    def opens(self, at, twice):
+        if self.opened is None:
+            return True
+        if self.sync is None:
+            return at - self.opened >= self.ts // 2
+        return at - self.opened >= self.ts // 4 * 3 and (twice or not self.is_open)
+
+    def pass_time(self, now):
+        while self.opened is not None:
+            due = self.opened + self.deadline + (0 if self.is_open else self.ts)
+            if due >= now:
+                return
+            self.close(due) if self.is_open else self.miss(due)
+
+    def open(self, at, by_reading):
+        if self.is_open:
+            self.close(at)
+        if self.opened is not None:
+            for _ in range(max((at - self.opened + self.ts // 2) // self.ts, 1) - 1):
+                self.miss(at)
+        self.opened, self.is_open, self.silent = at, True, 0
+        self.by_reading = by_reading and self.sync is not None
+        self.came = set()
+        self.inputs = {index: {} for index in range(len(self.cylinders))}
+        self.pending = set(self.inputs)
+
+    def close(self, at):
+        for index in sorted(self.pending):
+            self.evaluate(index, at)
+        self.is_open = self.live = False
+
+    def miss(self, at):
+        self.opened += self.ts
+        self.is_open = False
+        self.silent += 1
+        self.tried["missing"] += 1
+        if self.live or self.silent <= self.gap + 1:
+            for index in range(len(self.cylinders)):
+                self.inputs[index] = {}
+                self.evaluate(index, at)
+        self.live = False
+
+    def evaluate(self, index, at):
+        self.pending.discard(index)
+        inputs = self.inputs[index]
+        readings = []
+        for which in ("c1", "c2"):
+            if which not in inputs:
+                readings.append(None)
+                continue
+            reading = {"code": inputs[which][0], "position": inputs[which][1]}
+            for part in ("velocity", "status", "counter"):
+                if f"{which}_{part}" in inputs:
+                    reading[part] = inputs[f"{which}_{part}"][part == "velocity"]
+            readings.append(reading)
+        u = inputs["control_speed"][1] if "control_speed" in inputs else None
+        opened = (self.opened - self.first) / 1e9
+        row = self.cylinders[index].row(at, opened, self.live, readings, u, self.restarts)
+        self.rows.append(row)
+        self.inputs[index] = {}
+
+    def finish(self):
+        if self.is_open:
+            self.close(self.opened + self.deadline)
+
+
+def shortest(text):
+    """Whether the digits are those of the shortest decimal that reads back the same."""
+
+    def digits(number):
+        return number.lower().split("e")[0].replace(".", "").lstrip("-").strip("0")
+
+    return digits(text) == digits(repr(float(text)))
+
+
+def compare(rows, path):
+    with open(path, encoding="ascii") as file:
+        header, *lines = file.read().splitlines()
+    assert header.split(",") == COLUMNS, header
+    theirs = [line.split(",") for line in lines]
+    answer = {"rows": [len(rows), len(theirs)], "worst": {}, "first_odd": None}
+    longer = sum(not shortest(text) for row in theirs[:20000] for text in row if text)
+    answer["longer_than_shortest"] = longer
+    for index, (ours, row) in enumerate(zip(rows, theirs)):
+        if [value is None for value in ours] != [text == "" for text in row]:
+            answer["first_odd"] = f"row {index + 1}: {ours} against {row}"
+            break
+    ours = numpy.array(rows[: len(theirs)], dtype=float)
+    theirs = numpy.array([[float(text or "nan") for text in row] for row in theirs[: len(rows)]])
+    for column, name in enumerate(COLUMNS):
+        difference = numpy.abs(ours[:, column] - theirs[:, column])
+        some = numpy.flatnonzero(~numpy.isnan(difference))
+        answer["worst"][name] = float(difference[some].max()) if len(some) else None
+    return answer
+
+
+def main():
+    dbc, log, csv = sys.argv[1:]
+    config = json.load(sys.stdin)
+    for table, defaults in DEFAULTS.items():
+        config[table] = {**defaults, **config.get(table, {})}
+    config["machine"].setdefault("max_gap", 0.1)
+    config["cylinders"] = {own["n"]: own for own in config.get("cylinder", [])}
+    times, ids, data = read_log(log)
+    machine = Machine(config, Signals(dbc, ids, data), times[0])
+    rows = {}
+    for at, identifier in zip(times, ids):
+        row = rows.get(identifier, 0)
+        rows[identifier] = row + 1
+        machine.take(at, identifier, row)
+    machine.finish()
+    answer = compare(machine.rows, csv)
+    answer["restarts"] = [
+        [(at - times[0]) / 1e9, n, detector] for at, n, detector in machine.restarts
+    ]
+    answer["gated"] = sum(row[-1] for row in machine.rows)
+    json.dump({**answer, **machine.tried}, sys.stdout)
+
+
+main()
