@@ -21,8 +21,9 @@ use crate::time::{Span, Timestamp};
 /// }
 /// ```
 pub trait Port {
-    /// Waits at most `patience` for a frame, then gives `take` what is there, oldest first; a
-    /// bounded number, so that other work gets its turn. A signal ends the waiting early.
+    /// Waits at most `patience` for a frame (and a tick of the kernel, up to 10 ms), then gives
+    /// `take` what is there, oldest first; a bounded number, so that other work gets its turn. A
+    /// signal ends the waiting early. The same patience at each call is the cheapest.
     ///
     /// # Errors
     /// Once the interface is down or gone, and all that had come before has been taken, this port

@@ -35,13 +35,15 @@ impl Batch {
     }
 
     /// Gives `each` what is in the queue, oldest first, at most [`BATCH`], and how many that were.
-    /// Fewer means that the queue was empty, or that an error follows at the next call.
+    /// Fewer means that the queue was empty, or that an error follows at the next call. With `wait`
+    /// it waits for the first, as long as the socket is set to.
     ///
     /// # Errors
     /// EAGAIN if there is nothing; else what befell the socket.
     pub(super) fn read(
         &mut self,
         socket: RawFd,
+        wait: bool,
         mut each: impl FnMut(&Message<'_>),
     ) -> nix::Result<usize> {
         let mut slices = self.buffers.each_mut().map(|buffer| [IoSliceMut::new(buffer)]);
@@ -49,8 +51,9 @@ impl Batch {
         // for control messages back, so that after a frame without a drop count there would be none
         // for the next one's.
         let space = nix::cmsg_space!([TimeSpec; 3], TimeSpec, u32);
+        let flags = if wait { MsgFlags::MSG_WAITFORONE } else { MsgFlags::MSG_DONTWAIT };
         let mut headers = MultiHeaders::<()>::preallocate(BATCH, Some(space));
-        let messages = recvmmsg(socket, &mut headers, &mut slices, MsgFlags::MSG_DONTWAIT, None)?;
+        let messages = recvmmsg(socket, &mut headers, &mut slices, flags, None)?;
         let mut count = 0;
         for message in messages {
             each(&Message::from(&message));

@@ -1,11 +1,9 @@
 //! The port over a RAW socket.
 
-use std::os::fd::{AsFd, AsRawFd};
+use std::os::fd::AsRawFd;
 use std::time::Duration;
 
 use nix::errno::Errno;
-use nix::poll::{PollFd, PollFlags, ppoll};
-use nix::sys::time::TimeSpec;
 
 use super::batch::{BATCH, Batch, Message};
 use super::drops::Drops;
@@ -22,7 +20,8 @@ use crate::time::Timestamp;
 /// Batches that one call takes at most: 256 frames, 10 ms of a full bus at 1 Mbit/s.
 const BATCHES: usize = 4;
 
-/// The longest wait; ppoll refuses durations that its own type does not hold.
+/// Nothing shorter is told apart from waiting for ever.
+const SHORTEST_WAIT: Duration = Duration::from_micros(1);
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
 /// A SocketCAN interface. It sends the gateway's own frames and no other.
@@ -31,8 +30,10 @@ pub struct SocketPort {
     opened: Opened,
     batch: Batch,
     intake: Intake,
-    /// More frames are known to wait.
+    /// More frames are known, or not known not, to wait.
     waiting: bool,
+    /// How long the kernel was told to wait.
+    patience: Option<Duration>,
     ended: Option<Ended>,
     sent: u64,
     refused: u64,
@@ -66,6 +67,7 @@ impl SocketPort {
             batch: Batch::new(),
             intake: Intake::new(),
             waiting: false,
+            patience: None,
             ended: None,
             sent: 0,
             refused: 0,
@@ -82,13 +84,25 @@ impl SocketPort {
         self.opened.buffer
     }
 
-    fn wait(&self, patience: Duration) -> Result<(), PortError> {
-        let socket = self.opened.socket.as_fd();
-        let patience = TimeSpec::from_duration(patience.min(LONGEST_WAIT));
-        match ppoll(&mut [PollFd::new(socket, PollFlags::POLLIN)], Some(patience), None) {
-            Ok(_) | Err(Errno::EINTR) => Ok(()),
-            Err(other) => Err(PortError::Io(other.into())),
+    /// The kernel waits in ticks of up to 10 ms, in exchange for which a frame costs no second
+    /// system call.
+    fn be_patient(&mut self, patience: Duration) -> Result<(), PortError> {
+        let patience = patience.clamp(SHORTEST_WAIT, LONGEST_WAIT);
+        if self.patience != Some(patience) {
+            self.opened.socket.set_patience(patience)?;
+            self.patience = Some(patience);
         }
+        Ok(())
+    }
+
+    /// Up to when all has been taken, after a reading that began at `looked_at`, if not by waiting.
+    fn drained_at(&self, frames: usize, looked_at: Option<Timestamp>) -> Option<Timestamp> {
+        if self.waiting {
+            return None;
+        }
+        // Frames come in the order of their stamps.
+        let last = (frames > 0).then_some(self.intake.frame.timestamp);
+        last.max(looked_at)
     }
 
     fn finish(&mut self, ended: Ended) -> PortError {
@@ -126,42 +140,48 @@ impl Port for SocketPort {
         patience: Duration,
         take: &mut dyn FnMut(&Frame),
     ) -> Result<Received, PortError> {
-        if !self.waiting && self.ended.is_none() {
-            self.wait(patience)?;
+        let mut wait = !self.waiting && self.ended.is_none() && !patience.is_zero();
+        if wait {
+            self.be_patient(patience)?;
         }
         let mut received = Received::default();
+        // The clock is not asked where frames come without waiting on: their stamps say enough.
+        let mut looked_at = None;
         self.waiting = true;
-        for _ in 0..BATCHES {
-            // Before the queue is read: what is stamped later may come too late for this reading.
-            let before = system_time();
-            match self.batch.read(self.opened.socket.as_raw_fd(), |message| {
-                received.frames += usize::from(self.intake.take(message, before, take));
+        for _ in 0..=BATCHES {
+            if !wait && received.frames == 0 {
+                looked_at = Some(system_time());
+            }
+            let socket = self.opened.socket.as_raw_fd();
+            match self.batch.read(socket, wait, |message| {
+                received.frames += usize::from(self.intake.take(message, take));
             }) {
                 Ok(count) => {
                     self.intake.count_batch(count);
-                    if count < BATCH {
-                        self.waiting = false;
-                        received.drained_at = Some(before);
-                        break;
-                    }
+                    self.waiting = count == BATCH;
                 }
-                Err(Errno::EAGAIN) => {
-                    self.waiting = false;
-                    received.drained_at = Some(before);
-                    break;
-                }
-                Err(Errno::EINTR) => {}
+                // That was the patience. Whether the queue is empty now, the next reading tells.
+                Err(Errno::EAGAIN) if wait => {}
+                Err(Errno::EAGAIN) => self.waiting = false,
+                // Whoever sent the signal wants to be heard.
+                Err(Errno::EINTR) => return Ok(received),
                 // The frames that came before are still in the queue.
                 Err(code) => match Ended::from_errno(code) {
                     Some(ended) => self.ended = Some(ended),
                     None => return Err(PortError::Io(code.into())),
                 },
             }
+            wait = false;
+            if !self.waiting || received.frames >= BATCHES * BATCH {
+                break;
+            }
         }
         match self.ended {
             Some(ended) if received.frames == 0 => Err(ended.into()),
-            Some(_) => Ok(Received { drained_at: None, ..received }),
-            None => Ok(received),
+            Some(_) => Ok(received),
+            None => {
+                Ok(Received { drained_at: self.drained_at(received.frames, looked_at), ..received })
+            }
         }
     }
 
@@ -219,12 +239,7 @@ impl Intake {
     }
 
     /// `false` if it is no frame.
-    fn take(
-        &mut self,
-        message: &Message<'_>,
-        read_at: Timestamp,
-        take: &mut dyn FnMut(&Frame),
-    ) -> bool {
+    fn take(&mut self, message: &Message<'_>, take: &mut dyn FnMut(&Frame)) -> bool {
         if let Some(count) = message.drops {
             self.drops.saw(count);
         }
@@ -234,7 +249,7 @@ impl Intake {
         }
         let stamp = self.choice.of(message.software, message.hardware);
         self.counts.unstamped += u64::from(stamp.is_none());
-        self.frame.timestamp = stamp.unwrap_or(read_at);
+        self.frame.timestamp = stamp.unwrap_or_else(system_time);
         self.counts.received += 1;
         self.counts.error_frames += u64::from(self.frame.kind == Kind::Error);
         take(&self.frame);

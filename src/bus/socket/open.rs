@@ -1,7 +1,8 @@
 //! A RAW socket, made ready before it is bound: whatever it gives has passed its filters.
 
 use std::io;
-use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
+use std::os::fd::{AsRawFd, RawFd};
+use std::time::Duration;
 
 use nix::errno::Errno;
 use socket2::{Domain, Protocol, Socket, Type};
@@ -53,24 +54,22 @@ impl AsRawFd for Raw {
     }
 }
 
-impl AsFd for Raw {
-    fn as_fd(&self) -> BorrowedFd<'_> {
-        self.0.as_fd()
-    }
-}
-
 impl SocketOptions for Raw {}
 
 impl Raw {
     fn new() -> io::Result<Self> {
         let protocol = Protocol::from(libc::CAN_RAW);
-        let socket = Socket::new(Domain::from(libc::PF_CAN), Type::RAW, Some(protocol))?;
-        socket.set_nonblocking(true)?;
-        Ok(Self(socket))
+        Socket::new(Domain::from(libc::PF_CAN), Type::RAW, Some(protocol)).map(Self)
     }
 
+    /// Without waiting.
     pub(super) fn send(&self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.send(bytes)
+        self.0.send_with_flags(bytes, libc::MSG_DONTWAIT)
+    }
+
+    /// How long a reading waits that does.
+    pub(super) fn set_patience(&self, patience: Duration) -> io::Result<()> {
+        self.0.set_read_timeout(Some(patience))
     }
 
     fn set(&self, option: libc::c_int, value: libc::c_int) -> io::Result<()> {
