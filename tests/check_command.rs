@@ -155,7 +155,7 @@ fn an_error_of_the_dbc_matters_where_the_message_is_used() {
     for (from, to, words) in [
         (CYL1_C1.to_owned(), CYL1_C1.replace("0|16@1+", "8|16@1+"), "it shares bits with Position"),
         (CYL1_C1.to_owned(), CYL1_C1.replace(": 6 ", ": 5 "), "but the message has 5 bytes"),
-        ("BO_ 386 ".to_owned(), "BO_ 385 ".to_owned(), "has its identifier"),
+        ("\nBO_ 386 ".to_owned(), "\nBO_ 385 ".to_owned(), "has its identifier"),
     ] {
         let config = with_dbc(&scratch, &from, &to);
         let words = ["message Cyl1_C1 cannot be used: line", words, "correct the message"];

@@ -139,7 +139,7 @@ fn in_a_word(fault: &Truth, warnings: &[&Value]) -> String {
     let t = first["t"].as_f64().expect("a number");
     let decided =
         |w: &&&Value| w["detector"] == first["detector"] && w["t"].as_f64() <= Some(t + 0.2);
-    let blamed = warnings.iter().filter(decided).next_back().map_or("", |w| word(w, "suspect"));
+    let blamed = warnings.iter().rfind(decided).map_or("", |w| word(w, "suspect"));
     let verdict = match blamed {
         "undecided" => "undecided",
         blamed if blamed == fault.transducer => "the right one",

@@ -99,9 +99,9 @@ proptest! {
                         continue;
                     }
                     carried += 1;
-                    for i in 0..MAX_DATA {
-                        let changed = out.buffer()[i] ^ frame.buffer()[i];
-                        prop_assert_eq!(changed & !bits[i], 0, "byte {} by {:?}", i, shape);
+                    let bytes = out.buffer().iter().zip(frame.buffer()).zip(bits);
+                    for (i, ((new, old), own)) in bytes.enumerate() {
+                        prop_assert_eq!((new ^ old) & !own, 0, "byte {} by {:?}", i, shape);
                     }
                 }
                 let tally = injector.tallies()[0];
@@ -183,7 +183,8 @@ fn lengths(frames: &[Option<Frame>]) -> Vec<Option<u16>> {
 #[test]
 fn shapes_follow_their_formulas_in_seconds() {
     let input: Vec<u16> = (0..200).map(|k| 20_000 + 3 * k).collect();
-    let formulas: [(Shape, fn(f64, f64) -> f64); 4] = [
+    type Formula = fn(f64, f64) -> f64;
+    let formulas: [(Shape, Formula); 4] = [
         (Shape::Step { size: 0.5 }, |_, _| 0.5),
         (Shape::Incipient { size: 7.0, b: 1.0 }, |t, _| 7.0 * (1.0 - 2_f64.powf(-t))),
         (Shape::Drift { rate: -2.0 }, |t, _| -2.0 * t),
@@ -281,7 +282,8 @@ fn another_fault_does_not_change_what_chance_gives_the_first() {
     let input = frames(&[10_000; 300]);
     let noise = ("Length", Shape::Noise { size: 0.1 }, 0.0, None);
     let (alone, _) = play(&[noise], &input);
-    let (together, tallies) = play(&[noise, ("Other", noise.1, 0.0, None)], &input);
+    let (together, tallies) =
+        play(&[noise, ("Other", Shape::Noise { size: 1.0 }, 0.0, None)], &input);
     assert_eq!(lengths(&alone), lengths(&together));
     let others: Vec<u8> = together.iter().flatten().map(|frame| frame.data()[2]).collect();
     let same = |k: usize| lengths(&alone)[k] == Some(10_000);
@@ -307,4 +309,22 @@ fn remote_frames_errors_and_other_messages_pass_untouched() {
     let (out, tallies) = play(&[step], &input);
     assert_eq!(out.into_iter().flatten().collect::<Vec<_>>(), input);
     assert_eq!(tallies, [Tally { absent: 1, ..Tally::default() }]);
+}
+
+/// 0x7FA00000 is a signalling NaN, which becomes another one by a mere conversion.
+#[test]
+fn a_float_that_is_not_a_number_keeps_its_bits_where_no_fault_acts() {
+    let dbc = "VERSION \"\"\n\nBU_: A\n\nBO_ 5 M: 4 A\n SG_ F : 0|32@1- (1,0) [0|0] \"m\" A\n\n\
+        SIG_VALTYPE_ 5 F : 1;\n";
+    let database = Database::parse(dbc).unwrap();
+    let (message, signal) = database.signal("M.F").unwrap();
+    let window = Window { from: Span::from_nanos(1), until: None };
+    let data = 0x7FA0_0000_u32.to_le_bytes();
+    for (shape, t) in [(Shape::Step { size: 1.0 }, 0), (Shape::Step { size: 0.0 }, 1)] {
+        let mut injector = Injector::new(&[placed(message, signal, shape, window)], 0);
+        for t in [0, t] {
+            let frame = Frame::new(Timestamp::from_nanos(t), message.id, Kind::Data, &data);
+            assert_eq!(injector.take(&frame), Some(&frame), "{shape:?} at {t}");
+        }
+    }
 }

@@ -158,7 +158,8 @@ fn what_the_machine_does_not_have_is_refused() {
     let without = TOML.replace("c2_velocity = ", "# ");
     let error = placed(&without, DBC, "step,cylinder=1,sensor=c2_velocity,size=1").unwrap_err();
     assert!(error.to_string().contains("add signals.cylinder.c2_velocity"), "{error}");
-    let own = TOML.replace("Cyl{n}_Valve.PressureRod", "Fd_Warning.Residual");
+    // 0x1A1, the valve of cylinder 1, is then the gateway's.
+    let own = format!("{TOML}\n[gateway]\nnode = 33\n");
     let error = placed(&own, DBC, "step,cylinder=1,sensor=pressure_rod,size=1").unwrap_err();
     assert!(matches!(error, PlaceError::OwnFrame { .. }), "{error}");
     let error = placed(TOML, DBC, "out_of_range,cylinder=1,value=1.4").unwrap_err();

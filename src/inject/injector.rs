@@ -174,14 +174,17 @@ fn change(
         active.for_each(|fault| tallies[fault.index].absent += 1);
         return;
     };
-    let original = Reading { physical: value.physical, raw: Some(value.raw) };
-    let mut reading = original;
+    let mut reading = Reading { physical: value.physical, raw: Some(value.raw) };
+    let mut touched = false;
     for fault in faults.iter_mut() {
-        fault.apply(plan, elapsed, &mut reading, &mut tallies[fault.index]);
+        touched |= fault.apply(plan, elapsed, &mut reading, &mut tallies[fault.index]);
     }
-    let same_bits = |raw| Some(raw) == original.raw;
+    // Not told from the values: a float's NaN is unequal to itself, and written back it may have
+    // other bits.
+    if !touched {
+        return;
+    }
     let inserted = match reading.raw {
-        Some(raw) if same_bits(raw) => return,
         Some(raw) => plan.insert(raw, frame.buffer_mut()),
         None => plan.insert_physical(reading.physical, frame.buffer_mut()),
     };
@@ -192,18 +195,20 @@ fn change(
 }
 
 impl Active {
+    /// Applies the fault to `reading`; whether there was anything to do.
     fn apply(
         &mut self,
         plan: &SignalPlan,
         elapsed: Span,
         reading: &mut Reading,
         tally: &mut Tally,
-    ) {
+    ) -> bool {
         let age = self.window.age(elapsed);
         if self.shape == Shape::Freeze && (age.is_none() || self.held.is_none()) {
             self.held = Some(*reading);
         }
-        let Some(age) = age else { return };
+        let Some(age) = age else { return false };
+        tally.frames += 1;
         let before = *reading;
         match self.shape {
             Shape::Constant(Code::Raw(code)) => {
@@ -215,14 +220,14 @@ impl Active {
             }
             shape => match shape.addition(reading.physical, age, &mut self.rng) {
                 // Nothing added leaves every bit as it is.
-                Some(0.0) => {}
+                Some(0.0) => return false,
                 Some(addition) => {
                     *reading = Reading { physical: reading.physical + addition, raw: None };
                 }
                 None => *reading = self.held.unwrap_or(*reading),
             },
         }
-        tally.frames += 1;
         tally.altered += u64::from(*reading != before);
+        true
     }
 }

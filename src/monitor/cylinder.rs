@@ -1,6 +1,7 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
 use super::gate::Opening;
+use super::implausible::Implausible;
 use super::sink::Record;
 use crate::alarm::register::PLACES;
 use crate::alarm::status::Health;
@@ -11,9 +12,7 @@ use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restar
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::time::{Span, Timestamp};
-use crate::verdict::{
-    Bank, BankDesign, Fault, Residuals, Suspect, Thresholds, Trigger, Verdict, bank::Detection,
-};
+use crate::verdict::{Bank, BankDesign, Fault, Residuals, Suspect, Verdict, bank::Detection};
 
 /// What one cylinder is monitored by.
 #[derive(Clone, Debug)]
@@ -64,44 +63,6 @@ pub struct Tally {
     pub implausible: [u64; 2],
     /// Largest |R1| and |R2| judged, and largest |R3|, m.
     pub worst: [Option<f64>; 3],
-}
-
-/// A plausibility warning: raised at once, cleared with hysteresis.
-#[derive(Clone, Debug)]
-struct Implausible {
-    trigger: Trigger,
-    fault: Fault,
-    beyond: f64,
-}
-
-impl Implausible {
-    fn new(clear: Span) -> Self {
-        let trigger = Trigger::new(Thresholds { low: 0.5, high: 0.5, clear });
-        Self { trigger, fault: Fault::Unclassified, beyond: 0.0 }
-    }
-
-    fn judge(&mut self, at: Timestamp, quality: Quality, beyond: f64) {
-        let fault = match quality {
-            Quality::Good | Quality::Missing => None,
-            Quality::Stale => Some(Fault::Stale),
-            Quality::BrokenWire => Some(Fault::BrokenWire),
-            Quality::OutOfRange => Some(Fault::OutOfRange),
-            Quality::Frozen => Some(Fault::Frozen),
-        };
-        if let Some(fault) = fault {
-            (self.fault, self.beyond) = (fault, beyond);
-        }
-        let evidence = match (fault, quality) {
-            (Some(_), _) => Some(1.0),
-            (None, Quality::Good) => Some(0.0),
-            (None, _) => None,
-        };
-        self.trigger.judge(at, evidence);
-    }
-
-    fn raised(&self) -> bool {
-        self.trigger.raised().is_some()
-    }
 }
 
 const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];

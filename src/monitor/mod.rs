@@ -5,9 +5,12 @@
 //! that advances by its clock, some guard time behind the bus, and a replay of the same frames say
 //! the same.
 
+mod counts;
 pub mod cylinder;
 pub mod design;
 pub mod gate;
+mod implausible;
+mod passage;
 pub mod sink;
 pub mod wiring;
 
@@ -18,6 +21,7 @@ use crate::frame::{Frame, Kind};
 use crate::sample::Field;
 use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
 use crate::time::{Span, Timestamp};
+pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
 use gate::{Gate, Opening};
 pub use sink::{Notice, Record, Sink};
@@ -38,36 +42,6 @@ pub struct MonitorDesign {
 
 /// Fd_Status is sent this often.
 const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
-
-/// Time stamps that leap further ahead than this are a clock that was set, not a quiet bus.
-const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
-
-/// What the monitor counts of the bus.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Frames that the monitor listens to.
-    pub used: u64,
-    /// Frames of other identifiers, remote frames and error frames.
-    pub ignored: u64,
-    /// Of these, error frames.
-    pub errors: u64,
-    /// Cycles that opened.
-    pub cycles: u64,
-    /// Of these, cycles in which something configured did not arrive.
-    pub incomplete: u64,
-    /// Cycles that should have opened and did not.
-    pub missing: u64,
-    /// Frames after the deadline of their cycle.
-    pub late: u64,
-    /// Frames that came twice in a cycle; the first one counts.
-    pub repeated: u64,
-    /// Signals that their frame was too short for, or whose value is not a finite number.
-    pub bad_signals: u64,
-    /// Frames with a time stamp before the one before.
-    pub backwards: u64,
-    /// Jumps in time after which everything started anew.
-    pub time_jumps: u64,
-}
 
 /// The monitor of one machine.
 #[derive(Clone, Debug)]
@@ -165,82 +139,6 @@ impl Monitor {
     pub fn finish(&mut self, sink: &mut impl Sink) {
         if let Some(Due::Close(at)) = self.clock.due() {
             self.close_cycle(at, sink);
-        }
-    }
-
-    /// Brings time to `stamp`, or says at which earlier or later time the frame is taken instead.
-    #[inline]
-    fn follow_time(&mut self, stamp: Timestamp, sink: &mut impl Sink) -> Timestamp {
-        let Some(last) = self.last else {
-            self.begin(stamp);
-            return stamp;
-        };
-        if stamp >= last && stamp <= self.next_due {
-            self.last = Some(stamp);
-            return stamp;
-        }
-        self.follow_irregular_time(last, stamp, sink)
-    }
-
-    #[cold]
-    fn follow_irregular_time(
-        &mut self,
-        last: Timestamp,
-        stamp: Timestamp,
-        sink: &mut impl Sink,
-    ) -> Timestamp {
-        let step = stamp.since(last);
-        if step < Span::ZERO {
-            self.counts.backwards += 1;
-            if step.as_nanos().saturating_neg() <= self.clock.sample_time().as_nanos() {
-                // Out of order by less than a cycle: the order of arrival is believed.
-                return last;
-            }
-        }
-        if step < Span::ZERO || step > LARGEST_PAUSE {
-            self.jump(stamp, step, sink);
-        } else {
-            self.do_due(stamp, sink);
-            self.last = Some(stamp);
-        }
-        stamp
-    }
-
-    fn begin(&mut self, at: Timestamp) {
-        self.last = Some(at);
-        self.next_status = at.after(STATUS_PERIOD);
-        self.reckon_due();
-    }
-
-    fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
-        self.counts.time_jumps += 1;
-        sink.notice(&Notice::TimeJump { at, by });
-        self.clock.reset();
-        self.pending = 0;
-        self.gate.reset();
-        self.cylinders.iter_mut().for_each(Cylinder::interrupt);
-        self.register.rephase(at);
-        self.begin(at);
-    }
-
-    fn reckon_due(&mut self) {
-        let cycle = self.clock.due().map(Due::at);
-        let times = [cycle, self.register.due()].into_iter().flatten();
-        self.next_due = times.fold(self.next_status, Timestamp::min);
-    }
-
-    /// Does everything that falls due before `now`, in the order of time.
-    #[cold]
-    fn do_due(&mut self, now: Timestamp, sink: &mut impl Sink) {
-        while self.next_due < now {
-            let at = self.next_due;
-            match self.clock.due() {
-                Some(Due::Close(due)) if due == at => self.close_cycle(at, sink),
-                Some(Due::Missing(due)) if due == at => self.miss_cycle(at, sink),
-                _ if self.register.due() == Some(at) => self.repeat_warnings(at, sink),
-                _ => self.send_status(at, sink),
-            }
-            self.reckon_due();
         }
     }
 

@@ -1,7 +1,7 @@
 //! The bank of fault detection estimators of one cylinder (Figure 5-17), after its residuals.
 
 use super::Verdict;
-use super::fault::{Fault, Signatures, WINDOW};
+use super::fault::{DIFFERENCES, Fault, Signatures, WINDOW, classify_difference};
 use super::history::History;
 use super::suspect::{self, Seen, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
@@ -41,9 +41,6 @@ pub struct Detection {
 /// Cycles after a raise at which the kind of the fault is looked at again.
 const LOOKS: [u32; 3] = [0, 4, WINDOW as u32 - 1];
 
-/// R3 before the window, whose mean is what R3 was like before: 1 s at 50 Hz.
-const BASELINE: usize = 48;
-
 const FDE3: usize = 2;
 
 /// FDE1, FDE2 and FDE3 of one cylinder.
@@ -53,10 +50,10 @@ pub struct Bank {
     verdicts: [Verdict; 3],
     newest: [f64; 3],
     observed: [History<WINDOW>; 2],
-    difference: History<{ WINDOW + BASELINE }>,
+    difference: History<DIFFERENCES>,
     found: [Option<Found>; 3],
-    /// Of R1, R2 and R3.
-    signatures: [Signatures; 3],
+    /// Of R1 and R2.
+    signatures: [Signatures; 2],
     coincidence: Span,
 }
 
@@ -71,7 +68,6 @@ struct Found {
 impl Bank {
     pub fn new(design: &BankDesign) -> Self {
         let observer = Trigger::new(design.observer);
-        let [first, second] = design.signatures.clone();
         Self {
             triggers: [observer.clone(), observer, Trigger::new(design.difference)],
             verdicts: [Verdict::Unknown; 3],
@@ -79,7 +75,7 @@ impl Bank {
             observed: [History::default(), History::default()],
             difference: History::default(),
             found: [None; 3],
-            signatures: [first, second, Signatures::of_difference()],
+            signatures: design.signatures.clone(),
             coincidence: design.coincidence,
         }
     }
@@ -164,16 +160,9 @@ impl Bank {
     }
 
     fn classify(&self, i: usize) -> Fault {
-        if i != FDE3 {
-            return self.signatures[i].classify(&self.observed[i].in_order());
+        match self.signatures.get(i) {
+            Some(signatures) => signatures.classify(&self.observed[i].in_order()),
+            None => classify_difference(&self.difference.in_order()),
         }
-        let all = self.difference.in_order();
-        let baseline = all[..BASELINE].iter().sum::<f64>() / BASELINE as f64;
-        let window: [f64; WINDOW] = std::array::from_fn(|k| all[BASELINE + k] - baseline);
-        if window[WINDOW - 1].abs() < 0.5 * all[BASELINE + WINDOW - 1].abs() {
-            // Most of R3 was there a second ago: it crept up to its bound.
-            return Fault::Incipient;
-        }
-        self.signatures[FDE3].classify(&window)
     }
 }

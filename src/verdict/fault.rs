@@ -71,23 +71,58 @@ impl Signatures {
         Self { step: respond(|_| 1.0), ramp: respond(|k| k as f64 + 1.0) }
     }
 
-    /// The signatures in R3, which shows a fault as it is.
-    pub fn of_difference() -> Self {
-        Self { step: [1.0; WINDOW], ramp: std::array::from_fn(|k| k as f64 + 1.0) }
-    }
-
     /// Names the fault in `residuals`, m, oldest first.
     pub fn classify(&self, residuals: &[f64; WINDOW]) -> Fault {
-        let energy: f64 = residuals.iter().map(|r| r * r).sum();
-        let step = explained(&self.step, residuals);
-        let ramp = explained(&self.ramp, residuals);
-        if step.max(ramp) < EXPLAINED * energy {
-            Fault::Noise
-        } else if ramp > RAMP_ADVANTAGE * step {
-            Fault::Incipient
-        } else {
-            Fault::Abrupt
-        }
+        let energy = residuals.iter().map(|r| r * r).sum();
+        name(explained(&self.step, residuals), explained(&self.ramp, residuals), energy)
+    }
+}
+
+/// Cycles of R3 that a classification looks at: 1.28 s at 50 Hz.
+pub const DIFFERENCES: usize = 64;
+
+/// Names the fault in R3, m, oldest first. R3 shows a fault as it is, beside an offset that the
+/// calibration has left; so step and ramp are fitted with a free constant. What was there already a
+/// second ago for the most part crept up to its bound, too slowly for either.
+pub fn classify_difference(differences: &[f64; DIFFERENCES]) -> Fault {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let before = mean(&differences[..DIFFERENCES - WINDOW]);
+    let now = differences[DIFFERENCES - 1];
+    if (now - before).abs() < 0.5 * now.abs() {
+        return Fault::Incipient;
+    }
+    let offset = mean(differences);
+    let centred = differences.map(|r| r - offset);
+    let energy = centred.iter().map(|r| r * r).sum();
+    let (mut step, mut ramp) = (0.0_f64, 0.0_f64);
+    for onset in 1..DIFFERENCES {
+        let share =
+            |signature: fn(f64) -> f64| {
+                let values: [f64; DIFFERENCES] = std::array::from_fn(|k| {
+                    if k < onset { 0.0 } else { signature((k - onset) as f64) }
+                });
+                let offset = mean(&values);
+                let (mut dot, mut norm) = (0.0, 0.0);
+                for (s, r) in values.iter().zip(&centred) {
+                    dot += (s - offset) * r;
+                    norm += (s - offset) * (s - offset);
+                }
+                dot * dot / norm
+            };
+        step = step.max(share(|_| 1.0));
+        ramp = ramp.max(share(|age| age + 1.0));
+    }
+    name(step, ramp, energy)
+}
+
+/// The kind of fault, by the energies that the best step and the best ramp explain of `energy`.
+fn name(step: f64, ramp: f64, energy: f64) -> Fault {
+    if step.max(ramp) < EXPLAINED * energy {
+        Fault::Noise
+    } else if ramp > RAMP_ADVANTAGE * step {
+        Fault::Incipient
+    } else {
+        Fault::Abrupt
     }
 }
 
@@ -130,23 +165,51 @@ mod tests {
         }
     }
 
+    const NOISE: [f64; WINDOW] =
+        [1., -1., 0., 1., 1., -1., 0., 0., -1., 1., 0., -1., -1., 1., 0., 1.];
+
+    /// A little of everything, from a sample's number.
+    fn small(k: usize) -> f64 {
+        1e-4 * NOISE[(7 * k) % WINDOW]
+    }
+
     #[test]
     fn steps_ramps_and_noise_are_told_apart() {
-        for (signatures, name) in [(observer(), "R1"), (Signatures::of_difference(), "R3")] {
-            for onset in [4, 8, 11] {
-                let shifted = |signature: [f64; WINDOW]| {
-                    std::array::from_fn(|k| {
-                        let small = 1e-4 * if k % 3 == 0 { -1.0 } else { 1.0 };
-                        small + if k < onset { 0.0 } else { 2e-3 * signature[k - onset] }
-                    })
-                };
-                let step = signatures.classify(&shifted(signatures.step));
-                assert_eq!(step, Fault::Abrupt, "{name} from {onset}");
-                let ramp = signatures.classify(&shifted(signatures.ramp));
-                assert_eq!(ramp, Fault::Incipient, "{name} from {onset}");
+        let signatures = observer();
+        for onset in [4, 8, 11] {
+            let shifted = |signature: [f64; WINDOW]| {
+                std::array::from_fn(|k| {
+                    small(k) + if k < onset { 0.0 } else { 2e-3 * signature[k - onset] }
+                })
+            };
+            let step = signatures.classify(&shifted(signatures.step));
+            assert_eq!(step, Fault::Abrupt, "from {onset}");
+            let ramp = signatures.classify(&shifted(signatures.ramp));
+            assert_eq!(ramp, Fault::Incipient, "from {onset}");
+        }
+        assert_eq!(signatures.classify(&NOISE), Fault::Noise);
+    }
+
+    #[test]
+    fn steps_ramps_and_noise_are_told_apart_in_the_difference() {
+        let with = |offset: f64, fault: &dyn Fn(usize) -> f64| {
+            classify_difference(&std::array::from_fn(|k| offset + small(k) + fault(k)))
+        };
+        for offset in [-5e-4, 0.0, 5e-4] {
+            for onset in [40, 56, 63] {
+                let step = with(offset, &|k| if k < onset { 0.0 } else { 2e-3 });
+                assert_eq!(step, Fault::Abrupt, "{offset} from {onset}");
             }
-            let noise = [1., -1., 0., 1., 1., -1., 0., 0., -1., 1., 0., -1., -1., 1., 0., 1.];
-            assert_eq!(signatures.classify(&noise), Fault::Noise, "{name}");
+            // 1, 3 and 10 mm/s, when they reach 1.5 mm.
+            for rate in [2e-5, 6e-5, 2e-4] {
+                let age = (1.5e-3 - offset) / rate;
+                let ramp = with(offset, &|k| rate * (age - (63 - k) as f64).max(0.0));
+                assert_eq!(ramp, Fault::Incipient, "{offset}, {rate} m a sample");
+            }
+            let creep = with(offset, &|k| 1.5e-3 - offset + 2e-6 * k as f64);
+            assert_eq!(creep, Fault::Incipient);
+            let noise = with(offset, &|k| if k < 40 { 0.0 } else { 1.3e-3 * NOISE[k % WINDOW] });
+            assert_eq!(noise, Fault::Noise);
         }
     }
 

@@ -29,7 +29,7 @@ untouched = np.ones(len(before), bool)
 for fault in csv.DictReader(open(table)):
     message = database.get_message_by_name(f"Cyl{fault['cylinder']}_{fault['sensor']}")
     signal = message.get_signal_by_name("Position")
-    t0, size, parameter = (float(fault[key]) for key in ("t0", "magnitude", "parameter"))
+    t0, size, parameter = (float(fault[key] or 0) for key in ("t0", "magnitude", "parameter"))
     t1 = float(fault["t1"]) if fault["t1"] else np.inf
     at = np.flatnonzero(ids == message.frame_id)
     untouched[at] = False
