@@ -105,6 +105,9 @@ fn excerpt() -> String {
     log
 }
 
+/// How much is written next.
+type Sizes = Box<dyn FnMut() -> usize + Send>;
+
 #[test]
 fn standard_input_in_any_pieces() {
     let bench = Bench::new();
@@ -112,7 +115,7 @@ fn standard_input_in_any_pieces() {
     let whole = bench.of_files(&[&bench.scratch.write("whole.log", &log)]);
     let mut seeded = Seeded(7);
     let mut primes = [2, 3, 5, 7, 11, 41, 43, 4093, 65_537, 262_147].into_iter().cycle();
-    let mut sizes: [(&str, Box<dyn FnMut() -> usize + Send>); 3] = [
+    let mut sizes: [(&str, Sizes); 3] = [
         ("single bytes", Box::new(|| 1)),
         ("primes", Box::new(move || primes.next().expect("they begin again"))),
         ("random sizes", Box::new(move || 1 << seeded.below(19))),

@@ -28,12 +28,15 @@ pub struct Raise {
 pub struct Trigger {
     thresholds: Thresholds,
     raised: Option<Raise>,
-    below_since: Option<Timestamp>,
+    /// Time below δ_l, without the times of which nothing is known.
+    below: Span,
+    /// The last cycle, if its magnitude was below δ_l.
+    was_below: Option<Timestamp>,
 }
 
 impl Trigger {
     pub fn new(thresholds: Thresholds) -> Self {
-        Self { thresholds, raised: None, below_since: None }
+        Self { thresholds, raised: None, below: Span::ZERO, was_below: None }
     }
 
     pub const fn thresholds(&self) -> &Thresholds {
@@ -45,10 +48,11 @@ impl Trigger {
     }
 
     /// Takes the residual of the cycle at `at`; `None` or not a number where there is nothing to
-    /// judge. What is raised stays raised until the evidence of a whole clearing time is there.
+    /// judge. What is raised stays raised until the evidence of a whole clearing time is there; a
+    /// cycle without evidence neither counts for it nor against it.
     pub fn judge(&mut self, at: Timestamp, residual: Option<f64>) -> Verdict {
         let Some(magnitude) = residual.map(f64::abs).filter(|m| !m.is_nan()) else {
-            self.below_since = None;
+            self.was_below = None;
             return if self.raised.is_some() { Verdict::Faulty } else { Verdict::Unknown };
         };
         if magnitude > self.thresholds.high {
@@ -61,11 +65,12 @@ impl Trigger {
 
     /// Time jumped: the time below the threshold counts anew.
     pub fn interrupt(&mut self) {
-        self.below_since = None;
+        self.below = Span::ZERO;
+        self.was_below = None;
     }
 
     fn exceeded(&mut self, at: Timestamp) {
-        self.below_since = None;
+        self.interrupt();
         match &mut self.raised {
             Some(raise) => raise.last_exceeded = at,
             None => self.raised = Some(Raise { at, last_exceeded: at }),
@@ -74,13 +79,16 @@ impl Trigger {
 
     fn calm(&mut self, at: Timestamp, below: bool) {
         if !below {
-            self.below_since = None;
+            self.interrupt();
             return;
         }
-        let since = *self.below_since.get_or_insert(at);
-        if at.since(since) >= self.thresholds.clear {
+        if let Some(before) = self.was_below.replace(at) {
+            let step = at.since(before).as_nanos();
+            self.below = Span::from_nanos(self.below.as_nanos().saturating_add(step));
+        }
+        if self.below >= self.thresholds.clear {
             self.raised = None;
-            self.below_since = None;
+            self.interrupt();
         }
     }
 }
@@ -118,16 +126,29 @@ mod tests {
     }
 
     #[test]
-    fn between_the_thresholds_and_without_evidence_the_time_starts_again() {
-        for interruption in [Some(0.8e-3), None, Some(f64::NAN)] {
+    fn between_the_thresholds_the_time_starts_again() {
+        let mut trigger = trigger();
+        trigger.judge(at(0), Some(2e-3));
+        (1..5).for_each(|cycle| _ = trigger.judge(at(cycle), Some(0.0)));
+        assert_eq!(trigger.judge(at(5), Some(0.8e-3)), Verdict::Faulty);
+        for cycle in 6..11 {
+            assert_eq!(trigger.judge(at(cycle), Some(0.0)), Verdict::Faulty, "{cycle}");
+        }
+        assert_eq!(trigger.judge(at(11), Some(0.0)), Verdict::Healthy);
+    }
+
+    #[test]
+    fn without_evidence_the_time_stands_still() {
+        for nothing in [None, Some(f64::NAN)] {
             let mut trigger = trigger();
             trigger.judge(at(0), Some(2e-3));
-            (1..5).for_each(|cycle| _ = trigger.judge(at(cycle), Some(0.0)));
-            assert_eq!(trigger.judge(at(5), interruption), Verdict::Faulty);
-            (6..11).for_each(|cycle| {
-                assert_eq!(trigger.judge(at(cycle), Some(0.0)), Verdict::Faulty, "{interruption:?}")
-            });
-            assert_eq!(trigger.judge(at(11), Some(0.0)), Verdict::Healthy);
+            // 40 ms below, then a long time of which nothing is known.
+            (1..4).for_each(|cycle| _ = trigger.judge(at(cycle), Some(0.0)));
+            (4..90).for_each(|cycle| _ = trigger.judge(at(cycle), nothing));
+            for cycle in 90..93 {
+                assert_eq!(trigger.judge(at(cycle), Some(0.0)), Verdict::Faulty, "{cycle}");
+            }
+            assert_eq!(trigger.judge(at(93), Some(0.0)), Verdict::Healthy, "{nothing:?}");
         }
     }
 

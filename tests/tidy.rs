@@ -1,0 +1,390 @@
+//! What the source has to keep to: the core has no clock, socket, file, thread or global, so that a
+//! replay says what the gateway said; and nothing is left half done.
+//!
+//! It looks at tokens, so that comments and texts may say what they like, and at code outside of
+//! `#[cfg(test)]` only.
+
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Rooms that deal with the world. A room that is added here has a reason to: live frames, files of
+/// the user's, a terminal. Everything else is the core.
+const WORLDLY: [&str; 5] = ["bus/", "cli/", "live/", "config/loader.rs", "main.rs"];
+
+/// Crates that bring the world with them.
+const WORLDLY_CRATES: [&str; 8] =
+    ["tokio", "socketcan", "libc", "nix", "rustix", "mio", "chrono", "getrandom"];
+
+/// Of `std` the core may use these modules, of `std::time` and others only the items named.
+const ALLOWED: [&str; 26] = [
+    "array",
+    "borrow",
+    "boxed",
+    "char",
+    "cmp",
+    "collections",
+    "convert",
+    "error",
+    "f64",
+    "fmt",
+    "hash::Hash",
+    "hash::Hasher",
+    "iter",
+    "marker",
+    "mem",
+    "num",
+    "ops",
+    "ptr::eq",
+    "slice",
+    "str",
+    "string",
+    "sync::Arc",
+    "rc::Rc",
+    "time::Duration",
+    "vec",
+    "cell::Cell",
+];
+
+/// What writes reports to whatever it is given may name these, too.
+const ALLOWED_IN_REPORTS: [&str; 4] = ["io", "io::Write", "io::Result", "io::Error"];
+
+/// Names that mean the world wherever they come from.
+const FORBIDDEN: [&str; 20] = [
+    "Instant",
+    "SystemTime",
+    "OnceLock",
+    "LazyLock",
+    "OnceCell",
+    "LazyCell",
+    "thread_local",
+    "lazy_static",
+    "thread_rng",
+    "ThreadRng",
+    "OsRng",
+    "SysRng",
+    "from_entropy",
+    "from_os_rng",
+    "RandomState",
+    "println",
+    "eprintln",
+    "print",
+    "eprint",
+    "dbg",
+];
+
+/// Their order is another one in every run. `decode` only looks up in them, or sorts what comes out.
+const UNORDERED: [&str; 2] = ["HashMap", "HashSet"];
+
+/// What nobody leaves behind, in any room.
+const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
+
+/// A file longer than this has more than one noun.
+const LONGEST: usize = 400;
+
+struct Source {
+    /// Below its folder, with `/`.
+    name: String,
+    text: String,
+}
+
+impl Source {
+    fn is_worldly(&self) -> bool {
+        WORLDLY.iter().any(|room| self.name.starts_with(room))
+    }
+
+    /// Its code without tests.
+    fn tokens(&self) -> Vec<String> {
+        let stream: TokenStream = self.text.parse().expect("it compiles, so it has tokens");
+        let mut tokens = Vec::new();
+        flatten(stream, &mut tokens);
+        tokens
+    }
+}
+
+fn sources() -> Vec<Source> {
+    sources_below("src")
+}
+
+fn sources_below(folder: &str) -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let (mut sources, mut rooms) = (Vec::new(), vec![root.clone()]);
+    while let Some(room) = rooms.pop() {
+        for entry in fs::read_dir(room).expect("it can be read") {
+            let path: PathBuf = entry.expect("it is there").path();
+            if path.is_dir() {
+                rooms.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let below = path.strip_prefix(&root).expect("it is below");
+                let name = below.to_str().expect("UTF-8").replace('\\', "/");
+                let text = fs::read_to_string(&path).expect("UTF-8");
+                sources.push(Source { name, text });
+            }
+        }
+    }
+    sources.sort_by(|a, b| a.name.cmp(&b.name));
+    sources
+}
+
+/// All words and signs in order, groups with their brackets, items under `#[cfg(test)]` left out.
+fn flatten(stream: TokenStream, tokens: &mut Vec<String>) {
+    let mut trees = stream.into_iter().peekable();
+    while let Some(tree) = trees.next() {
+        if tree.to_string() == "#" && trees.peek().is_some_and(is_for_tests) {
+            // The item ends with its braces, or with a semicolon.
+            _ = trees.find(|tree| match tree {
+                TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
+                _ => tree.to_string() == ";",
+            });
+            continue;
+        }
+        match tree {
+            TokenTree::Group(group) => {
+                let [open, close] = match group.delimiter() {
+                    Delimiter::Parenthesis => ["(", ")"],
+                    Delimiter::Brace => ["{", "}"],
+                    Delimiter::Bracket => ["[", "]"],
+                    Delimiter::None => ["", ""],
+                };
+                tokens.push(open.to_owned());
+                flatten(group.stream(), tokens);
+                tokens.push(close.to_owned());
+            }
+            // Texts and numbers do nothing.
+            TokenTree::Literal(_) => tokens.push("0".to_owned()),
+            TokenTree::Punct(_) | TokenTree::Ident(_) => tokens.push(tree.to_string()),
+        }
+    }
+}
+
+fn is_for_tests(attribute: &TokenTree) -> bool {
+    attribute.to_string().replace(' ', "") == "[cfg(test)]"
+}
+
+/// The token at `at`; nothing behind the end.
+fn text(tokens: &[String], at: usize) -> &str {
+    tokens.get(at).map_or("", String::as_str)
+}
+
+fn is_word(token: &str) -> bool {
+    token.starts_with(|c: char| c.is_alphabetic() || c == '_')
+}
+
+/// The paths in the tokens, as `std::io::Write`; those of `use std::{fs, io::{self, Write}}` one by
+/// one.
+fn paths(tokens: &[String]) -> Vec<String> {
+    let (mut paths, mut at) = (Vec::new(), 0);
+    while at < tokens.len() {
+        at = if is_word(&tokens[at]) { path(tokens, at, "", &mut paths) } else { at + 1 };
+    }
+    paths
+}
+
+/// Reads the path that begins at `at` below `prefix`, and says where it ends.
+fn path(tokens: &[String], mut at: usize, prefix: &str, paths: &mut Vec<String>) -> usize {
+    let goes_on = |token: &str| is_word(token) || matches!(token, "*" | "{");
+    let mut path = prefix.to_owned();
+    loop {
+        if text(tokens, at) == "{" {
+            at += 1;
+            while !matches!(text(tokens, at), "}" | "") {
+                let more = goes_on(text(tokens, at));
+                at = if more { self::path(tokens, at, &path, paths) } else { at + 1 };
+            }
+            return at + 1;
+        }
+        if !path.is_empty() {
+            path += "::";
+        }
+        path += text(tokens, at);
+        at += 1;
+        let separated = text(tokens, at) == ":" && text(tokens, at + 1) == ":";
+        if !(separated && goes_on(text(tokens, at + 2))) {
+            break;
+        }
+        at += 2;
+    }
+    paths.push(path.trim_end_matches("::self").to_owned());
+    at
+}
+
+/// What `source` names that the core must not.
+fn worldly_names(source: &Source) -> Vec<String> {
+    let tokens = source.tokens();
+    let reports = source.name.starts_with("report/");
+    let allowed = |path: &str| {
+        let listed = |allowed: &&str| {
+            path.strip_prefix(allowed).is_some_and(|more| more.is_empty() || more.starts_with("::"))
+        };
+        // `io` is a name to write `io::Write` with, not leave for all that is in it.
+        ALLOWED.iter().any(listed) || (reports && ALLOWED_IN_REPORTS.contains(&path))
+    };
+    let decodes = source.name.starts_with("decode/");
+    let unordered = |segment: &str| !decodes && UNORDERED.contains(&segment);
+    let worldly = |path: &String| {
+        let first = path.split("::").next().unwrap_or_default();
+        let from_std = match (first, path.split_once("::")) {
+            ("std", Some((_, rest))) => !allowed(rest),
+            // Imported as a module; `fs` and the like are refused where they are imported.
+            ("io", Some(_)) => !allowed(path),
+            _ => false,
+        };
+        from_std
+            || WORLDLY_CRATES.contains(&first)
+            || matches!(&**path, "rand::rng" | "rand::random")
+            || path.split("::").any(|segment| FORBIDDEN.contains(&segment) || unordered(segment))
+    };
+    let named = paths(&tokens).into_iter().filter(worldly);
+    let changed = tokens.windows(2).filter(|pair| pair[0] == "static" && pair[1] == "mut");
+    let found = named.chain(changed.map(|pair| pair.join(" ")));
+    found.map(|what| format!("src/{}: {what}", source.name)).collect()
+}
+
+/// Rooms that `source` must not use: what the world calls does not call the world.
+fn rooms_above(source: &Source) -> Vec<String> {
+    let outward = ["bus", "cli", "live"];
+    // What a recording held is part of a report.
+    let reports = |path: &str| source.name.starts_with("report/") && path.starts_with("crate::bus");
+    let wrong = |path: &String| {
+        let room = path.strip_prefix("crate::").and_then(|path| path.split("::").next());
+        room.is_some_and(|room| outward.contains(&room)) && !reports(path)
+    };
+    let found = paths(&source.tokens()).into_iter().filter(wrong);
+    found.map(|path| format!("src/{}: {path}", source.name)).collect()
+}
+
+/// `.unwrap()`, `todo!` and the like; `expect` says why it cannot fail.
+fn unfinished(source: &Source) -> Vec<String> {
+    let tokens = source.tokens();
+    let at = |at: usize| text(&tokens, at);
+    let wrong = |i: &usize| {
+        (UNFINISHED.contains(&at(*i)) && at(i + 1) == "!")
+            || (at(*i) == "." && at(i + 1) == "unwrap" && at(i + 2) == "(")
+            || is_ignored(&tokens[*i..])
+    };
+    let place =
+        |i: usize| format!("src/{}: {}", source.name, [at(i), at(i + 1), at(i + 2)].concat());
+    (0..tokens.len()).filter(wrong).map(place).collect()
+}
+
+/// Whether the tokens begin with `#[ignore`.
+fn is_ignored(tokens: &[String]) -> bool {
+    text(tokens, 0) == "#" && text(tokens, 1) == "[" && text(tokens, 2) == "ignore"
+}
+
+#[track_caller]
+fn none(found: Vec<String>, why: &str) {
+    assert!(found.is_empty(), "{why}:\n{}", found.join("\n"));
+}
+
+#[test]
+fn the_core_knows_no_world() {
+    let core: Vec<Source> = sources().into_iter().filter(|source| !source.is_worldly()).collect();
+    assert!(core.len() > 40, "{} files", core.len());
+    none(
+        core.iter().flat_map(worldly_names).collect(),
+        "a clock, socket, file, thread, global or unseeded chance in the core; hand in what is \
+         needed as an argument",
+    );
+    none(core.iter().flat_map(rooms_above).collect(), "the core uses a room that uses the core");
+}
+
+#[test]
+fn no_file_is_too_long_and_nothing_is_left_unfinished() {
+    let sources = sources();
+    let long = sources.iter().map(|source| (source, source.text.lines().count()));
+    let long = long.filter(|(_, lines)| *lines > LONGEST);
+    none(
+        long.map(|(source, lines)| format!("src/{}: {lines} lines", source.name)).collect(),
+        "files with more than one noun",
+    );
+    none(sources.iter().flat_map(unfinished).collect(), "unfinished or unproven");
+    // Tests that do not run test nothing.
+    let ignored = |source: &Source| {
+        let tokens = source.tokens();
+        (0..tokens.len()).any(|at| is_ignored(&tokens[at..]))
+    };
+    let tests = sources_below("tests").into_iter().filter(ignored);
+    none(tests.map(|test| format!("tests/{}", test.name)).collect(), "tests that do not run");
+}
+
+fn core(text: &str) -> Source {
+    Source { name: "observe/made_up.rs".to_owned(), text: text.to_owned() }
+}
+
+/// The net is whole: each of these is caught, and what only looks like it is not.
+#[test]
+fn worldly_code_is_caught_and_talk_is_not() {
+    for text in [
+        "use std::time::Instant;",
+        "use std::{fmt, time::{Duration, SystemTime}};",
+        "fn f() { let now = std::time::SystemTime::now(); }",
+        "use std::fs;",
+        "use std::fs::File as Table;",
+        "use std::io::{self, Write};",
+        "fn f() { io::stdin(); }",
+        "use std::*;",
+        "use std::{env, net::UdpSocket};",
+        "fn f() { std::thread::sleep(d); }",
+        "fn f() { std::process::exit(1) }",
+        "static mut COUNT: u32 = 0;",
+        "static A: std::sync::Mutex<u32> = x;",
+        "static A: std::sync::atomic::AtomicU32 = x;",
+        "use std::sync::OnceLock;",
+        "thread_local! { static A: u32 = 0; }",
+        "fn f() { rand::rng().random() }",
+        "fn f() { rand::random::<f64>() }",
+        "use rand::rngs::SysRng;",
+        "fn f() { println!(\"x\"); }",
+        "use std::collections::HashMap;",
+        "use tokio::net;",
+        "fn f() { libc::time() }",
+    ] {
+        assert_ne!(worldly_names(&core(text)), [] as [String; 0], "{text}");
+    }
+    for text in [
+        "//! Like std::time::Instant, but not it.\n/// No std::fs here.\nfn f() {} // std::thread",
+        "fn f() -> &'static str { \"std::net::TcpStream\" }",
+        "use std::fmt::{self, Write as _}; use std::time::Duration; use std::sync::Arc;",
+        "use std::collections::{BTreeMap, VecDeque}; static A: u32 = 0;",
+        "fn f() {} #[cfg(test)] mod tests { use std::fs; fn f() { println!(\"x\") } }",
+        "#[cfg(test)] use std::fs;\nfn f() {}",
+        "fn f(instant: u32) { let time = instant; self.print(time) }",
+    ]
+    .map(|text| text.replace("self.print(time)", "time;"))
+    {
+        assert_eq!(worldly_names(&core(&text)), [] as [String; 0], "{text}");
+    }
+    let report =
+        |text: &str| Source { name: "report/made_up.rs".to_owned(), text: text.to_owned() };
+    let writes = "use std::io::{self, Write}; fn f(out: &mut impl Write) -> io::Result<()> {}";
+    assert_eq!(worldly_names(&report(writes)), [] as [String; 0]);
+    for text in ["fn f() { io::stdout() }", "use std::io::stdout;", "use std::fs;"] {
+        assert_ne!(worldly_names(&report(text)), [] as [String; 0], "{text}");
+    }
+    assert_ne!(rooms_above(&core("use crate::bus::Recording;")), [] as [String; 0]);
+    assert_ne!(rooms_above(&core("use crate::{cli, time};")), [] as [String; 0]);
+    assert_eq!(rooms_above(&core("use crate::time::Span;")), [] as [String; 0]);
+}
+
+#[test]
+fn unfinished_code_is_caught_and_proven_code_is_not() {
+    for text in [
+        "fn f() { x.unwrap() }",
+        "fn f() { x\n.unwrap () }",
+        "fn f() { todo!() }",
+        "fn f() { unimplemented!(\"later\") }",
+        "fn f() { dbg!(x); }",
+        "#[ignore] fn f() {}",
+        "#[ignore = \"slow\"] fn f() {}",
+    ] {
+        assert_ne!(unfinished(&core(text)), [] as [String; 0], "{text}");
+    }
+    for text in [
+        "fn f() { x.unwrap_or(1); x.expect(\"it was made\") }",
+        "#[cfg(test)] mod tests { #[test] fn f() { x.unwrap() } }",
+        "/// No todo!() and x.unwrap() here.\nfn f() {}",
+    ] {
+        assert_eq!(unfinished(&core(text)), [] as [String; 0], "{text}");
+    }
+}
