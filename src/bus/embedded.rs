@@ -156,6 +156,11 @@ impl EmbeddedBus {
         self.0.bell.notify_all();
     }
 
+    /// How many endpoints are connected.
+    pub fn endpoints(&self) -> usize {
+        self.0.lock().queues.len()
+    }
+
     /// The bus's time.
     pub fn now(&self) -> Timestamp {
         self.0.clock.now()

@@ -200,6 +200,7 @@ impl Port for SocketPort {
     fn description(&self) -> String {
         let opened = &self.opened;
         let filters = match opened.filters {
+            Some(1) => "1 identifier".to_owned(),
             Some(count) => format!("{count} identifiers"),
             None => "all identifiers".to_owned(),
         };

@@ -27,7 +27,7 @@ pub struct Options {
 
 /// A socket bound to an interface, and what it got of what it asked for.
 pub(super) struct Opened {
-    pub(super) socket: Raw,
+    pub(super) socket: Bound,
     pub(super) index: u32,
     /// Bytes that the kernel may hold, by its own count.
     pub(super) buffer: usize,
@@ -45,23 +45,27 @@ pub(super) enum Stamping {
     Kernel,
 }
 
-/// A CAN_RAW socket.
-pub(super) struct Raw(Socket);
+/// A CAN_RAW socket to be bound. Only this one can be set up, so that nothing comes before it is.
+struct Unbound(Socket);
 
-impl AsRawFd for Raw {
+/// A CAN_RAW socket on an interface.
+pub(super) struct Bound(Socket);
+
+impl AsRawFd for Unbound {
     fn as_raw_fd(&self) -> RawFd {
         self.0.as_raw_fd()
     }
 }
 
-impl SocketOptions for Raw {}
+impl SocketOptions for Unbound {}
 
-impl Raw {
-    fn new() -> io::Result<Self> {
-        let protocol = Protocol::from(libc::CAN_RAW);
-        Socket::new(Domain::from(libc::PF_CAN), Type::RAW, Some(protocol)).map(Self)
+impl AsRawFd for Bound {
+    fn as_raw_fd(&self) -> RawFd {
+        self.0.as_raw_fd()
     }
+}
 
+impl Bound {
     /// Without waiting.
     pub(super) fn send(&self, bytes: &[u8]) -> io::Result<usize> {
         self.0.send_with_flags(bytes, libc::MSG_DONTWAIT)
@@ -70,6 +74,13 @@ impl Raw {
     /// How long a reading waits that does.
     pub(super) fn set_patience(&self, patience: Duration) -> io::Result<()> {
         self.0.set_read_timeout(Some(patience))
+    }
+}
+
+impl Unbound {
+    fn new() -> io::Result<Self> {
+        let protocol = Protocol::from(libc::CAN_RAW);
+        Socket::new(Domain::from(libc::PF_CAN), Type::RAW, Some(protocol)).map(Self)
     }
 
     fn set(&self, option: libc::c_int, value: libc::c_int) -> io::Result<()> {
@@ -107,7 +118,7 @@ impl Raw {
 pub(super) fn open(interface: &str, options: &Options) -> Result<Opened, OpenError> {
     let failed =
         |step| move |error| OpenError::Step { interface: interface.to_owned(), step, error };
-    let socket = Raw::new().map_err(|error| match errno(&error) {
+    let socket = Unbound::new().map_err(|error| match errno(&error) {
         Errno::EAFNOSUPPORT | Errno::EPROTONOSUPPORT => OpenError::NoCan { error },
         _ => failed("open a CAN socket")(error),
     })?;
@@ -143,16 +154,16 @@ pub(super) fn open(interface: &str, options: &Options) -> Result<Opened, OpenErr
         .unwrap_or_else(|| usize::try_from(rates.second()).unwrap_or(usize::MAX));
     let buffer = socket.set_receive_buffer(wanted).map_err(failed("size the receive buffer"))?;
 
-    let index = bind(&socket, interface)?;
+    let (socket, index) = bind(socket, interface)?;
     Ok(Opened { socket, index, buffer, rates, stamping, filters: count })
 }
 
-/// Binds to the interface that has the name now; gives its index.
-fn bind(socket: &Raw, interface: &str) -> Result<u32, OpenError> {
+/// Binds to the interface that has the name now; also gives its index.
+fn bind(Unbound(socket): Unbound, interface: &str) -> Result<(Bound, u32), OpenError> {
     let name = || interface.to_owned();
     let no_interface = |_| OpenError::NoInterface { interface: name() };
     let index = nix::net::if_::if_nametoindex(interface).map_err(no_interface)?;
-    if let Err(error) = socket.0.bind(&CanAddr::new(index).into_sock_addr()) {
+    if let Err(error) = socket.bind(&CanAddr::new(index).into_sock_addr()) {
         if errno(&error) != Errno::ENODEV {
             return Err(OpenError::Step { interface: name(), step: "listen", error });
         }
@@ -164,14 +175,14 @@ fn bind(socket: &Raw, interface: &str) -> Result<u32, OpenError> {
         });
     }
     // One that is down can be bound to, and says so afterwards.
-    match socket.0.take_error() {
+    match socket.take_error() {
         Ok(Some(error)) if errno(&error) == Errno::ENETDOWN => {
             Err(OpenError::Down { interface: name() })
         }
         Ok(Some(error)) | Err(error) => {
             Err(OpenError::Step { interface: name(), step: "listen", error })
         }
-        Ok(None) => Ok(index),
+        Ok(None) => Ok((Bound(socket), index)),
     }
 }
 

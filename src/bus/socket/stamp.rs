@@ -87,6 +87,7 @@ mod tests {
 
     #[test]
     fn a_frame_with_a_controllers_stamp_only_has_none_to_compare() {
-        assert_eq!(Choice::SOFTWARE.of(None, at(NOW)), None);
+        let mut choice = Choice::SOFTWARE;
+        assert_eq!(choice.of(None, at(NOW)), None);
     }
 }
