@@ -102,6 +102,25 @@ fn a_command_after_the_deadline_does_not_slip_into_the_next_cycle() {
 }
 
 #[test]
+fn a_late_reading_does_not_stand_in_for_a_sync_that_is_still_to_come() {
+    let frames = (0..100).flat_map(|k| {
+        let mut frames = Cycle::new(k).frames();
+        if k == 70 {
+            for frame in frames.iter_mut().filter(|frame| frame.id.value() == 0x181) {
+                frame.timestamp = Timestamp::from_nanos(machine::START + k * 20 * MS + 18 * MS);
+            }
+            frames.sort_by_key(|frame| frame.timestamp);
+        }
+        frames
+    });
+    let (monitor, seen) = play(frames);
+    assert_eq!((monitor.counts().late, monitor.counts().repeated), (1, 0));
+    assert_eq!((monitor.counts().cycles, monitor.counts().incomplete), (100, 1));
+    assert_eq!(seen.record(70, 1).c1, None);
+    assert!(seen.record(71, 1).c1.is_some() && seen.warnings.is_empty());
+}
+
+#[test]
 fn a_silent_transducer_on_a_living_bus_is_stale() {
     let frames = (0..120).flat_map(|k| {
         let silent = k >= 80;

@@ -6,7 +6,12 @@ mod support;
 
 use serde_json::{Value, json};
 use std::fs;
+use std::io::Cursor;
 use support::{E_TYPE, HANGING_LOAD, Scratch, Seeded, between, recorded, replay, top};
+use tertius::bus::{Options, Recording, Source};
+use tertius::config;
+use tertius::decode::{self, Database};
+use tertius::monitor::{Monitor, MonitorDesign, Record, Sink};
 
 /// What the oracle makes of a recording, after the comparison that every recording has to stand:
 /// the same rows, the same places empty, and no number further apart than 1e-12.
@@ -59,6 +64,46 @@ fn position_alone() {
     let log = recorded("hanging-load.log.gz");
     let answer = compared(&log, HANGING_LOAD, "tests/recordings/hanging-load.dbc");
     assert_eq!(answer["rows"][0], 16_060);
+}
+
+/// The monitor of [`E_TYPE`], in this process.
+#[derive(Default)]
+struct Records(Vec<Record>);
+
+impl Sink for Records {
+    fn record(&mut self, record: &Record) {
+        self.0.push(*record);
+    }
+}
+
+#[test]
+fn numbers_read_back_bit_for_bit() {
+    let loaded = config::load(&top().join(E_TYPE)).expect("it is sound");
+    let dbc = decode::text::from_bytes(&loaded.dbc_text);
+    let database = Database::parse(&dbc).expect("it is sound");
+    let design = MonitorDesign::new(&loaded.settings, &database).expect("they fit");
+    let log = spoilt(&between(&recorded("e-type-healthy.log.zst"), 115.0, 145.0));
+    let reader = Box::new(Cursor::new(log.clone()));
+    let mut recording = Recording::from_reader("memory", reader, Options::default());
+    let (mut monitor, mut records) = (Monitor::new(design), Records::default());
+    while let Some(frame) = recording.next_frame().expect("it opens") {
+        monitor.take(frame, &mut records);
+    }
+    monitor.finish(&mut records);
+
+    let scratch = Scratch::new();
+    let (log, table) = (scratch.write("replayed.log", log), scratch.path("residuals.csv"));
+    replay(&[&log], E_TYPE, &["--residuals", &table]).ok();
+    let table = scratch.read("residuals.csv");
+    assert_eq!(table.lines().count(), records.0.len() + 1);
+    for (line, record) in table.lines().skip(1).zip(&records.0) {
+        let values = [record.c1, record.c2, record.c2_corrected, record.command];
+        let values = values.into_iter().chain(record.estimates).chain(record.residuals);
+        let expected: Vec<Option<u64>> = values.map(|value| value.map(f64::to_bits)).collect();
+        let fields: Vec<&str> = line.split(',').collect();
+        let bits = |field: &&str| field.parse::<f64>().ok().map(f64::to_bits);
+        assert_eq!(fields[2..11].iter().map(bits).collect::<Vec<_>>(), expected, "{line}");
+    }
 }
 
 /// What a bad bus does: frames lost, late, damaged and sent again, senders and cycles silent.

@@ -40,7 +40,7 @@ impl MonitorDesign {
     /// What `settings` ask for, with the signals of `database`.
     ///
     /// # Errors
-    /// Every flaw found: signals that the DBC does not have or that cannot be used, identifiers
+    /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
     /// that are the gateway's own, states without a number, weights without an observer gain.
     pub fn new(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
         let mut wirer = Wirer { settings, database, wiring: Wiring::new(), flaws: Vec::new() };
@@ -67,9 +67,20 @@ impl MonitorDesign {
                 cylinders,
                 encoder,
             }),
-            _ => Err(wirer.flaws),
+            _ => Err(once_per_key(wirer.flaws)),
         }
     }
+}
+
+/// The first flaw of each key: a misspelt signal is one mistake, not one for each cylinder.
+fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
+    let mut kept: Vec<Flaw> = Vec::new();
+    for flaw in flaws {
+        if kept.iter().all(|known| known.key != flaw.key) {
+            kept.push(flaw);
+        }
+    }
+    kept
 }
 
 /// Whole cycles nearest to `seconds`.

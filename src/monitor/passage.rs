@@ -56,6 +56,9 @@ impl Monitor {
 
     fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
         self.counts.time_jumps += 1;
+        // What the open cycle still owes will not come any more.
+        let owing = self.clock.is_open() && (self.incomplete || self.pending > 0);
+        self.counts.incomplete += u64::from(owing);
         sink.notice(&Notice::TimeJump { at, by });
         self.clock.reset();
         self.pending = 0;

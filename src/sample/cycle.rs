@@ -162,8 +162,9 @@ impl CycleClock {
         Span::from_nanos(self.timing.sample_time.as_nanos() / 2)
     }
 
+    /// Readings follow Sync, so one that stands in for it comes no earlier than Sync would have, but
+    /// for some jitter; what comes before that is a late one of the cycle before.
     fn earliest_without_sync(&self) -> Span {
-        let early = Span::from_nanos(self.timing.sample_time.as_nanos() / 4 * 3);
-        early.max(self.half())
+        Span::from_nanos(self.timing.sample_time.as_nanos() / 20 * 19)
     }
 }

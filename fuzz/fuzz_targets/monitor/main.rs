@@ -124,8 +124,8 @@ fn cycle(bench: &mut Bench, number: u8, deed: &Deed) {
         match id {
             0x181..=0x186 | 0x191..=0x196 => {
                 let of_second = id >= 0x190;
-                let position = reading
-                    .wrapping_add_signed(if of_second { i16::from(differ) } else { 0 });
+                let position =
+                    reading.wrapping_add_signed(if of_second { i16::from(differ) } else { 0 });
                 payload[..2].copy_from_slice(&position.to_le_bytes());
                 payload[2..4].copy_from_slice(&velocity.to_le_bytes());
                 payload[5] = number;

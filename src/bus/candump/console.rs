@@ -2,8 +2,8 @@
 
 use crate::frame::{Frame, Kind, MAX_DATA};
 
-use super::line::token;
 use super::log::{identifier, is_fd_length};
+use super::token::token;
 use super::{Found, Reason, hex};
 
 /// CANFD_BRS and CANFD_ESI of linux/can.h.

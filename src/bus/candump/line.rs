@@ -3,6 +3,7 @@
 use crate::frame::Frame;
 
 use super::stamp::Stamp;
+use super::token::token;
 use super::{Extent, Found, MAX_INTERFACE, Reason, console, log};
 
 /// How the frame is written.
@@ -73,15 +74,4 @@ fn check_interface(name: &[u8]) -> Result<(), Reason> {
         None if name.is_empty() => Err(Reason::Interface(Found(None))),
         None => Ok(()),
     }
-}
-
-fn is_blank(byte: &u8) -> bool {
-    matches!(byte, b' ' | b'\t')
-}
-
-/// The first word of `text` and what follows it; both empty where there is none.
-pub fn token(text: &[u8]) -> (&[u8], &[u8]) {
-    let start = text.iter().position(|byte| !is_blank(byte)).unwrap_or(text.len());
-    let text = &text[start..];
-    text.split_at(text.iter().position(is_blank).unwrap_or(text.len()))
 }

@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, Id, Kind, MAX_DATA};
 
-use super::line::token;
+use super::token::token;
 use super::{Found, Reason, hex};
 
 const MAX_CLASSIC: usize = 8;

@@ -11,6 +11,7 @@ mod line;
 mod log;
 mod reason;
 mod stamp;
+mod token;
 
 pub(super) use clock::Clock;
 pub use clock::TimeStamps;
