@@ -38,6 +38,7 @@ pub mod config;
 pub mod decode;
 pub mod frame;
 pub mod inject;
+pub mod live;
 pub mod monitor;
 pub mod observe;
 pub mod report;

@@ -34,7 +34,7 @@ fn absent_tables_have_the_values_of_the_thesis() {
     assert_eq!(settings.comparator_low(), 0.75 * 1.5e-3);
     assert_eq!(settings.cycle_deadline(), 0.016);
     assert_eq!(settings.machine.max_gap, 0.1);
-    assert_eq!(settings.gateway, Gateway { node: 81 });
+    assert_eq!(settings.gateway, Gateway { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 });
     assert_eq!(settings.plausibility, Plausibility::default());
     assert_eq!(settings.plausibility.broken_wire_codes, [32767]);
     assert_eq!((settings.alarm.clear, settings.alarm.coincidence), (1.0, 0.2));

@@ -64,6 +64,11 @@ impl Encoder {
         Some(Self { status: channel(status), warning: channel(warning) })
     }
 
+    /// The identifier of Fd_Status.
+    pub const fn status_id(&self) -> Id {
+        self.status.id
+    }
+
     /// Fd_Status.
     pub fn status(&mut self, at: Timestamp, status: &Status) -> OwnFrame {
         let mut payload = Payload::default();

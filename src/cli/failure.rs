@@ -2,6 +2,7 @@
 
 use crate::bus::SourceError;
 use crate::config::ConfigError;
+use std::fmt;
 use std::io;
 use std::path::Path;
 
@@ -46,6 +47,16 @@ impl Failure {
             Self::Config(error) => eprintln!("{:?}", error.report()),
             Self::Wrong(message) | Self::Failed(message) => eprintln!("tertius: {message}"),
             Self::OutputClosed => {}
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Config(error) => write!(f, "{error}"),
+            Self::Wrong(message) | Self::Failed(message) => f.write_str(message),
+            Self::OutputClosed => f.write_str("the output was closed"),
         }
     }
 }

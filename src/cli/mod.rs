@@ -1,12 +1,15 @@
 //! The commands.
 
+mod appliance;
 mod check;
 mod failure;
 mod inject;
+mod logging;
 mod machine;
 mod output;
 mod progress;
 mod replay;
+mod run;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
@@ -22,6 +25,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
     Inject(inject::Inject),
@@ -34,6 +38,7 @@ impl Arguments {
     /// What went wrong, for a person, with the exit code.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
+            Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),

@@ -80,6 +80,8 @@ static BUS: Table = Table { keys: &[
         "a SocketCAN interface, or virtual: the embedded bus"),
     Key::required("dbc", text(TextRule::Path), "\"../dbc/e-type.dbc\"",
         "the DBC file, relative to this file"),
+    Key::optional("bitrate", whole(10_000, 8_000_000, "CAN has 10 kbit/s to 8 Mbit/s"), "500000",
+        "bit rate of the bus, bit/s; the gateway's share is reckoned from it"),
 ] };
 
 #[rustfmt::skip]
@@ -197,6 +199,13 @@ static LEVELS: Table = Table { keys: &[
 static GATEWAY: Table = Table { keys: &[
     Key::optional("node", whole(1, 127, "CANopen has nodes 1 to 127"), "81",
         "the gateway's CANopen node; Fd_Status is 0x180 + node"),
+    Key::optional("bus_share",
+        number(Limits::above(0.0, "the part of the bus that the gateway may take").most(0.5)),
+        "0.05", "the largest part of the bus that the gateway takes, 0 to 0.5"),
+    Key::optional("max_age", number(Limits::above(0.0, DURATION).most(10.0)), "0.2",
+        "a frame that could not be sent for this long is dropped, s"),
+    Key::optional("guard", number(Limits::least(0.0, DURATION).most(1.0)), "0.01",
+        "deadlines are kept this far behind the clock, for frames still on their way, s"),
 ] };
 
 #[rustfmt::skip]

@@ -64,6 +64,13 @@ pub struct Bus {
     pub interface: String,
     /// The DBC's path, relative to the configuration file.
     pub dbc: String,
+    /// Bit rate, bit/s; the gateway's share of the bus is reckoned from it.
+    #[serde(default = "default_bitrate")]
+    pub bitrate: u32,
+}
+
+fn default_bitrate() -> u32 {
+    500_000
 }
 
 /// Where the signals are: `MESSAGE.SIGNAL` of the DBC.
@@ -243,11 +250,17 @@ impl Default for Levels {
 pub struct Gateway {
     /// CANopen node: Fd_Status is 0x180 + node, Fd_Warning 0x280 + node, Fd_Estimate 0x380 + node.
     pub node: u8,
+    /// The largest part of the bus that it takes, 0 to 0.5.
+    pub bus_share: f64,
+    /// A frame that could not be sent for this long is dropped, s.
+    pub max_age: f64,
+    /// Deadlines are kept this far behind the clock, for frames still on their way, s.
+    pub guard: f64,
 }
 
 impl Default for Gateway {
     fn default() -> Self {
-        Self { node: 81 }
+        Self { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 }
     }
 }
 

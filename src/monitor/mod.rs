@@ -15,7 +15,7 @@ pub mod sink;
 pub mod wiring;
 
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
-use crate::alarm::{Detector, Encoder, Register};
+use crate::alarm::{Detector, Encoder, OwnFrame, Register};
 use crate::decode::{Decoded, Value};
 use crate::frame::{Frame, Kind};
 use crate::sample::Field;
@@ -319,6 +319,13 @@ impl Monitor {
         let status = self.status(at);
         sink.transmit(&self.encoder.status(at, &status));
         self.next_status = self.next_status.after(STATUS_PERIOD);
+    }
+
+    /// The Fd_Status of a gateway that stops at `at`: from now on nothing is known.
+    pub fn last_words(&mut self, at: Timestamp) -> OwnFrame {
+        let (level, active_warnings) = (self.register.level(), self.register.standing());
+        let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
+        self.encoder.status(at, &status)
     }
 
     /// The state of the whole at `at`.

@@ -1,0 +1,207 @@
+//! A CAN interface, live.
+
+use std::fmt;
+use std::io;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use crate::alarm::OwnFrame;
+use crate::frame::{Frame, Id, Kind};
+use crate::time::{Span, Timestamp};
+
+/// A CAN interface, live. The only thing with a clock: it says how late it is, on the clock of its
+/// time stamps.
+///
+/// It sends nothing but the gateway's own frames:
+///
+/// ```compile_fail,E0308
+/// # use tertius::bus::Port;
+/// # use tertius::frame::Frame;
+/// fn misuse(port: &mut dyn Port, frame: &Frame) {
+///     let _ = port.send(frame);
+/// }
+/// ```
+pub trait Port {
+    /// Waits at most `patience` for a frame (and a tick of the kernel, up to 10 ms), then gives
+    /// `take` what is there, oldest first; a bounded number, so that other work gets its turn. A
+    /// signal ends the waiting early. The same patience at each call is the cheapest.
+    ///
+    /// # Errors
+    /// Once the interface is down or gone, and all that had come before has been taken, this port
+    /// is finished: it says so at every call, and has to be opened anew. After
+    /// [`PortError::Io`] it may be called again.
+    fn receive(
+        &mut self,
+        patience: Duration,
+        take: &mut dyn FnMut(&Frame),
+    ) -> Result<Received, PortError>;
+
+    /// Hands a frame to the interface without waiting. Its time stamp is not used.
+    ///
+    /// # Errors
+    /// As [`Self::receive`]. A queue without room is no error but [`Sent::Full`].
+    fn send(&mut self, frame: &OwnFrame) -> Result<Sent, PortError>;
+
+    /// What this port has counted since it was opened.
+    fn counts(&self) -> PortCounts;
+
+    /// Whose clock the frames were stamped by, as of now.
+    fn stamps(&self) -> Stamps;
+
+    /// What people should know at start: interface, filters, time stamps, buffer.
+    fn description(&self) -> String;
+}
+
+/// Which frames to receive. Error frames always are, own frames never.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Identifiers {
+    /// All, remote frames included.
+    #[default]
+    All,
+    /// The data frames, classic and FD, of exactly these identifiers.
+    Only(Vec<Id>),
+}
+
+/// What one call of [`Port::receive`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Received {
+    /// The frames taken, error frames included.
+    pub frames: usize,
+    /// Every frame stamped before this has been taken, but for those on their way from the
+    /// controller to the queue (the caller's guard). `None` while more are or may be waiting.
+    pub drained_at: Option<Timestamp>,
+}
+
+/// What became of a frame to be sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sent {
+    /// The interface has it.
+    Taken,
+    /// There is no room for it now: ENOBUFS or EAGAIN. Nothing of it was kept.
+    Full,
+}
+
+/// Why a port cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum PortError {
+    /// ENETDOWN.
+    #[error("the interface is down")]
+    Down,
+    /// ENODEV, ENXIO: the interface was deleted or unplugged. One of its name may come again, under
+    /// another index.
+    #[error("the interface is gone")]
+    Gone,
+    #[error("the interface failed: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// What a port counts, from its opening on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PortCounts {
+    /// Frames given to the caller, error frames included.
+    pub received: u64,
+    /// Of those the error frames.
+    pub error_frames: u64,
+    /// Frames lost because the receive queue was full. Exact, as of the last frame received: the
+    /// kernel tells it with each frame.
+    pub dropped: u64,
+    /// Reads that brought frames; [`Self::received`] over this is the mean batch.
+    pub batches: u64,
+    /// Frames in the largest batch.
+    pub largest_batch: u64,
+    /// What was read and is no frame: shorter or longer than one. None is known to occur.
+    pub malformed: u64,
+    /// Frames that came without a time stamp and got the time of their reading.
+    pub unstamped: u64,
+    /// Frames handed to the interface.
+    pub sent: u64,
+    /// Frames refused as [`Sent::Full`].
+    pub refused: u64,
+}
+
+/// Whose clock stamps the frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stamps {
+    /// The kernel, as the driver hands a frame over.
+    Software,
+    /// The controller, whose clock agrees with the system's.
+    Hardware,
+    /// The kernel: the controller stamps too, but its clock was this far ahead of the kernel's
+    /// stamp of the same frame (behind, if negative).
+    SoftwareAsHardwareDiffers(Span),
+    /// The embedded bus, as a frame is sent.
+    Embedded,
+}
+
+impl fmt::Display for Stamps {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Software => f.write_str("the kernel's (software)"),
+            Self::Hardware => f.write_str("the controller's (hardware)"),
+            Self::SoftwareAsHardwareDiffers(ahead) => write!(
+                f,
+                "the kernel's (software); the controller's are {:+.3} ms off, its clock does not \
+                 follow the system's",
+                ahead.as_seconds() * 1e3
+            ),
+            Self::Embedded => f.write_str("the embedded bus's"),
+        }
+    }
+}
+
+/// Why no bus can carry the frame, if so: more than 8 bytes in a classic one, or a length that CAN
+/// FD does not have.
+pub(super) fn carried(frame: &Frame) -> Result<(), PortError> {
+    let length = frame.length();
+    let carried = match frame.kind {
+        Kind::Data | Kind::Error => length <= 8,
+        Kind::Remote { length: asked } => length == 0 && asked <= 8,
+        Kind::Fd { .. } => matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64),
+    };
+    if carried {
+        return Ok(());
+    }
+    let reason = format!("no bus carries {length} bytes as {:?}", frame.kind);
+    Err(PortError::Io(io::Error::new(io::ErrorKind::InvalidInput, reason)))
+}
+
+/// The system's clock, which is also the kernel's for time stamps.
+pub(super) fn system_time() -> Timestamp {
+    // A clock set to before 1970 is wrong, and 1970 is as good.
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    Timestamp::from_nanos(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_frames_that_a_bus_carries_are_sent() {
+        let frame = |kind, length| {
+            let id = Id::standard(1).unwrap();
+            Frame::new(Timestamp::default(), id, kind, &[0; 64][..length])
+        };
+        let fd = Kind::Fd { flags: 0 };
+        for (kind, length) in [
+            (Kind::Data, 8),
+            (Kind::Error, 8),
+            (Kind::Remote { length: 8 }, 0),
+            (fd, 8),
+            (fd, 12),
+            (fd, 48),
+            (fd, 64),
+        ] {
+            assert!(carried(&frame(kind, length)).is_ok(), "{kind:?} of {length}");
+        }
+        for (kind, length) in [
+            (Kind::Data, 9),
+            (Kind::Error, 9),
+            (Kind::Remote { length: 9 }, 0),
+            (Kind::Remote { length: 1 }, 1),
+            (fd, 9),
+            (fd, 63),
+        ] {
+            assert!(carried(&frame(kind, length)).is_err(), "{kind:?} of {length}");
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! SocketCAN, live: a RAW socket behind [`Port`](super::Port).
+//!
+//! No unsafe code: nix has `recvmmsg`, socketcan the addresses, options and netlink.
+
+mod batch;
+mod drops;
+mod error;
+mod link;
+mod live;
+mod load;
+mod open;
+mod stamp;
+mod wire;
+
+pub use error::OpenError;
+pub use link::{ControllerState, LinkError, LinkState};
+pub use live::SocketPort;
+pub use open::Options;
+pub use stamp::HARDWARE_TOLERANCE;

@@ -1,0 +1,218 @@
+//! What surrounds the live gateway: signals, the log, the service manager.
+
+use super::Failure;
+use crate::alarm::{OwnFrame, State, Warning};
+use crate::bus::Port;
+use crate::live::gateway::{Gateway, Journal};
+use crate::live::supervisor::{Opener, Surroundings, Wish};
+use crate::monitor::{Counts, Notice};
+use crate::report::jsonl::restart_name;
+use crate::time::Timestamp;
+use sd_notify::NotifyState;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::flag;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use tracing::{info, warn};
+
+/// Without a frame of the machine for this long the bus is quiet.
+const QUIET: Duration = Duration::from_secs(1);
+
+/// The slice in which a wait looks for signals.
+const SLICE: Duration = Duration::from_millis(50);
+
+type Prepare = Box<dyn FnMut() -> Result<(Gateway, Box<dyn Opener>), Failure>>;
+
+/// The surroundings of the gateway on a box.
+pub struct Appliance {
+    stop: Arc<AtomicBool>,
+    reload: Arc<AtomicBool>,
+    prepare: Prepare,
+    watchdog: Watchdog,
+    activity: Activity,
+}
+
+impl Appliance {
+    /// Catches the signals; `prepare` reads the configuration anew.
+    ///
+    /// # Errors
+    /// If a signal cannot be caught.
+    pub fn new(prepare: Prepare) -> io::Result<Self> {
+        let (stop, reload) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        for signal in [SIGTERM, SIGINT] {
+            flag::register(signal, Arc::clone(&stop))?;
+        }
+        flag::register(SIGHUP, Arc::clone(&reload))?;
+        let (watchdog, activity) = (Watchdog::new(), Activity::new());
+        Ok(Self { stop, reload, prepare, watchdog, activity })
+    }
+
+    pub fn starting(&self, config: &Path) {
+        info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
+        tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
+    }
+
+    pub fn stopped(&self) {
+        tell(&[NotifyState::Stopping]);
+        info!("stopped");
+    }
+}
+
+/// Tells the service manager; without one nobody needs to know.
+fn tell(states: &[NotifyState<'_>]) {
+    _ = sd_notify::notify(states);
+}
+
+impl Journal for Appliance {
+    fn warning(&mut self, warning: &Warning) {
+        let finding = &warning.finding;
+        let state = warning.state.name();
+        let residual = finding.residual.map(|residual| residual * 1e3);
+        macro_rules! tell {
+            ($say:ident) => {
+                $say!(
+                    cylinder = warning.cylinder,
+                    detector = warning.detector.name(),
+                    fault = finding.fault.name(),
+                    suspect = finding.suspect.name(),
+                    level = finding.level.name(),
+                    residual_mm = residual,
+                    timestamp = warning.timestamp.as_seconds(),
+                    "{state}"
+                )
+            };
+        }
+        match warning.state {
+            State::Cleared => tell!(info),
+            State::Raised | State::Changed => tell!(warn),
+        }
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        match *notice {
+            Notice::Gap { length, .. } => {
+                info!(seconds = length.as_seconds(), "cycles again after none");
+            }
+            Notice::TimeJump { by, .. } => {
+                warn!(seconds = by.as_seconds(), "time stamps jumped, everything starts anew");
+            }
+            Notice::Restart { cylinder, detector, reason, .. } => {
+                let (detector, reason) = (detector.name(), restart_name(reason));
+                info!(cylinder, detector, reason, "observer starts anew");
+            }
+        }
+    }
+
+    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
+        _ = (frame, at);
+    }
+}
+
+impl Surroundings for Appliance {
+    fn wish(&mut self) -> Wish {
+        if self.stop.load(Ordering::Relaxed) {
+            Wish::Stop
+        } else if self.reload.swap(false, Ordering::Relaxed) {
+            Wish::Reload
+        } else {
+            Wish::GoOn
+        }
+    }
+
+    fn wait(&mut self, time: Duration) {
+        let end = Instant::now() + time;
+        while !(self.stop.load(Ordering::Relaxed) || self.reload.load(Ordering::Relaxed)) {
+            // Waiting for an interface is what the data path does then: it is alive.
+            self.watchdog.feed();
+            let left = end.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break;
+            }
+            std::thread::sleep(left.min(SLICE));
+        }
+    }
+
+    fn opened(&mut self, port: &dyn Port) {
+        let description = port.description();
+        info!("open: {description}");
+        tell(&[NotifyState::Status(&description)]);
+    }
+
+    fn lost(&mut self, reason: &str) {
+        warn!("no bus: {reason}; trying again");
+        tell(&[NotifyState::Status(reason)]);
+    }
+
+    fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.watchdog.feed();
+        self.activity.look(gateway.monitor().counts(), port);
+    }
+
+    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
+        match (self.prepare)() {
+            Ok(prepared) => {
+                info!("the configuration was read again; everything is judged anew");
+                Some(prepared)
+            }
+            Err(failure) => {
+                warn!("the new configuration is refused, the old one goes on: {failure}");
+                None
+            }
+        }
+    }
+}
+
+/// Feeds the service manager's watchdog at half its time.
+#[derive(Debug)]
+struct Watchdog {
+    period: Option<Duration>,
+    fed: Instant,
+}
+
+impl Watchdog {
+    fn new() -> Self {
+        Self { period: sd_notify::watchdog_enabled().map(|time| time / 2), fed: Instant::now() }
+    }
+
+    fn feed(&mut self) {
+        if self.period.is_some_and(|period| self.fed.elapsed() >= period) {
+            tell(&[NotifyState::Watchdog]);
+            self.fed = Instant::now();
+        }
+    }
+}
+
+/// Tells once when the bus becomes quiet and once when it speaks again, and of frames lost.
+#[derive(Debug)]
+struct Activity {
+    used: u64,
+    since: Instant,
+    quiet: bool,
+    dropped: u64,
+}
+
+impl Activity {
+    fn new() -> Self {
+        Self { used: 0, since: Instant::now(), quiet: false, dropped: 0 }
+    }
+
+    fn look(&mut self, counts: &Counts, port: &dyn Port) {
+        if counts.used != self.used {
+            if self.quiet {
+                info!("the machine speaks again after {:.1} s", self.since.elapsed().as_secs_f64());
+            }
+            (self.used, self.since, self.quiet) = (counts.used, Instant::now(), false);
+        } else if !self.quiet && self.since.elapsed() >= QUIET {
+            self.quiet = true;
+            warn!("no frame of the machine for a second: nothing is known of it");
+        }
+        let dropped = port.counts().dropped;
+        if dropped > self.dropped {
+            warn!(frames = dropped - self.dropped, "frames were lost: the receive queue was full");
+        }
+        self.dropped = dropped;
+    }
+}

@@ -1,0 +1,94 @@
+//! `tertius run`: the gateway, live.
+
+use super::Failure;
+use super::appliance::Appliance;
+use super::logging::{self, LogFormat};
+use super::machine::Machine;
+use crate::bus::socket::{Options, SocketPort};
+use crate::bus::{Identifiers, Port};
+use crate::frame::Id;
+use crate::live::gateway::Gateway;
+use crate::live::outbox::{Limits, Outbox};
+use crate::live::supervisor::{self, Opener};
+use crate::monitor::Monitor;
+use crate::time::Span;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Monitors a machine on its CAN bus, until it is told to stop (SIGTERM). SIGHUP reads the
+/// configuration again.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  tertius run --config config/e-type.toml")]
+pub struct Run {
+    /// The machine's configuration
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// The form of the log on standard error
+    #[arg(long, value_enum, default_value_t = LogFormat::Text)]
+    log: LogFormat,
+}
+
+impl Run {
+    /// Runs.
+    ///
+    /// # Errors
+    /// What is wrong with the call or the configuration. An interface that is not there is waited
+    /// for.
+    pub fn run(self) -> Result<(), Failure> {
+        let (gateway, opener) = prepare(&self.config)?;
+        // Its worker writes what is left when it goes.
+        let _worker = logging::start(self.log)
+            .map_err(|error| Failure::Failed(format!("the log cannot be started: {error}")))?;
+        let config = self.config.clone();
+        let mut appliance = Appliance::new(Box::new(move || prepare(&config)))
+            .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        appliance.starting(&self.config);
+        supervisor::run(gateway, opener, &mut appliance);
+        appliance.stopped();
+        Ok(())
+    }
+}
+
+/// Warnings that wait to be sent at most: all that can stand, twice over.
+const WAITING: usize = 72;
+
+/// Frames that may go out at once: all warnings that can stand, and a status.
+const BURST: u32 = 37;
+
+/// A gateway for the configuration `path`, and what opens its interface.
+fn prepare(path: &Path) -> Result<(Gateway, Box<dyn Opener>), Failure> {
+    let machine = Machine::load(path)?;
+    let settings = &machine.loaded.settings;
+    let limits = Limits {
+        waiting: WAITING,
+        age: Span::from_seconds(settings.gateway.max_age),
+        bitrate: f64::from(settings.bus.bitrate),
+        share: settings.gateway.bus_share,
+        burst: BURST,
+    };
+    let identifiers = machine.design.wiring.lines().iter().map(|line| line.id).collect();
+    let outbox = Outbox::new(limits, machine.design.encoder.status_id());
+    let guard = Span::from_seconds(settings.gateway.guard);
+    let opener = Interface { name: settings.bus.interface.clone(), identifiers };
+    Ok((Gateway::new(Monitor::new(machine.design), outbox, guard), Box::new(opener)))
+}
+
+/// A SocketCAN interface by name.
+#[derive(Debug)]
+struct Interface {
+    name: String,
+    identifiers: Vec<Id>,
+}
+
+impl Opener for Interface {
+    fn open(&mut self) -> Result<Box<dyn Port>, String> {
+        let options = Options {
+            identifiers: Identifiers::Only(self.identifiers.clone()),
+            ..Options::default()
+        };
+        match SocketPort::open(&self.name, &options) {
+            Ok(port) => Ok(Box::new(port)),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The monitor between what a port receives and what it sends.
+
+use super::outbox::Outbox;
+use crate::alarm::{OwnFrame, Warning};
+use crate::bus::{Port, PortError, Sent};
+use crate::monitor::{Monitor, Notice, Record, Sink};
+use crate::time::{Span, Timestamp};
+use std::time::Duration;
+
+/// Hears what the gateway does, to log and count it. It must never wait for anything.
+pub trait Journal {
+    /// A cycle of one cylinder.
+    fn record(&mut self, record: &Record) {
+        _ = record;
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        _ = warning;
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        _ = notice;
+    }
+
+    /// A frame went out at `at`, on the clock of the time stamps.
+    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
+        _ = (frame, at);
+    }
+}
+
+/// A journal that nobody keeps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Journal for Silent {}
+
+/// What one turn did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Turn {
+    pub received: usize,
+    pub sent: usize,
+    /// The interface takes no more for now.
+    pub full: bool,
+}
+
+/// The data path of the live gateway: what [`crate::monitor`] does to a recording, done to a port.
+/// Nothing on it waits for a disk, a log or a client; it waits for frames alone.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    monitor: Monitor,
+    outbox: Outbox,
+    /// How far deadlines are kept behind the clock, for frames on their way into the queue.
+    guard: Span,
+    now: Timestamp,
+}
+
+impl Gateway {
+    pub fn new(monitor: Monitor, outbox: Outbox, guard: Span) -> Self {
+        Self { monitor, outbox, guard, now: Timestamp::default() }
+    }
+
+    pub const fn monitor(&self) -> &Monitor {
+        &self.monitor
+    }
+
+    pub const fn outbox(&self) -> &Outbox {
+        &self.outbox
+    }
+
+    /// Another monitor from now on, which has no evidence yet.
+    pub fn replace(&mut self, monitor: Monitor) {
+        self.monitor = monitor;
+    }
+
+    /// Takes what `port` has received, waiting at most `patience` for it, and sends what follows.
+    ///
+    /// # Errors
+    /// If the port is down, gone or broken. What waited to be sent is then dropped, since it would
+    /// burst out stale when the port returns.
+    pub fn turn(
+        &mut self,
+        port: &mut dyn Port,
+        patience: Duration,
+        journal: &mut impl Journal,
+    ) -> Result<Turn, PortError> {
+        let turn = self.receive(port, patience, journal).and_then(|received| {
+            let (sent, full) = self.send(port, journal)?;
+            Ok(Turn { received, sent, full })
+        });
+        if turn.is_err() {
+            self.outbox.clear();
+        }
+        turn
+    }
+
+    /// Says on the bus that nothing more will come.
+    ///
+    /// # Errors
+    /// As [`Self::turn`].
+    pub fn stop(
+        &mut self,
+        port: &mut dyn Port,
+        journal: &mut impl Journal,
+    ) -> Result<(), PortError> {
+        let frame = self.monitor.last_words(self.now);
+        self.outbox.put(frame);
+        self.send(port, journal).map(drop)
+    }
+
+    fn receive(
+        &mut self,
+        port: &mut dyn Port,
+        patience: Duration,
+        journal: &mut impl Journal,
+    ) -> Result<usize, PortError> {
+        let Self { monitor, outbox, now, guard } = self;
+        let mut outlet = Outlet { outbox, journal };
+        let received = port.receive(patience, &mut |frame| {
+            *now = frame.timestamp;
+            monitor.take(frame, &mut outlet);
+        })?;
+        if let Some(drained) = received.drained_at {
+            *now = drained;
+            let back = Span::from_nanos(guard.as_nanos().saturating_neg());
+            monitor.advance(drained.after(back), &mut outlet);
+        }
+        Ok(received.frames)
+    }
+
+    fn send(
+        &mut self,
+        port: &mut dyn Port,
+        journal: &mut impl Journal,
+    ) -> Result<(usize, bool), PortError> {
+        let mut sent = 0;
+        while let Some(frame) = self.outbox.next(self.now) {
+            match port.send(frame)? {
+                Sent::Taken => journal.sent(frame, self.now),
+                Sent::Full => return Ok((sent, true)),
+            }
+            self.outbox.sent();
+            sent += 1;
+        }
+        Ok((sent, false))
+    }
+}
+
+/// What the monitor gives goes to the outbox and the journal.
+struct Outlet<'a, J> {
+    outbox: &'a mut Outbox,
+    journal: &'a mut J,
+}
+
+impl<J: Journal> Sink for Outlet<'_, J> {
+    fn record(&mut self, record: &Record) {
+        self.journal.record(record);
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.journal.warning(warning);
+    }
+
+    fn transmit(&mut self, frame: &OwnFrame) {
+        self.outbox.put(frame.clone());
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        self.journal.notice(notice);
+    }
+}

@@ -1,0 +1,5 @@
+//! The gateway, live: the monitor between an interface's frames and the frames it sends.
+
+pub mod gateway;
+pub mod outbox;
+pub mod supervisor;

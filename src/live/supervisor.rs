@@ -1,0 +1,154 @@
+//! Keeps a gateway going for months: opens the port, and anew after each loss.
+
+use super::gateway::{Gateway, Journal};
+use crate::bus::{Port, PortError};
+use std::time::Duration;
+
+/// The longest that a turn waits for frames: deadlines and statuses are kept this closely.
+const PATIENCE: Duration = Duration::from_millis(5);
+
+/// The first and the longest wait between two tries to open a port.
+const BACK_OFF: (Duration, Duration) = (Duration::from_millis(50), Duration::from_secs(2));
+
+/// After an interface that takes nothing more, a try each …
+const FULL_PAUSE: Duration = Duration::from_millis(2);
+
+/// Opens a port, again and again.
+pub trait Opener {
+    /// # Errors
+    /// Why there is none, for people.
+    fn open(&mut self) -> Result<Box<dyn Port>, String>;
+}
+
+/// What the outside wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    GoOn,
+    /// Read the configuration again.
+    Reload,
+    Stop,
+}
+
+/// Everything outside of the data path that the supervisor depends on.
+pub trait Surroundings: Journal {
+    /// What is wanted now; asked after each turn.
+    fn wish(&mut self) -> Wish;
+    /// Waits, at most for `time`, less if something is wished.
+    fn wait(&mut self, time: Duration);
+    /// A port is open.
+    fn opened(&mut self, port: &dyn Port);
+    /// The port is lost, or could not be opened. Told once for each new reason.
+    fn lost(&mut self, reason: &str);
+    /// A turn was done, with a port that works: the proof of life.
+    fn turned(&mut self, gateway: &Gateway, port: &dyn Port);
+    /// A new gateway and a new way to open its port, after [`Wish::Reload`]; `None` to go on as
+    /// before, because the new configuration is refused.
+    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)>;
+}
+
+/// Runs `gateway` on the ports of `opener` until the surroundings wish to stop.
+pub fn run(
+    mut gateway: Gateway,
+    mut opener: Box<dyn Opener>,
+    surroundings: &mut impl Surroundings,
+) {
+    let mut back_off = BackOff::default();
+    loop {
+        match opener.open() {
+            Ok(mut port) => {
+                surroundings.opened(&*port);
+                match serve(&mut gateway, &mut *port, &mut back_off, surroundings) {
+                    End::Stop => return,
+                    End::Reloaded(new_gateway, new_opener) => {
+                        (gateway, opener) = (*new_gateway, new_opener);
+                        continue;
+                    }
+                    End::Lost(error) => back_off.lost(&error.to_string(), surroundings),
+                }
+            }
+            Err(reason) => back_off.lost(&reason, surroundings),
+        }
+        match surroundings.wish() {
+            Wish::Stop => return,
+            Wish::Reload => {
+                if let Some(reloaded) = surroundings.reload() {
+                    (gateway, opener) = reloaded;
+                }
+            }
+            Wish::GoOn => surroundings.wait(back_off.next()),
+        }
+    }
+}
+
+enum End {
+    Stop,
+    Reloaded(Box<Gateway>, Box<dyn Opener>),
+    Lost(PortError),
+}
+
+fn serve(
+    gateway: &mut Gateway,
+    port: &mut dyn Port,
+    back_off: &mut BackOff,
+    surroundings: &mut impl Surroundings,
+) -> End {
+    loop {
+        match gateway.turn(port, PATIENCE, surroundings) {
+            Ok(turn) => {
+                if turn.received > 0 {
+                    back_off.works();
+                }
+                surroundings.turned(gateway, port);
+                if turn.full && turn.received == 0 {
+                    surroundings.wait(FULL_PAUSE);
+                }
+            }
+            Err(error) => return End::Lost(error),
+        }
+        match surroundings.wish() {
+            Wish::GoOn => {}
+            Wish::Stop => {
+                // The bus may be away just now; then nobody is there to be told.
+                _ = gateway.stop(port, surroundings);
+                return End::Stop;
+            }
+            Wish::Reload => {
+                if let Some((new_gateway, opener)) = surroundings.reload() {
+                    return End::Reloaded(Box::new(new_gateway), opener);
+                }
+            }
+        }
+    }
+}
+
+/// Waits that double, and a reason that is told once.
+#[derive(Debug)]
+struct BackOff {
+    next: Duration,
+    reason: Option<String>,
+}
+
+impl Default for BackOff {
+    fn default() -> Self {
+        Self { next: BACK_OFF.0, reason: None }
+    }
+}
+
+impl BackOff {
+    fn lost(&mut self, reason: &str, surroundings: &mut impl Surroundings) {
+        if self.reason.as_deref() != Some(reason) {
+            surroundings.lost(reason);
+            self.reason = Some(reason.to_owned());
+        }
+    }
+
+    fn next(&mut self) -> Duration {
+        let now = self.next;
+        self.next = (now * 2).min(BACK_OFF.1);
+        now
+    }
+
+    fn works(&mut self) {
+        *self = Self::default();
+    }
+}

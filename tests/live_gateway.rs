@@ -1,0 +1,161 @@
+//! The live gateway on the embedded bus: the same frames as a replay, whatever the rhythm in which
+//! the gateway gets its turn; and what it does when the bus goes away.
+
+#[path = "machine/mod.rs"]
+mod machine;
+
+use machine::{Cycle, MS, monitor, play};
+use std::time::Duration;
+use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
+use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
+use tertius::frame::{Frame, Id};
+use tertius::live::gateway::{Gateway, Silent};
+use tertius::live::outbox::{Limits, Outbox};
+use tertius::time::{Span, Timestamp};
+
+/// Frames with a transducer that steps and comes back, lost frames and a lost stretch.
+fn bus_traffic() -> Vec<Frame> {
+    let cycles = (0..400).filter(|k| !(150..160).contains(k) && k % 37 != 0);
+    let frames = cycles.flat_map(|k| {
+        let offset = if (230..260).contains(&k) { 30 } else { 0 };
+        Cycle { offset, ..Cycle::new(k) }.frames()
+    });
+    frames.enumerate().filter(|(i, _)| i % 101 != 0).map(|(_, frame)| frame).collect()
+}
+
+fn gateway() -> Gateway {
+    let limits = Limits {
+        waiting: 72,
+        age: Span::from_seconds(0.2),
+        bitrate: 500_000.0,
+        share: 0.05,
+        burst: 37,
+    };
+    let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
+    Gateway::new(monitor(), outbox, Span::from_seconds(0.01))
+}
+
+/// The embedded bus with a machine, a gateway and someone who listens.
+struct Bench {
+    clock: ManualClock,
+    bus: EmbeddedBus,
+    gateway: Gateway,
+    port: Endpoint,
+    heard: Vec<Frame>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let clock = ManualClock::new(Timestamp::from_nanos(machine::START));
+        let bus = EmbeddedBus::new(Clock::Manual(clock.clone()));
+        let port = bus.open(&Identifiers::All, 4096).expect("the bus is up");
+        Self { clock, bus, gateway: gateway(), port, heard: Vec::new() }
+    }
+
+    fn turn(&mut self) -> Result<(), PortError> {
+        self.gateway.turn(&mut self.port, Duration::ZERO, &mut Silent).map(drop)
+    }
+
+    /// Puts `frames` on the bus at their times and lets the gateway have a turn every `rhythm`-th
+    /// frame, as a busy box would.
+    fn run(&mut self, frames: &[Frame], rhythm: usize) {
+        let mut machine = self.bus.open_unrestricted(&Identifiers::All, 4096).expect("up");
+        for (index, frame) in frames.iter().enumerate() {
+            self.clock.set(frame.timestamp);
+            machine.send_unrestricted(frame).expect("the bus is up");
+            if index % rhythm == 0 {
+                self.turn().expect("the bus is up");
+                self.listen(&mut machine);
+            }
+        }
+        self.turn().expect("the bus is up");
+        self.listen(&mut machine);
+    }
+
+    fn listen(&mut self, ear: &mut impl Port) {
+        let heard = &mut self.heard;
+        ear.receive(Duration::ZERO, &mut |frame| heard.push(frame.clone())).expect("up");
+    }
+}
+
+/// What is on the wire: identifier and payload.
+fn wire(frames: &[Frame]) -> Vec<(Id, Vec<u8>)> {
+    frames.iter().map(|frame| (frame.id, frame.data().to_vec())).collect()
+}
+
+#[test]
+fn live_says_what_a_replay_of_the_same_frames_says() {
+    let traffic = bus_traffic();
+    let (_, replayed) = play(traffic.iter().cloned());
+    assert!(replayed.warnings.len() >= 4 && !replayed.notices.is_empty());
+    let replayed = wire(&replayed.frames);
+    for rhythm in [1, 2, 7, 20, 61] {
+        let mut bench = Bench::new();
+        bench.run(&traffic, rhythm);
+        let live = wire(&bench.heard);
+        // What falls due within the guard of the last frame is still to come.
+        assert!(replayed.len() - live.len() <= 1, "rhythm {rhythm}");
+        assert!(live == replayed[..live.len()], "rhythm {rhythm}");
+    }
+}
+
+#[test]
+fn nothing_but_its_own_identifiers_leaves_the_gateway() {
+    let mut traffic = bus_traffic();
+    // Every standard identifier arrives, its own included.
+    let at = traffic[2000].timestamp;
+    let strangers = (0..=Id::STANDARD_MAX).map(|id| {
+        let id = Id::standard(id).expect("it is in range");
+        Frame::new(at, id, tertius::frame::Kind::Data, &[0xFF; 8])
+    });
+    traffic.splice(2000..2000, strangers);
+    let mut bench = Bench::new();
+    bench.run(&traffic, 5);
+    assert!(bench.heard.len() > 60);
+    assert!(bench.heard.iter().all(|frame| [0x1D1, 0x2D1].contains(&frame.id.value())));
+}
+
+#[test]
+fn what_waited_while_the_bus_was_away_is_not_sent_when_it_returns() {
+    let traffic = bus_traffic();
+    let split =
+        traffic.iter().position(|frame| frame.timestamp.as_nanos() > machine::START + 4_630 * MS);
+    let (before, after) = traffic.split_at(split.expect("the traffic lasts eight seconds"));
+    let mut bench = Bench::new();
+    bench.run(before, 1);
+    bench.bus.set_state(BusState::Jammed);
+    for _ in 0..200 {
+        bench.clock.advance(Span::from_seconds(0.005));
+        bench.turn().expect("a jammed bus is not lost");
+    }
+    bench.bus.set_state(BusState::Down);
+    assert!(matches!(bench.turn(), Err(PortError::Down)));
+    assert_eq!(bench.gateway.outbox().waiting(), 0);
+    bench.bus.set_state(BusState::Up);
+    bench.port = bench.bus.open(&Identifiers::All, 4096).expect("it is up again");
+    bench.heard.clear();
+    let resumed = bench.clock.now();
+    let later: Vec<Frame> =
+        after.iter().filter(|frame| frame.timestamp > resumed).cloned().collect();
+    bench.run(&later, 1);
+    for frame in bench.heard.iter().filter(|frame| frame.id.value() == 0x1D1).take(5) {
+        let payload = u64::from_le_bytes(frame.data().try_into().expect("eight bytes"));
+        let healthy = (0..12).filter(|i| payload >> (24 + 2 * i) & 0b11 == 1).count();
+        assert_eq!(healthy, 0, "nothing is healthy until it was judged again");
+    }
+    assert!(bench.gateway.outbox().counts().too_old > 0, "the old ones were dropped and counted");
+}
+
+#[test]
+fn a_stopping_gateway_says_so() {
+    let mut bench = Bench::new();
+    bench.run(&bus_traffic()[..2000], 1);
+    let mut ear = bench.bus.open(&Identifiers::All, 16).expect("up");
+    bench.gateway.stop(&mut bench.port, &mut Silent).expect("the bus is up");
+    bench.heard.clear();
+    bench.listen(&mut ear);
+    let [frame] = &bench.heard[..] else { panic!("{:?}", bench.heard) };
+    let payload = u64::from_le_bytes(frame.data().try_into().expect("eight bytes"));
+    assert_eq!((frame.id.value(), payload >> 51 & 0b111), (0x1D1, 4));
+    assert_eq!(payload >> 24 & 0xFF_FFFF, 0, "nothing is healthy once nobody looks");
+}

@@ -1,0 +1,10 @@
+//! The port over a real SocketCAN. Needs a kernel with vcan and the right to make interfaces:
+//! `scripts/with-vcan cargo test --features vcan-tests --test socket`.
+
+mod frames;
+mod life;
+mod link;
+mod load;
+mod time;
+mod traffic;
+mod vcan;
