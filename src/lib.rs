@@ -31,6 +31,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alarm;
+pub mod appliance;
 pub mod bus;
 pub mod cli;
 pub mod compare;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Rooms that deal with the world. A room that is added here has a reason to: live frames, files of
 /// the user's, a terminal. Everything else is the core.
-const WORLDLY: [&str; 5] = ["bus/", "cli/", "live/", "config/loader.rs", "main.rs"];
+const WORLDLY: [&str; 6] = ["appliance/", "bus/", "cli/", "live/", "config/loader.rs", "main.rs"];
 
 /// Crates that bring the world with them.
 const WORLDLY_CRATES: [&str; 8] =

@@ -1,10 +1,8 @@
 //! The commands.
 
-mod appliance;
 mod check;
 mod failure;
 mod inject;
-mod logging;
 mod machine;
 mod output;
 mod progress;

@@ -1,9 +1,9 @@
 //! `tertius run`: the gateway, live.
 
 use super::Failure;
-use super::appliance::Appliance;
-use super::logging::{self, LogFormat};
 use super::machine::Machine;
+use crate::appliance::logging::{self, LogFormat};
+use crate::appliance::surroundings::Appliance;
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Identifiers, Port};
 use crate::frame::Id;

@@ -1,11 +1,13 @@
 //! What surrounds the live gateway: signals, the log, the service manager.
 
-use super::Failure;
+use super::activity::Activity;
+use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::Port;
+use crate::cli::Failure;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::supervisor::{Opener, Surroundings, Wish};
-use crate::monitor::{Counts, Notice};
+use crate::monitor::Notice;
 use crate::report::jsonl::restart_name;
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
@@ -17,9 +19,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
-
-/// Without a frame of the machine for this long the bus is quiet.
-const QUIET: Duration = Duration::from_secs(1);
 
 /// The slice in which a wait looks for signals.
 const SLICE: Duration = Duration::from_millis(50);
@@ -59,11 +58,6 @@ impl Appliance {
         tell(&[NotifyState::Stopping]);
         info!("stopped");
     }
-}
-
-/// Tells the service manager; without one nobody needs to know.
-fn tell(states: &[NotifyState<'_>]) {
-    _ = sd_notify::notify(states);
 }
 
 impl Journal for Appliance {
@@ -162,57 +156,5 @@ impl Surroundings for Appliance {
                 None
             }
         }
-    }
-}
-
-/// Feeds the service manager's watchdog at half its time.
-#[derive(Debug)]
-struct Watchdog {
-    period: Option<Duration>,
-    fed: Instant,
-}
-
-impl Watchdog {
-    fn new() -> Self {
-        Self { period: sd_notify::watchdog_enabled().map(|time| time / 2), fed: Instant::now() }
-    }
-
-    fn feed(&mut self) {
-        if self.period.is_some_and(|period| self.fed.elapsed() >= period) {
-            tell(&[NotifyState::Watchdog]);
-            self.fed = Instant::now();
-        }
-    }
-}
-
-/// Tells once when the bus becomes quiet and once when it speaks again, and of frames lost.
-#[derive(Debug)]
-struct Activity {
-    used: u64,
-    since: Instant,
-    quiet: bool,
-    dropped: u64,
-}
-
-impl Activity {
-    fn new() -> Self {
-        Self { used: 0, since: Instant::now(), quiet: false, dropped: 0 }
-    }
-
-    fn look(&mut self, counts: &Counts, port: &dyn Port) {
-        if counts.used != self.used {
-            if self.quiet {
-                info!("the machine speaks again after {:.1} s", self.since.elapsed().as_secs_f64());
-            }
-            (self.used, self.since, self.quiet) = (counts.used, Instant::now(), false);
-        } else if !self.quiet && self.since.elapsed() >= QUIET {
-            self.quiet = true;
-            warn!("no frame of the machine for a second: nothing is known of it");
-        }
-        let dropped = port.counts().dropped;
-        if dropped > self.dropped {
-            warn!(frames = dropped - self.dropped, "frames were lost: the receive queue was full");
-        }
-        self.dropped = dropped;
     }
 }

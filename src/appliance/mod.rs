@@ -1,0 +1,7 @@
+//! The box around the live gateway: signals, the service manager, the log. The only room that knows
+//! what runs the gateway.
+
+mod activity;
+pub mod logging;
+pub mod surroundings;
+mod watchdog;
