@@ -61,6 +61,7 @@ impl Bench {
     fn run(&mut self, frames: &[Frame], rhythm: usize) {
         let mut machine = self.bus.open_unrestricted(&Identifiers::All, 4096).expect("up");
         for (index, frame) in frames.iter().enumerate() {
+            self.be_silent_until(frame.timestamp, &mut machine);
             self.clock.set(frame.timestamp);
             machine.send_unrestricted(frame).expect("the bus is up");
             if index % rhythm == 0 {
@@ -70,6 +71,16 @@ impl Bench {
         }
         self.turn().expect("the bus is up");
         self.listen(&mut machine);
+    }
+
+    /// Turns go on while nothing comes.
+    fn be_silent_until(&mut self, end: Timestamp, ear: &mut impl Port) {
+        let patience = Span::from_seconds(0.025);
+        while end.since(self.clock.now()) > patience {
+            self.clock.advance(patience);
+            self.turn().expect("the bus is up");
+            self.listen(ear);
+        }
     }
 
     fn listen(&mut self, ear: &mut impl Port) {

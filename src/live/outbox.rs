@@ -38,14 +38,17 @@ pub struct OutboxCounts {
     pub held_back: u64,
 }
 
-/// Frames on their way out. The status has a place of its own, so that a storm of warnings neither
-/// delays nor displaces it; a newer one takes the place of one that still waits.
+/// Frames on their way out, in the order in which they came to be. The status has a place of its own,
+/// so that a storm of warnings neither displaces nor, once the rate limit holds frames back, delays
+/// it; a newer one takes the place of one that still waits.
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: Limits,
     status_id: Id,
     status: Option<OwnFrame>,
     warnings: VecDeque<OwnFrame>,
+    /// Warnings that came before the status that waits.
+    ahead: usize,
     /// Frames that may go out now; fractions of one accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
@@ -60,6 +63,7 @@ impl Outbox {
             status_id,
             status: None,
             warnings: VecDeque::with_capacity(limits.waiting),
+            ahead: 0,
             credit: f64::from(limits.burst),
             accrued: None,
             counts: OutboxCounts::default(),
@@ -80,10 +84,11 @@ impl Outbox {
         if frame.as_frame().id == self.status_id {
             self.counts.superseded += u64::from(self.status.is_some());
             self.status = Some(frame);
+            self.ahead = self.warnings.len();
             return;
         }
         if self.warnings.len() >= self.limits.waiting {
-            self.warnings.pop_front();
+            self.take_warning();
             self.counts.crowded_out += 1;
         }
         self.warnings.push_back(frame);
@@ -100,13 +105,18 @@ impl Outbox {
             self.counts.held_back += 1;
             return None;
         }
-        self.status.as_ref().or_else(|| self.warnings.front())
+        match self.is_status_next() {
+            true => self.status.as_ref(),
+            false => self.warnings.front(),
+        }
     }
 
     /// The frame of the last [`Self::next`] went out.
     pub fn sent(&mut self) {
-        if self.status.take().is_none() {
-            self.warnings.pop_front();
+        if self.is_status_next() {
+            self.status = None;
+        } else {
+            self.take_warning();
         }
         self.credit -= 1.0;
         self.counts.sent += 1;
@@ -117,6 +127,17 @@ impl Outbox {
         self.counts.too_old += self.waiting() as u64;
         self.status = None;
         self.warnings.clear();
+        self.ahead = 0;
+    }
+
+    fn is_status_next(&self) -> bool {
+        let scarce = self.credit < self.waiting() as f64;
+        self.status.is_some() && (self.ahead == 0 || scarce)
+    }
+
+    fn take_warning(&mut self) {
+        self.warnings.pop_front();
+        self.ahead = self.ahead.saturating_sub(1);
     }
 
     fn accrue(&mut self, now: Timestamp) {
@@ -135,7 +156,7 @@ impl Outbox {
         }
         // Frames come in the order of time, except after a clock was set.
         while self.warnings.front().is_some_and(old) {
-            self.warnings.pop_front();
+            self.take_warning();
             self.counts.too_old += 1;
         }
     }
@@ -209,6 +230,21 @@ mod tests {
         outbox.put(encoder.status(at(0), &Status::default()));
         let first = outbox.next(at(0)).expect("there is credit").as_frame().id.value();
         assert_eq!(first, 0x1D1);
+    }
+
+    #[test]
+    fn frames_go_out_in_the_order_in_which_they_came_to_be() {
+        let mut encoder = encoder();
+        let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
+        outbox.put(warning(&mut encoder, 0, 1));
+        outbox.put(encoder.status(at(0), &Status::default()));
+        outbox.put(warning(&mut encoder, 0, 2));
+        let mut ids = Vec::new();
+        while let Some(frame) = outbox.next(at(0)) {
+            ids.push(frame.as_frame().id.value());
+            outbox.sent();
+        }
+        assert_eq!(ids, [0x2D1, 0x1D1, 0x2D1]);
     }
 
     #[test]
