@@ -1,5 +1,6 @@
 //! The gateway, live: the monitor between an interface's frames and the frames it sends.
 
 pub mod gateway;
+pub mod health;
 pub mod outbox;
 pub mod supervisor;
