@@ -162,7 +162,7 @@ impl Surroundings for Appliance {
 
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.watchdog.feed();
-        self.activity.look(gateway.monitor().counts(), port);
+        self.activity.look(gateway, port);
     }
 
     fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
