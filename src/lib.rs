@@ -9,8 +9,8 @@
 //!  └───── the gateway's own frames ───── alarm ←──── verdict ←───┘
 //! ```
 //!
-//! - [`bus`]: candump recordings as a source of frames, and the log of frames sent. The only room
-//!   that knows files of frames.
+//! - [`bus`]: where frames come from and go to: candump recordings, SocketCAN, a bus inside the
+//!   program. The only room that knows files of frames and sockets.
 //! - [`decode`]: a DBC, checked and compiled to bit plans.
 //! - [`sample`]: which readings belong to one cycle, and whether they are plausible.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
@@ -19,6 +19,8 @@
 //! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
+//! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
+//!   it. [`appliance`]: the box around it: signals, the service manager, the log.
 //! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
 //!   [`cli`]: the commands.
