@@ -5,9 +5,11 @@ mod failure;
 mod inject;
 mod machine;
 mod output;
+mod player;
 mod progress;
 mod replay;
 mod run;
+mod virtual_bus;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
