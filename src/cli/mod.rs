@@ -7,6 +7,7 @@ mod machine;
 mod output;
 mod player;
 mod progress;
+mod proxy;
 mod replay;
 mod run;
 mod virtual_bus;

@@ -2,4 +2,5 @@
 
 pub mod gateway;
 pub mod outbox;
+pub mod proxy;
 pub mod supervisor;
