@@ -70,11 +70,15 @@ impl Proxy {
             lane.counts_mut().changed += u64::from(passed.data() != frame.data());
             pass(passed, lane, to_is_there);
         });
-        let mut at_to = receive(to.as_deref_mut(), back, |frame, lane| {
-            pass(frame, lane, from_is_there);
-        });
-        send(there, to, &mut at_to);
-        send(back, from, &mut at_from);
+        // At once: each call in between would be part of the delay.
+        let sent = send(there, to.as_deref_mut());
+        let received = receive(to, back, |frame, lane| pass(frame, lane, from_is_there));
+        let at_to = sent.and(received);
+        if at_from.is_ok()
+            && let Err(error) = send(back, from)
+        {
+            at_from = Err(error);
+        }
         if at_from.is_err() || at_to.is_err() {
             there.clear();
             back.clear();
@@ -117,11 +121,6 @@ fn pass(frame: &Frame, lane: &mut Lane, far_side_is_there: bool) {
     }
 }
 
-/// Sends unless the port is known to be finished.
-fn send(lane: &mut Lane, port: Option<&mut impl UnrestrictedPort>, outcome: &mut Outcome) {
-    if let (Some(port), Ok(_)) = (port, &outcome)
-        && let Err(error) = lane.send(port)
-    {
-        *outcome = Err(error);
-    }
+fn send(lane: &mut Lane, port: Option<&mut impl UnrestrictedPort>) -> Result<(), PortError> {
+    port.map_or(Ok(()), |port| lane.send(port))
 }
