@@ -284,7 +284,11 @@ impl Script {
             }
             Event::State(side, state) => {
                 self.buses[side].set_state(state);
-                self.ends[side] = (state == BusState::Up).then(|| open(&self.buses[side]));
+                match state {
+                    BusState::Up => self.ends[side] = Some(open(&self.buses[side])),
+                    BusState::Down | BusState::Gone => self.ends[side] = None,
+                    BusState::Jammed => {}
+                }
             }
         }
     }
@@ -385,6 +389,21 @@ fn each_side_may_go_and_come_back() {
             assert_eq!(proxy.there().counts().away > 0, side == 1);
         }
     }
+}
+
+#[test]
+fn what_waited_for_a_side_that_went_is_not_sent_when_it_returns() {
+    let frames = traffic();
+    // All within the time that a frame may wait.
+    let states = [(995, BusState::Jammed), (1015, BusState::Down), (1016, BusState::Up)];
+    let states = states.map(|(ms, state)| (at(ms), Event::State(1, state)));
+    let mut script = Script::new(frame_events(&frames).chain(states));
+    script.run();
+    let back = script.told_of(1, true)[1];
+    assert!(back <= at(1070));
+    let mut expected = injected(&mut injector(), &frames);
+    expected.retain(|frame| frame.timestamp < at(995) || frame.timestamp >= back);
+    assert!(wire(&script.heard) == wire(&expected));
 }
 
 #[test]

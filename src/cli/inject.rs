@@ -37,7 +37,7 @@ Only the bits of the named signals change, clamped to what they can hold, which 
 machine's controller did not see the fault: the motion in the recording does not answer to it.
 
 Between interfaces the first frame is the first that was forwarded. Error frames are not forwarded; an
-interface that goes away is waited for; a frame that the other side does not take for 0.1 s is dropped.
+interface that goes away is waited for; what comes meanwhile is dropped.
 At the end, by SIGTERM, SIGINT or --for, it tells what became of the frames and the faults.";
 
 /// Puts faults into candump recordings and writes the result as candump -l would, or stands between
@@ -57,8 +57,12 @@ pub struct Inject {
     to: Option<String>,
     /// Ends the forwarding after so long [default: upon SIGTERM or SIGINT]
     #[arg(long = "for", value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
-    #[arg(value_parser = Ends::parse_lasts)]
+    #[arg(value_parser = Ends::parse_seconds)]
     lasts: Option<Duration>,
+    /// Between interfaces: drops a frame that could not be passed on for so long
+    #[arg(long, value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
+    #[arg(value_parser = Ends::parse_seconds, default_value = "0.1")]
+    max_age: Duration,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
@@ -105,7 +109,8 @@ impl Inject {
             .collect::<Result<Vec<Placed>, Failure>>()?;
         let mut injector = Injector::new(&placed, self.seed);
         if let (Some(from), Some(to)) = (&self.from, &self.to) {
-            let ends = Ends { from: from.clone(), to: to.clone(), lasts: self.lasts };
+            let (from, to) = (from.clone(), to.clone());
+            let ends = Ends { from, to, lasts: self.lasts, max_age: self.max_age };
             let injector = proxy::run(&ends, injector)?;
             report_faults(&faults, injector.tallies());
             return Ok(());

@@ -17,8 +17,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A second of a full bus may come at once after a pause of the box; more is late anyway.
-const LIMITS: Limits = Limits { waiting: 4096, age: Span::from_nanos(100_000_000) };
+/// Frames that wait at most: half a second of a full bus.
+const WAITING: usize = 4096;
 
 type Socket = Unrestricted<SocketPort>;
 
@@ -31,6 +31,8 @@ pub struct Ends {
     pub to: String,
     /// `None`: until a signal comes.
     pub lasts: Option<Duration>,
+    /// An older frame is dropped.
+    pub max_age: Duration,
 }
 
 /// Runs the proxy until it is told to stop, and tells what became of the frames. Returns the
@@ -47,7 +49,8 @@ pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
             return Err(Failure::Wrong(reason));
         }
     }
-    let mut proxy = Proxy::new(injector, LIMITS);
+    let age = Span::from_seconds(ends.max_age.as_secs_f64());
+    let mut proxy = Proxy::new(injector, Limits { waiting: WAITING, age });
     let mut sides = [Side::new(from.opener()), Side::new(to.opener())];
     let mut host = Host::new(ends)
         .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
@@ -58,8 +61,8 @@ pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
 }
 
 impl Ends {
-    /// The lengths of time that `--for` takes.
-    pub fn parse_lasts(text: &str) -> Result<Duration, String> {
+    /// A length of time on the command line.
+    pub fn parse_seconds(text: &str) -> Result<Duration, String> {
         let seconds = text.parse().ok().filter(|seconds| *seconds > 0.0 && *seconds <= 3.2e9);
         seconds.map(Duration::from_secs_f64).ok_or_else(|| "expected seconds, such as 60".into())
     }
@@ -195,7 +198,7 @@ fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
     let refused = lane.rejection().unwrap_or_default();
     for (count, fate) in [
         (counts.lost, "lost to a fault".to_owned()),
-        (counts.too_old, format!("dropped as too old: {to} took nothing")),
+        (counts.too_old, "dropped as too old: more than --max-age on their way".to_owned()),
         (counts.crowded_out, format!("dropped as too many waited for {to}")),
         (counts.away, "dropped while an interface was away".to_owned()),
         (counts.rejected, format!("refused by {to}: {refused}")),

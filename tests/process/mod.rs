@@ -52,7 +52,8 @@ pub fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
     let started = Instant::now();
     while !done() {
         assert!(started.elapsed() < Duration::from_secs(30), "{what} took more than 30 s");
-        std::thread::yield_now();
+        // What is waited for may need the only processor that there is.
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 
