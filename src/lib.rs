@@ -37,6 +37,7 @@ pub mod cli;
 pub mod compare;
 pub mod config;
 pub mod decode;
+pub mod error_frame;
 pub mod frame;
 pub mod inject;
 pub mod live;

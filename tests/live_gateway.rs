@@ -8,7 +8,7 @@ use machine::{Cycle, MS, monitor, play};
 use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
-use tertius::frame::{Frame, Id};
+use tertius::frame::{Frame, Id, Kind};
 use tertius::live::gateway::{Gateway, Silent};
 use tertius::live::outbox::{Limits, Outbox};
 use tertius::time::{Span, Timestamp};
@@ -141,6 +141,7 @@ fn what_waited_while_the_bus_was_away_is_not_sent_when_it_returns() {
     }
     bench.bus.set_state(BusState::Down);
     assert!(matches!(bench.turn(), Err(PortError::Down)));
+    bench.gateway.lose(&mut Silent);
     assert_eq!(bench.gateway.outbox().waiting(), 0);
     bench.bus.set_state(BusState::Up);
     bench.port = bench.bus.open(&Identifiers::All, 4096).expect("it is up again");
@@ -150,11 +151,67 @@ fn what_waited_while_the_bus_was_away_is_not_sent_when_it_returns() {
         after.iter().filter(|frame| frame.timestamp > resumed).cloned().collect();
     bench.run(&later, 1);
     for frame in bench.heard.iter().filter(|frame| frame.id.value() == 0x1D1).take(5) {
-        let payload = u64::from_le_bytes(frame.data().try_into().expect("eight bytes"));
-        let healthy = (0..12).filter(|i| payload >> (24 + 2 * i) & 0b11 == 1).count();
-        assert_eq!(healthy, 0, "nothing is healthy until it was judged again");
+        assert_eq!(healthy(frame), 0, "nothing is healthy until it was judged again");
     }
     assert!(bench.gateway.outbox().counts().too_old > 0, "the old ones were dropped and counted");
+}
+
+/// How many transducers a status calls healthy.
+fn healthy(status: &Frame) -> usize {
+    let payload = u64::from_le_bytes(status.data().try_into().expect("eight bytes"));
+    (0..12).filter(|i| payload >> (24 + 2 * i) & 0b11 == 1).count()
+}
+
+fn error_frame(class: u32) -> Frame {
+    let id = Id::extended(class).expect("classes fit an extended identifier");
+    Frame::new(Timestamp::default(), id, Kind::Error, &[0; 8])
+}
+
+#[test]
+fn nothing_is_sent_while_the_controller_is_bus_off_and_nothing_known_after_it() {
+    let traffic = bus_traffic();
+    let (before, after) = traffic.split_at(2400);
+    let mut bench = Bench::new();
+    bench.run(before, 1);
+    let newest = bench.heard.iter().rfind(|frame| frame.id.value() == 0x1D1).expect("statuses");
+    assert!(healthy(newest) > 0);
+    bench.heard.clear();
+    let mut driver = bench.bus.open_unrestricted(&Identifiers::All, 64).expect("up");
+    driver.send_unrestricted(&error_frame(0x040)).expect("up");
+    for _ in 0..60 {
+        bench.clock.advance(Span::from_seconds(0.005));
+        bench.turn().expect("the interface stays up");
+    }
+    bench.listen(&mut driver);
+    assert!(bench.heard.is_empty(), "{:?}", bench.heard);
+    assert_eq!(bench.gateway.health().bus_offs, 1);
+    driver.send_unrestricted(&error_frame(0x100)).expect("up");
+    let resumed = bench.clock.now();
+    let later: Vec<Frame> =
+        after.iter().filter(|frame| frame.timestamp > resumed).cloned().collect();
+    bench.run(&later, 1);
+    let statuses: Vec<&Frame> =
+        bench.heard.iter().filter(|frame| frame.id.value() == 0x1D1).collect();
+    assert!(statuses[0].timestamp >= resumed && healthy(statuses[0]) == 0);
+    assert!(statuses.iter().any(|status| healthy(status) == 12), "it is judged again");
+}
+
+#[test]
+fn a_clock_set_on_a_quiet_bus_does_not_silence_the_gateway() {
+    for hours in [-2.0, 2.0] {
+        let mut bench = Bench::new();
+        bench.run(&bus_traffic()[..2000], 1);
+        bench.clock.advance(Span::from_seconds(hours * 3600.0));
+        bench.heard.clear();
+        let mut ear = bench.bus.open(&Identifiers::All, 4096).expect("up");
+        for _ in 0..200 {
+            bench.clock.advance(Span::from_seconds(0.005));
+            bench.turn().expect("up");
+        }
+        bench.listen(&mut ear);
+        assert!((9..=11).contains(&bench.heard.len()), "{} in a second", bench.heard.len());
+        assert!(bench.heard.iter().all(|status| healthy(status) == 0), "{hours} h");
+    }
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! The port over controllers with their driver: can0 and can1 on one bus, at 500 kbit/s and with
-//! restart-ms 100. `scripts/with-controller cargo test --features controller-tests --test
+//! restart-ms 100. `scripts/with-controller cargo test --test
 //! socket_controller`, or the built test itself.
 
 use std::process::Command;

@@ -1,12 +1,15 @@
-//! What is said of a bus that falls quiet, speaks again or comes too fast.
+//! What is said of a bus that falls quiet, speaks again, comes too fast or takes nothing.
 
-use crate::bus::Port;
-use crate::monitor::Counts;
+use crate::bus::{Port, PortCounts};
+use crate::live::gateway::Gateway;
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
 /// Without a frame of the machine for this long the bus is quiet.
 const QUIET: Duration = Duration::from_secs(1);
+
+/// What goes on is said again after this long at the earliest.
+const AGAIN: Duration = Duration::from_secs(60);
 
 /// Tells once when the bus becomes quiet and once when it speaks again, and of frames lost.
 #[derive(Debug)]
@@ -14,28 +17,107 @@ pub(super) struct Activity {
     used: u64,
     since: Instant,
     quiet: bool,
-    dropped: u64,
+    dropped: Growth,
+    too_old: Growth,
+    crowded_out: Growth,
+    jam: Jam,
 }
 
 impl Activity {
     pub(super) fn new() -> Self {
-        Self { used: 0, since: Instant::now(), quiet: false, dropped: 0 }
+        Self {
+            used: 0,
+            since: Instant::now(),
+            quiet: false,
+            dropped: Growth::default(),
+            too_old: Growth::default(),
+            crowded_out: Growth::default(),
+            jam: Jam::default(),
+        }
     }
 
-    pub(super) fn look(&mut self, counts: &Counts, port: &dyn Port) {
-        if counts.used != self.used {
+    pub(super) fn look(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.look_for_frames(gateway.monitor().counts().used);
+        let counts = port.counts();
+        if let Some(frames) = self.dropped.by(counts.dropped) {
+            warn!(frames, "frames were lost: the receive queue was full");
+        }
+        self.jam.look(&counts);
+        let outbox = gateway.outbox().counts();
+        if let Some(frames) = self.too_old.by(outbox.too_old) {
+            warn!(frames, "frames were too old to send: the interface takes none, or too few");
+        }
+        if let Some(frames) = self.crowded_out.by(outbox.crowded_out) {
+            warn!(frames, "warnings gave way to newer ones: more than the bus share allows");
+        }
+    }
+
+    fn look_for_frames(&mut self, used: u64) {
+        if used != self.used {
             if self.quiet {
                 info!("the machine speaks again after {:.1} s", self.since.elapsed().as_secs_f64());
             }
-            (self.used, self.since, self.quiet) = (counts.used, Instant::now(), false);
+            (self.used, self.since, self.quiet) = (used, Instant::now(), false);
         } else if !self.quiet && self.since.elapsed() >= QUIET {
             self.quiet = true;
             warn!("no frame of the machine for a second: nothing is known of it");
         }
-        let dropped = port.counts().dropped;
-        if dropped > self.dropped {
-            warn!(frames = dropped - self.dropped, "frames were lost: the receive queue was full");
+    }
+}
+
+/// An interface that takes nothing: nobody acknowledges, or the bus is full.
+#[derive(Clone, Copy, Debug, Default)]
+struct Jam {
+    sent: u64,
+    refused: u64,
+    since: Option<Instant>,
+    told: bool,
+}
+
+impl Jam {
+    fn look(&mut self, counts: &PortCounts) {
+        if counts.sent != self.sent {
+            if let (true, Some(since)) = (self.told, self.since) {
+                let seconds = since.elapsed().as_secs_f64();
+                info!("the interface takes frames again after {seconds:.1} s");
+            }
+            (self.since, self.told) = (None, false);
+        } else if counts.refused > self.refused {
+            let since = *self.since.get_or_insert_with(Instant::now);
+            if !self.told && since.elapsed() >= QUIET {
+                self.told = true;
+                warn!(
+                    "the interface has taken no frame for a second: nobody acknowledges, or the \
+                     bus is full; what waits is dropped when it is too old"
+                );
+            }
         }
-        self.dropped = dropped;
+        (self.sent, self.refused) = (counts.sent, counts.refused);
+    }
+}
+
+/// A count that is told of when it has grown, at once and then now and again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Growth {
+    told: u64,
+    last: Option<Instant>,
+}
+
+impl Growth {
+    /// By how much `count` has grown since it was told of, if that is to be told now.
+    fn by(&mut self, count: u64) -> Option<u64> {
+        if count == self.told {
+            return None;
+        }
+        if count < self.told {
+            // Another port or gateway counts from zero.
+            *self = Self { told: 0, ..*self };
+        }
+        if self.last.is_some_and(|last| last.elapsed() < AGAIN) {
+            return None;
+        }
+        let grown = count - self.told;
+        *self = Self { told: count, last: Some(Instant::now()) };
+        (grown > 0).then_some(grown)
     }
 }

@@ -5,7 +5,9 @@ use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::Port;
 use crate::cli::Failure;
+use crate::error_frame::ControllerState;
 use crate::live::gateway::{Gateway, Journal};
+use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Surroundings, Wish};
 use crate::monitor::Notice;
 use crate::report::jsonl::restart_name;
@@ -98,10 +100,28 @@ impl Journal for Appliance {
             Notice::TimeJump { by, .. } => {
                 warn!(seconds = by.as_seconds(), "time stamps jumped, everything starts anew");
             }
+            Notice::Interruption { .. } => {
+                warn!("the bus was lost, everything starts anew");
+            }
             Notice::Restart { cylinder, detector, reason, .. } => {
                 let (detector, reason) = (detector.name(), restart_name(reason));
                 info!(cylinder, detector, reason, "observer starts anew");
             }
+        }
+    }
+
+    fn bus(&mut self, health: &BusHealth) {
+        let state = health.state.map_or("active again", ControllerState::name);
+        let [transmit_errors, receive_errors] = health.counters.unwrap_or_default();
+        match health.state {
+            Some(ControllerState::BusOff) => warn!(
+                "the controller is bus-off: it hears and says nothing until it is restarted, by \
+                 itself if restart-ms is set, else by `ip link set INTERFACE type can restart`"
+            ),
+            Some(ControllerState::Warning | ControllerState::Passive) => {
+                warn!(transmit_errors, receive_errors, "the controller is {state}");
+            }
+            _ => info!(transmit_errors, receive_errors, "the controller is {state}"),
         }
     }
 
@@ -147,7 +167,7 @@ impl Surroundings for Appliance {
 
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.watchdog.feed();
-        self.activity.look(gateway.monitor().counts(), port);
+        self.activity.look(gateway, port);
     }
 
     fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {

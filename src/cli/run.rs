@@ -98,6 +98,7 @@ impl Opener for Interface {
     fn open(&mut self) -> Result<Box<dyn Port>, String> {
         let options = Options {
             identifiers: Identifiers::Only(self.identifiers.clone()),
+            few_under_way: true,
             ..Options::default()
         };
         match SocketPort::open(&self.name, &options) {

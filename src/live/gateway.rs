@@ -1,8 +1,10 @@
 //! The monitor between what a port receives and what it sends.
 
+use super::health::BusHealth;
 use super::outbox::Outbox;
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
+use crate::error_frame::ErrorFrame;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::time::{Span, Timestamp};
 use std::time::Duration;
@@ -20,6 +22,11 @@ pub trait Journal {
 
     fn notice(&mut self, notice: &Notice) {
         _ = notice;
+    }
+
+    /// The controller came to another state.
+    fn bus(&mut self, health: &BusHealth) {
+        _ = health;
     }
 
     /// A frame went out at `at`, on the clock of the time stamps.
@@ -49,6 +56,7 @@ pub struct Turn {
 pub struct Gateway {
     monitor: Monitor,
     outbox: Outbox,
+    health: BusHealth,
     /// How far deadlines are kept behind the clock, for frames on their way into the queue.
     guard: Span,
     now: Timestamp,
@@ -56,7 +64,8 @@ pub struct Gateway {
 
 impl Gateway {
     pub fn new(monitor: Monitor, outbox: Outbox, guard: Span) -> Self {
-        Self { monitor, outbox, guard, now: Timestamp::default() }
+        let health = BusHealth::default();
+        Self { monitor, outbox, health, guard, now: Timestamp::default() }
     }
 
     pub const fn monitor(&self) -> &Monitor {
@@ -67,30 +76,34 @@ impl Gateway {
         &self.outbox
     }
 
-    /// Another monitor from now on, which has no evidence yet.
-    pub fn replace(&mut self, monitor: Monitor) {
-        self.monitor = monitor;
+    /// The bus, as told since the port was opened.
+    pub const fn health(&self) -> &BusHealth {
+        &self.health
+    }
+
+    /// The port was lost: what waits would burst out stale when it returns, and nothing is known
+    /// until it was judged again.
+    pub fn lose(&mut self, journal: &mut impl Journal) {
+        self.outbox.clear();
+        self.health = BusHealth::default();
+        let mut outlet = Outlet { outbox: &mut self.outbox, journal };
+        self.monitor.interrupt(self.now, &mut outlet);
+        self.outbox.clear();
     }
 
     /// Takes what `port` has received, waiting at most `patience` for it, and sends what follows.
     ///
     /// # Errors
-    /// If the port is down, gone or broken. What waited to be sent is then dropped, since it would
-    /// burst out stale when the port returns.
+    /// If the port is down, gone or broken; then [`Self::lose`] it.
     pub fn turn(
         &mut self,
         port: &mut dyn Port,
         patience: Duration,
         journal: &mut impl Journal,
     ) -> Result<Turn, PortError> {
-        let turn = self.receive(port, patience, journal).and_then(|received| {
-            let (sent, full) = self.send(port, journal)?;
-            Ok(Turn { received, sent, full })
-        });
-        if turn.is_err() {
-            self.outbox.clear();
-        }
-        turn
+        let received = self.receive(port, patience, journal)?;
+        let (sent, full) = self.send(port, journal)?;
+        Ok(Turn { received, sent, full })
     }
 
     /// Says on the bus that nothing more will come.
@@ -113,10 +126,17 @@ impl Gateway {
         patience: Duration,
         journal: &mut impl Journal,
     ) -> Result<usize, PortError> {
-        let Self { monitor, outbox, now, guard } = self;
+        let Self { monitor, outbox, health, now, guard } = self;
         let mut outlet = Outlet { outbox, journal };
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
+            let changed = match ErrorFrame::read(frame) {
+                Some(error) => health.take(&error),
+                None => health.spoke(),
+            };
+            if changed {
+                outlet.journal.bus(health);
+            }
             monitor.take(frame, &mut outlet);
         })?;
         if let Some(drained) = received.drained_at {
@@ -132,6 +152,9 @@ impl Gateway {
         port: &mut dyn Port,
         journal: &mut impl Journal,
     ) -> Result<(usize, bool), PortError> {
+        if self.health.is_off() {
+            self.outbox.clear();
+        }
         let mut sent = 0;
         while let Some(frame) = self.outbox.next(self.now) {
             match port.send(frame)? {

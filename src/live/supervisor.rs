@@ -63,7 +63,10 @@ pub fn run(
                         (gateway, opener) = (*new_gateway, new_opener);
                         continue;
                     }
-                    End::Lost(error) => back_off.lost(&error.to_string(), surroundings),
+                    End::Lost(error) => {
+                        gateway.lose(surroundings);
+                        back_off.lost(&error.to_string(), surroundings);
+                    }
                 }
             }
             Err(reason) => back_off.lost(&reason, surroundings),

@@ -25,4 +25,6 @@ pub struct Counts {
     pub backwards: u64,
     /// Jumps in time after which everything started anew.
     pub time_jumps: u64,
+    /// Times that the bus was lost, after which everything started anew.
+    pub interruptions: u64,
 }

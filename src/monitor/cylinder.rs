@@ -171,9 +171,9 @@ impl Cylinder {
         record
     }
 
-    /// Time jumped: what was learnt of motion is void, what was found stands.
-    pub fn interrupt(&mut self) {
-        self.observers.iter_mut().for_each(|observer| observer.stop(Restart::TimeJump));
+    /// Time jumped or frames were lost: what was learnt of motion is void, what was found stands.
+    pub fn interrupt(&mut self, reason: Restart) {
+        self.observers.iter_mut().for_each(|observer| observer.stop(reason));
         self.plausibility.iter_mut().for_each(Plausibility::reset);
         self.bank.interrupt();
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());

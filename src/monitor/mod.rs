@@ -17,6 +17,7 @@ pub mod wiring;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::alarm::{Detector, Encoder, OwnFrame, Register};
 use crate::decode::{Decoded, Value};
+use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
 use crate::sample::Field;
 use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
@@ -24,6 +25,7 @@ use crate::time::{Span, Timestamp};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
 use gate::{Gate, Opening};
+use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
 use wiring::{Target, Wiring};
 
@@ -112,6 +114,9 @@ impl Monitor {
             Kind::Remote { .. } => None,
             Kind::Error => {
                 self.counts.errors += 1;
+                if ErrorFrame::read(frame).is_some_and(|error| error.is_bus_off()) {
+                    self.interrupt(frame.timestamp, sink);
+                }
                 None
             }
         };
@@ -124,9 +129,15 @@ impl Monitor {
         self.sort(place, at, frame, sink);
     }
 
-    /// Time has passed until `now`, and every frame before it has been taken.
+    /// Time has passed until `now`, and every frame before it has been taken. A clock that was set
+    /// back or far ahead is told as a time jump, as on a quiet bus no frame would tell it.
     pub fn advance(&mut self, now: Timestamp, sink: &mut impl Sink) {
-        if self.last.is_none_or(|last| now <= last) {
+        let Some(last) = self.last else { return };
+        let step = now.since(last);
+        if step < SMALLEST_SETBACK || step > LARGEST_PAUSE {
+            return self.jump(now, step, sink);
+        }
+        if step <= Span::ZERO {
             return;
         }
         if self.next_due < now {

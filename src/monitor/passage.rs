@@ -1,13 +1,17 @@
 //! How time passes for a monitor: with the frames, in order, unless the clock behind them was set.
 
-use super::cylinder::Cylinder;
 use super::sink::{Notice, Sink};
 use super::{Monitor, STATUS_PERIOD};
+use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};
 
 /// Time stamps that leap further ahead than this are a clock that was set, not a quiet bus.
-const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
+pub(super) const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
+
+/// A clock that says so much less than the newest frame was set back. Less is a guard that is kept
+/// behind the frames.
+pub(super) const SMALLEST_SETBACK: Span = Span::from_nanos(-1_000_000_000);
 
 impl Monitor {
     /// Brings time to `stamp`, or says at which earlier or later time the frame is taken instead.
@@ -54,18 +58,34 @@ impl Monitor {
         self.reckon_due();
     }
 
-    fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
+    pub(super) fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
         self.counts.time_jumps += 1;
+        sink.notice(&Notice::TimeJump { at, by });
+        self.start_anew(Restart::TimeJump);
+        self.register.rephase(at);
+        self.begin(at);
+    }
+
+    /// The bus was lost, so that frames may be missing without a trace: nothing is known until it
+    /// was judged again. What was found stands.
+    pub fn interrupt(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let Some(last) = self.last else { return };
+        self.counts.interruptions += 1;
+        self.advance(at, sink);
+        let at = at.max(last);
+        sink.notice(&Notice::Interruption { at });
+        self.start_anew(Restart::Interruption);
+        self.reckon_due();
+    }
+
+    fn start_anew(&mut self, reason: Restart) {
         // What the open cycle still owes will not come any more.
         let owing = self.clock.is_open() && (self.incomplete || self.pending > 0);
         self.counts.incomplete += u64::from(owing);
-        sink.notice(&Notice::TimeJump { at, by });
         self.clock.reset();
         self.pending = 0;
         self.gate.reset();
-        self.cylinders.iter_mut().for_each(Cylinder::interrupt);
-        self.register.rephase(at);
-        self.begin(at);
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason));
     }
 
     pub(super) fn reckon_due(&mut self) {

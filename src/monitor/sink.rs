@@ -33,6 +33,8 @@ pub enum Notice {
     Gap { at: Timestamp, length: Span },
     /// Time stamps went backwards, or so far forwards that it is no pause any more.
     TimeJump { at: Timestamp, by: Span },
+    /// The bus was lost: bus-off, or the interface went down. Frames may be missing without a trace.
+    Interruption { at: Timestamp },
     /// The observer of one transducer starts anew.
     Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
 }

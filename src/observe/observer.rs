@@ -72,6 +72,8 @@ pub enum Restart {
     Diverged,
     /// Time stamps jumped.
     TimeJump,
+    /// The bus was lost.
+    Interruption,
 }
 
 /// The observer's state.

@@ -227,6 +227,7 @@ fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
             Notice::TimeJump { at, by } => {
                 (at, format!("time stamps jumped by {:+.3} s", by.as_seconds()))
             }
+            Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
             Notice::Restart { at, cylinder, detector, reason } => {
                 let (label, reason) = (label(detector), words(restart_name(reason)));
                 (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))

@@ -127,6 +127,7 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
     let line = match *notice {
         Notice::Gap { at, length } => line(at, "gap", Some(length)),
         Notice::TimeJump { at, by } => line(at, "time_jump", Some(by)),
+        Notice::Interruption { at } => line(at, "interruption", None),
         Notice::Restart { at, cylinder, detector, reason } => NoticeLine {
             cylinder: Some(cylinder),
             detector: Some(detector.name()),
@@ -185,6 +186,7 @@ pub const fn restart_name(reason: Restart) -> &'static str {
         Restart::Gap => "gap",
         Restart::Diverged => "diverged",
         Restart::TimeJump => "time_jump",
+        Restart::Interruption => "interruption",
     }
 }
 

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use tertius::bus::socket::Options;
-use tertius::bus::{Port, Sent, UnrestrictedPort};
+use tertius::bus::socket::{Options, SocketPort};
+use tertius::bus::{Port, Sent, Unrestricted, UnrestrictedPort};
 
 use crate::traffic::{number, numbered, receive, receive_until, send, standard};
 use crate::vcan::{Vcan, run};
@@ -73,7 +73,7 @@ fn one_call_takes_a_bounded_number() {
 #[test]
 fn a_full_queue_is_told_and_its_frames_are_not_kept() {
     let vcan = Vcan::new("t-full");
-    hold_back("t-full");
+    hold_back("t-full", 2);
     let mut machine = vcan.machine();
     let mut listener = vcan.open_all();
     let mut results = Vec::new();
@@ -94,22 +94,39 @@ fn a_full_queue_is_told_and_its_frames_are_not_kept() {
     assert!(came.len() <= taken + 1, "refused frames came");
 }
 
-/// Lets two frames wait for a minute and none besides, as a bus without anyone to acknowledge.
-fn hold_back(interface: &str) {
-    let netem = || {
-        let limits = ["netem", "delay", "60s", "limit", "2"];
-        let mut arguments = vec!["qdisc", "add", "dev", interface, "root"];
-        arguments.extend(limits);
-        arguments
-    };
-    if Command::new("tc").args(netem()).output().is_ok_and(|output| output.status.success()) {
+#[test]
+fn few_frames_are_under_way_where_that_is_wanted() {
+    let vcan = Vcan::new("t-few");
+    // netem would not do here: it takes frames off the sender's account.
+    queue("t-few", "tbf", &["rate", "8bit", "burst", "32", "limit", "100000"]);
+    let few = Options { few_under_way: true, ..Options::default() };
+    let mut machine = Unrestricted::<SocketPort>::open("t-few", &few).unwrap();
+    let results: Vec<Sent> = (0..100)
+        .map(|n| machine.send_unrestricted(&numbered(standard(0x181), n)).unwrap())
+        .collect();
+    let taken = results.iter().filter(|&&sent| sent == Sent::Taken).count();
+    assert!((1..=10).contains(&taken), "{taken} frames wait where the bus cannot have them");
+    drop(vcan);
+}
+
+/// Lets `frames` wait for a minute and none besides, as a bus without anyone to acknowledge.
+fn hold_back(interface: &str, frames: u32) {
+    let frames = frames.to_string();
+    queue(interface, "netem", &["delay", "60s", "limit", &frames]);
+}
+
+/// Gives `interface` a queue of this kind.
+fn queue(interface: &str, kind: &str, settings: &[&str]) {
+    let arguments = [&["qdisc", "add", "dev", interface, "root", kind], settings].concat();
+    if Command::new("tc").args(&arguments).output().is_ok_and(|output| output.status.success()) {
         return;
     }
     // User-mode Linux does not find its modules by itself.
     let release = std::fs::read_to_string("/proc/sys/kernel/osrelease").unwrap();
-    let module = format!("/usr/lib/uml/modules/{}/kernel/net/sched/sch_netem.ko", release.trim());
+    let folder = format!("/usr/lib/uml/modules/{}/kernel/net/sched", release.trim());
+    let module = format!("{folder}/sch_{kind}.ko");
     if Path::new(&module).exists() {
         run("insmod", &[&module]);
     }
-    run("tc", &netem());
+    run("tc", &arguments);
 }

@@ -1,5 +1,5 @@
 //! The port over a real SocketCAN. Needs a kernel with vcan and the right to make interfaces:
-//! `scripts/with-vcan cargo test --features vcan-tests --test socket`.
+//! `scripts/with-vcan cargo test --test socket`.
 
 mod frames;
 mod life;

@@ -1,5 +1,6 @@
 //! What the kernel knows of an interface and its controller.
 
+use crate::error_frame::ControllerState;
 use std::io;
 
 use socketcan::CanInterface;
@@ -28,22 +29,6 @@ pub struct LinkState {
     pub restart_ms: Option<u32>,
     /// Frames that may wait to be sent.
     pub queue_length: Option<u32>,
-}
-
-/// What a CAN controller does, by its error counters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ControllerState {
-    ErrorActive,
-    /// A counter at 96 or more.
-    Warning,
-    /// A counter at 128 or more: it may no longer mark others' frames as wrong. A sender whom no one
-    /// acknowledges stays here.
-    Passive,
-    /// It takes no part in the bus.
-    BusOff,
-    /// The interface is down.
-    Stopped,
-    Sleeping,
 }
 
 /// Why nothing is known of an interface.

@@ -12,8 +12,9 @@ mod open;
 mod stamp;
 mod wire;
 
+pub use crate::error_frame::ControllerState;
 pub use error::OpenError;
-pub use link::{ControllerState, LinkError, LinkState};
+pub use link::{LinkError, LinkState};
 pub use live::SocketPort;
 pub use open::Options;
 pub use stamp::HARDWARE_TOLERANCE;

@@ -23,6 +23,10 @@ pub struct Options {
     pub identifiers: Identifiers,
     /// Bytes that the kernel may hold for frames not yet received; `None` is a second of a full bus.
     pub receive_buffer: Option<usize>,
+    /// Lets only the fewest frames that the kernel allows (some six) be under way to the controller,
+    /// so that what cannot be sent now waits with its owner, where it has an age, and does not burst
+    /// out stale when the bus returns.
+    pub few_under_way: bool,
 }
 
 /// A socket bound to an interface, and what it got of what it asked for.
@@ -108,6 +112,11 @@ impl Unbound {
             .map(|bytes| usize::try_from(bytes).unwrap_or_default())
     }
 
+    /// The kernel makes the smallest that it allows of it, room for some six frames.
+    fn set_smallest_send_buffer(&self) -> io::Result<()> {
+        self.set(libc::SO_SNDBUF, 1)
+    }
+
     fn set_stamping(&self) -> io::Result<Stamping> {
         let wanted = libc::SOF_TIMESTAMPING_RX_HARDWARE
             | libc::SOF_TIMESTAMPING_RAW_HARDWARE
@@ -148,6 +157,9 @@ pub(super) fn open(interface: &str, options: &Options) -> Result<Opened, OpenErr
     socket.set_can(libc::CAN_RAW_LOOPBACK, &on()).map_err(failed("switch the loopback on"))?;
     socket.set_can(libc::CAN_RAW_RECV_OWN_MSGS, &off()).map_err(failed("leave own frames out"))?;
     socket.set(libc::SO_RXQ_OVFL, 1).map_err(failed("have lost frames counted"))?;
+    if options.few_under_way {
+        socket.set_smallest_send_buffer().map_err(failed("size the send buffer"))?;
+    }
     let stamping = socket.set_stamping().map_err(failed("get time stamps"))?;
 
     // What cannot be known of the interface makes no difference but to the buffer's size.

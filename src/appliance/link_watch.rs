@@ -1,0 +1,82 @@
+//! Looks at the interface beside the data path: what the driver says of its controller also where it
+//! sends no error frames.
+
+use crate::bus::socket::LinkState;
+use crate::error_frame::ControllerState;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tracing::{info, warn};
+
+/// Between two looks. The kernel answers them under a lock that others hold while they set
+/// interfaces up, so the data path does not ask.
+const PERIOD: Duration = Duration::from_secs(1);
+
+/// Interfaces that may be named before the first is looked at.
+const WAITING: usize = 4;
+
+/// A thread that looks; it ends with this.
+#[derive(Debug)]
+pub struct LinkWatch {
+    names: Option<SyncSender<String>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl LinkWatch {
+    /// Starts looking as soon as an interface is named. `seen` gets each state; changes go to the
+    /// log.
+    ///
+    /// # Errors
+    /// If there can be no thread.
+    pub fn start(seen: impl FnMut(&LinkState) + Send + 'static) -> std::io::Result<Self> {
+        let (names, named) = sync_channel(WAITING);
+        let builder = std::thread::Builder::new().name("link".to_owned());
+        let thread = builder.spawn(move || look(&named, seen))?;
+        Ok(Self { names: Some(names), thread: Some(thread) })
+    }
+
+    /// Looks at `interface` from now on. Never waits.
+    pub fn name(&self, interface: &str) {
+        if let Some(names) = &self.names {
+            // A queue that is full holds names that are as new.
+            _ = names.try_send(interface.to_owned());
+        }
+    }
+}
+
+impl Drop for LinkWatch {
+    fn drop(&mut self) {
+        self.names = None;
+        if let Some(thread) = self.thread.take() {
+            // It may have panicked; the gateway stops either way.
+            _ = thread.join();
+        }
+    }
+}
+
+fn look(named: &Receiver<String>, mut seen: impl FnMut(&LinkState)) {
+    let Ok(mut interface) = named.recv() else { return };
+    let mut last = None;
+    loop {
+        // An interface that is not there is the data path's to tell.
+        if let Ok(link) = LinkState::read(&interface) {
+            tell_change(&interface, last, link.state);
+            last = link.state;
+            seen(&link);
+        }
+        match named.recv_timeout(PERIOD) {
+            Ok(name) if name != interface => (interface, last) = (name, None),
+            Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
+fn tell_change(interface: &str, last: Option<ControllerState>, now: Option<ControllerState>) {
+    let Some(state) = now.filter(|_| now != last) else { return };
+    let name = state.name();
+    match state {
+        ControllerState::ErrorActive => info!("{interface}: the controller is {name}"),
+        _ => warn!("{interface}: the controller is {name}"),
+    }
+}

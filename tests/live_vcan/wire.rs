@@ -1,0 +1,86 @@
+//! What stands on the bus, as others see it.
+
+use crate::bench::{Bench, Status, TERTIUS, excerpt, wait_for, wire};
+use crate::oracle;
+use serde_json::Value;
+use std::fs;
+use std::process::Command;
+
+/// Plays an excerpt to a gateway and stops it; its frames as candump saw them.
+fn record(bench: &Bench, from: f64, to: f64) -> Vec<String> {
+    let dump = bench.candump();
+    let gateway = bench.gateway();
+    bench.play(&excerpt(from, to));
+    gateway.signal("TERM");
+    wait_for("the end", || bench.said("stopped") == 1);
+    wait_for("its last words", || {
+        wire(&bench.own_lines())
+            .last()
+            .and_then(|frame| Status::read(frame))
+            .is_some_and(|it| it.mode() == 4)
+    });
+    drop((gateway, dump));
+    bench.own_lines()
+}
+
+#[test]
+fn what_it_sends_live_is_what_a_replay_of_the_simultaneous_candump_says() {
+    let bench = Bench::up("t-same");
+    // Not even a busy box drops a warning for its age then.
+    bench.configure(&format!("{}\n[gateway]\nmax_age = 10.0\n", bench.configuration()));
+    // Cylinder 1 steps by 2.5 mm from 60 s to 65 s.
+    let live = record(&bench, 57.0, 66.5);
+    let replay = Command::new(TERTIUS)
+        .args(["replay", &bench.name("bus.log"), "--config", &bench.name("machine.toml")])
+        .args(["--format", "jsonl", "--warnings", &bench.name("replayed.log")])
+        .output()
+        .expect("it runs");
+    assert!(replay.status.success(), "{}", String::from_utf8_lossy(&replay.stderr));
+    let replayed = fs::read_to_string(bench.path("replayed.log")).expect("replay wrote it");
+    let replayed: Vec<String> = replayed.lines().map(str::to_owned).collect();
+
+    // A box without a moment to spare lets a newer status take the place of one that still waits;
+    // warnings are all there.
+    let warnings = |lines: &[String]| -> Vec<String> {
+        wire(lines).into_iter().filter(|it| it.starts_with("2D1#")).map(str::to_owned).collect()
+    };
+    let (live, replayed) = (warnings(&live), warnings(&replayed));
+    assert!(live.len() >= 4 && live.len() <= replayed.len(), "{} {}", live.len(), replayed.len());
+    assert!(live == replayed[..live.len()], "live and replay differ: {live:?} {replayed:?}");
+    assert!(replayed.len() - live.len() <= 1, "one may have been due when it was stopped");
+}
+
+#[test]
+fn a_fault_played_to_it_stands_on_the_bus_as_cantools_reads_it() {
+    let bench = Bench::up("t-decode");
+    let lines = record(&bench, 58.5, 67.0);
+    fs::write(bench.path("own.log"), lines.join("\n") + "\n").expect("the folder is ours");
+    let frames = oracle::run("gateway.py", &["dbc/e-type.dbc", &bench.name("own.log")], "");
+    let frames: Vec<(i64, u64, String, bool, Value)> = serde_json::from_str(&frames).expect("JSON");
+    assert!(frames.iter().all(|(.., whole, _)| *whole), "E2E holds in each");
+    let warnings: Vec<&Value> =
+        frames.iter().filter(|frame| frame.1 == 0x2D1).map(|frame| &frame.4).collect();
+    let is = |warning: &&&Value, wanted: &[(&str, i64)]| {
+        wanted.iter().all(|&(signal, value)| warning[signal].as_i64() == Some(value))
+    };
+    // FDE1 and FDE3, an abrupt fault of C1 of cylinder 1; and each is cleared in the end.
+    for detector in [1, 3] {
+        let fault = [("Cylinder", 1), ("Detector", detector), ("Fault", 1), ("Suspect", 1)];
+        let raised =
+            warnings.iter().find(|warning| is(warning, &fault) && is(warning, &[("Raised", 1)]));
+        assert!(raised.is_some(), "detector {detector}: {warnings:?}");
+        if detector == 1 {
+            // Cleared by evidence alone, which a box without a moment to spare may not have.
+            continue;
+        }
+        let of_detector = [("Cylinder", 1), ("Detector", detector)];
+        let newest = warnings.iter().rfind(|warning| is(warning, &of_detector)).expect("raised");
+        assert_eq!(newest["Raised"].as_i64(), Some(0), "detector {detector} has cleared");
+    }
+    let counters: Vec<i64> = frames
+        .iter()
+        .filter(|frame| frame.1 == 0x1D1)
+        .map(|frame| frame.4["Counter"].as_i64().expect("it has one"))
+        .collect();
+    assert!(counters.windows(2).all(|pair| (pair[0] + 1) % 256 == pair[1]), "{counters:?}");
+}
