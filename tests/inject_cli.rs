@@ -105,3 +105,40 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     }
     assert_eq!(std::fs::read_to_string(&log).unwrap(), LOG, "the recording was harmed");
 }
+
+#[test]
+fn a_wrong_call_for_two_interfaces_ends_with_2_and_says_what_was_expected() {
+    let fault = "stale,cylinder=1";
+    for (arguments, expected) in [
+        (&["--from", "can7", "--to", "can7"] as &[&str], "--from and --to are both can7"),
+        (&["--from", "can7"], "--to <NAME>"),
+        (&["--to", "can7"], "--from <NAME>"),
+        (&["--to", "can7", "in.log"], "cannot be used with '[LOG]...'"),
+        (&["--from", "can7", "--to", "can8", "in.log"], "cannot be used with '[LOG]...'"),
+        (&["--from", "can7", "--to", "can8", "--output", "x.log"], "cannot be used with"),
+        (&["--from", "can7", "--to", "can8", "--for=-1"], "expected seconds, such as 60"),
+        (&["--from", "can7", "--to", "can8", "--for", "0"], "expected seconds, such as 60"),
+        (&["--for", "1", "in.log"], "cannot be used with '[LOG]...'"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_tertius"))
+            .arg("inject")
+            .arg("--config")
+            .arg(top().join("tests/recordings/e-type.toml"))
+            .args(["--fault", fault])
+            .args(arguments)
+            .output()
+            .unwrap();
+        let report = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {report}");
+        assert!(report.contains(expected), "{arguments:?}: {report}");
+    }
+}
+
+#[test]
+fn the_help_says_what_two_interfaces_are_for() {
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_tertius")).args(["inject", "--help"]).output().unwrap();
+    let help = String::from_utf8(output.stdout).unwrap();
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("It is for test benches. Never put it between a machine and"), "{help}");
+}

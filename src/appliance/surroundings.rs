@@ -51,6 +51,11 @@ impl Appliance {
         Ok(Self { stop, reload, prepare, watchdog, activity })
     }
 
+    /// Set, it stops the gateway as SIGTERM does.
+    pub fn stopper(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.stop)
+    }
+
     pub fn starting(&self, config: &Path) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);

@@ -1,18 +1,26 @@
-//! `tertius inject`: a recording with faults that were not there.
+//! `tertius inject`: a recording, or a bus, with faults that were not there.
 
 use super::Failure;
 use super::machine::Machine;
 use super::progress::Bar;
+use super::proxy::{self, Ends};
 use crate::bus::{Options, Recording, Source, Statistics, append_log_line};
 use crate::inject::{Fault, Injector, MAX_FAULTS, Placed, Tally, grammar, place, table};
 use clap::Args;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-const EXAMPLE: &str = "Example:
+const EXAMPLE: &str = "Examples:
   tertius inject healthy.log --config config/e-type.toml --output faulty.log \\
       --fault step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65
+  tertius inject --from can0 --to can1 --config config/e-type.toml \\
+      --fault step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65
+
+With --from and --to it stands between two interfaces: the machine, or one who plays it, on the one,
+and whatever is to be tested on the other. It is for test benches. Never put it between a machine and
+its controller in operation: it sends whatever it hears, with faults, and late where it has to.
 
 A fault is KIND,key=value,… with these keys, whatever the kind:
   cylinder      number of the cylinder, from 1
@@ -26,15 +34,35 @@ const TABLE: &str = "
 A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1.
 
 Only the bits of the named signals change, clamped to what they can hold, which is reported. The
-machine's controller did not see the fault: the motion in the recording does not answer to it.";
+machine's controller did not see the fault: the motion in the recording does not answer to it.
 
-/// Puts faults into candump recordings and writes the result as candump -l would.
+Between interfaces the first frame is the first that was forwarded. Error frames are not forwarded; an
+interface that goes away is waited for; what comes meanwhile is dropped.
+At the end, by SIGTERM, SIGINT or --for, it tells what became of the frames and the faults.";
+
+/// Puts faults into candump recordings and writes the result as candump -l would, or stands between
+/// two interfaces of a test bench and puts faults into what passes.
 #[derive(Args, Debug)]
 #[command(after_help = format!("{EXAMPLE}{}{TABLE}", grammar()))]
 pub struct Inject {
     /// candump recordings, read in turn; .gz and .zst as they are, - for standard input
-    #[arg(required = true, value_name = "LOG")]
+    #[arg(required_unless_present = "from", value_name = "LOG")]
     logs: Vec<PathBuf>,
+    /// Instead of recordings: the interface whose frames get faults on their way to that of --to
+    #[arg(long, value_name = "NAME", requires = "to")]
+    #[arg(conflicts_with_all = ["logs", "output", "interface"])]
+    from: Option<String>,
+    /// The other interface, whose frames go to that of --from unchanged
+    #[arg(long, value_name = "NAME", requires = "from", conflicts_with = "logs")]
+    to: Option<String>,
+    /// Ends the forwarding after so long [default: upon SIGTERM or SIGINT]
+    #[arg(long = "for", value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
+    #[arg(value_parser = Ends::parse_seconds)]
+    lasts: Option<Duration>,
+    /// Between interfaces: drops a frame that could not be passed on for so long
+    #[arg(long, value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
+    #[arg(value_parser = Ends::parse_seconds, default_value = "0.1")]
+    max_age: Duration,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
@@ -79,14 +107,22 @@ impl Inject {
                     .map_err(|error| Failure::Wrong(format!("{}: {error}", named.name)))
             })
             .collect::<Result<Vec<Placed>, Failure>>()?;
+        let mut injector = Injector::new(&placed, self.seed);
+        if let (Some(from), Some(to)) = (&self.from, &self.to) {
+            let (from, to) = (from.clone(), to.clone());
+            let ends = Ends { from, to, lasts: self.lasts, max_age: self.max_age };
+            let injector = proxy::run(&ends, injector)?;
+            report_faults(&faults, injector.tallies());
+            return Ok(());
+        }
         let mut recording = Recording::open(&self.logs, Options::default())?;
         self.refuse_input_as_output()?;
-        let mut injector = Injector::new(&placed, self.seed);
         let mut out = Out::create(&self.output)?;
         let fallback = &machine.loaded.settings.bus.interface;
         let counts = self.pump(&mut recording, &mut injector, &mut out, fallback)?;
         out.close()?;
-        report(&faults, injector.tallies(), counts, recording.statistics());
+        report(counts, recording.statistics());
+        report_faults(&faults, injector.tallies());
         match recording.statistics().damage.first() {
             Some(damage) => Err(Failure::Failed(damage.to_string())),
             None => Ok(()),
@@ -233,13 +269,17 @@ impl Out {
     }
 }
 
-/// Tells what became of each fault, on standard error: the recording may be on standard output.
-fn report(faults: &[Named], tallies: &[Tally], counts: Counts, statistics: &Statistics) {
+/// Tells what became of the frames, on standard error: the recording may be on standard output.
+fn report(counts: Counts, statistics: &Statistics) {
     eprintln!("{} frames read, {} written", counts.read, counts.written);
     if statistics.bad_lines > 0 {
         eprintln!("{} lines were no frames and are left out", statistics.bad_lines);
         statistics.first_bad_lines.iter().for_each(|line| eprintln!("  {line}"));
     }
+}
+
+/// Tells what became of each fault.
+fn report_faults(faults: &[Named], tallies: &[Tally]) {
     for (named, tally) in faults.iter().zip(tallies) {
         eprintln!("{}: {}", named.name, outcome(*tally));
     }

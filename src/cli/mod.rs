@@ -5,9 +5,12 @@ mod failure;
 mod inject;
 mod machine;
 mod output;
+mod player;
 mod progress;
+mod proxy;
 mod replay;
 mod run;
+mod virtual_bus;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;

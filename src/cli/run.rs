@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::virtual_bus::{self, PlayOptions, Stage};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::surroundings::Appliance;
 use crate::bus::socket::{Options, SocketPort};
@@ -18,7 +19,9 @@ use std::path::{Path, PathBuf};
 /// Monitors a machine on its CAN bus, until it is told to stop (SIGTERM). SIGHUP reads the
 /// configuration again.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  tertius run --config config/e-type.toml")]
+#[command(after_help = "Examples:
+  tertius run --config config/e-type.toml
+  tertius run --config virtual.toml --play field.log.zst --speed 10 --record sent.log")]
 pub struct Run {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
@@ -26,6 +29,8 @@ pub struct Run {
     /// The form of the log on standard error
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     log: LogFormat,
+    #[command(flatten)]
+    play: PlayOptions,
 }
 
 impl Run {
@@ -35,17 +40,21 @@ impl Run {
     /// What is wrong with the call or the configuration. An interface that is not there is waited
     /// for.
     pub fn run(self) -> Result<(), Failure> {
-        let (gateway, opener) = prepare(&self.config)?;
+        let stage = self.play.stage(&self.config)?;
+        let (gateway, opener) = prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)
             .map_err(|error| Failure::Failed(format!("the log cannot be started: {error}")))?;
-        let config = self.config.clone();
-        let mut appliance = Appliance::new(Box::new(move || prepare(&config)))
+        let (config, player) = (self.config.clone(), stage.clone());
+        let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config);
+        if let Some(stage) = &stage {
+            stage.stop_at_end(appliance.stopper());
+        }
         supervisor::run(gateway, opener, &mut appliance);
         appliance.stopped();
-        Ok(())
+        stage.map_or(Ok(()), |stage| stage.finish())
     }
 }
 
@@ -55,8 +64,9 @@ const WAITING: usize = 72;
 /// Frames that may go out at once: all warnings that can stand, and a status.
 const BURST: u32 = 37;
 
-/// A gateway for the configuration `path`, and what opens its interface.
-fn prepare(path: &Path) -> Result<(Gateway, Box<dyn Opener>), Failure> {
+/// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
+/// `stage`.
+fn prepare(path: &Path, stage: Option<&Stage>) -> Result<(Gateway, Box<dyn Opener>), Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
     let limits = Limits {
@@ -69,8 +79,12 @@ fn prepare(path: &Path) -> Result<(Gateway, Box<dyn Opener>), Failure> {
     let identifiers = machine.design.wiring.lines().iter().map(|line| line.id).collect();
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
-    let opener = Interface { name: settings.bus.interface.clone(), identifiers };
-    Ok((Gateway::new(Monitor::new(machine.design), outbox, guard), Box::new(opener)))
+    let name = settings.bus.interface.clone();
+    let opener: Box<dyn Opener> = match virtual_bus::wanted(stage, &name)? {
+        Some(stage) => stage.opener(identifiers),
+        None => Box::new(Interface { name, identifiers }),
+    };
+    Ok((Gateway::new(Monitor::new(machine.design), outbox, guard), opener))
 }
 
 /// A SocketCAN interface by name.

@@ -3,4 +3,5 @@
 pub mod gateway;
 pub mod health;
 pub mod outbox;
+pub mod proxy;
 pub mod supervisor;

@@ -1,6 +1,6 @@
 //! The port over a RAW socket.
 
-use std::os::fd::AsRawFd;
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd};
 use std::time::Duration;
 
 use nix::errno::Errno;
@@ -293,5 +293,17 @@ impl Unrestricted<SocketPort> {
     /// As [`SocketPort::open`].
     pub fn open(interface: &str, options: &Options) -> Result<Self, OpenError> {
         SocketPort::open(interface, options).map(Self)
+    }
+    /// As [`SocketPort::index`].
+    pub fn index(&self) -> u32 {
+        self.0.index()
+    }
+}
+
+/// For whoever waits for several interfaces at once: readable as long as frames or the end of the
+/// interface are to be received.
+impl AsFd for Unrestricted<SocketPort> {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.opened.socket.as_fd()
     }
 }

@@ -1,7 +1,7 @@
 //! A RAW socket, made ready before it is bound: whatever it gives has passed its filters.
 
 use std::io;
-use std::os::fd::{AsRawFd, RawFd};
+use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
 use std::time::Duration;
 
 use nix::errno::Errno;
@@ -62,6 +62,12 @@ impl AsRawFd for Unbound {
 }
 
 impl SocketOptions for Unbound {}
+
+impl AsFd for Bound {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+}
 
 impl AsRawFd for Bound {
     fn as_raw_fd(&self) -> RawFd {

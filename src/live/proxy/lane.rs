@@ -1,0 +1,130 @@
+//! One direction of the proxy: frames on their way to an interface, bounded in number and age.
+
+use crate::bus::{PortError, Sent, UnrestrictedPort};
+use crate::frame::Frame;
+use crate::time::{Span, Timestamp};
+use std::collections::VecDeque;
+
+/// What a lane keeps to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Frames that wait at most; the oldest gives way.
+    pub waiting: usize,
+    /// An older frame is dropped, never sent late.
+    pub age: Span,
+}
+
+/// What became of the frames of a lane. Each that was received is in exactly one of `sent`, `lost`,
+/// `too_old`, `crowded_out`, `away` and `rejected`, or still waits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LaneCounts {
+    /// Frames that came to be forwarded.
+    pub received: u64,
+    /// Error frames beside them, which tell of one bus only and are never forwarded.
+    pub error_frames: u64,
+    pub sent: u64,
+    /// Of those received, frames whose payload a fault changed.
+    pub changed: u64,
+    /// Lost to a fault.
+    pub lost: u64,
+    /// Dropped for their age.
+    pub too_old: u64,
+    /// Dropped because too many waited.
+    pub crowded_out: u64,
+    /// Dropped because an interface was not there.
+    pub away: u64,
+    /// Frames that the interface does not carry, such as CAN FD on a classic one.
+    pub rejected: u64,
+}
+
+/// Frames on their way, in order.
+#[derive(Clone, Debug)]
+pub struct Lane {
+    limits: Limits,
+    waiting: VecDeque<Frame>,
+    /// On the clock of the time stamps.
+    now: Timestamp,
+    counts: LaneCounts,
+    rejection: Option<String>,
+}
+
+impl Lane {
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            limits,
+            waiting: VecDeque::with_capacity(limits.waiting),
+            now: Timestamp::default(),
+            counts: LaneCounts::default(),
+            rejection: None,
+        }
+    }
+
+    pub const fn counts(&self) -> &LaneCounts {
+        &self.counts
+    }
+
+    pub(super) const fn counts_mut(&mut self) -> &mut LaneCounts {
+        &mut self.counts
+    }
+
+    /// Why the interface first refused a frame.
+    pub fn rejection(&self) -> Option<&str> {
+        self.rejection.as_deref()
+    }
+
+    /// Frames that wait.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// The lane's time, which only its frames' ages depend on.
+    pub fn set_time(&mut self, now: Timestamp) {
+        self.now = now;
+    }
+
+    /// Takes the next frame; its time stamp is when it was received.
+    pub fn put(&mut self, frame: &Frame) {
+        if self.waiting.len() >= self.limits.waiting {
+            self.waiting.pop_front();
+            self.counts.crowded_out += 1;
+        }
+        self.waiting.push_back(frame.clone());
+    }
+
+    /// Sends what `port` takes.
+    ///
+    /// # Errors
+    /// If the port is finished; the frames still wait.
+    pub fn send(&mut self, port: &mut impl UnrestrictedPort) -> Result<(), PortError> {
+        self.drop_old();
+        while let Some(frame) = self.waiting.front() {
+            match port.send_unrestricted(frame) {
+                Ok(Sent::Taken) => self.counts.sent += 1,
+                Ok(Sent::Full) => break,
+                // It is this frame that cannot be carried; the next one may.
+                Err(PortError::Io(error)) => {
+                    self.counts.rejected += 1;
+                    self.rejection.get_or_insert_with(|| error.to_string());
+                }
+                Err(error) => return Err(error),
+            }
+            self.waiting.pop_front();
+        }
+        Ok(())
+    }
+
+    /// Forgets what waits: an end of the lane is lost, and it would burst out stale when that
+    /// returns.
+    pub fn clear(&mut self) {
+        self.counts.away += self.waiting.len() as u64;
+        self.waiting.clear();
+    }
+
+    fn drop_old(&mut self) {
+        let Self { limits, waiting, now, counts, .. } = self;
+        while waiting.front().is_some_and(|frame| now.since(frame.timestamp) > limits.age) {
+            waiting.pop_front();
+            counts.too_old += 1;
+        }
+    }
+}
