@@ -44,5 +44,6 @@ pub mod monitor;
 pub mod observe;
 pub mod report;
 pub mod sample;
+pub mod survey;
 pub mod time;
 pub mod verdict;

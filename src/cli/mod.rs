@@ -8,6 +8,8 @@ mod output;
 mod progress;
 mod replay;
 mod run;
+#[expect(dead_code, reason = "its commands follow")]
+mod survey;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
