@@ -38,6 +38,7 @@ pub mod compare;
 pub mod config;
 pub mod decode;
 pub mod frame;
+pub mod identify;
 pub mod inject;
 pub mod live;
 pub mod monitor;

@@ -2,13 +2,13 @@
 
 mod check;
 mod failure;
+mod identify;
 mod inject;
 mod machine;
 mod output;
 mod progress;
 mod replay;
 mod run;
-#[expect(dead_code, reason = "its commands follow")]
 mod survey;
 
 use clap::{Parser, Subcommand};
@@ -29,6 +29,7 @@ enum Command {
     Replay(replay::Replay),
     Check(check::Check),
     Inject(inject::Inject),
+    Identify(identify::Identify),
 }
 
 impl Arguments {
@@ -42,6 +43,7 @@ impl Arguments {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),
+            Command::Identify(identify) => identify.run(),
         }
     }
 }
