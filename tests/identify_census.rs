@@ -21,9 +21,9 @@ fn census(mut change: impl FnMut(&mut [Row; 3])) -> Census {
         calibrations: vec![Some((1.002, 0.003)); 3],
     };
     let mut census = Census::new(3, expected);
-    let machine = [1, 2, 3].map(|n| Simulated::new(n, 2000).noisy().rows());
-    for k in 0..2000 {
-        let mut rows = [0, 1, 2].map(|i: usize| machine[i][k]);
+    let [one, two, three] = [1, 2, 3].map(|n| Simulated::new(n, 2000).noisy().rows());
+    for ((one, two), three) in one.into_iter().zip(two).zip(three) {
+        let mut rows = [one, two, three];
         change(&mut rows);
         // A cylinder number of zero stands for one that is not there.
         rows.iter().filter(|row| row.cylinder > 0).for_each(|row| census.row(row));

@@ -136,7 +136,9 @@ impl CylinderOutcome {
     pub fn runs_away(&self, of: u8) -> bool {
         let tried = self.trials.iter().flat_map(|trials| &trials.tried);
         let mut positions = tried.filter(|tried| tried.of == of).map(|it| it.simulated.position);
-        positions.any(|score| score.count() > 0 && !(score.vaf() > SAYS_NOTHING))
+        // What ran beyond the finite numbers has no VAF at all.
+        positions
+            .any(|score| score.count() > 0 && (score.vaf().is_nan() || score.vaf() < SAYS_NOTHING))
     }
 }
 
