@@ -2,6 +2,7 @@
 
 mod check;
 mod failure;
+mod identify;
 mod inject;
 mod machine;
 mod output;
@@ -11,6 +12,7 @@ mod proxy;
 mod replay;
 mod run;
 mod virtual_bus;
+mod survey;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
@@ -30,6 +32,7 @@ enum Command {
     Replay(replay::Replay),
     Check(check::Check),
     Inject(inject::Inject),
+    Identify(identify::Identify),
 }
 
 impl Arguments {
@@ -43,6 +46,7 @@ impl Arguments {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),
+            Command::Identify(identify) => identify.run(),
         }
     }
 }

@@ -63,6 +63,9 @@ static MACHINE: Table = Table { keys: &[
     Key::required("stroke",
         numbers(2, Limits::finite("the ends of the cylinder's reach in metres")),
         "[-1.5, 1.5]", "the cylinder's reach, retracted and extended, m"),
+    Key::optional("area_ratio",
+        number(Limits::above(0.0, "the rod side's area by the bottom side's, (3-5)").most(1.0)),
+        "0.5", "the area ratio of (3-5), by which P_L is made of the chambers' pressures"),
     Key::optional("monitored_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"engaged\"]", "the platform states in which FDE1 and FDE2 judge; absent: always"),
@@ -116,6 +119,8 @@ static CYLINDER_SIGNALS: Table = Table { keys: &[
         "the pressure in the bottom chamber"),
     Key::optional("pressure_rod", text(TextRule::CylinderSignal), "\"Cyl{n}_Valve.PressureRod\"",
         "the pressure in the rod chamber"),
+    Key::optional("load_pressure", text(TextRule::CylinderSignal), "\"Cyl{n}_Load.Pressure\"",
+        "the load pressure P_L itself, bar, where the machine sends it"),
 ] };
 
 #[rustfmt::skip]
@@ -143,6 +148,8 @@ static MODEL: Table = Table { keys: &[
         "[-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023]", "theta of (4-1)"),
     Key::optional("gamma", numbers(2, Limits::finite(FINITE)), "[0.0926, 6.5427]",
         "gamma of (4-1)"),
+    Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
+        "the command at which a cylinder rests, m/s; (4-1) takes u less this"),
 ] };
 
 #[rustfmt::skip]
@@ -221,6 +228,8 @@ static CYLINDER: Table = Table { keys: &[
         "[-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023]", "theta of (4-1) for this cylinder"),
     Key::optional("gamma", numbers(2, Limits::finite(FINITE)), "[0.0926, 6.5427]",
         "gamma of (4-1) for this cylinder"),
+    Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
+        "the command at which this cylinder rests, m/s"),
 ] };
 
 #[cfg(test)]

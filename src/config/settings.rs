@@ -43,6 +43,9 @@ pub struct Machine {
     pub sample_time: f64,
     /// The cylinder's reach `[retracted, extended]`, m.
     pub stroke: [f64; 2],
+    /// a_p / A_p of (3-5), the rod side's area by the bottom's; makes P_L of the pressures.
+    #[serde(default = "default_area_ratio")]
+    pub area_ratio: f64,
     /// Platform states in which FDE1 and FDE2 judge; absent: always. Names as in the DBC's VAL_
     /// table of the state signal (or the thesis's four), letter case ignored; or numbers as text.
     pub monitored_states: Option<Vec<String>>,
@@ -51,6 +54,10 @@ pub struct Machine {
     /// An observer predicts over at most this long a gap before it starts anew, s.
     #[serde(default = "default_max_gap")]
     pub max_gap: f64,
+}
+
+fn default_area_ratio() -> f64 {
+    0.5
 }
 
 fn default_max_gap() -> f64 {
@@ -98,6 +105,8 @@ pub struct CylinderSignals {
     pub control_speed: String,
     pub pressure_bottom: Option<String>,
     pub pressure_rod: Option<String>,
+    /// The load pressure where the machine sends it; then the chambers' are not asked.
+    pub load_pressure: Option<String>,
 }
 
 /// When a reading is not to be believed before any model is asked.
@@ -140,11 +149,17 @@ impl Default for Plausibility {
 pub struct Model {
     pub theta: [f64; 5],
     pub gamma: [f64; 2],
+    /// The command at which a cylinder rests, m/s; (4-1) has u less this as its input.
+    pub command_offset: f64,
 }
 
 impl Default for Model {
     fn default() -> Self {
-        Self { theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023], gamma: [0.0926, 6.5427] }
+        Self {
+            theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023],
+            gamma: [0.0926, 6.5427],
+            command_offset: 0.0,
+        }
     }
 }
 
@@ -277,6 +292,7 @@ pub struct Cylinder {
     pub c2_offset: f64,
     pub theta: Option<[f64; 5]>,
     pub gamma: Option<[f64; 2]>,
+    pub command_offset: Option<f64>,
 }
 
 fn unit_gain() -> f64 {

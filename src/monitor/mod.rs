@@ -219,7 +219,7 @@ impl Monitor {
         while touched != 0 {
             let index = touched.trailing_zeros() as usize;
             touched &= touched - 1;
-            if self.cylinders[index].pending && self.cylinders[index].is_complete() {
+            if self.cylinders[index].pending && self.cylinders[index].is_done() {
                 self.evaluate(index, at, sink);
             }
         }
@@ -260,7 +260,8 @@ impl Monitor {
 
     /// Evaluates what the open cycle still owes.
     fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        self.incomplete |= self.pending > 0;
+        let lacks = |cylinder: &Cylinder| cylinder.pending && !cylinder.is_complete();
+        self.incomplete |= self.pending > 0 && self.cylinders.iter().any(lacks);
         for index in 0..self.cylinders.len() {
             if self.pending > 0 && self.cylinders[index].pending {
                 self.evaluate(index, at, sink);
@@ -376,6 +377,7 @@ fn put(cylinder: &mut Cylinder, field: Field, value: Value) -> bool {
             true
         }
         Field::Command => inputs.command(value.physical),
+        Field::Pressure(pressure) => inputs.pressure(pressure, value.physical),
     }
 }
 
