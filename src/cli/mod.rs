@@ -11,8 +11,8 @@ mod progress;
 mod proxy;
 mod replay;
 mod run;
-mod virtual_bus;
 mod survey;
+mod virtual_bus;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
