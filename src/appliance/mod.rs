@@ -2,6 +2,9 @@
 //! what runs the gateway.
 
 mod activity;
+pub mod http;
 pub mod logging;
+mod site;
 pub mod surroundings;
+pub mod telemetry;
 mod watchdog;

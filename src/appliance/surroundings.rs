@@ -1,19 +1,23 @@
 //! What surrounds the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
+use super::site::Site;
+use super::telemetry::Recorder;
+use super::telemetry::clock::SystemClock;
 use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::Port;
 use crate::cli::Failure;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::supervisor::{Opener, Surroundings, Wish};
-use crate::monitor::Notice;
+use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,7 +27,10 @@ use tracing::{info, warn};
 /// The slice in which a wait looks for signals.
 const SLICE: Duration = Duration::from_millis(50);
 
-type Prepare = Box<dyn FnMut() -> Result<(Gateway, Box<dyn Opener>), Failure>>;
+/// What a configuration leads to: the gateway, what opens its interface, and where HTTP listens.
+pub type Prepared = (Gateway, Box<dyn Opener>, Option<SocketAddr>);
+
+type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
 
 /// The surroundings of the gateway on a box.
 pub struct Appliance {
@@ -32,6 +39,8 @@ pub struct Appliance {
     prepare: Prepare,
     watchdog: Watchdog,
     activity: Activity,
+    recorder: Recorder,
+    site: Site,
 }
 
 impl Appliance {
@@ -46,11 +55,14 @@ impl Appliance {
         }
         flag::register(SIGHUP, Arc::clone(&reload))?;
         let (watchdog, activity) = (Watchdog::new(), Activity::new());
-        Ok(Self { stop, reload, prepare, watchdog, activity })
+        let recorder = Recorder::new(Arc::new(SystemClock::new()));
+        Ok(Self { stop, reload, prepare, watchdog, activity, recorder, site: Site::default() })
     }
 
-    pub fn starting(&self, config: &Path) {
+    /// The gateway of the configuration `config` starts, and HTTP on `listen`.
+    pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
+        self.site.listen(listen, &self.recorder);
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
     }
 
@@ -61,7 +73,12 @@ impl Appliance {
 }
 
 impl Journal for Appliance {
+    fn record(&mut self, record: &Record) {
+        self.recorder.record(record);
+    }
+
     fn warning(&mut self, warning: &Warning) {
+        self.recorder.warning(warning);
         let finding = &warning.finding;
         let state = warning.state.name();
         let residual = finding.residual.map(|residual| residual * 1e3);
@@ -100,8 +117,8 @@ impl Journal for Appliance {
         }
     }
 
-    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
-        _ = (frame, at);
+    fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {
+        self.recorder.sent(frame);
     }
 }
 
@@ -130,6 +147,7 @@ impl Surroundings for Appliance {
     }
 
     fn opened(&mut self, port: &dyn Port) {
+        self.recorder.opened();
         let description = port.description();
         info!("open: {description}");
         tell(&[NotifyState::Status(&description)]);
@@ -140,18 +158,26 @@ impl Surroundings for Appliance {
         tell(&[NotifyState::Status(reason)]);
     }
 
+    fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.recorder.closed(gateway, port);
+    }
+
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.watchdog.feed();
+        self.recorder.turned(gateway, port);
         self.activity.look(gateway.monitor().counts(), port);
     }
 
     fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(prepared) => {
+            Ok((gateway, opener, listen)) => {
                 info!("the configuration was read again; everything is judged anew");
-                Some(prepared)
+                self.recorder.reloaded();
+                self.site.listen(listen, &self.recorder);
+                Some((gateway, opener))
             }
             Err(failure) => {
+                self.recorder.refused();
                 warn!("the new configuration is refused, the old one goes on: {failure}");
                 None
             }

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::machine::Machine;
 use crate::appliance::logging::{self, LogFormat};
-use crate::appliance::surroundings::Appliance;
+use crate::appliance::surroundings::{Appliance, Prepared};
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Identifiers, Port};
 use crate::frame::Id;
@@ -35,14 +35,14 @@ impl Run {
     /// What is wrong with the call or the configuration. An interface that is not there is waited
     /// for.
     pub fn run(self) -> Result<(), Failure> {
-        let (gateway, opener) = prepare(&self.config)?;
+        let (gateway, opener, listen) = prepare(&self.config)?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)
             .map_err(|error| Failure::Failed(format!("the log cannot be started: {error}")))?;
         let config = self.config.clone();
         let mut appliance = Appliance::new(Box::new(move || prepare(&config)))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
-        appliance.starting(&self.config);
+        appliance.starting(&self.config, listen);
         supervisor::run(gateway, opener, &mut appliance);
         appliance.stopped();
         Ok(())
@@ -55,8 +55,8 @@ const WAITING: usize = 72;
 /// Frames that may go out at once: all warnings that can stand, and a status.
 const BURST: u32 = 37;
 
-/// A gateway for the configuration `path`, and what opens its interface.
-fn prepare(path: &Path) -> Result<(Gateway, Box<dyn Opener>), Failure> {
+/// A gateway for the configuration `path`, what opens its interface, and where HTTP listens.
+fn prepare(path: &Path) -> Result<Prepared, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
     let limits = Limits {
@@ -70,7 +70,8 @@ fn prepare(path: &Path) -> Result<(Gateway, Box<dyn Opener>), Failure> {
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
     let opener = Interface { name: settings.bus.interface.clone(), identifiers };
-    Ok((Gateway::new(Monitor::new(machine.design), outbox, guard), Box::new(opener)))
+    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
+    Ok((gateway, Box::new(opener), settings.http.address()))
 }
 
 /// A SocketCAN interface by name.
