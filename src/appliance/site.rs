@@ -33,7 +33,8 @@ impl Site {
                 if !address.ip().is_loopback() {
                     warn!(
                         "{address} can be reached from other machines, and whoever reaches it may \
-                         read everything there; a loopback address keeps it on this one"
+                         read everything there; a loopback address keeps it on this one. Under systemd \
+                         IPAddressAllow= of the unit decides, too"
                     );
                 }
                 *self = Self { listen, server: Some(server) };
