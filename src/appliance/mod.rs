@@ -2,7 +2,10 @@
 //! what runs the gateway.
 
 mod activity;
+pub mod http;
 pub mod link_watch;
 pub mod logging;
+mod site;
 pub mod surroundings;
+pub mod telemetry;
 mod watchdog;

@@ -48,6 +48,7 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("comparator", Kind::Table(&COMPARATOR), "", "thresholds of R3, m"),
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
+    Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
     Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "what one cylinder has of its own"),
 ] };
 
@@ -216,6 +217,12 @@ static GATEWAY: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
+static HTTP: Table = Table { keys: &[
+    Key::optional("listen", text(TextRule::Listen), "\"127.0.0.1:9481\"",
+        "where /health and /metrics are served, ADDRESS:PORT; or off"),
+] };
+
+#[rustfmt::skip]
 static CYLINDER: Table = Table { keys: &[
     Key::required("n",
         whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
@@ -291,6 +298,7 @@ mod tests {
             (&ALARM, fields::<settings::Alarm>()),
             (&LEVELS, fields::<settings::Levels>()),
             (&GATEWAY, fields::<settings::Gateway>()),
+            (&HTTP, fields::<settings::Http>()),
             (&CYLINDER, fields::<settings::Cylinder>()),
         ];
         for (table, fields) in tables {

@@ -3,6 +3,7 @@
 
 use crate::alarm::Level;
 use serde::Deserialize;
+use std::net::SocketAddr;
 
 /// Stands for the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
@@ -28,6 +29,8 @@ pub struct Settings {
     pub alarm: Alarm,
     #[serde(default)]
     pub gateway: Gateway,
+    #[serde(default)]
+    pub http: Http,
     /// Overrides per cylinder; at most one table for each number.
     #[serde(default)]
     pub cylinder: Vec<Cylinder>,
@@ -276,6 +279,30 @@ pub struct Gateway {
 impl Default for Gateway {
     fn default() -> Self {
         Self { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 }
+    }
+}
+
+/// The gateway's own state over HTTP.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Http {
+    /// `ADDRESS:PORT`, or [`HTTP_OFF`].
+    pub listen: String,
+}
+
+/// No HTTP at all.
+pub const HTTP_OFF: &str = "off";
+
+impl Default for Http {
+    fn default() -> Self {
+        Self { listen: "127.0.0.1:9481".to_owned() }
+    }
+}
+
+impl Http {
+    /// Where to listen; `None` if it is off.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.parse().ok()
     }
 }
 
