@@ -123,6 +123,6 @@ mod tests {
             histogram.observe(value);
         }
         assert_eq!(histogram.buckets(), [(0.1, 2), (1.0, 2), (f64::INFINITY, 2)]);
-        assert_eq!(histogram.sum(), 1_000_000_002.600_1);
+        assert_eq!(histogram.sum(), 1_000_000_002.700_1);
     }
 }
