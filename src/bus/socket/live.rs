@@ -250,7 +250,7 @@ impl Intake {
         }
         let stamp = self.choice.of(message.software, message.hardware);
         self.counts.unstamped += u64::from(stamp.is_none());
-        self.frame.timestamp = stamp.unwrap_or_else(system_time);
+        self.frame.timestamp = as_recorded(stamp.unwrap_or_else(system_time));
         self.counts.received += 1;
         self.counts.error_frames += u64::from(self.frame.kind == Kind::Error);
         take(&self.frame);
@@ -265,6 +265,12 @@ impl Intake {
     fn counts(&self) -> PortCounts {
         PortCounts { dropped: self.drops.total(), ..self.counts }
     }
+}
+
+/// In whole microseconds, as candump records them: what falls due between two frames then does so
+/// between the same two in a replay of its recording.
+fn as_recorded(stamp: Timestamp) -> Timestamp {
+    Timestamp::from_nanos(stamp.as_nanos() - stamp.as_nanos().rem_euclid(1000))
 }
 
 impl Ended {
