@@ -8,6 +8,7 @@ mod output;
 mod progress;
 mod replay;
 mod run;
+mod simulate;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
@@ -27,6 +28,7 @@ enum Command {
     Replay(replay::Replay),
     Check(check::Check),
     Inject(inject::Inject),
+    Simulate(simulate::Simulate),
 }
 
 impl Arguments {
@@ -40,6 +42,7 @@ impl Arguments {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),
+            Command::Simulate(simulate) => simulate.run(),
         }
     }
 }
