@@ -132,6 +132,7 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("transducer.noise", it.noise, [0.0, 1.0]),
         ("transducer.fluctuation", it.fluctuation, [0.0, 1.0]),
         ("transducer.fluctuation_probability", it.fluctuation_probability, [0.0, 1.0]),
+        ("transducer.fluctuation_time", it.fluctuation_time, [0.0, MUCH]),
         ("transducer.speed_noise", it.speed_noise, [0.0, 10.0]),
         ("transducer.counts", it.counts, [2.0, MUCH]),
         ("sensors.pressure", tables.sensors.pressure, [0.0, 100.0]),

@@ -111,7 +111,7 @@ impl Machine {
             plant,
             transducers: std::array::from_fn(|leg| {
                 [&tables.c1, &tables.c2]
-                    .map(|errors| Transducer::new(&tables.transducer, errors, leg))
+                    .map(|errors| Transducer::new(&tables.transducer, errors, leg, sample_time))
             }),
             sensors: tables.sensors,
             area_ratio: parameters.cylinder.area_ratio,

@@ -14,10 +14,12 @@ pub const CYLINDERS: usize = 6;
 pub struct Common {
     /// Standard deviation of a length, m.
     pub noise: f64,
-    /// A single reading is now and then off by this much, up or down, m: Figure 5-9.
+    /// Now and then the readings are off by this much for a while, up or down, m: Figure 5-9.
     pub fluctuation: f64,
-    /// Of a reading to be so.
+    /// Of a reading to be the first of such a while.
     pub fluctuation_probability: f64,
+    /// How long it lasts, s.
+    pub fluctuation_time: f64,
     /// Standard deviation of a speed, m/s.
     pub speed_noise: f64,
     /// Counts over the whole range: 27648 in (5-3).
@@ -48,6 +50,11 @@ pub struct Transducer {
     gain: f64,
     bow: f64,
     skew: f64,
+    /// Readings that a fluctuation lasts.
+    lasting: u32,
+    /// Readings that are left of the present one, and what it adds, m.
+    left: u32,
+    shift: f64,
 }
 
 /// What a transducer says.
@@ -60,31 +67,44 @@ pub struct Reading {
 }
 
 impl Transducer {
-    /// The transducer of that cylinder, from 0.
-    pub fn new(common: &Common, errors: &Errors, cylinder: usize) -> Self {
+    /// The transducer of that cylinder, from 0, which is read every `sample_time` seconds.
+    pub fn new(common: &Common, errors: &Errors, cylinder: usize, sample_time: f64) -> Self {
         Self {
             common: *common,
             offset: errors.offset[cylinder],
             gain: errors.gain[cylinder],
             bow: errors.bow[cylinder],
             skew: errors.skew[cylinder],
+            lasting: ((common.fluctuation_time / sample_time).round() as u32).max(1),
+            left: 0,
+            shift: 0.0,
         }
     }
 
     /// Reads a piston that is at `length`, m, at Sync and moves at `speed`, m/s.
-    pub fn read(&self, length: f64, speed: f64, rng: &mut ChaCha8Rng) -> Reading {
-        let mut normal = || -> f64 { StandardNormal.sample(rng) };
-        let (length_noise, speed_noise) = (normal(), normal());
-        let mut measured =
-            self.calibrated(length + speed * self.skew) + self.common.noise * length_noise;
-        if rng.random::<f64>() < self.common.fluctuation_probability {
-            let up = rng.random::<bool>();
-            measured += if up { self.common.fluctuation } else { -self.common.fluctuation };
-        }
+    pub fn read(&mut self, length: f64, speed: f64, rng: &mut ChaCha8Rng) -> Reading {
+        let [length_noise, speed_noise]: [f64; 2] = [(); 2].map(|()| StandardNormal.sample(rng));
+        let true_length = length + speed * self.skew;
+        let noise = self.common.noise * length_noise + self.fluctuation(rng);
         Reading {
-            length: self.quantised(measured),
+            length: self.quantised(self.calibrated(true_length) + noise),
             speed: speed * (1.0 + self.gain) + self.common.speed_noise * speed_noise,
         }
+    }
+
+    /// What the present fluctuation adds, m; 0 between two.
+    fn fluctuation(&mut self, rng: &mut ChaCha8Rng) -> f64 {
+        if self.left > 0 {
+            self.left -= 1;
+            return self.shift;
+        }
+        if rng.random::<f64>() < self.common.fluctuation_probability {
+            let up = rng.random::<bool>();
+            self.shift = if up { self.common.fluctuation } else { -self.common.fluctuation };
+            self.left = self.lasting - 1;
+            return self.shift;
+        }
+        0.0
     }
 
     /// What the calibration makes of a true length, m.
