@@ -106,7 +106,7 @@ impl Cylinder {
     /// Goes on by one sub-step and says what oil it took from the supply, m³/s.
     pub fn step(&self, state: &mut CylinderState, drive: &Drive) -> f64 {
         let mass = self.mass * drive.load;
-        let weight = mass * drive.acceleration;
+        let (weight, mobility) = (mass * drive.acceleration, 1.0 / mass);
         let before = *state;
         let push = |length: f64, pressure: f64| {
             self.force_per_bar * pressure - self.stiffness * length - weight
@@ -117,7 +117,7 @@ impl Cylinder {
         // Dry friction keeps the direction of the sub-step; a piston that turns in it stops first.
         let acceleration = |speed: f64, force: f64| {
             let dry = self.friction.dry((speed * direction.signum()).max(0.0));
-            (force - self.friction.viscous * speed - dry.copysign(direction)) / mass
+            (force - self.friction.viscous * speed - dry.copysign(direction)) * mobility
         };
         let half = 0.5 * self.sub_step;
         let spool = drive.spool + (before.spool - drive.spool) * self.spool_decay;

@@ -16,8 +16,8 @@ pub struct Friction {
     pub stribeck_speed: f64,
 }
 
-/// Beyond so many Stribeck speeds e⁻ˣ is less than rounding leaves of the sum.
-const FAST: f64 = 36.0;
+/// Beyond so many Stribeck speeds less than a ten millionth of the stiction is left.
+const FAST: f64 = 16.0;
 
 impl Friction {
     /// The force, N, against a motion at `speed` ≥ 0, m/s, without its viscous part.

@@ -8,7 +8,9 @@ use super::parameters::ValveTable;
 pub struct Valve {
     overlap: f64,
     leakage: f64,
-    /// Openings beyond the overlap to flow: linear + progressive · opening.
+    /// Flow at the overlap's edge; what the spool is beyond adds (linear + progressive · beyond) ·
+    /// beyond.
+    edge: f64,
     linear: f64,
     progressive: f64,
     /// m/s at full opening and the nominal supply pressure, out and in.
@@ -19,12 +21,13 @@ impl Valve {
     /// A valve of `table` whose flows out and in are `factors` times the table's; the speeds hold
     /// where √(P_S ∓ P_L) is √`nominal`, bar.
     pub fn new(table: &ValveTable, factors: [f64; 2], nominal: f64) -> Self {
-        let beyond = 1.0 - table.leakage;
+        let (beyond, travel) = (1.0 - table.leakage, 1.0 - table.overlap);
         Self {
             overlap: table.overlap,
             leakage: table.leakage / table.overlap,
-            linear: beyond * (1.0 - table.progression),
-            progressive: beyond * table.progression,
+            edge: table.leakage,
+            linear: beyond * (1.0 - table.progression) / travel,
+            progressive: beyond * table.progression / (travel * travel),
             speeds: [
                 factors[0] * table.extend_speed / nominal.sqrt(),
                 factors[1] * table.retract_speed / nominal.sqrt(),
@@ -39,8 +42,7 @@ impl Valve {
         if beyond <= 0.0 {
             return self.leakage * size;
         }
-        let opening = beyond / (1.0 - self.overlap);
-        self.leakage * self.overlap + (self.linear + self.progressive * opening) * opening
+        self.edge + (self.linear + self.progressive * beyond) * beyond
     }
 
     /// (3-7): the flow, as a speed in m/s, at load pressure `load` and supply pressure `supply`,

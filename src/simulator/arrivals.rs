@@ -16,8 +16,8 @@ pub struct Arrivals {
 }
 
 /// The most that Sync comes late, ns, and that a receiver's stamp is late.
-const SYNC_JITTER: i64 = 60_000;
-const STAMP_JITTER: i64 = 8_000;
+const SYNC_JITTER: u32 = 60_000;
+const STAMP_JITTER: u32 = 8_000;
 
 /// The stream of the seed that jitter is drawn from.
 const STREAM: u64 = u64::MAX - 2;
@@ -39,7 +39,7 @@ impl Arrivals {
     /// A cycle opens at `at`.
     pub fn open(&mut self, at: Timestamp) {
         let late = self.rng.random_range(0..SYNC_JITTER);
-        self.opening = at.after(Span::from_nanos(late));
+        self.opening = at.after(Span::from_nanos(i64::from(late)));
         self.free = self.opening.max(self.free);
     }
 
@@ -55,7 +55,7 @@ impl Arrivals {
         // ten is followed by a stuff bit.
         let bits = 47.0 + 8.0 * length as f64 + (34.0 + 8.0 * length as f64) / 10.0;
         self.free = self.free.after(Span::from_nanos((bits * self.bit) as i64));
-        let stamp = self.free.as_nanos() + self.rng.random_range(0..STAMP_JITTER);
+        let stamp = self.free.as_nanos() + i64::from(self.rng.random_range(0..STAMP_JITTER));
         Timestamp::from_nanos(stamp - stamp.rem_euclid(1000))
     }
 }

@@ -71,14 +71,21 @@ impl Planned {
     pub fn fill(&mut self, values: &Values) {
         let payload = self.frame.buffer_mut();
         for (plan, origin) in &self.fields {
-            // What a signal cannot hold is sent as the nearest that it can, as a real device does.
-            let _: Inserted = match origin {
-                Origin::Counter if !plan.is_float() => {
-                    let mask = u64::MAX >> (64 - plan.bits().clamp(1, 64));
-                    plan.insert(Raw::Unsigned(values.cycle & mask), payload)
+            let raw = match origin {
+                // The payload is made of zeros.
+                Origin::Status => continue,
+                Origin::Counter => {
+                    Raw::Unsigned(values.cycle & (u64::MAX >> (64 - plan.bits().clamp(1, 64))))
                 }
-                _ => plan.insert_physical(values.of(*origin), payload),
+                _ if plan.is_float() => Raw::Float(plan.unscaled(values.of(*origin))),
+                // Rounded here: the doubles at hand are far from what needs 128 bits.
+                _ => {
+                    let count = plan.unscaled(values.of(*origin));
+                    Raw::Signed((count + 0.5_f64.copysign(count)) as i64)
+                }
             };
+            // What a signal cannot hold is sent as the nearest that it can, as a real device does.
+            let _: Inserted = plan.insert(raw, payload);
         }
     }
 
