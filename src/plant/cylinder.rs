@@ -114,8 +114,8 @@ impl Cylinder {
         let force = push(before.length, before.pressure);
         let sticks = before.speed == 0.0 && self.friction.holds(force);
         let direction = if before.speed == 0.0 { force } else { before.speed };
-        // Dry friction keeps the direction of the sub-step; a piston that turns in it stops first.
-        let acceleration = |speed: f64, force: f64| {
+        // Dry friction keeps its direction for the sub-step.
+        let acceleration = |direction: f64, speed: f64, force: f64| {
             let dry = self.friction.dry((speed * direction.signum()).max(0.0));
             (force - self.friction.viscous * speed - dry.copysign(direction)) * mobility
         };
@@ -129,7 +129,7 @@ impl Cylinder {
             speed: if sticks {
                 0.0
             } else {
-                before.speed + half * acceleration(before.speed, force)
+                before.speed + half * acceleration(direction, before.speed, force)
             },
             pressure: before.pressure + half * self.pressure_rise(&before, flow),
             spool,
@@ -141,9 +141,15 @@ impl Cylinder {
         if !sticks {
             let force = push(middle.length, middle.pressure);
             state.length = before.length + self.sub_step * middle.speed;
-            state.speed = before.speed + self.sub_step * acceleration(middle.speed, force);
+            let change = self.sub_step * acceleration(direction, middle.speed, force);
+            state.speed = before.speed + change;
             if state.speed * direction < 0.0 {
-                state.speed = 0.0;
+                // It came to rest on the way: there it stays, or goes back for what is left.
+                let left = self.sub_step * state.speed / change;
+                let back = -direction;
+                let start = acceleration(back, 0.0, force);
+                let goes = !self.friction.holds(force) && start * back > 0.0;
+                state.speed = if goes { left * start } else { 0.0 };
             }
             self.stop_at_ends(state);
         }
