@@ -19,7 +19,6 @@ pub use plc::{Phase, Plc, State};
 pub use reference::Reference;
 
 use crate::hexapod::{Hexapod, LEGS, Pose, Rate};
-use crate::plant::Cylinder;
 use serde::Deserialize;
 
 /// Gains and times of the controller.
@@ -88,26 +87,19 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A controller that is in `state`; `retracted` is the cylinders' shortest stroke, m, and the
-    /// look-up tables come from `cylinders`, each of which carries `pressures`, bar, at rest, on a
-    /// supply of `supply`, bar.
+    /// A controller that is in `state`; `retracted` is the cylinders' shortest stroke, m.
     pub fn new(
         table: &ControllerTable,
         hexapod: Hexapod,
-        cylinders: &[Cylinder; LEGS],
-        pressures: &[f64; LEGS],
-        supply: f64,
+        look_ups: [LookUp; LEGS],
         retracted: f64,
         sample_time: f64,
         state: State,
     ) -> Self {
-        let look_up = |index: usize| {
-            LookUp::of(&cylinders[index], table.speed_limit, pressures[index], supply)
-        };
         Self {
             table: *table,
             hexapod,
-            look_ups: std::array::from_fn(look_up),
+            look_ups,
             plc: Plc::new(state, table.transition, table.dwell, sample_time),
             retracted,
             loads: None,

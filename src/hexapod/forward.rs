@@ -76,8 +76,8 @@ impl Hexapod {
         });
         let mut scaled = slope;
         scaled.fixed_view_mut::<LEGS, 3>(0, 3).scale_mut(1.0 / self.top_radius);
-        // Not a number is no better.
-        if !(scaled.determinant().abs() >= SINGULAR) {
+        let determinant = scaled.determinant().abs();
+        if determinant < SINGULAR || determinant.is_nan() {
             return Err(KinematicsError::Singular);
         }
         slope.lu().solve(&f).ok_or(KinematicsError::Singular)

@@ -2,7 +2,7 @@
 
 use super::Options;
 use super::tables::{Gangway, SensorTable, Tables};
-use crate::controller::{Commands, Controller, Readings, State};
+use crate::controller::{Commands, Controller, LookUp, Readings, State};
 use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
 use crate::plant::{CYLINDERS, CylinderState, Inputs, Plant};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
@@ -91,8 +91,15 @@ impl Machine {
         let plant = Plant::new(&parameters, sub_step, retracted);
         let weights = weights(&hexapod);
         let loads = parameters.spread.load;
-        let pressures = std::array::from_fn(|leg| {
-            plant.cylinders()[leg].balance(0.0, loads[leg], weights[leg])
+        let look_ups = std::array::from_fn(|leg| {
+            let cylinder = &plant.cylinders()[leg];
+            let pressure = cylinder.balance(0.0, loads[leg], weights[leg]);
+            LookUp::of(
+                cylinder,
+                tables.controller.speed_limit,
+                pressure,
+                parameters.supply.pressure,
+            )
         });
         let mut machine = Self {
             motion: sea.motion(),
@@ -100,9 +107,7 @@ impl Machine {
             controller: Controller::new(
                 &tables.controller,
                 hexapod.clone(),
-                plant.cylinders(),
-                &pressures,
-                parameters.supply.pressure,
+                look_ups,
                 retracted,
                 sample_time,
                 options.start,
