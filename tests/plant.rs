@@ -215,6 +215,11 @@ fn the_supply_sags_under_flow_and_recovers() {
     let low = supply.pressure();
     assert!(low < table.pressure - 10.0 && low > 100.0, "{low} bar");
     assert!(sag(4.0 * table.gas_volume).pressure() > low, "more gas holds it up");
+    // The gas of an accumulator without a pump: P V is constant, so 1/P grows with what is taken.
+    let mut alone = Supply::new(&tertius::plant::SupplyTable { pump_gain: 0.0, ..table });
+    (0..1000).for_each(|_| alone.step(0.03, 2e-3));
+    let expected = table.pressure * table.gas_volume / (table.gas_volume + 0.03 * 2.0);
+    assert!((alone.pressure() - expected).abs() < 0.1, "{} of {expected} bar", alone.pressure());
     (0..30_000).for_each(|_| supply.step(0.0, 2e-3));
     assert!((supply.pressure() - table.pressure).abs() < 0.5, "{} bar", supply.pressure());
 }

@@ -3,6 +3,8 @@
 mod oracle;
 mod support;
 
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use support::Scratch;
 use tertius::alarm::{Detector, Warning};
@@ -16,6 +18,7 @@ use tertius::monitor::{Monitor, MonitorDesign, Record, Sink};
 use tertius::simulator::{
     LayoutError, Options, Simulator, SimulatorError, TableError, Tables, truth,
 };
+use tertius::transducer::Transducer;
 
 const CONFIG: &str = "config/e-type-simulated.toml";
 const PLANT: &str = include_str!("../config/e-type-plant.toml");
@@ -136,6 +139,36 @@ fn a_healthy_machine_is_healthy() {
     assert!(seen.beyond * 10_000 <= seen.judged, "{} of {}", seen.beyond, seen.judged);
     // It is no dead machine either: residuals, but small ones.
     assert!(seen.largest.iter().all(|one| (2e-4..1.5e-3).contains(one)), "{:?}", seen.largest);
+}
+
+/// Figure 5-14: C1 and C2 differ by up to 8 mm over the workspace, more than R3's bound allows, and
+/// a straight line takes it away (5-20). (5-3): whole counts, 1 to 27648.
+#[test]
+fn c1_and_c2_are_calibrated_differently_and_read_whole_counts() {
+    let tables = Tables::default();
+    let pair = |cylinder| {
+        [&tables.c1, &tables.c2]
+            .map(|errors| Transducer::new(&tables.transducer, errors, cylinder, 0.02))
+    };
+    let mut largest = 0.0_f64;
+    for (cylinder, correction) in setup().settings.cylinder.iter().enumerate() {
+        let [c1, c2] = pair(cylinder);
+        for step in -100..=100 {
+            let [one, two] = [c1, c2].map(|one| one.calibrated(f64::from(step) / 100.0));
+            largest = largest.max((one - two).abs());
+            let rest = one - (correction.c2_gain * two + correction.c2_offset);
+            assert!(rest.abs() < 5e-4, "cylinder {}: {rest}", cylinder + 1);
+        }
+    }
+    assert!((6e-3..8e-3).contains(&largest), "{largest} m");
+    let [mut c1, _] = pair(0);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let count = |length: f64| (length + 1.5) / 3.0 * 27_648.0;
+    for step in -200..200 {
+        let count = count(c1.read(f64::from(step) / 100.0, 0.1, &mut rng).length);
+        assert!((count - count.round()).abs() < 1e-6, "{count}");
+        assert!((0.9..27_648.1).contains(&count), "{count}");
+    }
 }
 
 #[test]
