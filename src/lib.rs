@@ -20,8 +20,14 @@
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
-//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box around it: signals, the service manager, the log.
+//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box around it: signals, the service manager, the log, its health
+//!   and metrics over HTTP.
 //! - [`inject`]: faults put into frames, to see that they are found.
+//! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it. [`identify`]: the
+//!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
+//!   back.
+//! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
+//!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
 //!   [`cli`]: the commands.
 //!
@@ -38,16 +44,22 @@ pub mod bus;
 pub mod cli;
 pub mod compare;
 pub mod config;
+pub mod controller;
 pub mod decode;
 pub mod error_frame;
 pub mod frame;
+pub mod hexapod;
 pub mod identify;
 pub mod inject;
 pub mod live;
 pub mod monitor;
 pub mod observe;
+pub mod plant;
 pub mod report;
 pub mod sample;
+pub mod sea;
+pub mod simulator;
 pub mod survey;
 pub mod time;
+pub mod transducer;
 pub mod verdict;

@@ -11,6 +11,7 @@ mod progress;
 mod proxy;
 mod replay;
 mod run;
+mod simulate;
 mod survey;
 mod virtual_bus;
 
@@ -33,6 +34,7 @@ enum Command {
     Check(check::Check),
     Inject(inject::Inject),
     Identify(identify::Identify),
+    Simulate(simulate::Simulate),
 }
 
 impl Arguments {
@@ -47,6 +49,7 @@ impl Arguments {
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
+            Command::Simulate(simulate) => simulate.run(),
         }
     }
 }

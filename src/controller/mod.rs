@@ -1,0 +1,181 @@
+//! The machine's own controller: Figure 2-3 for each cylinder, and the PLC's platform states.
+//!
+//! ```text
+//! motion sensor ─ reference ─→ l_ref, l̇_ref ─→ control speed u ─ look-up table ─→ spool
+//!                                     C1, l̇, P_L ──↑
+//! ```
+//!
+//! It stands in for the real one in simulations. Nothing in the monitor uses it, and it switches
+//! nothing itself: the platform goes to the state that it is asked for.
+
+mod limit;
+mod lookup;
+mod plc;
+mod reference;
+
+pub use limit::soft;
+pub use lookup::LookUp;
+pub use plc::{Phase, Plc, State};
+pub use reference::Reference;
+
+use crate::hexapod::{Hexapod, LEGS, Pose, Rate};
+use serde::Deserialize;
+
+/// Gains and times of the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerTable {
+    /// Position feedback, 1/s.
+    pub position: f64,
+    /// Velocity feedback, 1.
+    pub velocity: f64,
+    /// Feedback of what of the load pressure changes fast, m/s per bar.
+    pub pressure: f64,
+    /// What is slower than this is the load and is not fed back, s.
+    pub pressure_time: f64,
+    /// Of the control speed, m/s.
+    pub speed_limit: f64,
+    /// Of the reference: the workspace, m.
+    pub stroke_limit: f64,
+    /// From Sync until a new command reaches the valve, s.
+    pub latency: f64,
+    /// Spool position of the safe state, by the valve's springs: −10 % (section 2-2-1).
+    pub safe_spool: f64,
+    /// The control speed that keeps settled cylinders retracted, m/s.
+    pub settled_speed: f64,
+    /// From one platform state to the next, s.
+    pub transition: f64,
+    /// The least that the platform stays in a state, s.
+    pub dwell: f64,
+}
+
+/// What the controller measures in a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Readings {
+    /// C1, m.
+    pub lengths: [f64; LEGS],
+    /// m/s.
+    pub speeds: [f64; LEGS],
+    /// P_L, bar.
+    pub pressures: [f64; LEGS],
+    /// The vessel, by the motion sensor.
+    pub pose: Pose,
+    pub rate: Rate,
+}
+
+/// What the controller commands for a cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Commands {
+    /// u, the control speed l̇_ctrl, m/s.
+    pub speeds: [f64; LEGS],
+    /// Spool positions, −1 to 1.
+    pub spools: [f64; LEGS],
+}
+
+/// The controller of six cylinders.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    table: ControllerTable,
+    hexapod: Hexapod,
+    look_ups: [LookUp; LEGS],
+    plc: Plc,
+    retracted: f64,
+    /// The slow part of the load pressures, bar; `None` before the first reading.
+    loads: Option<[f64; LEGS]>,
+    /// How far the slow part follows in a sample.
+    follow: f64,
+}
+
+impl Controller {
+    /// A controller that is in `state`; `retracted` is the cylinders' shortest stroke, m.
+    pub fn new(
+        table: &ControllerTable,
+        hexapod: Hexapod,
+        look_ups: [LookUp; LEGS],
+        retracted: f64,
+        sample_time: f64,
+        state: State,
+    ) -> Self {
+        Self {
+            table: *table,
+            hexapod,
+            look_ups,
+            plc: Plc::new(state, table.transition, table.dwell, sample_time),
+            retracted,
+            loads: None,
+            follow: -(-sample_time / table.pressure_time).exp_m1(),
+        }
+    }
+
+    /// The platform goes to `state`, through those in between.
+    pub fn request(&mut self, state: State) {
+        self.plc.request(state);
+    }
+
+    /// The state that the PLC reports.
+    pub fn state(&self) -> State {
+        self.plc.state()
+    }
+
+    /// Reference lengths and velocities of the engaged state for this motion of the vessel.
+    pub fn engaged(&self, pose: &Pose, rate: &Rate) -> Reference {
+        Reference::engaged(&self.hexapod, pose, rate, self.table.stroke_limit)
+    }
+
+    /// One cycle: what `readings` lead to.
+    pub fn step(&mut self, readings: &Readings) -> Commands {
+        let changes = self.pressure_changes(&readings.pressures);
+        let phase = self.plc.step();
+        match phase {
+            Phase::At(State::Safe) => {
+                return Commands { speeds: [0.0; LEGS], spools: [self.table.safe_spool; LEGS] };
+            }
+            Phase::At(State::Settled) => {
+                return self.through_look_up([self.table.settled_speed; LEGS]);
+            }
+            Phase::At(_) | Phase::Between { .. } => {}
+        }
+        let reference = self.reference(phase, readings);
+        let limit = self.table.speed_limit;
+        self.through_look_up(std::array::from_fn(|leg| {
+            let speed = reference.speeds[leg]
+                + self.table.position * (reference.lengths[leg] - readings.lengths[leg])
+                + self.table.velocity * (reference.speeds[leg] - readings.speeds[leg])
+                - self.table.pressure * changes[leg];
+            speed.clamp(-limit, limit)
+        }))
+    }
+
+    fn reference(&self, phase: Phase, readings: &Readings) -> Reference {
+        let of = |state: State| match state {
+            State::Safe | State::Settled => Reference::still(self.retracted),
+            State::Neutral => Reference::still(0.0),
+            State::Engaged => self.engaged(&readings.pose, &readings.rate),
+        };
+        match phase {
+            Phase::At(state) => of(state),
+            Phase::Between { from, to, progress, rate } => {
+                Reference::between(&of(from), &of(to), progress, rate)
+            }
+        }
+    }
+
+    /// The spool positions that the look-up tables have for control speeds, m/s.
+    pub fn spools(&self, speeds: &[f64; LEGS]) -> [f64; LEGS] {
+        std::array::from_fn(|leg| self.look_ups[leg].spool(speeds[leg]))
+    }
+
+    fn through_look_up(&self, speeds: [f64; LEGS]) -> Commands {
+        Commands { speeds, spools: self.spools(&speeds) }
+    }
+
+    /// What of the load pressures is not the load.
+    fn pressure_changes(&mut self, pressures: &[f64; LEGS]) -> [f64; LEGS] {
+        let loads = self.loads.get_or_insert(*pressures);
+        std::array::from_fn(|leg| {
+            let change = pressures[leg] - loads[leg];
+            loads[leg] += self.follow * change;
+            change
+        })
+    }
+}

@@ -1,0 +1,45 @@
+//! Reference lengths and velocities: the reference generator of Figure 2-3.
+
+use super::limit::soft;
+use crate::hexapod::{Hexapod, LEGS, Legs, Motion, Pose, Rate};
+
+/// What the cylinders should do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// m.
+    pub lengths: [f64; LEGS],
+    /// m/s.
+    pub speeds: [f64; LEGS],
+}
+
+impl Reference {
+    /// All cylinders at rest at `length`, m.
+    pub fn still(length: f64) -> Self {
+        Self { lengths: [length; LEGS], speeds: [0.0; LEGS] }
+    }
+
+    /// The deck stands still over a vessel that moves so; kept within ±`limit`, m.
+    pub fn engaged(hexapod: &Hexapod, pose: &Pose, rate: &Rate, limit: f64) -> Self {
+        let deck = hexapod.neutral();
+        let legs = Legs::new(hexapod, pose, &deck);
+        let mut lengths = legs.strokes(hexapod);
+        let still = Rate::default();
+        let mut speeds =
+            legs.velocities(Motion { pose, rate }, Motion { pose: &deck, rate: &still });
+        for (length, speed) in lengths.iter_mut().zip(&mut speeds) {
+            (*length, *speed) = soft(*length, *speed, limit);
+        }
+        Self { lengths, speeds }
+    }
+
+    /// `progress` (0 to 1) of the way from one to another, itself moving at `rate`, 1/s.
+    pub fn between(from: &Self, to: &Self, progress: f64, rate: f64) -> Self {
+        let mix = |from: f64, to: f64| from + progress * (to - from);
+        Self {
+            lengths: std::array::from_fn(|leg| mix(from.lengths[leg], to.lengths[leg])),
+            speeds: std::array::from_fn(|leg| {
+                mix(from.speeds[leg], to.speeds[leg]) + rate * (to.lengths[leg] - from.lengths[leg])
+            }),
+        }
+    }
+}

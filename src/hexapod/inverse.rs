@@ -1,0 +1,74 @@
+//! Lengths and velocities of the cylinders from poses (section A-1).
+
+use super::{Hexapod, LEGS, Pose, Rate};
+use nalgebra::{SMatrix, Vector3};
+
+/// The legs between a base and a deck, in the frame in which both poses are given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legs {
+    /// zᵢ of: unit vectors from base to deck.
+    pub directions: [Vector3<f64>; LEGS],
+    /// ℓᵢ of, m.
+    pub lengths: [f64; LEGS],
+    /// R̄ b, R̄ t of and: from each frame's origin to its gimbals, m.
+    pub base_arms: [Vector3<f64>; LEGS],
+    pub top_arms: [Vector3<f64>; LEGS],
+}
+
+impl Legs {
+    /// to. Nothing is checked: see [`Hexapod::inverse`].
+    pub fn new(hexapod: &Hexapod, base: &Pose, top: &Pose) -> Self {
+        let (base_turn, top_turn) = (base.rotation(), top.rotation());
+        let apart = top.translation - base.translation;
+        let base_arms = hexapod.base.map(|gimbal| base_turn * gimbal);
+        let top_arms = hexapod.top.map(|gimbal| top_turn * gimbal);
+        let spans: [Vector3<f64>; LEGS] =
+            std::array::from_fn(|leg| apart + top_arms[leg] - base_arms[leg]);
+        let lengths = spans.map(|span| span.norm());
+        let directions = std::array::from_fn(|leg| spans[leg] / lengths[leg]);
+        Self { directions, lengths, base_arms, top_arms }
+    }
+
+    /// m.
+    pub fn strokes(&self, hexapod: &Hexapod) -> [f64; LEGS] {
+        self.lengths.map(|length| length - hexapod.neutral_length())
+    }
+
+    /// ℓ̇ᵢ, m/s, while base and deck move, (A-13). Each turns its own arms, so (A-14)'s
+    /// J(ẋ − ẋₛ) is this only where both frames have one origin.
+    pub fn velocities(&self, base: Motion<'_>, top: Motion<'_>) -> [f64; LEGS] {
+        let apart = top.rate.translation - base.rate.translation;
+        let (base_spin, top_spin) = (base.spin(), top.spin());
+        std::array::from_fn(|leg| {
+            let turned =
+                top_spin.cross(&self.top_arms[leg]) - base_spin.cross(&self.base_arms[leg]);
+            self.directions[leg].dot(&(apart + turned))
+        })
+    }
+
+    /// 6×6: takes the deck's velocity and angular velocity (m/s, rad/s) to the cylinders'
+    /// velocities, the base at rest.
+    pub fn jacobian(&self) -> SMatrix<f64, LEGS, LEGS> {
+        let mut jacobian = SMatrix::<f64, LEGS, LEGS>::zeros();
+        for leg in 0..LEGS {
+            let direction = &self.directions[leg];
+            let moment = self.top_arms[leg].cross(direction);
+            jacobian.fixed_view_mut::<1, 3>(leg, 0).copy_from(&direction.transpose());
+            jacobian.fixed_view_mut::<1, 3>(leg, 3).copy_from(&moment.transpose());
+        }
+        jacobian
+    }
+}
+
+/// A frame on the move.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    pub pose: &'a Pose,
+    pub rate: &'a Rate,
+}
+
+impl Motion<'_> {
+    fn spin(&self) -> Vector3<f64> {
+        self.pose.angular_velocity(self.rate)
+    }
+}

@@ -1,0 +1,173 @@
+//! One cylinder with its valve and its load.
+
+use super::PASCAL;
+use super::friction::Friction;
+use super::parameters::Parameters;
+use super::valve::Valve;
+
+/// (3-14), and the spool behind its command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CylinderState {
+    /// l, m; 0 in the middle of the stroke.
+    pub length: f64,
+    /// l̇, m/s; exactly 0 while it sticks.
+    pub speed: f64,
+    /// P_L = P_bot − α P_rod (3-4), bar.
+    pub pressure: f64,
+    /// Main spool, −1 to 1.
+    pub spool: f64,
+}
+
+/// What acts on a cylinder over a sub-step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Commanded spool position.
+    pub spool: f64,
+    /// Mass carried, as a part of the usual.
+    pub load: f64,
+    /// Of the frame along the cylinder, gravity included, m/s².
+    pub acceleration: f64,
+    /// bar.
+    pub supply: f64,
+}
+
+/// Parameters of (3-15) for one cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    valve: Valve,
+    friction: Friction,
+    /// A_p, N/bar.
+    force_per_bar: f64,
+    /// A_p and a_p, m².
+    areas: [f64; 2],
+    area_ratio: f64,
+    /// k, N/m.
+    stiffness: f64,
+    /// kg.
+    mass: f64,
+    /// α of (3-8), bar/m.
+    stiffening: f64,
+    /// β of (3-8), 1/s.
+    leakage: f64,
+    ends: [f64; 2],
+    sub_step: f64,
+    /// What is left of the spool's error after half a sub-step.
+    spool_decay: f64,
+}
+
+impl Cylinder {
+    /// The cylinder of that index, from 0.
+    pub fn new(parameters: &Parameters, index: usize, sub_step: f64) -> Self {
+        let table = &parameters.cylinder;
+        let spread = &parameters.spread;
+        let factors = [spread.extend[index], spread.retract[index]];
+        Self {
+            valve: Valve::new(&parameters.valve, factors, parameters.supply.pressure),
+            friction: parameters.friction,
+            force_per_bar: table.piston_area * PASCAL,
+            areas: [table.piston_area, table.piston_area * table.area_ratio],
+            area_ratio: table.area_ratio,
+            stiffness: table.stiffness,
+            mass: table.load_mass,
+            stiffening: table.pressure_rise,
+            leakage: table.leakage,
+            ends: table.ends,
+            sub_step,
+            spool_decay: (-0.5 * sub_step / parameters.valve.lag).exp(),
+        }
+    }
+
+    pub fn valve(&self) -> &Valve {
+        &self.valve
+    }
+
+    pub fn friction(&self) -> &Friction {
+        &self.friction
+    }
+
+    /// The load pressure, bar, at which the piston needs no friction to stand still at `length`.
+    pub fn balance(&self, length: f64, load: f64, acceleration: f64) -> f64 {
+        (self.stiffness * length + self.mass * load * acceleration) / self.force_per_bar
+    }
+
+    /// The speed, m/s, at which a piston settles that carries its load with the spool at `spool`,
+    /// without friction: flow less leakage.
+    pub fn settled_speed(&self, spool: f64, pressure: f64, supply: f64) -> f64 {
+        self.valve.flow(spool, pressure, supply) - self.leakage / self.stiffening * pressure
+    }
+
+    /// P_bot and P_rod, bar. A valve whose ports match the areas loses the same pressure on both
+    /// sides: P_bot + P_rod = P_S, with (3-4).
+    pub fn chamber_pressures(&self, state: &CylinderState, supply: f64) -> [f64; 2] {
+        let rod = ((supply - state.pressure) / (1.0 + self.area_ratio)).clamp(0.0, supply);
+        [supply - rod, rod]
+    }
+
+    /// Goes on by one sub-step and says what oil it took from the supply, m³/s.
+    pub fn step(&self, state: &mut CylinderState, drive: &Drive) -> f64 {
+        let mass = self.mass * drive.load;
+        let (weight, mobility) = (mass * drive.acceleration, 1.0 / mass);
+        let before = *state;
+        let push = |length: f64, pressure: f64| {
+            self.force_per_bar * pressure - self.stiffness * length - weight
+        };
+        let force = push(before.length, before.pressure);
+        let sticks = before.speed == 0.0 && self.friction.holds(force);
+        let direction = if before.speed == 0.0 { force } else { before.speed };
+        // Dry friction keeps its direction for the sub-step.
+        let acceleration = |direction: f64, speed: f64, force: f64| {
+            let dry = self.friction.dry((speed * direction.signum()).max(0.0));
+            (force - self.friction.viscous * speed - dry.copysign(direction)) * mobility
+        };
+        let half = 0.5 * self.sub_step;
+        let spool = drive.spool + (before.spool - drive.spool) * self.spool_decay;
+        state.spool = drive.spool + (spool - drive.spool) * self.spool_decay;
+
+        let flow = self.valve.flow(before.spool, before.pressure, drive.supply);
+        let middle = CylinderState {
+            length: before.length + half * before.speed,
+            speed: if sticks {
+                0.0
+            } else {
+                before.speed + half * acceleration(direction, before.speed, force)
+            },
+            pressure: before.pressure + half * self.pressure_rise(&before, flow),
+            spool,
+        };
+        let flow = self.valve.flow(spool, middle.pressure, drive.supply);
+        let pressure = before.pressure + self.sub_step * self.pressure_rise(&middle, flow);
+        // Below, the oil of one chamber boils; above, its relief valve opens.
+        state.pressure = pressure.clamp(-self.area_ratio * drive.supply, drive.supply);
+        if !sticks {
+            let force = push(middle.length, middle.pressure);
+            state.length = before.length + self.sub_step * middle.speed;
+            let change = self.sub_step * acceleration(direction, middle.speed, force);
+            state.speed = before.speed + change;
+            if state.speed * direction < 0.0 {
+                // It came to rest on the way: there it stays, or goes back for what is left.
+                let left = self.sub_step * state.speed / change;
+                let back = -direction;
+                let start = acceleration(back, 0.0, force);
+                let goes = !self.friction.holds(force) && start * back > 0.0;
+                state.speed = if goes { left * start } else { 0.0 };
+            }
+            self.stop_at_ends(state);
+        }
+        if flow >= 0.0 { self.areas[0] * flow } else { -self.areas[1] * flow }
+    }
+
+    /// (3-8).
+    fn pressure_rise(&self, state: &CylinderState, flow: f64) -> f64 {
+        self.stiffening * (flow - state.speed) - self.leakage * state.pressure
+    }
+
+    /// The piston meets the cylinder's end without a rebound.
+    fn stop_at_ends(&self, state: &mut CylinderState) {
+        let [low, high] = self.ends;
+        if state.length <= low {
+            (state.length, state.speed) = (low, state.speed.max(0.0));
+        } else if state.length >= high {
+            (state.length, state.speed) = (high, state.speed.min(0.0));
+        }
+    }
+}

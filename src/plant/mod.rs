@@ -1,0 +1,102 @@
+//! The hydraulic servo system: six cylinders on one supply, non-linear as (3-15).
+//!
+//! ```text
+//! spool command ─ lag ─→ spool ─ flow ─→ load pressure ─→ piston ─→ length, speed
+//!                                 ↑ supply pressure        ↑ friction, load
+//! ```
+//!
+//! Integrated in fixed sub-steps by the midpoint rule; the event within a sub-step, the piston's
+//! coming to rest, is taken at its end.
+
+mod cylinder;
+mod friction;
+mod parameters;
+mod supply;
+mod valve;
+
+pub use cylinder::{Cylinder, CylinderState, Drive};
+pub use friction::Friction;
+pub use parameters::{CylinderTable, Parameters, Spread, SupplyTable, ValveTable};
+pub use supply::Supply;
+pub use valve::Valve;
+
+/// Cylinders on one supply.
+pub const CYLINDERS: usize = 6;
+
+/// Pascals in a bar.
+pub const PASCAL: f64 = 1e5;
+
+/// What acts on the plant over one sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inputs {
+    /// Commanded spool positions, −1 to 1.
+    pub spools: [f64; CYLINDERS],
+    /// The masses that the cylinders carry now, as parts of their usual load.
+    pub loads: [f64; CYLINDERS],
+    /// How the frame that a cylinder stands on accelerates along it, gravity included, m/s².
+    pub accelerations: [f64; CYLINDERS],
+}
+
+/// Six cylinders and their supply.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plant {
+    cylinders: [Cylinder; CYLINDERS],
+    supply: Supply,
+    states: [CylinderState; CYLINDERS],
+    sub_step: f64,
+}
+
+impl Plant {
+    /// A plant that is integrated in sub-steps of `sub_step` seconds, at rest with all strokes
+    /// `length`, m.
+    pub fn new(parameters: &Parameters, sub_step: f64, length: f64) -> Self {
+        let state = CylinderState { length, ..CylinderState::default() };
+        Self {
+            cylinders: std::array::from_fn(|index| Cylinder::new(parameters, index, sub_step)),
+            supply: Supply::new(&parameters.supply),
+            states: [state; CYLINDERS],
+            sub_step,
+        }
+    }
+
+    pub fn states(&self) -> &[CylinderState; CYLINDERS] {
+        &self.states
+    }
+
+    /// For a start in the middle of a motion.
+    pub fn states_mut(&mut self) -> &mut [CylinderState; CYLINDERS] {
+        &mut self.states
+    }
+
+    pub fn cylinders(&self) -> &[Cylinder; CYLINDERS] {
+        &self.cylinders
+    }
+
+    /// Supply pressure, bar.
+    pub fn supply_pressure(&self) -> f64 {
+        self.supply.pressure()
+    }
+
+    /// P_bot and P_rod, bar, as pressure transducers would measure them.
+    pub fn chamber_pressures(&self, index: usize) -> [f64; 2] {
+        self.cylinders[index].chamber_pressures(&self.states[index], self.supply.pressure())
+    }
+
+    /// Goes on by `steps` sub-steps under constant inputs.
+    pub fn run(&mut self, inputs: &Inputs, steps: u32) {
+        for _ in 0..steps {
+            let supply = self.supply.pressure();
+            let mut flow = 0.0;
+            for (index, cylinder) in self.cylinders.iter().enumerate() {
+                let drive = Drive {
+                    spool: inputs.spools[index],
+                    load: inputs.loads[index],
+                    acceleration: inputs.accelerations[index],
+                    supply,
+                };
+                flow += cylinder.step(&mut self.states[index], &drive);
+            }
+            self.supply.step(flow, self.sub_step);
+        }
+    }
+}

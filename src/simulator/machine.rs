@@ -1,0 +1,279 @@
+//! The machine without its bus.
+
+use super::Options;
+use super::tables::{Gangway, SensorTable, Tables};
+use crate::controller::{Commands, Controller, LookUp, Readings, State};
+use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
+use crate::plant::{CYLINDERS, CylinderState, Inputs, Plant};
+use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
+use crate::transducer::{Reading, Transducer};
+use nalgebra::Vector3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+
+/// Why there is no such machine.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MachineError {
+    #[error("the sea cannot be: {0}")]
+    Sea(#[from] SeaError),
+    #[error(
+        "a sea of {height} m and {period} s moves the cylinders by {stroke:.2} m within an hour, \
+         and they have {limit} m; take a calmer sea"
+    )]
+    Rough { height: f64, period: f64, stroke: f64, limit: f64 },
+}
+
+/// Streams of the seed.
+const SEA_STREAM: u64 = u64::MAX;
+const SENSOR_STREAM: u64 = u64::MAX - 1;
+
+/// What there is to measure at Sync.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    pub motion: Motion,
+    /// C1 and C2 of each cylinder.
+    pub transducers: [[Reading; 2]; CYLINDERS],
+    /// P_bot and P_rod, bar.
+    pub chambers: [[f64; 2]; CYLINDERS],
+    /// P_L (3-4) of these, bar.
+    pub load_pressures: [f64; CYLINDERS],
+    /// −1 to 1.
+    pub spools: [f64; CYLINDERS],
+    /// bar.
+    pub supply: f64,
+}
+
+/// Sea, vessel, controller, plant and transducers.
+#[derive(Clone, Debug)]
+pub struct Machine {
+    sea: Sea,
+    hexapod: Hexapod,
+    controller: Controller,
+    plant: Plant,
+    transducers: [[Transducer; 2]; CYLINDERS],
+    sensors: SensorTable,
+    area_ratio: f64,
+    loads: [f64; CYLINDERS],
+    gangway: Gangway,
+    motion: Motion,
+    /// Spool positions of the cycle before and of this one.
+    spools: [[f64; CYLINDERS]; 2],
+    /// Sub-steps under the command of the cycle before, and under this one's.
+    sub_steps: [u32; 2],
+    rng: ChaCha8Rng,
+    sample: u64,
+    sample_time: f64,
+}
+
+impl Machine {
+    /// The machine of `tables` in the state that `options` ask for.
+    ///
+    /// # Errors
+    /// If the sea cannot be, or is too rough for the cylinders.
+    pub fn new(tables: &Tables, sample_time: f64, options: &Options) -> Result<Self, MachineError> {
+        let random = |stream| {
+            let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+            rng.set_stream(stream);
+            rng
+        };
+        let [height, period] = options.sea.unwrap_or([tables.sea.height, tables.sea.period]);
+        let spectrum = Spectrum::new(height, period, tables.sea.peakedness)?;
+        let sea = Sea::new(&spectrum, &tables.vessel, sample_time, &mut random(SEA_STREAM));
+        let hexapod = Hexapod::new(&tables.hexapod);
+        refuse_rough(&sea, &hexapod, &spectrum, tables.controller.stroke_limit)?;
+        let sub_steps = options.sub_steps.max(1);
+        let sub_step = sample_time / f64::from(sub_steps);
+        let late = ((tables.controller.latency / sub_step).round() as u32).min(sub_steps);
+        let parameters = tables.plant();
+        let retracted = parameters.cylinder.ends[0];
+        let plant = Plant::new(&parameters, sub_step, retracted);
+        let weights = weights(&hexapod);
+        let loads = parameters.spread.load;
+        let look_ups = std::array::from_fn(|leg| {
+            let cylinder = &plant.cylinders()[leg];
+            let pressure = cylinder.balance(0.0, loads[leg], weights[leg]);
+            LookUp::of(
+                cylinder,
+                tables.controller.speed_limit,
+                pressure,
+                parameters.supply.pressure,
+            )
+        });
+        let mut machine = Self {
+            motion: sea.motion(),
+            sea,
+            controller: Controller::new(
+                &tables.controller,
+                hexapod.clone(),
+                look_ups,
+                retracted,
+                sample_time,
+                options.start,
+            ),
+            hexapod,
+            plant,
+            transducers: std::array::from_fn(|leg| {
+                [&tables.c1, &tables.c2]
+                    .map(|errors| Transducer::new(&tables.transducer, errors, leg, sample_time))
+            }),
+            sensors: tables.sensors,
+            area_ratio: parameters.cylinder.area_ratio,
+            loads,
+            gangway: tables.gangway,
+            spools: [[0.0; CYLINDERS]; 2],
+            sub_steps: [late, sub_steps - late],
+            rng: random(SENSOR_STREAM),
+            sample: 0,
+            sample_time,
+        };
+        machine.settle(options.start);
+        Ok(machine)
+    }
+
+    /// Puts the cylinders where the state has them, as if they had been there for long.
+    fn settle(&mut self, state: State) {
+        let [lengths, speeds] = match state {
+            State::Safe | State::Settled => return,
+            State::Neutral => [[0.0; CYLINDERS]; 2],
+            State::Engaged => {
+                let reference = self.controller.engaged(&self.motion.pose, &self.motion.rate);
+                [reference.lengths, reference.speeds]
+            }
+        };
+        let spools = self.controller.spools(&speeds);
+        let inputs = self.inputs(spools);
+        for leg in 0..CYLINDERS {
+            let acceleration = inputs.accelerations[leg];
+            let pressure =
+                self.plant.cylinders()[leg].balance(lengths[leg], inputs.loads[leg], acceleration);
+            let (length, speed, spool) = (lengths[leg], speeds[leg], spools[leg]);
+            self.plant.states_mut()[leg] = CylinderState { length, speed, pressure, spool };
+        }
+        self.spools = [spools; 2];
+    }
+
+    pub fn request(&mut self, state: State) {
+        self.controller.request(state);
+    }
+
+    /// The platform's state, as the PLC reports it.
+    pub fn state(&self) -> State {
+        self.controller.state()
+    }
+
+    /// The truth about the cylinders, now.
+    pub fn states(&self) -> &[CylinderState; CYLINDERS] {
+        self.plant.states()
+    }
+
+    /// The vessel, now.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Supply pressure, bar.
+    pub fn supply_pressure(&self) -> f64 {
+        self.plant.supply_pressure()
+    }
+
+    pub fn hexapod(&self) -> &Hexapod {
+        &self.hexapod
+    }
+
+    /// Measures everything, once a cycle.
+    pub fn sample(&mut self) -> Sample {
+        let mut sample = Sample { motion: self.motion, ..Sample::default() };
+        for leg in 0..CYLINDERS {
+            let state = self.plant.states()[leg];
+            for which in 0..2 {
+                sample.transducers[leg][which] =
+                    self.transducers[leg][which].read(state.length, state.speed, &mut self.rng);
+            }
+            let chambers = self.plant.chamber_pressures(leg);
+            let [bottom, rod] = chambers.map(|pressure| {
+                let noise: f64 = StandardNormal.sample(&mut self.rng);
+                (pressure + self.sensors.pressure * noise).max(0.0)
+            });
+            sample.chambers[leg] = [bottom, rod];
+            sample.load_pressures[leg] = bottom - self.area_ratio * rod;
+            sample.spools[leg] = state.spool;
+        }
+        let noise: f64 = StandardNormal.sample(&mut self.rng);
+        sample.supply = self.plant.supply_pressure() + self.sensors.supply * noise;
+        sample
+    }
+
+    /// What the controller makes of its readings. It acts from [`Machine::advance`] on.
+    pub fn command(&mut self, readings: &Readings) -> Commands {
+        let commands = self.controller.step(readings);
+        self.spools = [self.spools[1], commands.spools];
+        commands
+    }
+
+    /// Goes on until the next Sync.
+    pub fn advance(&mut self) {
+        let mut inputs = self.inputs(self.spools[0]);
+        self.plant.run(&inputs, self.sub_steps[0]);
+        inputs.spools = self.spools[1];
+        self.plant.run(&inputs, self.sub_steps[1]);
+        self.sea.advance();
+        self.motion = self.sea.motion();
+        self.sample += 1;
+    }
+
+    /// What acts on the cylinders now. Each stands on the vessel: its own frame accelerates.
+    fn inputs(&self, spools: [f64; CYLINDERS]) -> Inputs {
+        let Motion { pose, acceleration, .. } = &self.motion;
+        let legs = Legs::new(&self.hexapod, pose, &self.hexapod.neutral());
+        let lift = acceleration.translation + Vector3::new(0.0, 0.0, GRAVITY);
+        let turn = pose.angular_velocity(acceleration);
+        let phase = self.sample as f64 * self.sample_time * TAU / self.gangway.period;
+        Inputs {
+            spools,
+            loads: std::array::from_fn(|leg| {
+                let bearing = leg as f64 * TAU / CYLINDERS as f64;
+                self.loads[leg] * (1.0 + self.gangway.load * (phase - bearing).cos())
+            }),
+            accelerations: std::array::from_fn(|leg| {
+                legs.directions[leg].dot(&(lift + turn.cross(&legs.base_arms[leg])))
+            }),
+        }
+    }
+}
+
+/// Gravity along the cylinders in the neutral state, m/s².
+fn weights(hexapod: &Hexapod) -> [f64; CYLINDERS] {
+    Legs::new(hexapod, &Pose::default(), &hexapod.neutral())
+        .directions
+        .map(|direction| GRAVITY * direction.z)
+}
+
+/// The largest stroke of an hour, as Rayleigh's distribution has it, must be within `limit`, m.
+fn refuse_rough(
+    sea: &Sea,
+    hexapod: &Hexapod,
+    spectrum: &Spectrum,
+    limit: f64,
+) -> Result<(), MachineError> {
+    let (calm, deck, still) = (Pose::default(), hexapod.neutral(), Rate::default());
+    let legs = Legs::new(hexapod, &calm, &deck);
+    let (height, period) = (spectrum.height(), spectrum.period());
+    let waves = 3600.0 / period;
+    let stroke = (0..CYLINDERS)
+        .map(|leg| {
+            // Strokes are to small motions what their velocities are to rates.
+            let stroke = |pose: &Pose| {
+                let rate = Rate { translation: pose.translation, attitude: pose.attitude };
+                let base = Moving { pose: &calm, rate: &rate };
+                legs.velocities(base, Moving { pose: &deck, rate: &still })[leg]
+            };
+            sea.deviation(stroke) * (2.0 * waves.ln()).sqrt()
+        })
+        .fold(0.0, f64::max);
+    if stroke > limit {
+        return Err(MachineError::Rough { height, period, stroke, limit });
+    }
+    Ok(())
+}

@@ -1,0 +1,64 @@
+//! What the frames of a cycle carry.
+
+use super::machine::Sample;
+use crate::controller::{Commands, State};
+
+/// Where a signal's value comes from; `usize` is the cylinder, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// One up in each cycle, as many bits as the signal has.
+    Counter,
+    /// 0: nothing to report.
+    Status,
+    /// Of transducer 0 (C1) or 1 (C2).
+    Length(usize, usize),
+    Speed(usize, usize),
+    Command(usize),
+    Spool(usize),
+    Bottom(usize),
+    Rod(usize),
+    /// Surge, sway, heave.
+    Translation(usize),
+    /// Roll, pitch, yaw.
+    Attitude(usize),
+    State,
+    Supply,
+}
+
+/// The values of one cycle, in the units of the default layout.
+#[derive(Clone, Debug, Default)]
+pub struct Values {
+    sample: Sample,
+    commands: Commands,
+    state: f64,
+    pub cycle: u64,
+}
+
+impl Values {
+    pub fn sampled(&mut self, sample: &Sample, state: State, cycle: u64) {
+        self.sample = *sample;
+        self.state = f64::from(state as u8);
+        self.cycle = cycle;
+    }
+
+    pub fn commanded(&mut self, commands: &Commands) {
+        self.commands = *commands;
+    }
+
+    /// The value of a signal that is not a counter.
+    pub fn of(&self, origin: Origin) -> f64 {
+        match origin {
+            Origin::Counter | Origin::Status => 0.0,
+            Origin::Length(cylinder, which) => self.sample.transducers[cylinder][which].length,
+            Origin::Speed(cylinder, which) => self.sample.transducers[cylinder][which].speed,
+            Origin::Command(cylinder) => self.commands.speeds[cylinder],
+            Origin::Spool(cylinder) => 100.0 * self.sample.spools[cylinder],
+            Origin::Bottom(cylinder) => self.sample.chambers[cylinder][0],
+            Origin::Rod(cylinder) => self.sample.chambers[cylinder][1],
+            Origin::Translation(axis) => self.sample.motion.pose.translation[axis],
+            Origin::Attitude(axis) => self.sample.motion.pose.attitude[axis],
+            Origin::State => self.state,
+            Origin::Supply => self.sample.supply,
+        }
+    }
+}
