@@ -2,7 +2,9 @@
 //! what runs the gateway.
 
 mod activity;
+mod journald;
 pub mod link_watch;
 pub mod logging;
+pub mod realtime;
 pub mod surroundings;
 mod watchdog;

@@ -48,6 +48,7 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("comparator", Kind::Table(&COMPARATOR), "", "thresholds of R3, m"),
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
+    Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
     Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "what one cylinder has of its own"),
 ] };
 
@@ -209,6 +210,14 @@ static GATEWAY: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
+static REALTIME: Table = Table { keys: &[
+    Key::optional("priority", whole(0, 99, "SCHED_FIFO has priorities 1 to 99; 0 is ordinary"), "0",
+        "the real-time priority of the data path, from the gateway's start on; 0 for none"),
+    Key::optional("lock_memory", Kind::One(Scalar::Switch), "false",
+        "whether the gateway's memory is locked, from its start on"),
+] };
+
+#[rustfmt::skip]
 static CYLINDER: Table = Table { keys: &[
     Key::required("n",
         whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
@@ -282,6 +291,7 @@ mod tests {
             (&ALARM, fields::<settings::Alarm>()),
             (&LEVELS, fields::<settings::Levels>()),
             (&GATEWAY, fields::<settings::Gateway>()),
+            (&REALTIME, fields::<settings::Realtime>()),
             (&CYLINDER, fields::<settings::Cylinder>()),
         ];
         for (table, fields) in tables {

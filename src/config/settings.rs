@@ -28,6 +28,8 @@ pub struct Settings {
     pub alarm: Alarm,
     #[serde(default)]
     pub gateway: Gateway,
+    #[serde(default)]
+    pub realtime: Realtime,
     /// Overrides per cylinder; at most one table for each number.
     #[serde(default)]
     pub cylinder: Vec<Cylinder>,
@@ -262,6 +264,16 @@ impl Default for Gateway {
     fn default() -> Self {
         Self { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 }
     }
+}
+
+/// What the gateway asks of the kernel as it starts. A reload changes neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Realtime {
+    /// SCHED_FIFO priority of the data path, 1 to 99; 0 for none.
+    pub priority: u8,
+    /// Whether all memory, present and future, is locked.
+    pub lock_memory: bool,
 }
 
 /// What one cylinder has of its own.
