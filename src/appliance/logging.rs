@@ -66,3 +66,15 @@ pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
 fn worker(out: impl io::Write + Send + 'static) -> (NonBlocking, WorkerGuard) {
     NonBlockingBuilder::default().lossy(true).buffered_lines_limit(WAITING_LINES).finish(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_journal_is_a_wrong_call() {
+        let failure = Failure::from(LogError::NoJournal(io::ErrorKind::NotFound.into()));
+        assert_eq!(failure.exit_code(), 2);
+        assert!(failure.to_string().contains("use --log json"), "{failure}");
+    }
+}

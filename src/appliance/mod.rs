@@ -2,6 +2,7 @@
 //! what runs the gateway.
 
 mod activity;
+pub mod doctor;
 mod journald;
 pub mod link_watch;
 pub mod logging;

@@ -1,6 +1,7 @@
 //! The commands.
 
 mod check;
+mod doctor;
 mod failure;
 mod inject;
 mod machine;
@@ -29,6 +30,7 @@ enum Command {
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
+    Doctor(doctor::Doctor),
     Inject(inject::Inject),
 }
 
@@ -42,6 +44,7 @@ impl Arguments {
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Doctor(doctor) => doctor.run(),
             Command::Inject(inject) => inject.run(),
         }
     }
