@@ -20,7 +20,7 @@
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
-//!   it. [`appliance`]: the box around it: signals, the service manager, the log.
+//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box around it: signals, the service manager, the log.
 //! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
 //!   [`cli`]: the commands.
@@ -41,11 +41,13 @@ pub mod config;
 pub mod decode;
 pub mod error_frame;
 pub mod frame;
+pub mod identify;
 pub mod inject;
 pub mod live;
 pub mod monitor;
 pub mod observe;
 pub mod report;
 pub mod sample;
+pub mod survey;
 pub mod time;
 pub mod verdict;

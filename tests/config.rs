@@ -6,7 +6,7 @@ mod common;
 use common::{EXAMPLE, broken, refusal};
 use tertius::alarm::Level;
 use tertius::config::settings::{
-    Alarm, Comparator, Fde, Gateway, Model, Observer, Plausibility, Realtime,
+    Alarm, Comparator, Fde, Gateway, Http, Model, Observer, Plausibility, Realtime,
 };
 use tertius::config::{MAX_PROBLEMS, MAX_SIZE, parse};
 
@@ -37,6 +37,7 @@ fn absent_tables_have_the_values_of_the_thesis() {
     assert_eq!(settings.cycle_deadline(), 0.016);
     assert_eq!(settings.machine.max_gap, 0.1);
     assert_eq!(settings.gateway, Gateway { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 });
+    assert_eq!(settings.http.address(), Some("127.0.0.1:9481".parse().expect("an address")));
     assert_eq!(settings.realtime, Realtime { priority: 0, lock_memory: false });
     assert_eq!(settings.plausibility, Plausibility::default());
     assert_eq!(settings.plausibility.broken_wire_codes, [32767]);
@@ -58,6 +59,7 @@ fn the_shipped_machine_is_the_defaults_written_out() {
     assert_eq!(settings.comparator, Comparator::default());
     assert_eq!(settings.alarm, Alarm::default());
     assert_eq!(settings.gateway, Gateway::default());
+    assert_eq!(settings.http, Http::default());
     assert_eq!(settings.realtime, Realtime::default());
     let plausibility =
         Plausibility { status_mask: 3, valid_raw: Some([1, 27648]), ..Plausibility::default() };
@@ -76,12 +78,34 @@ fn a_cylinder_has_its_own_values_or_those_of_the_machine() {
     assert_eq!(settings.comparator_of(1), (1.0, 0.0));
     assert_eq!(settings.model_of(4), (Model::default().theta, [1.0, 2.5]));
     assert_eq!(settings.model_of(3), (Model::default().theta, Model::default().gamma));
+    let given = broken("[model]", "[model]\ncommand_offset = 0.02");
+    let given = given.replace("n = 1\n", "n = 2\ncommand_offset = -0.1\n");
+    let (settings, _) = parse("own.toml", &given).expect("it is sound");
+    assert_eq!((settings.command_offset_of(1), settings.command_offset_of(2)), (0.02, -0.1));
+    assert_eq!(settings.machine.area_ratio, 0.5);
     let given = broken("[bus]", "cycle_deadline = 0.012\n[bus]");
     let (settings, _) = parse("own.toml", &given).expect("it is sound");
     assert_eq!(settings.cycle_deadline(), 0.012);
     let given = broken("critical = 0.05", "critical = 0.05\nlow = 1e-3");
     let (settings, _) = parse("own.toml", &given).expect("it is sound");
     assert_eq!(settings.comparator_low(), 1e-3);
+}
+
+#[test]
+fn http_listens_where_it_is_told_or_nowhere() {
+    let with = |listen| format!("{EXAMPLE}[http]\nlisten = \"{listen}\"\n");
+    for (listen, address) in
+        [("0.0.0.0:80", Some("0.0.0.0:80")), ("[::1]:9000", Some("[::1]:9000")), ("off", None)]
+    {
+        let (settings, _) = parse("http.toml", &with(listen)).expect("it is sound");
+        assert_eq!(settings.http.address().map(|found| found.to_string()).as_deref(), address);
+    }
+    for listen in ["", "9481", "localhost:9481", "127.0.0.1", "127.0.0.1:99999", "Off", "::1:80"] {
+        let lines = refusal(&with(listen));
+        let expected = format!("`http.listen` is \"{listen}\", but must be ADDRESS:PORT or off");
+        assert!(lines.len() == 1 && lines[0].contains(&expected), "{lines:#?}");
+        assert!(lines[0].contains("127.0.0.1:9481"), "{lines:#?}");
+    }
 }
 
 #[test]

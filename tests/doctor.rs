@@ -7,6 +7,8 @@ mod support;
 
 use facts::{hear, machine, set, sound};
 use serde_json::Value;
+use std::fs;
+use std::net::TcpListener;
 use support::{Scratch, tertius};
 use tertius::appliance::doctor::facts::{Bus, Facts, Interface};
 use tertius::appliance::doctor::{Finding, Verdict, examine};
@@ -375,6 +377,10 @@ fn doctor(config: &str, options: &[&str]) -> support::Run {
 fn an_interface_that_is_not_there_fails_and_the_rest_is_told() {
     let scratch = Scratch::new();
     let config = scratch.config(&[("\"can0\"", "\"t-none\"")]);
+    let taken = TcpListener::bind("127.0.0.1:0").expect("there is a loopback");
+    let address = taken.local_addr().expect("it has one");
+    let text = fs::read_to_string(&config).expect("it was written");
+    fs::write(&config, format!("{text}\n[http]\nlisten = \"{address}\"\n")).expect("as before");
     let run = doctor(&config, &[]).failed(1, &["failed"]);
     let line = |subject: &str| {
         let of = |line: &&str| line.split_whitespace().nth(1) == Some(subject);
@@ -383,6 +389,8 @@ fn an_interface_that_is_not_there_fails_and_the_rest_is_told() {
     assert!(line("configuration").starts_with("ok"), "{}", run.stdout);
     assert!(line("interface").starts_with("FAIL"), "{}", run.stdout);
     assert!(line("interface").contains("there is no interface t-none"), "{}", run.stdout);
+    assert!(line("http").starts_with("FAIL"), "{}", run.stdout);
+    assert!(line("http").contains(&format!("{address} cannot be listened on")), "{}", run.stdout);
     for subject in ["dbc", "can", "rights", "clock", "service"] {
         line(subject);
     }
@@ -400,7 +408,9 @@ fn an_interface_that_is_not_there_fails_and_the_rest_is_told() {
 #[test]
 fn the_embedded_bus_has_nothing_that_could_fail() {
     let scratch = Scratch::new();
-    let config = scratch.config(&[("\"can0\"", "\"virtual\"")]);
+    // Without HTTP, whose port may be another's.
+    let virtual_bus = [("\"can0\"", "\"virtual\""), ("[bus]", "[http]\nlisten = \"off\"\n[bus]")];
+    let config = scratch.config(&virtual_bus);
     let text = doctor(&config, &[]).ok().stdout;
     assert!(text.contains("the embedded bus") && !text.contains("FAIL"), "{text}");
 }

@@ -5,7 +5,8 @@ mod support;
 
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::time::{Duration, Instant};
 use support::{Scratch, top};
 use tertius::appliance::realtime::{Refused, be_ordinary, set_priority};
 
@@ -24,15 +25,40 @@ fn own_policy() -> String {
     policy(&fs::read_to_string("/proc/thread-self/stat").expect("it is Linux")).0
 }
 
-/// A gateway that waits for an interface, until it said `words`; what it said.
-fn start(mut command: Command, words: &str) -> (Child, String) {
+/// Waits until the data path has the policy and priority `wanted`, and every other thread of those
+/// names, and of any, is ordinary: a new one needs its moment to give up what it inherited.
+fn wait_for_policies(child: &Child, wanted: (&str, &str), names: &[&str]) {
+    let started = Instant::now();
+    loop {
+        let tasks = fs::read_dir(format!("/proc/{}/task", child.id())).expect("it runs");
+        // One that ends meanwhile has no policy.
+        let stats =
+            tasks.filter_map(|task| fs::read_to_string(task.ok()?.path().join("stat")).ok());
+        let stats: Vec<String> = stats.collect();
+        let (data_path, others): (Vec<&String>, Vec<&String>) =
+            stats.iter().partition(|stat| stat.starts_with(&format!("{} ", child.id())));
+        let found = policy(data_path[0]);
+        assert_eq!((&*found.0, &*found.1), wanted);
+        let there = |name: &&str| others.iter().any(|stat| stat.contains(&format!("({name})")));
+        if names.iter().all(|name| there(name))
+            && others.iter().all(|stat| policy(stat).0 == SCHED_OTHER)
+        {
+            return;
+        }
+        assert!(started.elapsed() < Duration::from_secs(30), "{stats:#?}");
+        std::thread::yield_now();
+    }
+}
+
+/// A gateway that waits for an interface, once it said `words`; its log, and what it said.
+fn start(mut command: Command, words: &str) -> (Child, BufReader<ChildStderr>, String) {
     let mut child = command.stderr(Stdio::piped()).spawn().expect("it starts");
     let mut said = String::new();
     let mut log = BufReader::new(child.stderr.take().expect("it is piped"));
     while !said.contains(words) {
         assert_ne!(log.read_line(&mut said).expect("UTF-8"), 0, "{words:?} is not in\n{said}");
     }
-    (child, said)
+    (child, log, said)
 }
 
 fn end(mut child: Child) {
@@ -41,7 +67,8 @@ fn end(mut child: Child) {
 }
 
 fn config(scratch: &Scratch) -> String {
-    let realtime = "\n[realtime]\npriority = 7\nlock_memory = true\n";
+    let realtime = "\n[realtime]\npriority = 7\nlock_memory = true\n\
+                    [http]\nlisten = \"127.0.0.1:0\"\n";
     let path = scratch.config(&[("\"can0\"", "\"t-none\"")]);
     let text = fs::read_to_string(&path).expect("it was written");
     scratch.write("e-type.toml", text + realtime)
@@ -51,27 +78,28 @@ fn config(scratch: &Scratch) -> String {
 fn the_data_path_alone_runs_in_real_time() {
     let scratch = Scratch::new();
     let mut command = Command::new(env!("CARGO_BIN_EXE_tertius"));
-    command.args(["run", "--config", &config(&scratch)]).current_dir(top());
-    let (child, said) = start(command, "no bus");
+    let path = config(&scratch);
+    command.args(["run", "--config", &path]).current_dir(top());
+    let (child, mut log, mut said) = start(command, "no bus");
     let granted = said.contains("the data path runs in real time priority=7");
     let refused = said.contains("no real-time priority 7: ");
     assert!(granted != refused, "one or the other is said\n{said}");
     let locked = said.contains("memory is locked");
     assert!(locked != said.contains("memory is not locked: "), "one or the other\n{said}");
 
-    let mut others = 0;
-    for task in fs::read_dir(format!("/proc/{}/task", child.id())).expect("it runs") {
-        let task = task.expect("it is there");
-        let found = policy(&fs::read_to_string(task.path().join("stat")).expect("it is there"));
-        if task.file_name().to_str() == Some(&child.id().to_string()) {
-            let wanted = if granted { (SCHED_FIFO, "7") } else { (SCHED_OTHER, "0") };
-            assert_eq!((&*found.0, &*found.1), wanted);
-        } else {
-            assert_eq!(found.0, SCHED_OTHER);
-            others += 1;
-        }
+    let wanted = if granted { (SCHED_FIFO, "7") } else { (SCHED_OTHER, "0") };
+    wait_for_policies(&child, wanted, &["http", "link"]);
+
+    // Threads that the data path starts later have none of it either.
+    let moved =
+        fs::read_to_string(&path).expect("it was written").replace("127.0.0.1", "127.0.0.2");
+    fs::write(&path, moved).expect("the folder is ours");
+    Command::new("kill").args(["-s", "HUP", &child.id().to_string()]).status().expect("kill");
+    while !said.contains("was read again") {
+        assert_ne!(log.read_line(&mut said).expect("UTF-8"), 0, "no reload in\n{said}");
     }
-    assert!(others >= 1, "the log has a worker");
+    wait_for_policies(&child, wanted, &["http", "link"]);
+
     let status = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("it runs");
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmLck:"));
     assert_eq!(kilobytes.is_some_and(|text| text.trim() != "0 kB"), locked, "{status}");
@@ -91,7 +119,7 @@ fn without_the_rights_it_says_what_to_do_and_goes_on() {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).arg(env!("CARGO_BIN_EXE_tertius"));
     command.args(["run", "--config", &config(&scratch)]).current_dir(top());
-    let (child, said) = start(command, "no bus");
+    let (child, _log, said) = start(command, "no bus");
     for words in [
         "no real-time priority 7: Operation not permitted; as a service, install tertius-realtime",
         "`ulimit -r 7` or CAP_SYS_NICE; going on without",

@@ -13,11 +13,22 @@ use std::path::{Path, PathBuf};
 const WORLDLY: [&str; 6] = ["appliance/", "bus/", "cli/", "live/", "config/loader.rs", "main.rs"];
 
 /// Crates that bring the world with them.
-const WORLDLY_CRATES: [&str; 8] =
-    ["tokio", "socketcan", "libc", "nix", "rustix", "mio", "chrono", "getrandom"];
+const WORLDLY_CRATES: [&str; 11] = [
+    "tokio",
+    "axum",
+    "hyper",
+    "hyper_util",
+    "socketcan",
+    "libc",
+    "nix",
+    "rustix",
+    "mio",
+    "chrono",
+    "getrandom",
+];
 
 /// Of `std` the core may use these modules, of `std::time` and others only the items named.
-const ALLOWED: [&str; 26] = [
+const ALLOWED: [&str; 27] = [
     "array",
     "borrow",
     "boxed",
@@ -33,6 +44,7 @@ const ALLOWED: [&str; 26] = [
     "iter",
     "marker",
     "mem",
+    "net::SocketAddr",
     "num",
     "ops",
     "ptr::eq",

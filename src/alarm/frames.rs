@@ -16,6 +16,11 @@ impl OwnFrame {
     pub const fn as_frame(&self) -> &Frame {
         &self.0
     }
+
+    /// Whether it is an Fd_Warning.
+    pub fn is_warning(&self) -> bool {
+        self.0.id.value() & !u32::from(u8::MAX >> 1) == TPDO[1]
+    }
 }
 
 /// COB-IDs of the gateway's TPDO1, TPDO2 and TPDO3 in CANopen's predefined connection set.

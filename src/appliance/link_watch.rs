@@ -24,12 +24,12 @@ pub struct LinkWatch {
 }
 
 impl LinkWatch {
-    /// Starts looking as soon as an interface is named. `seen` gets each state; changes go to the
-    /// log.
+    /// Starts looking as soon as an interface is named. `seen` gets each state, `None` where there is
+    /// no such interface; changes go to the log.
     ///
     /// # Errors
     /// If there can be no thread.
-    pub fn start(seen: impl FnMut(&LinkState) + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(seen: impl FnMut(Option<&LinkState>) + Send + 'static) -> std::io::Result<Self> {
         let (names, named) = sync_channel(WAITING);
         let builder = std::thread::Builder::new().name("link".to_owned());
         let thread = builder.spawn(move || look(&named, seen))?;
@@ -55,17 +55,17 @@ impl Drop for LinkWatch {
     }
 }
 
-fn look(named: &Receiver<String>, mut seen: impl FnMut(&LinkState)) {
+fn look(named: &Receiver<String>, mut seen: impl FnMut(Option<&LinkState>)) {
     realtime::be_ordinary();
     let Ok(mut interface) = named.recv() else { return };
     let mut last = None;
     loop {
         // An interface that is not there is the data path's to tell.
-        if let Ok(link) = LinkState::read(&interface) {
-            tell_change(&interface, last, link.state);
-            last = link.state;
-            seen(&link);
-        }
+        let link = LinkState::read(&interface).ok();
+        let state = link.as_ref().and_then(|link| link.state);
+        tell_change(&interface, last, state);
+        last = state;
+        seen(link.as_ref());
         match named.recv_timeout(PERIOD) {
             Ok(name) if name != interface => (interface, last) = (name, None),
             Ok(_) | Err(RecvTimeoutError::Timeout) => {}

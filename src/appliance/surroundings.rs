@@ -1,21 +1,27 @@
 //! What surrounds the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
+use super::link_watch::LinkWatch;
+use super::site::Site;
+use super::telemetry::Recorder;
+use super::telemetry::clock::SystemClock;
 use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::Port;
 use crate::cli::Failure;
+use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Surroundings, Wish};
-use crate::monitor::Notice;
+use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +31,20 @@ use tracing::{info, warn};
 /// The slice in which a wait looks for signals.
 const SLICE: Duration = Duration::from_millis(50);
 
-type Prepare = Box<dyn FnMut() -> Result<(Gateway, Box<dyn Opener>), Failure>>;
+/// What a configuration leads to.
+pub struct Prepared {
+    pub gateway: Gateway,
+    /// Opens the interface.
+    pub opener: Box<dyn Opener>,
+    /// The interface's name; `None` for the embedded bus.
+    pub interface: Option<String>,
+    /// Where HTTP listens.
+    pub listen: Option<SocketAddr>,
+    /// Only as the gateway starts.
+    pub realtime: Realtime,
+}
+
+type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
 
 /// The surroundings of the gateway on a box.
 pub struct Appliance {
@@ -34,6 +53,9 @@ pub struct Appliance {
     prepare: Prepare,
     watchdog: Watchdog,
     activity: Activity,
+    recorder: Recorder,
+    site: Site,
+    links: Option<LinkWatch>,
 }
 
 impl Appliance {
@@ -48,7 +70,16 @@ impl Appliance {
         }
         flag::register(SIGHUP, Arc::clone(&reload))?;
         let (watchdog, activity) = (Watchdog::new(), Activity::new());
-        Ok(Self { stop, reload, prepare, watchdog, activity })
+        let recorder = Recorder::new(Arc::new(SystemClock::new()));
+        let telemetry = Arc::clone(recorder.telemetry());
+        let links = LinkWatch::start(move |link| match link {
+            Some(link) => telemetry.link(link),
+            None => telemetry.link_unknown(),
+        });
+        // Without it the error frames still tell of the controller.
+        let links = links.ok();
+        let site = Site::default();
+        Ok(Self { stop, reload, prepare, watchdog, activity, recorder, site, links })
     }
 
     /// Set, it stops the gateway as SIGTERM does.
@@ -56,9 +87,18 @@ impl Appliance {
         Arc::clone(&self.stop)
     }
 
-    pub fn starting(&self, config: &Path) {
+    /// The gateway of the configuration `config` starts, on `interface`, and HTTP on `listen`.
+    pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>, interface: Option<&str>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
+        self.site.listen(listen, &self.recorder);
+        self.watch(interface);
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
+    }
+
+    fn watch(&self, interface: Option<&str>) {
+        if let (Some(links), Some(interface)) = (&self.links, interface) {
+            links.name(interface);
+        }
     }
 
     pub fn stopped(&self) {
@@ -68,7 +108,12 @@ impl Appliance {
 }
 
 impl Journal for Appliance {
+    fn record(&mut self, record: &Record) {
+        self.recorder.record(record);
+    }
+
     fn warning(&mut self, warning: &Warning) {
+        self.recorder.warning(warning);
         let finding = &warning.finding;
         let state = warning.state.name();
         let residual = finding.residual.map(|residual| residual * 1e3);
@@ -125,8 +170,8 @@ impl Journal for Appliance {
         }
     }
 
-    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
-        _ = (frame, at);
+    fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {
+        self.recorder.sent(frame);
     }
 }
 
@@ -155,6 +200,7 @@ impl Surroundings for Appliance {
     }
 
     fn opened(&mut self, port: &dyn Port) {
+        self.recorder.opened();
         let description = port.description();
         info!("open: {description}");
         tell(&[NotifyState::Status(&description)]);
@@ -165,18 +211,27 @@ impl Surroundings for Appliance {
         tell(&[NotifyState::Status(reason)]);
     }
 
+    fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.recorder.closed(gateway, port);
+    }
+
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.watchdog.feed();
+        self.recorder.turned(gateway, port);
         self.activity.look(gateway, port);
     }
 
     fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(prepared) => {
+            Ok(Prepared { gateway, opener, interface, listen, realtime: _ }) => {
                 info!("the configuration was read again; everything is judged anew");
-                Some(prepared)
+                self.recorder.reloaded();
+                self.site.listen(listen, &self.recorder);
+                self.watch(interface.as_deref());
+                Some((gateway, opener))
             }
             Err(failure) => {
+                self.recorder.refused();
                 warn!("the new configuration is refused, the old one goes on: {failure}");
                 None
             }

@@ -63,7 +63,7 @@ impl Doctor {
         let machine = Machine::load(&self.config)?;
         let embedded = machine.loaded.settings.bus.interface == "virtual";
         let wanted = wanted(&machine, &self.config)?;
-        let facts = gather(wanted, embedded, None, self.listen);
+        let facts = gather(wanted, embedded, machine.loaded.settings.http.address(), self.listen);
         let findings = examine(&facts);
         let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
         let (warned, failed) = (count(Verdict::Warn), count(Verdict::Fail));

@@ -37,6 +37,15 @@ impl Machine {
             .map_err(|flaws| refusal(&loaded, &flaws))?;
         Ok(Self { loaded, database, design })
     }
+
+    /// A design that reads the pressures, too, for who learns from a recording.
+    ///
+    /// # Errors
+    /// Pressures that cannot be used.
+    pub fn surveying(&self) -> Result<MonitorDesign, Failure> {
+        MonitorDesign::surveying(&self.loaded.settings, &self.database)
+            .map_err(|flaws| refusal(&self.loaded, &flaws))
+    }
 }
 
 fn refusal(loaded: &Loaded, flaws: &[Flaw]) -> Failure {

@@ -3,6 +3,7 @@
 mod check;
 mod doctor;
 mod failure;
+mod identify;
 mod inject;
 mod machine;
 mod output;
@@ -11,6 +12,7 @@ mod progress;
 mod proxy;
 mod replay;
 mod run;
+mod survey;
 mod virtual_bus;
 
 use clap::{Parser, Subcommand};
@@ -32,6 +34,7 @@ enum Command {
     Check(check::Check),
     Doctor(doctor::Doctor),
     Inject(inject::Inject),
+    Identify(identify::Identify),
 }
 
 impl Arguments {
@@ -46,6 +49,7 @@ impl Arguments {
             Command::Check(check) => check.run(),
             Command::Doctor(doctor) => doctor.run(),
             Command::Inject(inject) => inject.run(),
+            Command::Identify(identify) => identify.run(),
         }
     }
 }

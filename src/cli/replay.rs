@@ -48,7 +48,7 @@ enum Format {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Stamps {
+pub enum Stamps {
     /// As they look
     Auto,
     /// Time of day (candump -ta, -tA)

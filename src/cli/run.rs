@@ -5,7 +5,7 @@ use super::machine::Machine;
 use super::virtual_bus::{self, PlayOptions, Stage};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
-use crate::appliance::surroundings::Appliance;
+use crate::appliance::surroundings::{Appliance, Prepared};
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Identifiers, Port};
 use crate::frame::Id;
@@ -42,17 +42,18 @@ impl Run {
     /// for.
     pub fn run(self) -> Result<(), Failure> {
         let stage = self.play.stage(&self.config)?;
-        let (gateway, opener) = prepare(&self.config, stage.as_ref())?;
+        let Prepared { gateway, opener, listen, interface, realtime } =
+            prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
-        appliance.starting(&self.config);
+        appliance.starting(&self.config, listen, interface.as_deref());
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
-        realtime::apply(Machine::load(&self.config)?.loaded.settings.realtime);
+        realtime::apply(realtime);
         supervisor::run(gateway, opener, &mut appliance);
         appliance.stopped();
         stage.map_or(Ok(()), |stage| stage.finish())
@@ -67,7 +68,7 @@ const BURST: u32 = 37;
 
 /// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
 /// `stage`.
-fn prepare(path: &Path, stage: Option<&Stage>) -> Result<(Gateway, Box<dyn Opener>), Failure> {
+fn prepare(path: &Path, stage: Option<&Stage>) -> Result<Prepared, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
     let limits = Limits {
@@ -81,11 +82,13 @@ fn prepare(path: &Path, stage: Option<&Stage>) -> Result<(Gateway, Box<dyn Opene
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
     let name = settings.bus.interface.clone();
-    let opener: Box<dyn Opener> = match virtual_bus::wanted(stage, &name)? {
-        Some(stage) => stage.opener(identifiers),
-        None => Box::new(Interface { name, identifiers }),
+    let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
+        Some(stage) => (stage.opener(identifiers), None),
+        None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
-    Ok((Gateway::new(Monitor::new(machine.design), outbox, guard), opener))
+    let (listen, realtime) = (settings.http.address(), settings.realtime);
+    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
+    Ok(Prepared { gateway, opener, listen, interface, realtime })
 }
 
 /// A SocketCAN interface by name.

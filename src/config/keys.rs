@@ -48,6 +48,7 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("comparator", Kind::Table(&COMPARATOR), "", "thresholds of R3, m"),
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
+    Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
     Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
     Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "what one cylinder has of its own"),
 ] };
@@ -64,6 +65,9 @@ static MACHINE: Table = Table { keys: &[
     Key::required("stroke",
         numbers(2, Limits::finite("the ends of the cylinder's reach in metres")),
         "[-1.5, 1.5]", "the cylinder's reach, retracted and extended, m"),
+    Key::optional("area_ratio",
+        number(Limits::above(0.0, "the rod side's area by the bottom side's, (3-5)").most(1.0)),
+        "0.5", "the area ratio of (3-5), by which P_L is made of the chambers' pressures"),
     Key::optional("monitored_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"engaged\"]", "the platform states in which FDE1 and FDE2 judge; absent: always"),
@@ -117,6 +121,8 @@ static CYLINDER_SIGNALS: Table = Table { keys: &[
         "the pressure in the bottom chamber"),
     Key::optional("pressure_rod", text(TextRule::CylinderSignal), "\"Cyl{n}_Valve.PressureRod\"",
         "the pressure in the rod chamber"),
+    Key::optional("load_pressure", text(TextRule::CylinderSignal), "\"Cyl{n}_Load.Pressure\"",
+        "the load pressure P_L itself, bar, where the machine sends it"),
 ] };
 
 #[rustfmt::skip]
@@ -144,6 +150,8 @@ static MODEL: Table = Table { keys: &[
         "[-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023]", "theta of (4-1)"),
     Key::optional("gamma", numbers(2, Limits::finite(FINITE)), "[0.0926, 6.5427]",
         "gamma of (4-1)"),
+    Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
+        "the command at which a cylinder rests, m/s; (4-1) takes u less this"),
 ] };
 
 #[rustfmt::skip]
@@ -210,6 +218,12 @@ static GATEWAY: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
+static HTTP: Table = Table { keys: &[
+    Key::optional("listen", text(TextRule::Listen), "\"127.0.0.1:9481\"",
+        "where /health and /metrics are served, ADDRESS:PORT; or off"),
+] };
+
+#[rustfmt::skip]
 static REALTIME: Table = Table { keys: &[
     Key::optional("priority", whole(0, 99, "SCHED_FIFO has priorities 1 to 99; 0 is ordinary"), "0",
         "the real-time priority of the data path, from the gateway's start on; 0 for none"),
@@ -230,6 +244,8 @@ static CYLINDER: Table = Table { keys: &[
         "[-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023]", "theta of (4-1) for this cylinder"),
     Key::optional("gamma", numbers(2, Limits::finite(FINITE)), "[0.0926, 6.5427]",
         "gamma of (4-1) for this cylinder"),
+    Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
+        "the command at which this cylinder rests, m/s"),
 ] };
 
 #[cfg(test)]
@@ -291,6 +307,7 @@ mod tests {
             (&ALARM, fields::<settings::Alarm>()),
             (&LEVELS, fields::<settings::Levels>()),
             (&GATEWAY, fields::<settings::Gateway>()),
+            (&HTTP, fields::<settings::Http>()),
             (&REALTIME, fields::<settings::Realtime>()),
             (&CYLINDER, fields::<settings::Cylinder>()),
         ];

@@ -11,6 +11,12 @@ impl Settings {
         (theta.unwrap_or(self.model.theta), gamma.unwrap_or(self.model.gamma))
     }
 
+    /// The command at which cylinder `n` rests, m/s: its own, else that of `[model]`.
+    pub fn command_offset_of(&self, n: u8) -> f64 {
+        let own = self.own(n).and_then(|cylinder| cylinder.command_offset);
+        own.unwrap_or(self.model.command_offset)
+    }
+
     /// `(a, b)` of (5-20) for cylinder `n`, b in metres: Ĉ2 = a·C2 + b; without a table (1, 0).
     pub fn comparator_of(&self, n: u8) -> (f64, f64) {
         self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
@@ -46,6 +52,7 @@ impl CylinderSignals {
             ("control_speed", Some(&self.control_speed)),
             ("pressure_bottom", self.pressure_bottom.as_ref()),
             ("pressure_rod", self.pressure_rod.as_ref()),
+            ("load_pressure", self.load_pressure.as_ref()),
         ]
         .into_iter()
         .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))

@@ -3,6 +3,7 @@
 
 use crate::alarm::Level;
 use serde::Deserialize;
+use std::net::SocketAddr;
 
 /// Stands for the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
@@ -29,6 +30,8 @@ pub struct Settings {
     #[serde(default)]
     pub gateway: Gateway,
     #[serde(default)]
+    pub http: Http,
+    #[serde(default)]
     pub realtime: Realtime,
     /// Overrides per cylinder; at most one table for each number.
     #[serde(default)]
@@ -45,6 +48,9 @@ pub struct Machine {
     pub sample_time: f64,
     /// The cylinder's reach `[retracted, extended]`, m.
     pub stroke: [f64; 2],
+    /// a_p / A_p of (3-5), the rod side's area by the bottom's; makes P_L of the pressures.
+    #[serde(default = "default_area_ratio")]
+    pub area_ratio: f64,
     /// Platform states in which FDE1 and FDE2 judge; absent: always. Names as in the DBC's VAL_
     /// table of the state signal (or the thesis's four), letter case ignored; or numbers as text.
     pub monitored_states: Option<Vec<String>>,
@@ -53,6 +59,10 @@ pub struct Machine {
     /// An observer predicts over at most this long a gap before it starts anew, s.
     #[serde(default = "default_max_gap")]
     pub max_gap: f64,
+}
+
+fn default_area_ratio() -> f64 {
+    0.5
 }
 
 fn default_max_gap() -> f64 {
@@ -100,6 +110,8 @@ pub struct CylinderSignals {
     pub control_speed: String,
     pub pressure_bottom: Option<String>,
     pub pressure_rod: Option<String>,
+    /// The load pressure where the machine sends it; then the chambers' are not asked.
+    pub load_pressure: Option<String>,
 }
 
 /// When a reading is not to be believed before any model is asked.
@@ -142,11 +154,17 @@ impl Default for Plausibility {
 pub struct Model {
     pub theta: [f64; 5],
     pub gamma: [f64; 2],
+    /// The command at which a cylinder rests, m/s; (4-1) has u less this as its input.
+    pub command_offset: f64,
 }
 
 impl Default for Model {
     fn default() -> Self {
-        Self { theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023], gamma: [0.0926, 6.5427] }
+        Self {
+            theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023],
+            gamma: [0.0926, 6.5427],
+            command_offset: 0.0,
+        }
     }
 }
 
@@ -266,6 +284,30 @@ impl Default for Gateway {
     }
 }
 
+/// The gateway's own state over HTTP.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Http {
+    /// `ADDRESS:PORT`, or [`HTTP_OFF`].
+    pub listen: String,
+}
+
+/// No HTTP at all.
+pub const HTTP_OFF: &str = "off";
+
+impl Default for Http {
+    fn default() -> Self {
+        Self { listen: "127.0.0.1:9481".to_owned() }
+    }
+}
+
+impl Http {
+    /// Where to listen; `None` if it is off.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.parse().ok()
+    }
+}
+
 /// What the gateway asks of the kernel as it starts. A reload changes neither.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -289,6 +331,7 @@ pub struct Cylinder {
     pub c2_offset: f64,
     pub theta: Option<[f64; 5]>,
     pub gamma: Option<[f64; 2]>,
+    pub command_offset: Option<f64>,
 }
 
 fn unit_gain() -> f64 {

@@ -1,6 +1,7 @@
 //! What a text in the configuration may say.
 
-use super::settings::PLACEHOLDER;
+use super::settings::{HTTP_OFF, PLACEHOLDER};
+use std::net::SocketAddr;
 
 /// The longest name that a DBC file may hold.
 const LONGEST_NAME: usize = 128;
@@ -24,6 +25,8 @@ pub(super) enum TextRule {
     Signal,
     /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number.
     CylinderSignal,
+    /// An address and a port, or off.
+    Listen,
 }
 
 /// What a text has to be, and why or how.
@@ -37,6 +40,8 @@ const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.P
                              replaced by the cylinder's number";
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
                             DBC without a signal, for example Sync";
+const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
+                           off, for no HTTP";
 const INTERFACE_HELP: &str =
     "as `ip link` lists it, for example can0; or virtual, the embedded bus";
 
@@ -55,6 +60,8 @@ impl TextRule {
             Self::Signal => fault("of the form MESSAGE.SIGNAL", SIGNAL_HELP),
             Self::CylinderSignal if is_signal(&text.replace(PLACEHOLDER, "1")) => Ok(()),
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
+            Self::Listen if text == HTTP_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
+            Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
         }
     }
 }

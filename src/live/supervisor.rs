@@ -39,6 +39,10 @@ pub trait Surroundings: Journal {
     fn opened(&mut self, port: &dyn Port);
     /// The port is lost, or could not be opened. Told once for each new reason.
     fn lost(&mut self, reason: &str);
+    /// `port` was open and is lost, whether or not the reason is a new one.
+    fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
+        _ = (gateway, port);
+    }
     /// A turn was done, with a port that works: the proof of life.
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port);
     /// A new gateway and a new way to open its port, after [`Wish::Reload`]; `None` to go on as
@@ -106,7 +110,10 @@ fn serve(
                     surroundings.wait(FULL_PAUSE);
                 }
             }
-            Err(error) => return End::Lost(error),
+            Err(error) => {
+                surroundings.closed(gateway, port);
+                return End::Lost(error);
+            }
         }
         match surroundings.wish() {
             Wish::GoOn => {}

@@ -21,9 +21,14 @@ pub struct CylinderDesign {
     pub number: u8,
     /// Fields that a complete cycle has, by [`Field::bit`].
     pub required: u16,
+    /// Fields for which a cycle is held open until its deadline: those required, and pressures where
+    /// they are read, which never make a cycle incomplete.
+    pub awaited: u16,
     /// C1 and C2; a cylinder without C2 never judges it.
     pub limits: [Limits; 2],
     pub counter_bits: [Option<u32>; 2],
+    /// The command at which the cylinder rests, m/s.
+    pub command_offset: f64,
     /// Cycles without a command until it is stale.
     pub command_stale: u32,
     /// The command moves the cylinder beyond this, m/s.
@@ -114,7 +119,13 @@ impl Cylinder {
         [self.plausibility[0].counter_jumps(), self.plausibility[1].counter_jumps()]
     }
 
-    /// Everything configured has arrived.
+    /// Nothing is waited for any more in this cycle.
+    #[inline]
+    pub const fn is_done(&self) -> bool {
+        self.inputs.got() & self.design.awaited == self.design.awaited
+    }
+
+    /// Everything that is monitored has arrived.
     #[inline]
     pub const fn is_complete(&self) -> bool {
         self.inputs.got() & self.design.required == self.design.required
@@ -136,7 +147,7 @@ impl Cylinder {
         mut restarted: impl FnMut(Transducer, Restart),
     ) -> Record {
         self.pending = false;
-        let command = self.inputs.command_value();
+        let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
         let moment = Moment {
             cycle: now.cycle,
             live: now.live,
@@ -239,11 +250,11 @@ impl Cylinder {
     }
 
     fn count(&mut self, residuals: &Residuals) {
+        let incomplete = u64::from(!self.is_complete());
         let tally = &mut self.tally;
         tally.cycles += 1;
         tally.gated += u64::from(!self.judged.contains(&true));
-        tally.incomplete +=
-            u64::from(self.inputs.got() & self.design.required != self.design.required);
+        tally.incomplete += incomplete;
         for (worst, residual) in tally.worst.iter_mut().zip(residuals.r) {
             if let Some(magnitude) = residual.map(f64::abs) {
                 *worst = Some(worst.map_or(magnitude, |w| w.max(magnitude)));
@@ -262,14 +273,19 @@ impl Cylinder {
         let residual = |i: usize| innovations[i].map(|innovation: Innovation| innovation.residual);
         Record {
             timestamp: now.opened,
+            cycle: now.cycle,
             cylinder: self.design.number,
             c1,
             c2,
+            velocities: readings.map(|reading| reading?.velocity),
+            qualities: self.plausibility.each_ref().map(Plausibility::quality),
+            pressures: self.inputs.pressures(),
             c2_corrected: c2.map(|c2| self.design.comparator.corrected(c2)),
             command: self.inputs.command_value(),
             estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
             residuals: [residual(0), residual(1), difference],
             gated: !self.judged.contains(&true),
+            monitored: now.gate == Opening::Open,
         }
     }
 

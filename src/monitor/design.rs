@@ -12,7 +12,7 @@ use crate::observe::model::Model;
 use crate::observe::observer::Design;
 use crate::sample::cycle::CycleTiming;
 use crate::sample::plausibility::Limits;
-use crate::sample::{Field, Transducer};
+use crate::sample::{Field, Pressure, Transducer};
 use crate::time::Span;
 use crate::verdict::fault::Signatures;
 use crate::verdict::{BankDesign, Thresholds};
@@ -43,7 +43,21 @@ impl MonitorDesign {
     /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
     /// that are the gateway's own, states without a number, weights without an observer gain.
     pub fn new(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        let mut wirer = Wirer { settings, database, wiring: Wiring::new(), flaws: Vec::new() };
+        Self::build(settings, database, false)
+    }
+
+    /// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
+    /// They are waited for until the deadline of a cycle, and are never missed.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; and pressures that are not in bar.
+    pub fn surveying(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
+        Self::build(settings, database, true)
+    }
+
+    fn build(settings: &Settings, database: &Database, surveys: bool) -> Result<Self, Vec<Flaw>> {
+        let (wiring, flaws) = (Wiring::new(), Vec::new());
+        let mut wirer = Wirer { settings, database, wiring, surveys, flaws };
         wirer.connect_sync();
         let monitored = wirer.connect_state();
         let cylinders = (1..=settings.machine.cylinders)
@@ -92,6 +106,7 @@ struct Wirer<'a> {
     settings: &'a Settings,
     database: &'a Database,
     wiring: Wiring,
+    surveys: bool,
     flaws: Vec<Flaw>,
 }
 
@@ -166,13 +181,8 @@ impl<'a> Wirer<'a> {
             self.connect_transducer(n, Transducer::C2, signals.c2.as_deref()),
         ];
         self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
-        for (key, name) in
-            [("pressure_bottom", &signals.pressure_bottom), ("pressure_rod", &signals.pressure_rod)]
-        {
-            // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
-            let name = name.as_ref().map(|name| CylinderSignals::of_cylinder(name, n));
-            name.and_then(|name| self.find(&format!("signals.cylinder.{key}"), &name).map(drop));
-        }
+        let required = self.connected(n);
+        self.connect_pressures(n, signals);
         let observers = self.observers(n);
         let ([first, second], Some(observers)) = (limits, observers) else { return None };
         if self.flaws.len() > before {
@@ -184,9 +194,11 @@ impl<'a> Wirer<'a> {
         let fde = &settings.fde;
         Some(CylinderDesign {
             number: n,
-            required: self.required(n),
+            required,
+            awaited: self.connected(n),
             counter_bits: [first.counter_bits, second.counter_bits],
             limits: [first.limits, second.limits],
+            command_offset: settings.command_offset_of(n),
             command_stale: cycles(settings, settings.plausibility.stale).max(1),
             moving_speed: settings.plausibility.frozen_speed,
             comparator: Comparator { gain, offset },
@@ -208,13 +220,30 @@ impl<'a> Wirer<'a> {
     }
 
     /// The fields of cylinder `n` that were connected, by [`Field::bit`].
-    fn required(&self, n: u8) -> u16 {
+    fn connected(&self, n: u8) -> u16 {
         let wires = self.wiring.lines().iter().flat_map(|line| &line.wires);
         let bits = wires.filter_map(|wire| match wire.target {
             Target::Cylinder(index, field) if index + 1 == n => Some(field.bit()),
             _ => None,
         });
         bits.fold(0, |all, bit| all | bit)
+    }
+
+    fn connect_pressures(&mut self, n: u8, signals: &CylinderSignals) {
+        for (key, name, pressure) in [
+            ("pressure_bottom", &signals.pressure_bottom, Pressure::Bottom),
+            ("pressure_rod", &signals.pressure_rod, Pressure::Rod),
+            ("load_pressure", &signals.load_pressure, Pressure::Load),
+        ] {
+            let Some(name) = name else { continue };
+            if self.surveys {
+                self.connect(n, key, Some(name), Field::Pressure(pressure));
+            } else {
+                // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
+                let name = CylinderSignals::of_cylinder(name, n);
+                self.find(&format!("signals.cylinder.{key}"), &name);
+            }
+        }
     }
 
     fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Checks {
@@ -327,6 +356,7 @@ impl<'a> Wirer<'a> {
         let expected = match field {
             Field::Position(_) => "m",
             Field::Velocity(_) => "m/s",
+            Field::Pressure(_) => "bar",
             Field::Status(_) | Field::Counter(_) | Field::Command => return,
         };
         if !(signal.unit.is_empty() || signal.unit == expected) {

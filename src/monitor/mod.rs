@@ -66,6 +66,7 @@ pub struct Monitor {
     counts: Counts,
     last: Option<Timestamp>,
     next_status: Timestamp,
+    last_status: Option<(Timestamp, Status)>,
     /// The earliest time at which anything falls due, so that most frames need one comparison.
     next_due: Timestamp,
 }
@@ -89,6 +90,7 @@ impl Monitor {
             counts: Counts::default(),
             last: None,
             next_status: Timestamp::default(),
+            last_status: None,
             next_due: Timestamp::default(),
         }
     }
@@ -105,6 +107,11 @@ impl Monitor {
     /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
     pub fn counter_jumps(&self) -> impl Iterator<Item = [u64; 2]> {
         self.cylinders.iter().map(Cylinder::counter_jumps)
+    }
+
+    /// The newest Fd_Status and its time.
+    pub const fn last_status(&self) -> Option<&(Timestamp, Status)> {
+        self.last_status.as_ref()
     }
 
     /// Takes a frame from the bus. Frames must come in the order in which they were on it.
@@ -219,7 +226,7 @@ impl Monitor {
         while touched != 0 {
             let index = touched.trailing_zeros() as usize;
             touched &= touched - 1;
-            if self.cylinders[index].pending && self.cylinders[index].is_complete() {
+            if self.cylinders[index].pending && self.cylinders[index].is_done() {
                 self.evaluate(index, at, sink);
             }
         }
@@ -260,7 +267,8 @@ impl Monitor {
 
     /// Evaluates what the open cycle still owes.
     fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        self.incomplete |= self.pending > 0;
+        let lacks = |cylinder: &Cylinder| cylinder.pending && !cylinder.is_complete();
+        self.incomplete |= self.pending > 0 && self.cylinders.iter().any(lacks);
         for index in 0..self.cylinders.len() {
             if self.pending > 0 && self.cylinders[index].pending {
                 self.evaluate(index, at, sink);
@@ -328,6 +336,7 @@ impl Monitor {
 
     fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let status = self.status(at);
+        self.last_status = Some((at, status));
         sink.transmit(&self.encoder.status(at, &status));
         self.next_status = self.next_status.after(STATUS_PERIOD);
     }
@@ -376,6 +385,7 @@ fn put(cylinder: &mut Cylinder, field: Field, value: Value) -> bool {
             true
         }
         Field::Command => inputs.command(value.physical),
+        Field::Pressure(pressure) => inputs.pressure(pressure, value.physical),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::observe::observer::Restart;
+use crate::sample::Quality;
 use crate::time::{Span, Timestamp};
 
 /// Everything known of one cylinder in one cycle; `None` where there was nothing.
@@ -9,11 +10,21 @@ use crate::time::{Span, Timestamp};
 pub struct Record {
     /// The opening of the cycle.
     pub timestamp: Timestamp,
+    /// The number of the cycle; missing ones are counted, so that numbers in a row are cycles in a
+    /// row.
+    pub cycle: u64,
     /// From 1.
     pub cylinder: u8,
     /// The readings as they came, m.
     pub c1: Option<f64>,
     pub c2: Option<f64>,
+    /// Their velocities, m/s.
+    pub velocities: [Option<f64>; 2],
+    /// What C1 and C2 are worth.
+    pub qualities: [Quality; 2],
+    /// Bottom, rod and load pressure, bar; only in a monitor that surveys
+    /// ([`MonitorDesign::surveying`](super::MonitorDesign::surveying)).
+    pub pressures: [Option<f64>; 3],
     /// Ĉ2 = a·C2 + b, m.
     pub c2_corrected: Option<f64>,
     /// u(k), m/s.
@@ -24,6 +35,8 @@ pub struct Record {
     pub residuals: [Option<f64>; 3],
     /// Neither FDE1 nor FDE2 judged this cycle.
     pub gated: bool,
+    /// The platform is in a monitored state, whether or not an observer has settled.
+    pub monitored: bool,
 }
 
 /// Something to tell beside warnings.

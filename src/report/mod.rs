@@ -2,7 +2,9 @@
 
 pub mod episode;
 pub mod human;
+pub mod identification;
 pub mod jsonl;
+pub mod model_tables;
 pub mod residuals;
 
 pub use episode::{Episode, Episodes};

@@ -7,4 +7,4 @@ pub mod quality;
 pub mod reading;
 
 pub use quality::Quality;
-pub use reading::{Field, Inputs, Reading, Transducer};
+pub use reading::{Field, Inputs, Pressure, Reading, Transducer};

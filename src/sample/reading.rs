@@ -7,6 +7,17 @@ pub enum Transducer {
     C2 = 1,
 }
 
+/// A pressure of a cylinder, as an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pressure {
+    /// In the bottom chamber.
+    Bottom = 0,
+    /// In the rod chamber.
+    Rod = 1,
+    /// The load pressure P_L itself, where the machine sends it.
+    Load = 2,
+}
+
 /// The places that a signal can fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
@@ -15,6 +26,8 @@ pub enum Field {
     Status(Transducer),
     Counter(Transducer),
     Command,
+    /// Not monitored: read by who surveys a recording.
+    Pressure(Pressure),
 }
 
 impl Field {
@@ -26,12 +39,13 @@ impl Field {
             Self::Status(t) => 4 << (4 * t as u16),
             Self::Counter(t) => 8 << (4 * t as u16),
             Self::Command => 1 << 8,
+            Self::Pressure(p) => 1 << (9 + p as u16),
         }
     }
 
     /// Whether it comes from a transducer.
     pub const fn is_reading(self) -> bool {
-        !matches!(self, Self::Command)
+        !matches!(self, Self::Command | Self::Pressure(_))
     }
 }
 
@@ -54,6 +68,7 @@ pub struct Inputs {
     got: u16,
     readings: [Reading; 2],
     command: f64,
+    pressures: [f64; 3],
 }
 
 impl Inputs {
@@ -114,6 +129,25 @@ impl Inputs {
     /// u(k), m/s.
     pub fn command_value(&self) -> Option<f64> {
         (self.got & Field::Command.bit() != 0).then_some(self.command)
+    }
+
+    /// Takes a pressure, bar; one that is not finite is bad data.
+    #[must_use]
+    pub fn pressure(&mut self, pressure: Pressure, bar: f64) -> bool {
+        let finite = bar.is_finite();
+        if finite {
+            self.pressures[pressure as usize] = bar;
+            self.got |= Field::Pressure(pressure).bit();
+        }
+        finite
+    }
+
+    /// The pressures, bar, by [`Pressure`].
+    pub fn pressures(&self) -> [Option<f64>; 3] {
+        [Pressure::Bottom, Pressure::Rod, Pressure::Load].map(|pressure| {
+            let here = self.got & Field::Pressure(pressure).bit() != 0;
+            here.then_some(self.pressures[pressure as usize])
+        })
     }
 
     /// The reading of `transducer`, if its position came, and with it all of status and counter

@@ -3,9 +3,10 @@
 
 use std::path::Path;
 use tertius::alarm::{OwnFrame, Warning};
-use tertius::config;
+use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
+use tertius::monitor::design::Flaw;
 use tertius::monitor::{Monitor, MonitorDesign, Notice, Record, Sink};
 use tertius::time::Timestamp;
 
@@ -120,9 +121,25 @@ impl Cycle {
     }
 }
 
+/// A monitor of the default machine that reads the pressures, too.
+pub fn surveying() -> Monitor {
+    let design = from_files("no such line", MonitorDesign::surveying);
+    design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
 /// A monitor of the default machine.
 pub fn monitor() -> Monitor {
     design("no such line").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
+/// The same with cylinders that rest at a command of 50 mm/s.
+pub fn resting_at_50() -> Monitor {
+    let offset = |settings: &Settings, database: &Database| {
+        let mut settings = settings.clone();
+        settings.model.command_offset = 0.05;
+        MonitorDesign::new(&settings, database)
+    };
+    from_files("no such line", offset).map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
 /// The same without Sync.
@@ -143,6 +160,13 @@ pub fn play(frames: impl IntoIterator<Item = Frame>) -> (Monitor, Collected) {
 
 /// The default configuration without the lines that begin with `left_out`.
 fn design(left_out: &str) -> Result<MonitorDesign, String> {
+    from_files(left_out, MonitorDesign::new)
+}
+
+fn from_files(
+    left_out: &str,
+    make: fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>,
+) -> Result<MonitorDesign, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |path: &str| std::fs::read(root.join(path)).map_err(|error| error.to_string());
     let text = String::from_utf8(read("config/e-type.toml")?).map_err(|error| error.to_string())?;
@@ -151,5 +175,5 @@ fn design(left_out: &str) -> Result<MonitorDesign, String> {
         config::parse("e-type.toml", &kept.join("\n")).map_err(|error| error.to_string())?;
     let dbc = read("dbc/e-type.dbc")?;
     let database = Database::parse(&text::from_bytes(&dbc)).map_err(|error| error.to_string())?;
-    MonitorDesign::new(&settings, &database).map_err(|flaws| format!("{flaws:?}"))
+    make(&settings, &database).map_err(|flaws| format!("{flaws:?}"))
 }

@@ -1,0 +1,259 @@
+//! The telemetry in the text format of OpenMetrics, for Prometheus.
+
+use super::cell::{Histogram, State, Total};
+use super::clock::Clock;
+use super::{Cylinder, Telemetry};
+use crate::alarm::register;
+use crate::alarm::{Detector, status::Health};
+use crate::time::{Span, Timestamp};
+use prometheus_client::collector::Collector;
+use prometheus_client::encoding::{DescriptorEncoder, MetricEncoder, NoLabelSet, text};
+use prometheus_client::metrics::MetricType;
+use prometheus_client::registry::{Registry, Unit};
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// What the text is, for HTTP.
+pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+
+/// By the numbers of Fd_Status.
+pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
+
+/// By the numbers of Fd_Status.
+const TRANSDUCER_STATES: [&str; 4] = ["unknown", "healthy", "suspect", "faulty"];
+
+/// By the numbers of Fd_Status.
+pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
+
+/// By the numbers of the telemetry.
+pub(super) const CONTROLLER_STATES: [&str; 6] =
+    ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
+
+const CYLINDERS: [&str; 6] = ["1", "2", "3", "4", "5", "6"];
+const RESIDUALS: [&str; 3] = ["r1", "r2", "r3"];
+const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
+
+/// The whole of `telemetry` as it is now by `clock`.
+///
+/// # Errors
+/// None that is known: a text takes whatever is written to it.
+pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<String, fmt::Error> {
+    let mut registry = Registry::with_prefix("tertius");
+    registry.register_collector(Box::new(View {
+        telemetry: Arc::clone(telemetry),
+        uptime: clock.uptime(),
+        system: clock.system(),
+    }));
+    let mut out = String::with_capacity(64 * 1024);
+    text::encode(&mut out, &registry)?;
+    Ok(out)
+}
+
+/// The telemetry at one time.
+#[derive(Debug)]
+struct View {
+    telemetry: Arc<Telemetry>,
+    uptime: Duration,
+    system: Timestamp,
+}
+
+impl Collector for View {
+    fn encode(&self, mut encoder: DescriptorEncoder<'_>) -> fmt::Result {
+        let out = &mut Out(&mut encoder);
+        self.totals(out)?;
+        self.bus(out)?;
+        self.cylinders(out)?;
+        self.verdicts(out)?;
+        self.process(out)
+    }
+}
+
+impl View {
+    fn totals(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        for (name, help, total) in self.telemetry.totals.described() {
+            out.family(name, help, None, MetricType::Counter)?
+                .encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)?;
+        }
+        let totals = &self.telemetry.totals;
+        let help = "Times that the configuration was read again, by what became of it.";
+        let mut reloads = out.family("configuration_reloads", help, None, MetricType::Counter)?;
+        count(&mut reloads, &[("result", "accepted")], &totals.reloads_accepted)?;
+        count(&mut reloads, &[("result", "refused")], &totals.reloads_refused)
+    }
+
+    fn bus(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let link = &self.telemetry.link;
+        let open = Some(f64::from(u8::from(self.telemetry.is_open())));
+        out.gauge("bus_up", "1 while the interface is open and is listened to, else 0.", open)?;
+        let help = "1 while the interface is brought up; a controller that is bus-off still is.";
+        out.gauge("link_up", help, link.up.get())?;
+        let help = "What the CAN controller does: 1 for its state, 0 for the others. Absent where \
+                    there is none.";
+        let mut family = out.family("controller_state", help, None, MetricType::Gauge)?;
+        if link.state.get().is_some() {
+            one_of(&mut family, &[], &CONTROLLER_STATES, link.state.get())?;
+        }
+        let help = "The controller's transmit error counter; error-passive from 128 on.";
+        out.gauge("controller_transmit_errors", help, link.transmit_errors.get())?;
+        let help = "The controller's receive error counter; error-passive from 128 on.";
+        out.gauge("controller_receive_errors", help, link.receive_errors.get())
+    }
+
+    /// The cylinders that there are, by their number.
+    fn numbered(&self) -> impl Iterator<Item = (&'static str, &Cylinder)> {
+        CYLINDERS.into_iter().zip(self.telemetry.cylinders())
+    }
+
+    fn cylinders(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let help = "Size of a residual in the newest cycle. Absent where there is none.";
+        let mut family = out.family("residual", help, Some(Unit::Meters), MetricType::Gauge)?;
+        let evidence = self.telemetry.has_evidence(self.uptime);
+        for (number, cylinder) in self.numbered().filter(|_| evidence) {
+            for (name, residual) in RESIDUALS.iter().zip(&cylinder.residuals) {
+                let labels = [("cylinder", number), ("residual", name)];
+                if let Some(size) = residual.get() {
+                    family.encode_family(&labels)?.encode_gauge(&size)?;
+                }
+            }
+        }
+        let help = "Sizes of a residual, cycle by cycle.";
+        let unit = Some(Unit::Meters);
+        let mut family = out.family("residual_size", help, unit, MetricType::Histogram)?;
+        for (number, cylinder) in self.numbered() {
+            for (name, sizes) in RESIDUALS.iter().zip(&cylinder.sizes) {
+                histogram(&mut family, &[("cylinder", number), ("residual", name)], sizes)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn verdicts(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let help = "Warnings raised.";
+        let mut family = out.family("warnings_raised", help, None, MetricType::Counter)?;
+        let warn = |detector: &&Detector| register::DETECTORS.contains(*detector);
+        for (number, cylinder) in self.numbered() {
+            for detector in Detector::ALL.iter().filter(warn) {
+                let labels = [("cylinder", number), ("detector", detector.name())];
+                count(&mut family, &labels, &cylinder.raised[*detector as usize - 1])?;
+            }
+        }
+        let standing = f64::from(self.telemetry.standing.load(Ordering::Relaxed));
+        out.gauge("warnings_standing", "Warnings that stand.", Some(standing))?;
+        let help = "The highest level of the warnings that stand: 0 none, 1 yellow, 2 orange, \
+                    3 red, 4 black.";
+        let level = f64::from(self.telemetry.level.load(Ordering::Relaxed));
+        out.gauge("alarm_level", help, Some(level))?;
+        let help = "What the monitor does: 1 for its mode, 0 for the others; all 0 while the bus \
+                    is not served.";
+        let mut family = out.family("mode", help, None, MetricType::Gauge)?;
+        let mode = self.telemetry.mode.get().filter(|_| self.telemetry.lives(self.uptime));
+        one_of(&mut family, &[], &MODES, mode)?;
+        self.transducers(out)?;
+        let help = "From the time stamp of the frame (or the deadline) that caused a warning to \
+                    the hand-over of the warning's frame to the interface.";
+        let unit = Some(Unit::Seconds);
+        let mut family = out.family("warning_latency", help, unit, MetricType::Histogram)?;
+        histogram(&mut family, &[], &self.telemetry.latency)
+    }
+
+    fn transducers(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let help = "What is known of a transducer: 1 for its state, 0 for the others.";
+        let mut family = out.family("transducer_state", help, None, MetricType::Gauge)?;
+        let evidence = self.telemetry.has_evidence(self.uptime);
+        for (number, cylinder) in self.numbered() {
+            for (name, state) in TRANSDUCERS.iter().zip(&cylinder.transducers) {
+                let known = State::get(state).filter(|_| evidence);
+                let labels = [("cylinder", number), ("transducer", name)];
+                let state = known.unwrap_or(Health::Unknown as u8);
+                one_of(&mut family, &labels, &TRANSDUCER_STATES, Some(state))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn process(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let telemetry = &self.telemetry;
+        let help = "What runs.";
+        out.family("build", help, None, MetricType::Info)?
+            .encode_info(&[("version", env!("CARGO_PKG_VERSION"))])?;
+        let help = "When the gateway started, since 1970.";
+        out.time("start_time", help, Some(telemetry.started))?;
+        let help = "When the data path last turned, since 1970. Absent before it did.";
+        out.time("last_turn_timestamp", help, self.ago(telemetry.since_turn(self.uptime)))?;
+        let help = "When the last frame of the machine was taken, since 1970. Absent before one \
+                    was taken from the bus as it is open now.";
+        out.time("last_frame_timestamp", help, self.ago(telemetry.since_frame(self.uptime)))
+    }
+
+    /// The system's time so long ago.
+    fn ago(&self, time: Option<Duration>) -> Option<Timestamp> {
+        let nanos = i64::try_from(time?.as_nanos()).ok()?;
+        Some(self.system.after(Span::from_nanos(-nanos)))
+    }
+}
+
+/// Where families go to.
+struct Out<'a, 'b>(&'a mut DescriptorEncoder<'b>);
+
+impl Out<'_, '_> {
+    fn family<'s>(
+        &'s mut self,
+        name: &'s str,
+        help: &str,
+        unit: Option<Unit>,
+        kind: MetricType,
+    ) -> Result<MetricEncoder<'s>, fmt::Error> {
+        let unit = match unit {
+            Some(Unit::Meters) => Some(&Unit::Meters),
+            Some(Unit::Seconds) => Some(&Unit::Seconds),
+            _ => None,
+        };
+        self.0.encode_descriptor(name, help, unit, kind)
+    }
+
+    /// A number that may be absent.
+    fn gauge(&mut self, name: &str, help: &str, value: Option<f64>) -> fmt::Result {
+        let mut family = self.family(name, help, None, MetricType::Gauge)?;
+        value.map_or(Ok(()), |value| family.encode_gauge(&value))
+    }
+
+    fn time(&mut self, name: &str, help: &str, value: Option<Timestamp>) -> fmt::Result {
+        let mut family = self.family(name, help, Some(Unit::Seconds), MetricType::Gauge)?;
+        value.map_or(Ok(()), |value| family.encode_gauge(&value.as_seconds()))
+    }
+}
+
+type Labels<'a> = [(&'a str, &'a str)];
+
+fn count(family: &mut MetricEncoder<'_>, labels: &Labels<'_>, total: &Total) -> fmt::Result {
+    family.encode_family(&labels)?.encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)
+}
+
+/// A sample for each of `names`: 1 for the one of `number`, 0 for the others.
+fn one_of(
+    family: &mut MetricEncoder<'_>,
+    labels: &Labels<'_>,
+    names: &[&'static str],
+    number: Option<u8>,
+) -> fmt::Result {
+    let label = if names == MODES { "mode" } else { "state" };
+    for (i, name) in names.iter().enumerate() {
+        let labels = [labels, &[(label, *name)]].concat();
+        let is = number.is_some_and(|number| usize::from(number) == i);
+        family.encode_family(&labels)?.encode_gauge(&i64::from(is))?;
+    }
+    Ok(())
+}
+
+fn histogram(
+    family: &mut MetricEncoder<'_>,
+    labels: &Labels<'_>,
+    histogram: &Histogram,
+) -> fmt::Result {
+    let buckets = histogram.buckets();
+    let observed = buckets.iter().map(|(_, count)| count).sum();
+    let mut family = family.encode_family(&labels)?;
+    family.encode_histogram::<NoLabelSet>(histogram.sum(), observed, &buckets, None)
+}

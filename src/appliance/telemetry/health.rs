@@ -1,0 +1,144 @@
+//! Is all well? What the health endpoint says, from what is stored and the time that it is now.
+
+use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
+use super::{EVIDENCE, Telemetry};
+use crate::alarm::status::{Health, Mode};
+use serde::Serialize;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// The whole in a word, best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Condition {
+    /// Everything is judged, and nothing is found.
+    Ok,
+    /// There is no evidence either way.
+    Unknown,
+    /// Warnings stand, or something that should be judged cannot be.
+    Degraded,
+    /// The gateway does not do its work.
+    Down,
+}
+
+/// What the health endpoint says.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HealthReport {
+    pub status: Condition,
+    /// For people.
+    pub reason: String,
+    /// As Fd_Status has it.
+    pub mode: Option<&'static str>,
+    /// `open` or `closed`.
+    pub bus: &'static str,
+    /// What the kernel says of the controller, where there is one.
+    pub controller: Option<&'static str>,
+    pub level: &'static str,
+    pub warnings_standing: u32,
+    /// Since the data path last turned; `null` if it never did.
+    pub seconds_since_turn: Option<f64>,
+    /// Since the last frame of the machine; `null` if there was none since the bus was opened.
+    pub seconds_since_frame: Option<f64>,
+}
+
+impl HealthReport {
+    /// Whether the gateway does its work, whatever it finds.
+    pub fn is_serving(&self) -> bool {
+        self.status != Condition::Down
+    }
+}
+
+impl Telemetry {
+    /// The health at the uptime `now`.
+    pub fn health(&self, now: Duration) -> HealthReport {
+        let (status, reason) = self.judge(now);
+        let mode = self.mode.get().filter(|_| self.lives(now));
+        HealthReport {
+            status,
+            reason,
+            mode: mode.and_then(|mode| name(&MODES, mode)),
+            bus: if self.is_open() { "open" } else { "closed" },
+            controller: self.link.state.get().and_then(|state| name(&CONTROLLER_STATES, state)),
+            level: name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none"),
+            warnings_standing: self.standing.load(Ordering::Relaxed),
+            seconds_since_turn: self.since_turn(now).map(|time| time.as_secs_f64()),
+            seconds_since_frame: self.since_frame(now).map(|time| time.as_secs_f64()),
+        }
+    }
+
+    fn judge(&self, now: Duration) -> (Condition, String) {
+        if let Some(reason) = self.standstill(now) {
+            return (Condition::Down, reason);
+        }
+        let standing = self.standing.load(Ordering::Relaxed);
+        let mode = self.mode.get();
+        if standing > 0 {
+            let level = name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none");
+            let reason = match standing {
+                1 => format!("a warning of level {level} stands"),
+                _ => format!("{standing} warnings stand, the highest of level {level}"),
+            };
+            return (Condition::Degraded, reason);
+        }
+        if let Some(reason) = self.silence(now) {
+            return (Condition::Unknown, reason);
+        }
+        let (condition, reason) = match mode {
+            Some(mode) if mode == Mode::Monitoring as u8 => match self.all_healthy() {
+                true => (Condition::Ok, "everything is judged, and no warning stands"),
+                false => (Condition::Unknown, "not every transducer is known to be healthy"),
+            },
+            Some(mode) if mode == Mode::Degraded as u8 => {
+                (Condition::Degraded, "something that should be judged cannot be")
+            }
+            Some(mode) if mode == Mode::Gated as u8 => {
+                (Condition::Unknown, "in this state of the platform FDE1 and FDE2 do not judge")
+            }
+            _ => (Condition::Unknown, "not everything has been judged yet"),
+        };
+        (condition, reason.to_owned())
+    }
+
+    /// Why the gateway does not do its work, if so.
+    fn standstill(&self, now: Duration) -> Option<String> {
+        if !self.is_open() {
+            return Some("the interface is not open; the log says why".to_owned());
+        }
+        match self.since_turn(now) {
+            None => Some("the data path has not begun".to_owned()),
+            Some(time) if time > EVIDENCE => {
+                Some(format!("the data path stands still for {:.1} s", time.as_secs_f64()))
+            }
+            Some(_) => None,
+        }
+    }
+
+    /// Why nothing is known of the machine, if the bus is quiet.
+    fn silence(&self, now: Duration) -> Option<String> {
+        match self.since_frame(now) {
+            None => Some("no frame of the machine yet".to_owned()),
+            Some(time) if time > EVIDENCE => {
+                Some(format!("no frame of the machine for {:.1} s", time.as_secs_f64()))
+            }
+            Some(_) => None,
+        }
+    }
+
+    /// Each cylinder has a healthy transducer, and no transducer anything against it. One that is
+    /// not configured is never known.
+    fn all_healthy(&self) -> bool {
+        let healthy = Some(Health::Healthy as u8);
+        let unknown = Some(Health::Unknown as u8);
+        let cylinders = self.cylinders();
+        let sound = |cylinder: &super::Cylinder| {
+            let states = cylinder.transducers.each_ref().map(super::cell::State::get);
+            states.contains(&healthy)
+                && states.iter().all(|&state| state == healthy || state == unknown)
+        };
+        !cylinders.is_empty() && cylinders.iter().all(sound)
+    }
+}
+
+fn name(names: &[&'static str], number: u8) -> Option<&'static str> {
+    names.get(usize::from(number)).copied()
+}

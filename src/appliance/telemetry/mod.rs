@@ -1,0 +1,205 @@
+//! What the live gateway tells of itself: numbers that its data path stores and that others read.
+//!
+//! [`Recorder`] belongs to the data path. What it does there for a frame is nothing, for a cycle
+//! and a turn a few relaxed stores: no lock, no allocation, no call of the system but the reading
+//! of a clock. [`Telemetry`] is what it writes to, and everyone may read it at any time:
+//! [`exposition`] for Prometheus, [`health`] for people and load balancers.
+
+mod cell;
+pub mod clock;
+pub mod exposition;
+pub mod health;
+mod recorder;
+mod totals;
+
+use crate::alarm::status::{Health, MAX_CYLINDERS, Status};
+use crate::bus::socket::{ControllerState, LinkState};
+use crate::time::Timestamp;
+use cell::{Gauge, Histogram, State, Total};
+use clock::Clock;
+pub use recorder::Recorder;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::time::Duration;
+use totals::Totals;
+
+/// Without a frame of the machine for this long nothing is known of its transducers, and without a
+/// turn of the data path nothing at all.
+pub const EVIDENCE: Duration = Duration::from_secs(1);
+
+/// |R1|, |R2| and |R3|, m. The thresholds of the thesis, 0.75, 1 and 1.5 mm, are among them.
+const RESIDUAL_BOUNDS: [f64; 13] =
+    [1e-5, 2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 7.5e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3, 1e-2, 5e-2];
+
+/// From the time stamp of a frame to the hand-over of its warning, s.
+const LATENCY_BOUNDS: [f64; 16] = [
+    1e-5, 2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3, 5e-3, 1e-2, 2.5e-2, 5e-2, 0.1, 0.25, 0.5,
+    1.0,
+];
+
+/// Places for the detectors of [`crate::alarm::Detector::ALL`].
+const DETECTORS: usize = crate::alarm::Detector::ALL.len();
+
+/// The numbers of one cylinder.
+#[derive(Debug)]
+struct Cylinder {
+    /// |R1|, |R2|, |R3| of the newest cycle, m.
+    residuals: [Gauge; 3],
+    sizes: [Histogram; 3],
+    raised: [Total; DETECTORS],
+    /// [`Health`] of C1 and C2.
+    transducers: [State; 2],
+}
+
+impl Cylinder {
+    fn new() -> Self {
+        Self {
+            residuals: Default::default(),
+            sizes: std::array::from_fn(|_| Histogram::new(&RESIDUAL_BOUNDS)),
+            raised: Default::default(),
+            transducers: Default::default(),
+        }
+    }
+}
+
+/// What the kernel last said of the interface; none on a bus without one.
+#[derive(Debug, Default)]
+struct Link {
+    /// 0 or 1.
+    up: Gauge,
+    /// [`ControllerState`].
+    state: State,
+    transmit_errors: Gauge,
+    receive_errors: Gauge,
+}
+
+/// Everything that is known of a running gateway, for others to read.
+#[derive(Debug)]
+pub struct Telemetry {
+    /// The system's time at the start.
+    started: Timestamp,
+    totals: Totals,
+    cylinders: [Cylinder; MAX_CYLINDERS],
+    /// How many of them the machine has.
+    used: AtomicU8,
+    /// A port is open.
+    open: AtomicBool,
+    /// [`crate::alarm::status::Mode`].
+    mode: State,
+    /// [`crate::alarm::Level`].
+    level: AtomicU8,
+    standing: AtomicU32,
+    latency: Histogram,
+    /// Uptime of the last turn and of the last frame of the machine, ns, plus one; zero is never.
+    turned: AtomicU64,
+    heard: AtomicU64,
+    link: Link,
+}
+
+impl Telemetry {
+    /// Of a gateway that starts now, by `clock`.
+    pub fn new(clock: &dyn Clock) -> Self {
+        Self {
+            started: clock.system(),
+            totals: Totals::default(),
+            cylinders: std::array::from_fn(|_| Cylinder::new()),
+            used: AtomicU8::new(0),
+            open: AtomicBool::new(false),
+            mode: State::default(),
+            level: AtomicU8::new(0),
+            standing: AtomicU32::new(0),
+            latency: Histogram::new(&LATENCY_BOUNDS),
+            turned: AtomicU64::new(0),
+            heard: AtomicU64::new(0),
+            link: Link::default(),
+        }
+    }
+
+    /// Takes over what the kernel says of the interface.
+    pub fn link(&self, link: &LinkState) {
+        self.link.up.set(Some(f64::from(u8::from(link.up))));
+        self.link.state.set(link.state.map(controller_number));
+        self.link.transmit_errors.set(link.transmit_errors.map(f64::from));
+        self.link.receive_errors.set(link.receive_errors.map(f64::from));
+    }
+
+    /// The interface is gone, or the kernel cannot be asked.
+    pub fn link_unknown(&self) {
+        self.link.up.set(None);
+        self.link.state.set(None);
+        self.link.transmit_errors.set(None);
+        self.link.receive_errors.set(None);
+    }
+
+    fn cylinders(&self) -> &[Cylinder] {
+        let used = usize::from(self.used.load(Ordering::Relaxed));
+        &self.cylinders[..used.min(MAX_CYLINDERS)]
+    }
+
+    fn is_open(&self) -> bool {
+        self.open.load(Ordering::Relaxed)
+    }
+
+    /// Time since the last turn of the data path, at the uptime `now`.
+    fn since_turn(&self, now: Duration) -> Option<Duration> {
+        since(&self.turned, now)
+    }
+
+    /// Time since the last frame of the machine, at the uptime `now`.
+    fn since_frame(&self, now: Duration) -> Option<Duration> {
+        since(&self.heard, now)
+    }
+
+    /// The data path does its work: a port is open and is being served.
+    fn lives(&self, now: Duration) -> bool {
+        self.is_open() && self.since_turn(now).is_some_and(|time| time <= EVIDENCE)
+    }
+
+    /// There is something by which the machine can be judged now.
+    fn has_evidence(&self, now: Duration) -> bool {
+        self.lives(now) && self.since_frame(now).is_some_and(|time| time <= EVIDENCE)
+    }
+
+    fn publish(&self, status: &Status) {
+        for (cylinder, pair) in self.cylinders.iter().zip(&status.transducers) {
+            for (transducer, health) in cylinder.transducers.iter().zip(pair) {
+                transducer.set(Some(*health as u8));
+            }
+        }
+        self.mode.set(Some(status.mode as u8));
+        self.level.store(status.level as u8, Ordering::Relaxed);
+        self.standing.store(status.active_warnings, Ordering::Relaxed);
+    }
+
+    /// Nothing is known of the machine any more; what was found stands.
+    fn forget_evidence(&self) {
+        for cylinder in &self.cylinders {
+            cylinder.residuals.iter().for_each(|residual| residual.set(None));
+            let transducers = cylinder.transducers.iter();
+            transducers.for_each(|transducer| transducer.set(Some(Health::Unknown as u8)));
+        }
+        self.mode.set(None);
+        self.heard.store(0, Ordering::Relaxed);
+    }
+}
+
+fn mark(place: &AtomicU64, uptime: Duration) {
+    let nanos = u64::try_from(uptime.as_nanos()).unwrap_or(u64::MAX);
+    place.store(nanos.saturating_add(1), Ordering::Relaxed);
+}
+
+fn since(place: &AtomicU64, now: Duration) -> Option<Duration> {
+    let nanos = place.load(Ordering::Relaxed).checked_sub(1)?;
+    Some(now.saturating_sub(Duration::from_nanos(nanos)))
+}
+
+/// In the order of [`exposition`]'s names.
+const fn controller_number(state: ControllerState) -> u8 {
+    match state {
+        ControllerState::ErrorActive => 0,
+        ControllerState::Warning => 1,
+        ControllerState::Passive => 2,
+        ControllerState::BusOff => 3,
+        ControllerState::Stopped => 4,
+        ControllerState::Sleeping => 5,
+    }
+}

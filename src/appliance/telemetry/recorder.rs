@@ -1,0 +1,161 @@
+//! The data path's pen: what happens there is written to the telemetry.
+
+use super::clock::Clock;
+use super::{DETECTORS, Telemetry, mark};
+use crate::alarm::status::{MAX_CYLINDERS, Status};
+use crate::alarm::{OwnFrame, State, Warning};
+use crate::bus::{Port, PortCounts};
+use crate::live::gateway::Gateway;
+use crate::live::outbox::OutboxCounts;
+use crate::monitor::{Counts, Record};
+use crate::time::Timestamp;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Warnings whose frame may still wait to be sent; as many as can be on their way at once.
+const ON_THEIR_WAY: usize = 64;
+
+/// Writes to a [`Telemetry`]. There is one alone for each, since what it adds to has one writer.
+pub struct Recorder {
+    telemetry: Arc<Telemetry>,
+    clock: Arc<dyn Clock>,
+    port: PortCounts,
+    outbox: OutboxCounts,
+    monitor: Counts,
+    /// A port was lost and none is open since.
+    lost: bool,
+    /// Time of the newest status that was taken over.
+    status_at: Option<Timestamp>,
+    /// Times of the newest warnings: their frames bear them.
+    warned: [Option<Timestamp>; ON_THEIR_WAY],
+    next: usize,
+}
+
+impl Recorder {
+    pub fn new(clock: Arc<dyn Clock>) -> Self {
+        Self {
+            telemetry: Arc::new(Telemetry::new(&*clock)),
+            clock,
+            port: PortCounts::default(),
+            outbox: OutboxCounts::default(),
+            monitor: Counts::default(),
+            lost: false,
+            status_at: None,
+            warned: [None; ON_THEIR_WAY],
+            next: 0,
+        }
+    }
+
+    pub const fn telemetry(&self) -> &Arc<Telemetry> {
+        &self.telemetry
+    }
+
+    pub const fn clock(&self) -> &Arc<dyn Clock> {
+        &self.clock
+    }
+
+    /// A cycle of one cylinder.
+    pub fn record(&mut self, record: &Record) {
+        let index = usize::from(record.cylinder).wrapping_sub(1);
+        let Some(cylinder) = self.telemetry.cylinders.get(index) else { return };
+        for (i, residual) in record.residuals.iter().enumerate() {
+            let size = residual.map(f64::abs).filter(|size| size.is_finite());
+            cylinder.residuals[i].set(size);
+            if let Some(size) = size {
+                cylinder.sizes[i].observe(size);
+            }
+        }
+    }
+
+    pub fn warning(&mut self, warning: &Warning) {
+        self.warned[self.next] = Some(warning.timestamp);
+        self.next = (self.next + 1) % ON_THEIR_WAY;
+        let index = usize::from(warning.cylinder).wrapping_sub(1);
+        let (Some(cylinder), State::Raised) = (self.telemetry.cylinders.get(index), warning.state)
+        else {
+            return;
+        };
+        let detector = warning.detector as usize - 1;
+        debug_assert!(detector < DETECTORS, "the numbers of Fd_Warning begin with 1");
+        cylinder.raised[detector].add(1);
+    }
+
+    /// `frame` was handed to the interface. That of a warning bears the time of the frame or the
+    /// deadline that caused it; repetitions and statuses are caused by the clock and do not count.
+    pub fn sent(&mut self, frame: &OwnFrame) {
+        let at = frame.as_frame().timestamp;
+        if frame.is_warning() && self.warned.contains(&Some(at)) {
+            // Below zero only if the clock was set in between.
+            let latency = self.clock.system().since(at).as_seconds().max(0.0);
+            self.telemetry.latency.observe(latency);
+        }
+    }
+
+    /// A port is open.
+    pub fn opened(&mut self) {
+        let telemetry = &self.telemetry;
+        telemetry.totals.opens.add(1);
+        telemetry.totals.reconnects.add(u64::from(self.lost));
+        telemetry.open.store(true, Ordering::Relaxed);
+        self.lost = false;
+        self.port = PortCounts::default();
+    }
+
+    /// `port` is lost.
+    pub fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.catch_up(gateway, port);
+        self.telemetry.totals.losses.add(1);
+        self.telemetry.open.store(false, Ordering::Relaxed);
+        self.telemetry.forget_evidence();
+        self.lost = true;
+    }
+
+    /// A turn was done.
+    pub fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
+        let now = self.clock.uptime();
+        let heard = gateway.monitor().counts().used != self.monitor.used;
+        self.catch_up(gateway, port);
+        let telemetry = &self.telemetry;
+        telemetry.totals.turns.add(1);
+        mark(&telemetry.turned, now);
+        if heard {
+            mark(&telemetry.heard, now);
+        }
+        // One from before a loss says nothing of now: only a new one is taken over.
+        if let Some((at, status)) = gateway.monitor().last_status()
+            && self.status_at != Some(*at)
+        {
+            self.status_at = Some(*at);
+            telemetry.publish(status);
+        }
+    }
+
+    /// A new configuration is in force: another gateway, which knows nothing yet.
+    pub fn reloaded(&mut self) {
+        let telemetry = &self.telemetry;
+        telemetry.totals.reloads_accepted.add(1);
+        telemetry.publish(&Status::default());
+        telemetry.forget_evidence();
+        telemetry.open.store(false, Ordering::Relaxed);
+        (self.outbox, self.monitor) = (OutboxCounts::default(), Counts::default());
+        self.status_at = None;
+        self.warned = [None; ON_THEIR_WAY];
+    }
+
+    /// A new configuration was refused.
+    pub fn refused(&mut self) {
+        self.telemetry.totals.reloads_refused.add(1);
+    }
+
+    fn catch_up(&mut self, gateway: &Gateway, port: &dyn Port) {
+        let telemetry = &self.telemetry;
+        let (port, outbox) = (port.counts(), *gateway.outbox().counts());
+        let monitor = *gateway.monitor().counts();
+        telemetry.totals.port(&self.port, &port);
+        telemetry.totals.outbox(&self.outbox, &outbox);
+        telemetry.totals.monitor(&self.monitor, &monitor);
+        (self.port, self.outbox, self.monitor) = (port, outbox, monitor);
+        let cylinders = gateway.monitor().tallies().count().min(MAX_CYLINDERS) as u8;
+        telemetry.used.store(cylinders, Ordering::Relaxed);
+    }
+}

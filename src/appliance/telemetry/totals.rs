@@ -1,0 +1,109 @@
+//! Totals that only grow, whatever begins again meanwhile.
+
+use super::cell::Total;
+use crate::bus::PortCounts;
+use crate::live::outbox::OutboxCounts;
+use crate::monitor::Counts;
+
+/// Everything that is counted, from the start of the process on.
+#[derive(Debug, Default)]
+pub(super) struct Totals {
+    pub received: Total,
+    pub error_frames: Total,
+    pub dropped: Total,
+    pub malformed: Total,
+    pub unstamped: Total,
+    pub refused: Total,
+    pub sent: Total,
+    pub too_old: Total,
+    pub crowded_out: Total,
+    pub superseded: Total,
+    pub held_back: Total,
+    pub used: Total,
+    pub ignored: Total,
+    pub cycles: Total,
+    pub incomplete: Total,
+    pub missing: Total,
+    pub late: Total,
+    pub repeated: Total,
+    pub bad_signals: Total,
+    pub backwards: Total,
+    pub time_jumps: Total,
+    pub turns: Total,
+    pub opens: Total,
+    pub losses: Total,
+    pub reconnects: Total,
+    pub reloads_accepted: Total,
+    pub reloads_refused: Total,
+}
+
+impl Totals {
+    /// A port counts from its opening on.
+    pub fn port(&self, last: &PortCounts, now: &PortCounts) {
+        self.received.follow(last.received, now.received);
+        self.error_frames.follow(last.error_frames, now.error_frames);
+        self.dropped.follow(last.dropped, now.dropped);
+        self.malformed.follow(last.malformed, now.malformed);
+        self.unstamped.follow(last.unstamped, now.unstamped);
+        self.refused.follow(last.refused, now.refused);
+    }
+
+    /// An outbox counts from the reading of the configuration on.
+    pub fn outbox(&self, last: &OutboxCounts, now: &OutboxCounts) {
+        self.sent.follow(last.sent, now.sent);
+        self.too_old.follow(last.too_old, now.too_old);
+        self.crowded_out.follow(last.crowded_out, now.crowded_out);
+        self.superseded.follow(last.superseded, now.superseded);
+        self.held_back.follow(last.held_back, now.held_back);
+    }
+
+    /// A monitor counts from its making on.
+    pub fn monitor(&self, last: &Counts, now: &Counts) {
+        self.used.follow(last.used, now.used);
+        self.ignored.follow(last.ignored, now.ignored);
+        self.cycles.follow(last.cycles, now.cycles);
+        self.incomplete.follow(last.incomplete, now.incomplete);
+        self.missing.follow(last.missing, now.missing);
+        self.late.follow(last.late, now.late);
+        self.repeated.follow(last.repeated, now.repeated);
+        self.bad_signals.follow(last.bad_signals, now.bad_signals);
+        self.backwards.follow(last.backwards, now.backwards);
+        self.time_jumps.follow(last.time_jumps, now.time_jumps);
+    }
+}
+
+type Described<'a> = (&'static str, &'static str, &'a Total);
+
+impl Totals {
+    /// Those that are one number each: name, help, total.
+    #[rustfmt::skip]
+    pub fn described(&self) -> [Described<'_>; 25] {
+        [
+            ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
+            ("frames_used", "Frames that the monitor listens to.", &self.used),
+            ("frames_ignored", "Frames of other identifiers, remote frames and error frames.", &self.ignored),
+            ("error_frames", "Error messages of the controller.", &self.error_frames),
+            ("frames_dropped", "Frames lost because the kernel's receive queue was full.", &self.dropped),
+            ("frames_malformed", "What was read from the interface and is no frame.", &self.malformed),
+            ("frames_unstamped", "Frames without a time stamp, which got the time of their reading.", &self.unstamped),
+            ("frames_sent", "Frames handed to the interface.", &self.sent),
+            ("frames_refused", "Times that the interface had no room for a frame.", &self.refused),
+            ("frames_too_old", "Frames dropped instead of being sent late.", &self.too_old),
+            ("frames_crowded_out", "Frames dropped because too many waited to be sent.", &self.crowded_out),
+            ("statuses_superseded", "Statuses whose place a newer one took before they were sent.", &self.superseded),
+            ("frames_held_back", "Times that sending had to wait for the rate limit.", &self.held_back),
+            ("cycles", "Cycles that opened.", &self.cycles),
+            ("cycles_incomplete", "Cycles in which something configured did not arrive.", &self.incomplete),
+            ("cycles_missing", "Cycles that should have opened and did not.", &self.missing),
+            ("frames_late", "Frames after the deadline of their cycle.", &self.late),
+            ("frames_repeated", "Frames that came twice in a cycle; the first one counts.", &self.repeated),
+            ("signals_bad", "Signals that their frame was too short for, or that are no finite number.", &self.bad_signals),
+            ("frames_backwards", "Frames with a time stamp before that of the one before.", &self.backwards),
+            ("time_jumps", "Jumps in time after which everything started anew.", &self.time_jumps),
+            ("turns", "Turns of the data path.", &self.turns),
+            ("port_opens", "Times that the interface was opened.", &self.opens),
+            ("port_losses", "Times that the open interface was lost.", &self.losses),
+            ("port_reconnects", "Times that the interface was opened after a loss.", &self.reconnects),
+        ]
+    }
+}

@@ -1,0 +1,207 @@
+//! Recordings as those commands read them that learn from them: more than once, rows instead of
+//! frames, a window of time.
+
+use super::Failure;
+use super::machine::Machine;
+use super::progress::Bar;
+use super::replay::Stamps;
+use crate::bus::{Options, Recording, Source, Statistics};
+use crate::monitor::{Counts, Monitor, MonitorDesign};
+use crate::survey::{Survey, Surveyor, Window};
+use crate::time::Timestamp;
+use clap::Args;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Which recordings of which machine, and which part of them.
+#[derive(Args, Debug)]
+pub struct Field {
+    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; .gz and
+    /// .zst as they are
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// The machine's configuration
+    #[arg(long, value_name = "FILE")]
+    pub config: PathBuf,
+    /// Leaves out what is before: seconds since the first frame, or a part, like 25%
+    #[arg(long, value_name = "TIME")]
+    pub from: Option<Place>,
+    /// Leaves out what is after: seconds since the first frame, or a part, like 75%
+    #[arg(long, value_name = "TIME")]
+    pub to: Option<Place>,
+    /// Takes only the frames of this interface [default: of all]
+    #[arg(long, value_name = "NAME")]
+    pub interface: Option<String>,
+    /// What the time stamps of a console recording are
+    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
+    pub time_stamps: Stamps,
+}
+
+/// A place in a recording, as the command line has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// Since the first frame.
+    Seconds(f64),
+    /// 0 is the first frame, 1 the last.
+    Part(f64),
+}
+
+/// A recording with its machine, its beginning and its end, ready to be read as often as needed.
+pub struct Surveyed {
+    pub machine: Machine,
+    pub design: MonitorDesign,
+    /// Time stamps of the first and the last frame.
+    pub first: Timestamp,
+    pub last: Timestamp,
+    /// What is asked for of it.
+    pub window: Window,
+    pub statistics: Statistics,
+    logs: Vec<PathBuf>,
+    options: Options,
+}
+
+/// Before a window the monitor gets to know the platform's state, counters and calm, s.
+const LEAD: f64 = 10.0;
+
+/// After it the last cycle closes, s.
+const TRAIL: f64 = 1.0;
+
+/// Frames between two looks at progress.
+const STRIDE: u64 = 1 << 16;
+
+impl Field {
+    /// Loads the machine and reads the recording once for its length.
+    ///
+    /// # Errors
+    /// What is wrong with the call or its files; a recording without a frame.
+    pub fn open(&self) -> Result<Surveyed, Failure> {
+        if self.logs.iter().any(|log| log.as_os_str() == "-") {
+            return Err(Failure::Wrong(
+                "-: the recording is read more than once, which standard input cannot be; name a \
+                 file"
+                    .to_owned(),
+            ));
+        }
+        let machine = Machine::load(&self.config)?;
+        let design = machine.surveying()?;
+        let options =
+            Options { time_stamps: self.time_stamps.into(), interface: self.interface.clone() };
+        let mut recording = Recording::open(&self.logs, options.clone())?;
+        let bar = Bar::new(recording.progress());
+        let mut ends: Option<(Timestamp, Timestamp)> = None;
+        let mut frames = 0_u64;
+        while let Some(frame) = recording.next_frame()? {
+            let at = frame.timestamp;
+            ends = Some(ends.map_or((at, at), |(first, last)| (first, last.max(at))));
+            frames += 1;
+            if frames.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        bar.finish();
+        let statistics = recording.statistics().clone();
+        let Some((first, last)) = ends else { return Err(self.no_frame(&statistics)) };
+        let window = self.window(last.since(first).as_seconds())?;
+        let logs = self.logs.clone();
+        Ok(Surveyed { machine, design, first, last, window, statistics, logs, options })
+    }
+
+    fn no_frame(&self, statistics: &Statistics) -> Failure {
+        let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
+        let mut message = format!("{}: no frame in {} lines", logs.join(", "), statistics.lines);
+        if let Some(line) = statistics.first_bad_lines.first() {
+            message += &format!("; the first that is none: {line}");
+        }
+        Failure::Wrong(message)
+    }
+
+    /// The part asked for of a recording of `length` seconds.
+    fn window(&self, length: f64) -> Result<Window, Failure> {
+        let at = |place: Place| match place {
+            Place::Seconds(seconds) => seconds,
+            Place::Part(part) => part * length,
+        };
+        let from = self.from.map_or(0.0, at);
+        // The last cycle opens before the last frame; without an end given it is within.
+        let to = self.to.map_or(length + 1e-9, at);
+        if from < to && from < length {
+            return Ok(Window { from, to: to.min(length + 1e-9) });
+        }
+        Err(Failure::Wrong(format!(
+            "from {from:.3} s to {to:.3} s there is nothing in a recording of {length:.3} s"
+        )))
+    }
+}
+
+impl Surveyed {
+    /// Reads what is within `window` once and shows it to `surveyor`; how much the monitor counted.
+    ///
+    /// # Errors
+    /// The recording cannot be opened any more.
+    pub fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Failure> {
+        let mut recording = Recording::open(&self.logs, self.options.clone())?;
+        let mut monitor = Monitor::new(self.design.clone());
+        let mut survey = Survey::new(self.first, window, surveyor);
+        let bar = Bar::new(recording.progress());
+        let mut frames = 0_u64;
+        let fed = Window { from: window.from - LEAD, to: window.to + TRAIL };
+        while let Some(frame) = recording.next_frame()? {
+            if fed.holds(frame.timestamp.since(self.first).as_seconds()) {
+                monitor.take(frame, &mut survey);
+            }
+            frames += 1;
+            if frames.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        monitor.finish(&mut survey);
+        bar.finish();
+        Ok(*monitor.counts())
+    }
+
+    /// The recordings' names, for people.
+    pub fn inputs(&self) -> String {
+        let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
+        logs.join(", ")
+    }
+
+    /// What could not be read, for people; empty where all could.
+    pub fn remarks(&self) -> Vec<String> {
+        let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
+        let bad =
+            (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
+        bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string)).collect()
+    }
+
+    /// An input of which a part could not be read is a failure, though the rest was used.
+    ///
+    /// # Errors
+    /// The first damage.
+    pub fn damage(&self) -> Result<(), Failure> {
+        match self.statistics.damage.first() {
+            Some(damage) => Err(Failure::Failed(damage.to_string())),
+            None => Ok(()),
+        }
+    }
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    /// `120`, `120s` or `25%`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let expected =
+            || format!("{text:?} is no time: expected seconds, like 120, or a part, like 25%");
+        let (number, part) = match text.strip_suffix('%') {
+            Some(number) => (number, true),
+            None => (text.strip_suffix('s').unwrap_or(text), false),
+        };
+        let number: f64 = number.trim().parse().map_err(|_| expected())?;
+        match part {
+            _ if !number.is_finite() || number < 0.0 => Err(expected()),
+            true if number > 100.0 => Err(expected()),
+            true => Ok(Self::Part(number / 100.0)),
+            false => Ok(Self::Seconds(number)),
+        }
+    }
+}

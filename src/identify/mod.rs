@@ -1,0 +1,35 @@
+//! The model (4-1) of each cylinder from a healthy recording: chapter 4 of the thesis.
+//!
+//! ```text
+//! rows ─→ census ─ refusals, sources ─→ shaper ─ samples ─→ estimator ─ θ, γ ─→ validator ─→ Outcome
+//! ```
+//!
+//! - [`census`]: what the recording has of each cylinder, and whether it can be what it is taken for.
+//! - [`shaper`]: position, smoothed velocity and load pressure, command, one sample for each cycle.
+//! - [`qr`]: least squares over a stream, by orthogonal triangles; [`estimate`]: (4-7) and (4-8).
+//! - [`validate`]: simulation and one-step prediction on data that were not used; [`correlate`]:
+//!   whether what is left over is noise.
+//! - [`outcome`]: all of that as plain data, for reports.
+//!
+//! Every stage reads the recording once, as a [`Surveyor`](crate::survey::Surveyor), and keeps
+//! nothing that grows with it.
+
+pub mod assess;
+pub mod census;
+pub mod correlate;
+pub mod estimate;
+pub mod moments;
+pub mod outcome;
+pub mod qr;
+pub mod refusal;
+pub mod shaper;
+pub mod stages;
+pub mod validate;
+
+pub use census::{Census, Expectations};
+pub use estimate::{Estimate, Estimator, OffsetRule};
+pub use outcome::Outcome;
+pub use refusal::Refusal;
+pub use shaper::{Sample, Shaper, Shaping, Sources};
+pub use stages::Each;
+pub use validate::{Candidate, Validator};
