@@ -6,7 +6,7 @@ mod common;
 use common::{EXAMPLE, broken, refusal};
 use tertius::alarm::Level;
 use tertius::config::settings::{
-    Alarm, Comparator, Fde, Gateway, Http, Model, Observer, Plausibility,
+    Alarm, Comparator, Fde, Gateway, Http, Model, Observer, Plausibility, Realtime,
 };
 use tertius::config::{MAX_PROBLEMS, MAX_SIZE, parse};
 
@@ -38,6 +38,7 @@ fn absent_tables_have_the_values_of_the_thesis() {
     assert_eq!(settings.machine.max_gap, 0.1);
     assert_eq!(settings.gateway, Gateway { node: 81, bus_share: 0.05, max_age: 0.2, guard: 0.01 });
     assert_eq!(settings.http.address(), Some("127.0.0.1:9481".parse().expect("an address")));
+    assert_eq!(settings.realtime, Realtime { priority: 0, lock_memory: false });
     assert_eq!(settings.plausibility, Plausibility::default());
     assert_eq!(settings.plausibility.broken_wire_codes, [32767]);
     assert_eq!((settings.alarm.clear, settings.alarm.coincidence), (1.0, 0.2));
@@ -59,6 +60,7 @@ fn the_shipped_machine_is_the_defaults_written_out() {
     assert_eq!(settings.alarm, Alarm::default());
     assert_eq!(settings.gateway, Gateway::default());
     assert_eq!(settings.http, Http::default());
+    assert_eq!(settings.realtime, Realtime::default());
     let plausibility =
         Plausibility { status_mask: 3, valid_raw: Some([1, 27648]), ..Plausibility::default() };
     assert_eq!(settings.plausibility, plausibility);
@@ -121,6 +123,22 @@ fn whole_numbers_of_64_bits_and_other_bases_are_read() {
 fn one_cylinder_needs_no_number_in_its_names() {
     let text = EXAMPLE.replace("cylinders = 6", "cylinders = 1").replace("Cyl{n}_", "");
     assert!(parse("one.toml", &text).is_ok());
+}
+
+#[test]
+fn real_time_is_asked_for_within_what_the_kernel_has() {
+    let with = |table: &str| broken("[bus]", &format!("[realtime]\n{table}\n[bus]"));
+    let (settings, _) =
+        parse("own.toml", &with("priority = 99\nlock_memory = true")).expect("sound");
+    assert_eq!(settings.realtime, Realtime { priority: 99, lock_memory: true });
+    for (table, words) in [
+        ("priority = 100", "`realtime.priority` is 100, but must be 0 to 99"),
+        ("priority = true", "`realtime.priority` is true or false, but must be a whole number"),
+        ("lock_memory = 1", "`realtime.lock_memory` is a whole number, but must be true or false"),
+    ] {
+        let lines = refusal(&with(table));
+        assert!(lines.len() == 1 && lines[0].contains(words), "{lines:?}");
+    }
 }
 
 #[test]

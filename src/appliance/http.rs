@@ -3,6 +3,7 @@
 //! It only reads what the data path has stored, so whatever its clients do, the data path does not
 //! wait for it.
 
+use super::realtime;
 use super::telemetry::clock::Clock;
 use super::telemetry::exposition::{CONTENT_TYPE, exposition};
 use super::telemetry::{Recorder, Telemetry};
@@ -66,6 +67,7 @@ impl Server {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (stop, stopped) = oneshot::channel();
         let serve = move || {
+            realtime::be_ordinary();
             runtime.spawn(async move {
                 match TcpListener::from_std(listener) {
                     Ok(listener) => accept(listener, router(shared)).await,

@@ -1,6 +1,7 @@
 //! Looks at the interface beside the data path: what the driver says of its controller also where it
 //! sends no error frames.
 
+use super::realtime;
 use crate::bus::socket::LinkState;
 use crate::error_frame::ControllerState;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -55,6 +56,7 @@ impl Drop for LinkWatch {
 }
 
 fn look(named: &Receiver<String>, mut seen: impl FnMut(Option<&LinkState>)) {
+    realtime::be_ordinary();
     let Ok(mut interface) = named.recv() else { return };
     let mut last = None;
     loop {

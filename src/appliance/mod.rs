@@ -2,9 +2,12 @@
 //! what runs the gateway.
 
 mod activity;
+pub mod doctor;
 pub mod http;
+mod journald;
 pub mod link_watch;
 pub mod logging;
+pub mod realtime;
 mod site;
 pub mod surroundings;
 pub mod telemetry;

@@ -9,6 +9,7 @@ use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::Port;
 use crate::cli::Failure;
+use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
@@ -39,6 +40,8 @@ pub struct Prepared {
     pub interface: Option<String>,
     /// Where HTTP listens.
     pub listen: Option<SocketAddr>,
+    /// Only as the gateway starts.
+    pub realtime: Realtime,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
@@ -220,7 +223,7 @@ impl Surroundings for Appliance {
 
     fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(Prepared { gateway, opener, interface, listen }) => {
+            Ok(Prepared { gateway, opener, interface, listen, realtime: _ }) => {
                 info!("the configuration was read again; everything is judged anew");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);

@@ -1,6 +1,7 @@
 //! The commands.
 
 mod check;
+mod doctor;
 mod failure;
 mod identify;
 mod inject;
@@ -32,6 +33,7 @@ enum Command {
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
+    Doctor(doctor::Doctor),
     Inject(inject::Inject),
     Identify(identify::Identify),
     Simulate(simulate::Simulate),
@@ -47,6 +49,7 @@ impl Arguments {
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Doctor(doctor) => doctor.run(),
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
             Command::Simulate(simulate) => simulate.run(),

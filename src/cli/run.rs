@@ -4,6 +4,7 @@ use super::Failure;
 use super::machine::Machine;
 use super::virtual_bus::{self, PlayOptions, Stage};
 use crate::appliance::logging::{self, LogFormat};
+use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, Prepared};
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Identifiers, Port};
@@ -26,7 +27,7 @@ pub struct Run {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
-    /// The form of the log on standard error
+    /// The form of the log: text or json on standard error, or journal for fields in systemd's
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     log: LogFormat,
     #[command(flatten)]
@@ -41,11 +42,10 @@ impl Run {
     /// for.
     pub fn run(self) -> Result<(), Failure> {
         let stage = self.play.stage(&self.config)?;
-        let Prepared { gateway, opener, listen, interface } =
+        let Prepared { gateway, opener, listen, interface, realtime } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
-        let _worker = logging::start(self.log)
-            .map_err(|error| Failure::Failed(format!("the log cannot be started: {error}")))?;
+        let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
@@ -53,6 +53,7 @@ impl Run {
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
+        realtime::apply(realtime);
         supervisor::run(gateway, opener, &mut appliance);
         appliance.stopped();
         stage.map_or(Ok(()), |stage| stage.finish())
@@ -85,9 +86,9 @@ fn prepare(path: &Path, stage: Option<&Stage>) -> Result<Prepared, Failure> {
         Some(stage) => (stage.opener(identifiers), None),
         None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
-    let listen = settings.http.address();
+    let (listen, realtime) = (settings.http.address(), settings.realtime);
     let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
-    Ok(Prepared { gateway, opener, listen, interface })
+    Ok(Prepared { gateway, opener, listen, interface, realtime })
 }
 
 /// A SocketCAN interface by name.

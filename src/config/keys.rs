@@ -49,6 +49,7 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
     Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
+    Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
     Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "what one cylinder has of its own"),
 ] };
 
@@ -223,6 +224,14 @@ static HTTP: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
+static REALTIME: Table = Table { keys: &[
+    Key::optional("priority", whole(0, 99, "SCHED_FIFO has priorities 1 to 99; 0 is ordinary"), "0",
+        "the real-time priority of the data path, from the gateway's start on; 0 for none"),
+    Key::optional("lock_memory", Kind::One(Scalar::Switch), "false",
+        "whether the gateway's memory is locked, from its start on"),
+] };
+
+#[rustfmt::skip]
 static CYLINDER: Table = Table { keys: &[
     Key::required("n",
         whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
@@ -299,6 +308,7 @@ mod tests {
             (&LEVELS, fields::<settings::Levels>()),
             (&GATEWAY, fields::<settings::Gateway>()),
             (&HTTP, fields::<settings::Http>()),
+            (&REALTIME, fields::<settings::Realtime>()),
             (&CYLINDER, fields::<settings::Cylinder>()),
         ];
         for (table, fields) in tables {

@@ -43,6 +43,7 @@ pub(super) enum Scalar {
     Text(TextRule),
     Number(Limits),
     Whole(WholeLimits),
+    Switch,
     Choice(&'static [&'static str]),
 }
 
@@ -118,6 +119,7 @@ impl Scalar {
             Self::Text(_) | Self::Choice(_) => "a string",
             Self::Number(_) => "a number",
             Self::Whole(_) => "a whole number",
+            Self::Switch => "true or false",
         }
     }
 }

@@ -31,6 +31,8 @@ pub struct Settings {
     pub gateway: Gateway,
     #[serde(default)]
     pub http: Http,
+    #[serde(default)]
+    pub realtime: Realtime,
     /// Overrides per cylinder; at most one table for each number.
     #[serde(default)]
     pub cylinder: Vec<Cylinder>,
@@ -304,6 +306,16 @@ impl Http {
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
     }
+}
+
+/// What the gateway asks of the kernel as it starts. A reload changes neither.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Realtime {
+    /// SCHED_FIFO priority of the data path, 1 to 99; 0 for none.
+    pub priority: u8,
+    /// Whether all memory, present and future, is locked.
+    pub lock_memory: bool,
 }
 
 /// What one cylinder has of its own.

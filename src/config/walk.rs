@@ -220,6 +220,7 @@ fn judge(scalar: &Scalar, value: &DeValue<'_>) -> Result<(), Fault> {
             Some(value) if (limits.low..=limits.high).contains(&value) => Ok(()),
             _ => out_of(limits.to_string(), limits.why),
         },
+        (Scalar::Switch, DeValue::Boolean(_)) => Ok(()),
         _ => Err(Fault::Type),
     }
 }

@@ -17,6 +17,8 @@ pub struct LinkState {
     pub mtu: Option<u32>,
     /// bit/s.
     pub bit_rate: Option<u32>,
+    /// Where in a bit it is read, in tenths of a percent of the bit.
+    pub sample_point: Option<u32>,
     /// Of CAN FD's data phase, bit/s.
     pub data_bit_rate: Option<u32>,
     /// The controller's state.
@@ -70,6 +72,9 @@ impl LinkState {
             up: details.is_up,
             mtu: details.mtu.map(|mtu| mtu as u32),
             bit_rate: rate(can.bit_timing),
+            sample_point: { can.bit_timing }
+                .map(|timing| timing.sample_point)
+                .filter(|&point| point != 0),
             data_bit_rate: rate(can.data_bit_timing),
             state: can.state.map(ControllerState::from),
             transmit_errors: can.berr_counter.map(|counter| counter.txerr),

@@ -84,6 +84,11 @@ impl SocketPort {
         self.opened.buffer
     }
 
+    /// How long a full bus takes to fill that room, s.
+    pub fn buffer_lasts(&self) -> f64 {
+        self.opened.rates.lasts(self.opened.buffer as u64)
+    }
+
     /// The kernel waits in ticks of up to 10 ms, in exchange for which a frame costs no second
     /// system call.
     fn be_patient(&mut self, patience: Duration) -> Result<(), PortError> {
@@ -210,7 +215,7 @@ impl Port for SocketPort {
             }
             (stamps, _) => stamps.to_string(),
         };
-        let lasts = opened.rates.lasts(opened.buffer as u64);
+        let lasts = self.buffer_lasts();
         // Rounding of the kernel's is not worth a word.
         let advice = if lasts < 0.99 {
             "; for a whole second, give CAP_NET_ADMIN or raise net.core.rmem_max"

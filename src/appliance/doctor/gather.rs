@@ -1,0 +1,179 @@
+//! Collects the facts. Listens and reads; sends and changes nothing.
+
+use super::facts::{Bus, Clock, Facts, Host, Interface, Receiving, Rights, Service, Wanted};
+use super::hearing::Hearing;
+use super::load::Rates;
+use super::process::gateway_config;
+use crate::bus::socket::{LinkState, OpenError, Options, SocketPort};
+use crate::bus::{Identifiers, Port};
+use crate::time::Span;
+use std::fs;
+use std::net::{SocketAddr, TcpListener};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant, SystemTime};
+
+/// ARPHRD_CAN of linux/if_arp.h.
+const CAN: &str = "280";
+
+/// The longest wait for a frame, so that the end of listening is kept.
+const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Where systemd looks for units, first come first served.
+const UNITS: [&str; 4] = [
+    "/etc/systemd/system",
+    "/run/systemd/system",
+    "/usr/local/lib/systemd/system",
+    "/usr/lib/systemd/system",
+];
+
+const UNIT: &str = "tertius.service";
+
+/// All facts, after listening for that long on the bus, if there is one; `embedded` is that it is
+/// inside the program.
+pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: Duration) -> Facts {
+    let (monotonic, system) = (Instant::now(), SystemTime::now());
+    let rights = rights(&wanted.config);
+    let bus = match embedded {
+        true => Bus::Embedded,
+        false => Bus::Socket(Box::new(interface(&wanted, listen))),
+    };
+    let clock = clock(monotonic, system);
+    let http = http.map(|address| (address, TcpListener::bind(address).err()));
+    let http = http.map(|(address, error)| (address, error.map(|error| error.to_string())));
+    Facts { wanted, bus, host: Host { rights, clock, service: service(), http } }
+}
+
+fn interface(wanted: &Wanted, listen: Duration) -> Interface {
+    let name = &wanted.interface;
+    let link = LinkState::read(name);
+    let kind = fs::read_to_string(format!("/sys/class/net/{name}/type")).ok();
+    let mut found = Interface {
+        no_can: None,
+        is_can: kind.map(|kind| kind.trim() == CAN),
+        port: Err(String::new()),
+        rmem_max: fs::read_to_string("/proc/sys/net/core/rmem_max")
+            .ok()
+            .and_then(|text| text.trim().parse().ok()),
+        hearing: None,
+        link: link.map_err(|error| error.to_string()),
+    };
+    let options = Options { identifiers: Identifiers::All, ..Options::default() };
+    match SocketPort::open(name, &options) {
+        Ok(mut port) => {
+            found.hearing = (!listen.is_zero()).then(|| {
+                let [status, ..] = wanted.own;
+                let mut hearing = Hearing::new(rates(wanted, found.link.as_ref().ok()), status);
+                hear(&mut port, listen, &mut hearing);
+                hearing
+            });
+            found.port = Ok(Receiving {
+                buffer: port.receive_buffer() as u64,
+                lasts: port.buffer_lasts(),
+                stamps: port.stamps(),
+            });
+        }
+        Err(error) => {
+            if let OpenError::NoCan { error } = &error {
+                found.no_can = Some(error.to_string());
+            }
+            found.port = Err(error.to_string());
+        }
+    }
+    found
+}
+
+fn rates(wanted: &Wanted, link: Option<&LinkState>) -> Rates {
+    let nominal = link.and_then(|link| link.bit_rate).unwrap_or(wanted.bit_rate);
+    let data = link.and_then(|link| link.data_bit_rate).unwrap_or(nominal);
+    Rates { nominal: f64::from(nominal), data: f64::from(data) }
+}
+
+fn hear(port: &mut dyn Port, listen: Duration, hearing: &mut Hearing) {
+    let started = Instant::now();
+    while started.elapsed() < listen {
+        if let Err(error) = port.receive(PATIENCE, &mut |frame| hearing.take(frame)) {
+            hearing.ended = Some(error.to_string());
+            break;
+        }
+    }
+    hearing.seconds = started.elapsed().as_secs_f64();
+    hearing.dropped = port.counts().dropped;
+}
+
+/// Of the gateway of this configuration, if /proc shows one, else of this process.
+fn rights(config: &Path) -> Rights {
+    let of = |process: &str| -> Option<Rights> {
+        let read = |file| fs::read_to_string(format!("/proc/{process}/{file}"));
+        Some(Rights::read(&read("status").ok()?, &read("limits").ok()?))
+    };
+    let gateway = gateway(config);
+    let rights = gateway.and_then(|process| of(&process.to_string())).or_else(|| of("self"));
+    Rights { gateway, ..rights.unwrap_or_default() }
+}
+
+fn gateway(config: &Path) -> Option<u32> {
+    let config = fs::canonicalize(config).ok()?;
+    let processes = fs::read_dir("/proc").ok()?;
+    processes.flatten().find_map(|entry| {
+        let process = entry.file_name().to_str()?.parse().ok()?;
+        let cmdline = fs::read(entry.path().join("cmdline")).ok()?;
+        // Relative to where it runs; a service's path is none.
+        let folder = fs::read_link(entry.path().join("cwd")).unwrap_or_default();
+        let its = fs::canonicalize(folder.join(gateway_config(&cmdline)?)).ok()?;
+        (its == config).then_some(process)
+    })
+}
+
+fn clock(monotonic: Instant, system: SystemTime) -> Clock {
+    let watched = monotonic.elapsed();
+    let signed = |time: Duration| Span::from_seconds(time.as_secs_f64()).as_nanos();
+    let passed = match SystemTime::now().duration_since(system) {
+        Ok(ahead) => signed(ahead),
+        Err(back) => -signed(back.duration()),
+    };
+    Clock {
+        synchronised: synchronised(),
+        step: Span::from_nanos(passed.saturating_sub(signed(watched))),
+        watched: watched.as_secs_f64(),
+    }
+}
+
+/// Whether systemd-timesyncd keeps the clock, or the kernel was told so by whoever does (chrony,
+/// ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
+fn synchronised() -> Option<bool> {
+    if Path::new("/run/systemd/timesync/synchronized").exists() {
+        return Some(true);
+    }
+    let output = Command::new("timedatectl")
+        .args(["show", "--property=NTPSynchronized", "--value"])
+        .stdin(Stdio::null())
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    match output.stdout.trim_ascii() {
+        b"yes" => Some(true),
+        b"no" => Some(false),
+        _ => None,
+    }
+}
+
+fn service() -> Service {
+    let unit = UNITS.iter().map(|folder| Path::new(folder).join(UNIT)).find(|path| path.exists());
+    let mut texts: Vec<String> = unit.iter().flat_map(fs::read_to_string).collect();
+    for folder in UNITS.iter().rev() {
+        let drop_ins = fs::read_dir(Path::new(folder).join(format!("{UNIT}.d")));
+        let mut paths: Vec<_> =
+            drop_ins.into_iter().flatten().flatten().map(|entry| entry.path()).collect();
+        paths.sort();
+        texts.extend(paths.iter().flat_map(fs::read_to_string));
+    }
+    let watchdog = texts.iter().flat_map(|text| text.lines()).rev();
+    Service {
+        systemd: Path::new("/run/systemd/system").exists(),
+        unit: unit.map(|path| path.display().to_string()),
+        watchdog: { watchdog }
+            .find_map(|line| line.trim().strip_prefix("WatchdogSec="))
+            .map(|time| time.trim().to_owned()),
+    }
+}

@@ -1,0 +1,141 @@
+//! The box besides its bus: rights, clock, HTTP, service.
+
+use super::facts::{Clock, Host, Rights, Service, Wanted};
+use super::finding::Finding;
+use std::net::SocketAddr;
+
+/// What two readings of two clocks may differ by, s, besides a part of the time between them that
+/// steering a clock takes (500 ppm at the most).
+const READING: f64 = 2e-3;
+const STEERING: f64 = 5e-4;
+
+const DROP_IN: &str = "tertius-realtime.conf";
+
+pub(super) fn judge(wanted: &Wanted, host: &Host) -> Vec<Finding> {
+    let rights = &host.rights;
+    let mut findings = vec![self::rights(rights)];
+    findings.extend(priority(wanted, rights));
+    findings.extend(memory(wanted, rights));
+    findings.extend(clock(&host.clock));
+    findings.push(match &host.http {
+        None => Finding::ok("http", "off"),
+        Some((address, trouble)) => http(*address, trouble.as_deref(), rights),
+    });
+    findings.push(service(&host.service));
+    findings
+}
+
+/// Whose rights were looked at.
+fn whose(rights: &Rights) -> String {
+    match rights.gateway {
+        Some(process) => format!("the gateway that runs here (process {process})"),
+        None => "this call".to_owned(),
+    }
+}
+
+fn rights(rights: &Rights) -> Finding {
+    let admin = if rights.net_admin { "has" } else { "has not" };
+    let whose = whose(rights);
+    let found = format!(
+        "a CAN socket needs none; CAP_NET_ADMIN, for a receive buffer beyond net.core.rmem_max, \
+         {whose} {admin}"
+    );
+    Finding::ok("rights", found)
+}
+
+fn priority(wanted: &Wanted, rights: &Rights) -> Option<Finding> {
+    let (subject, priority) = ("real time", wanted.realtime.priority);
+    (priority > 0).then(|| {
+        let whose = whose(rights);
+        let limit = rights.priority;
+        if rights.sys_nice || limit.is_none_or(|limit| limit >= u64::from(priority)) {
+            return Finding::ok(subject, format!("{whose} may have priority {priority}"));
+        }
+        Finding::warn(
+            subject,
+            format!(
+                "{whose} may not have priority {priority}: its limit is {}",
+                limit.unwrap_or(0)
+            ),
+            format!("install {DROP_IN} (LimitRTPRIO), or `ulimit -r {priority}`"),
+        )
+    })
+}
+
+fn memory(wanted: &Wanted, rights: &Rights) -> Option<Finding> {
+    let subject = "locked memory";
+    wanted.realtime.lock_memory.then(|| {
+        let whose = whose(rights);
+        match rights.locked_memory.filter(|_| !rights.ipc_lock) {
+            None => Finding::ok(subject, format!("{whose} may lock all that it needs")),
+            Some(bytes) => Finding::warn(
+                subject,
+                format!("{whose} may lock {} KiB, and all of it has to fit", bytes / 1024),
+                format!("install {DROP_IN} (LimitMEMLOCK), or `ulimit -l unlimited`"),
+            ),
+        }
+    })
+}
+
+fn clock(clock: &Clock) -> Vec<Finding> {
+    let subject = "clock";
+    let keep = "enable systemd-timesyncd, chrony or PTP: warnings and recordings are compared by \
+                time";
+    let mut findings = vec![match clock.synchronised {
+        Some(true) => Finding::ok(subject, "synchronised"),
+        Some(false) => Finding::warn(subject, "not synchronised", keep),
+        None => Finding::warn(subject, "not known to be synchronised", keep),
+    }];
+    let step = clock.step.as_seconds();
+    if step.abs() > READING + STEERING * clock.watched {
+        findings.push(Finding::warn(
+            subject,
+            format!("was set by {step:+.3} s during this look of {:.1} s", clock.watched),
+            "have it slewed, not stepped: the gateway judges everything anew after each step",
+        ));
+    }
+    findings
+}
+
+fn http(address: SocketAddr, trouble: Option<&str>, rights: &Rights) -> Finding {
+    match (trouble, rights.gateway) {
+        (None, _) => Finding::ok("http", format!("{address} is free")),
+        (Some(_), Some(process)) => Finding::ok(
+            "http",
+            format!("{address} is taken, as the gateway runs here (process {process})"),
+        ),
+        (Some(reason), None) => Finding::fail(
+            "http",
+            format!("{address} cannot be listened on: {reason}"),
+            "set http.listen to another port, or \"off\"; `ss -ltnp` shows who has it",
+        ),
+    }
+}
+
+fn service(service: &Service) -> Finding {
+    let subject = "service";
+    if !service.systemd {
+        return Finding::warn(
+            subject,
+            "no systemd here: nothing starts the gateway again by a watchdog",
+            "have whatever starts it restart it, and look at its status frames' counter",
+        );
+    }
+    let Some(unit) = &service.unit else {
+        return Finding::warn(
+            subject,
+            "there is no tertius.service",
+            "install config/systemd/tertius.service; its head says how",
+        );
+    };
+    match service.watchdog.as_deref() {
+        Some(time) if !matches!(time, "" | "0" | "infinity") => {
+            Finding::ok(subject, format!("{unit}, with a watchdog (WatchdogSec={time})"))
+        }
+        _ => Finding::warn(
+            subject,
+            format!("{unit} has no watchdog: a gateway that hangs is not started again"),
+            "WatchdogSec=2, as in config/systemd/tertius.service",
+        ),
+    }
+}

@@ -1,0 +1,58 @@
+//! A look at the box: what is right for the gateway, and what to do where it is not.
+//!
+//! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`] judges
+//! them without looking at the world again.
+
+pub mod facts;
+mod finding;
+pub mod gather;
+pub mod hearing;
+mod host;
+mod interface;
+pub mod load;
+mod process;
+mod receiving;
+mod traffic;
+
+pub use facts::Facts;
+pub use finding::{Finding, Verdict};
+
+use facts::{Bus, Interface, Wanted};
+
+/// Judges, one line for each thing.
+pub fn examine(facts: &Facts) -> Vec<Finding> {
+    let wanted = &facts.wanted;
+    let mut findings =
+        vec![Finding::ok("configuration", format!("{} is sound", wanted.config.display()))];
+    findings.push(dbc(wanted));
+    match &facts.bus {
+        Bus::Embedded => findings.push(Finding::ok(
+            "interface",
+            "the embedded bus, inside the program: there is no interface to look at, and `tertius \
+             run --play LOG` plays a recording on it",
+        )),
+        Bus::Socket(interface) => findings.extend(socket(wanted, interface, facts)),
+    }
+    findings.extend(host::judge(wanted, &facts.host));
+    findings
+}
+
+fn socket(wanted: &Wanted, interface: &Interface, facts: &Facts) -> Vec<Finding> {
+    let mut findings = interface::judge(wanted, interface);
+    findings.extend(receiving::judge(interface, &facts.host.rights));
+    if let Some(hearing) = &interface.hearing {
+        findings.extend(traffic::judge(wanted, hearing, &facts.host.rights));
+    }
+    findings
+}
+
+fn dbc(wanted: &Wanted) -> Finding {
+    match wanted.dbc_findings {
+        0 => Finding::ok("dbc", format!("{} is sound", wanted.dbc)),
+        count => Finding::warn(
+            "dbc",
+            format!("{}: {count} things are worth a look", wanted.dbc),
+            format!("`tertius check {}` lists them", wanted.config.display()),
+        ),
+    }
+}

@@ -1,0 +1,235 @@
+//! What comes on the bus, against what the configuration listens to.
+
+use super::facts::{Message, Rights, Wanted};
+use super::finding::Finding;
+use super::hearing::{Errors, Hearing, Intervals};
+use crate::error_frame::ControllerState;
+
+/// Messages named in a line at most.
+const NAMED: usize = 20;
+
+/// The cycle may be off by this part …
+const CYCLE_TOLERANCE: f64 = 0.02;
+/// … and is another machine's beyond this.
+const CYCLE_LIMIT: f64 = 0.1;
+
+/// Part of a cycle by which its opening may move.
+const JITTER_TOLERANCE: f64 = 0.2;
+
+/// A cyclic message comes less often than once a cycle below the one, more often above the other.
+const ONCE: [f64; 2] = [0.9, 1.1];
+
+/// Part of the bus beyond which low priorities wait long.
+const BUSY: f64 = 0.7;
+
+pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<Finding> {
+    let mut findings = frames(wanted, hearing);
+    findings.extend(cycle(wanted, hearing));
+    findings.extend(load(hearing));
+    findings.push(errors(&hearing.errors));
+    if hearing.dropped > 0 {
+        findings.push(Finding::warn(
+            "lost",
+            format!("{} frames: the receive queue was full", hearing.dropped),
+            "a larger receive buffer, or less that runs beside",
+        ));
+    }
+    findings.push(node(wanted, hearing, rights));
+    findings
+}
+
+/// The names, not too many of them.
+fn named<'a>(messages: impl Iterator<Item = &'a Message>) -> String {
+    let mut names: Vec<String> =
+        messages.map(|message| format!("{} ({})", message.name, message.id)).collect();
+    let more = names.len().saturating_sub(NAMED);
+    names.truncate(NAMED);
+    let text = names.join(", ");
+    if more > 0 { format!("{text} and {more} more") } else { text }
+}
+
+fn frames(wanted: &Wanted, hearing: &Hearing) -> Vec<Finding> {
+    let subject = "frames";
+    let seconds = hearing.seconds;
+    let mut findings = Vec::new();
+    if let Some(reason) = &hearing.ended {
+        findings.push(Finding::fail(
+            subject,
+            format!("listening ended after {seconds:.1} s: {reason}"),
+            "see the interface above, and look again",
+        ));
+    }
+    let messages = &wanted.messages;
+    let all = messages.len();
+    if hearing.frames == 0 {
+        findings.push(Finding::fail(
+            subject,
+            format!("none in {seconds:.1} s, of {all} messages that are listened to"),
+            "switch the machine on; look at wires, termination and bit rate",
+        ));
+        return findings;
+    }
+    let is_missing = |message: &&Message| hearing.of(message.id).is_none();
+    let missing = messages.iter().filter(is_missing).count();
+    if missing > 0 {
+        findings.push(Finding::fail(
+            subject,
+            format!(
+                "{missing} of {all} messages did not come in {seconds:.1} s: {}",
+                named(messages.iter().filter(is_missing))
+            ),
+            "switch their nodes on, or correct [signals] and the DBC",
+        ));
+    } else {
+        let others = hearing.ids().filter(|id| messages.iter().all(|message| message.id != *id));
+        let others = others.filter(|id| !wanted.own.contains(id)).count();
+        findings.push(Finding::ok(
+            subject,
+            format!(
+                "all {all} messages came in {seconds:.1} s ({} frames, {others} other identifiers)",
+                hearing.frames
+            ),
+        ));
+    }
+    findings.extend(short(wanted, hearing));
+    findings.extend(not_once(wanted, hearing));
+    findings
+}
+
+fn short(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
+    let is_short = |message: &&Message| {
+        hearing.of(message.id).is_some_and(|heard| heard.shortest < message.needs)
+    };
+    wanted.messages.iter().any(|message| is_short(&message)).then(|| {
+        Finding::fail(
+            "frames",
+            format!(
+                "too short for what the DBC has in them: {}",
+                named(wanted.messages.iter().filter(is_short))
+            ),
+            "correct the DBC; `candump` shows what comes",
+        )
+    })
+}
+
+fn not_once(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
+    let cycles = hearing.seconds / wanted.sample_time;
+    if cycles < 10.0 || hearing.ended.is_some() {
+        return None;
+    }
+    let is_odd = |message: &&Message| {
+        let per_cycle = hearing.of(message.id).map(|heard| heard.count as f64 / cycles);
+        let [least, most] = ONCE;
+        message.cyclic && per_cycle.is_some_and(|times| !(least..=most).contains(&times))
+    };
+    wanted.messages.iter().any(|message| is_odd(&message)).then(|| {
+        Finding::warn(
+            "frames",
+            format!(
+                "not once each {} ms: {}",
+                wanted.sample_time * 1e3,
+                named(wanted.messages.iter().filter(is_odd))
+            ),
+            "look at their nodes' cycle, and whether two nodes send the same",
+        )
+    })
+}
+
+fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
+    let opens = wanted.messages.iter().find(|message| message.sync);
+    let message = opens.or_else(|| wanted.messages.iter().find(|message| message.reading))?;
+    let Intervals { mean, jitter, largest_deviation } = hearing.of(message.id)?.intervals()?;
+    let found = format!(
+        "{} each {:.3} ms, jitter {:.3} ms (at most {:.3} ms)",
+        message.name,
+        mean * 1e3,
+        jitter * 1e3,
+        largest_deviation * 1e3
+    );
+    let time = wanted.sample_time;
+    let off = (mean / time - 1.0).abs();
+    if off > CYCLE_TOLERANCE {
+        let found = format!("{found}, but machine.sample_time is {} ms", time * 1e3);
+        let advice = "correct machine.sample_time, and identify the model anew: it is of a cycle";
+        let limit = if off > CYCLE_LIMIT { Finding::fail } else { Finding::warn };
+        return Some(limit("cycle", found, advice.to_owned()));
+    }
+    Some(match largest_deviation / time > JITTER_TOLERANCE {
+        true => Finding::warn(
+            "cycle",
+            found,
+            "look at the sender's cycle and the load of the bus; [realtime] if it is this box",
+        ),
+        false => Finding::ok("cycle", found),
+    })
+}
+
+fn load(hearing: &Hearing) -> Option<Finding> {
+    let load = hearing.load()?;
+    let found = format!("{:.1} % at most", load * 100.0);
+    Some(match load > BUSY {
+        true => Finding::warn("bus load", found, "send less often, or at a higher bit rate"),
+        false => Finding::ok("bus load", found),
+    })
+}
+
+fn errors(errors: &Errors) -> Finding {
+    let subject = "error frames";
+    if errors.frames == 0 {
+        return Finding::ok(subject, "none");
+    }
+    let mut found = vec![format!("{}", errors.frames)];
+    for (count, what) in [
+        (errors.protocol, "frames that were wrong on the bus"),
+        (errors.unacknowledged, "frames that nobody acknowledged"),
+        (errors.transceiver, "faults of the line"),
+        (errors.receive_overflows, "overflows of the controller"),
+    ] {
+        if count > 0 {
+            found.push(format!("{count} {what}"));
+        }
+    }
+    found.extend(errors.state.map(|state| format!("the controller came to {}", state.name())));
+    let found = found.join(", ");
+    let wires = "look at wires, termination and the bit rate of every node";
+    match errors.state {
+        Some(ControllerState::BusOff) => Finding::fail(subject, found, wires),
+        _ => Finding::warn(subject, found, wires),
+    }
+}
+
+/// Whether somebody else sends what only the gateway may.
+fn node(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Finding {
+    let (subject, node) = ("node", wanted.node);
+    let ids: Vec<String> = wanted
+        .own
+        .iter()
+        .filter(|id| hearing.of(**id).is_some())
+        .map(|id| id.to_string())
+        .collect();
+    let ids = ids.join(", ");
+    let another = "give each gateway a node of its own (gateway.node), and no other device these \
+                   identifiers";
+    if ids.is_empty() {
+        return Finding::ok(subject, format!("nobody else sends as node {node}"));
+    }
+    match rights.gateway {
+        _ if hearing.status.is_mixed() => Finding::fail(
+            subject,
+            format!("more than one sends as node {node}: the counters of its status are mixed"),
+            another,
+        ),
+        Some(process) => Finding::ok(
+            subject,
+            format!("{ids}: one sender, the gateway that runs here (process {process})"),
+        ),
+        None => Finding::fail(
+            subject,
+            format!(
+                "{ids} of node {node} come, but no gateway of this configuration runs here: \
+                 somebody else's"
+            ),
+            another,
+        ),
+    }
+}

@@ -1,0 +1,117 @@
+//! `tertius doctor`: is this box fit for the gateway?
+
+use super::Failure;
+use super::machine::Machine;
+use crate::alarm::frames::identifiers;
+use crate::appliance::doctor::facts::{Message, Wanted};
+use crate::appliance::doctor::gather::gather;
+use crate::appliance::doctor::{Finding, Verdict, examine};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// Looks at this box and its bus, and says in a line each what is right for the gateway and what to
+/// do. Listens only: sends and changes nothing. Ends with 1 if anything failed; warnings are none.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  tertius doctor --config config/e-type.toml
+  tertius doctor --config config/e-type.toml --listen 10 --format json")]
+pub struct Doctor {
+    /// The machine's configuration
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// How long to listen to the bus; 0 for not at all
+    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = seconds)]
+    listen: Duration,
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Human,
+    Json,
+}
+
+/// The longest that is listened for, s.
+const LONGEST: f64 = 3600.0;
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "not a number of seconds".to_owned())?;
+    if !(0.0..=LONGEST).contains(&seconds) {
+        return Err(format!("0 to {LONGEST} s"));
+    }
+    Ok(Duration::from_secs_f64(seconds))
+}
+
+/// What scripts read.
+#[derive(Serialize)]
+struct Report<'a> {
+    findings: &'a [Finding],
+    warned: usize,
+    failed: usize,
+}
+
+impl Doctor {
+    /// Looks.
+    ///
+    /// # Errors
+    /// What is wrong with the configuration; that something failed.
+    pub fn run(self) -> Result<(), Failure> {
+        let machine = Machine::load(&self.config)?;
+        let embedded = machine.loaded.settings.bus.interface == "virtual";
+        let wanted = wanted(&machine, &self.config)?;
+        let facts = gather(wanted, embedded, machine.loaded.settings.http.address(), self.listen);
+        let findings = examine(&facts);
+        let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+        let (warned, failed) = (count(Verdict::Warn), count(Verdict::Fail));
+        let text = match self.format {
+            Format::Human => findings.iter().map(|finding| format!("{finding}\n")).collect(),
+            Format::Json => {
+                let report = Report { findings: &findings, warned, failed };
+                serde_json::to_string(&report)
+                    .map_err(|error| Failure::Failed(format!("the report: {error}")))?
+                    + "\n"
+            }
+        };
+        std::io::stdout()
+            .write_all(text.as_bytes())
+            .map_err(|error| Failure::writing("standard output", &error))?;
+        match failed {
+            0 => Ok(()),
+            count => Err(Failure::Failed(format!("{count} of {} failed", findings.len()))),
+        }
+    }
+}
+
+fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
+    let settings = &machine.loaded.settings;
+    let node = settings.gateway.node;
+    let own = identifiers(node)
+        .ok_or_else(|| Failure::Wrong(format!("gateway.node {node} is not a CANopen node")))?;
+    let messages = machine.design.wiring.lines().iter().map(|line| {
+        let message = machine.database.message_by_id(line.id);
+        Message {
+            id: line.id,
+            name: message.map_or_else(|| line.id.to_string(), |message| message.name.clone()),
+            needs: { line.wires.iter() }.map(|wire| wire.plan.needed_length()).max().unwrap_or(0),
+            sync: line.sync,
+            reading: line.reading,
+            cyclic: line.cyclic,
+        }
+    });
+    Ok(Wanted {
+        config: config.to_owned(),
+        dbc: machine.loaded.dbc_path.display().to_string(),
+        dbc_findings: machine.database.findings().len() + machine.database.findings_left_out(),
+        interface: settings.bus.interface.clone(),
+        bit_rate: settings.bus.bitrate,
+        sample_time: settings.machine.sample_time,
+        node,
+        own,
+        messages: messages.collect(),
+        realtime: settings.realtime,
+    })
+}
