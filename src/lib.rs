@@ -20,8 +20,8 @@
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
-//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box around it: signals, the service manager, the log, its health
-//!   and metrics over HTTP.
+//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box
+//!   around it: signals, the service manager, the log, its health and metrics over HTTP.
 //! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
