@@ -33,10 +33,12 @@
 pub mod alarm;
 pub mod appliance;
 pub mod bus;
+pub mod calibrate;
 pub mod cli;
 pub mod compare;
 pub mod config;
 pub mod decode;
+pub mod extremes;
 pub mod frame;
 pub mod identify;
 pub mod inject;
@@ -47,4 +49,5 @@ pub mod report;
 pub mod sample;
 pub mod survey;
 pub mod time;
+pub mod tune;
 pub mod verdict;

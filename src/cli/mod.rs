@@ -1,5 +1,6 @@
 //! The commands.
 
+mod calibrate;
 mod check;
 mod failure;
 mod identify;
@@ -10,6 +11,8 @@ mod progress;
 mod replay;
 mod run;
 mod survey;
+mod tables;
+mod tune;
 
 use clap::{Parser, Subcommand};
 pub use failure::Failure;
@@ -30,6 +33,8 @@ enum Command {
     Check(check::Check),
     Inject(inject::Inject),
     Identify(identify::Identify),
+    Calibrate(calibrate::Calibrate),
+    Tune(tune::Tune),
 }
 
 impl Arguments {
@@ -44,6 +49,8 @@ impl Arguments {
             Command::Check(check) => check.run(),
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
+            Command::Calibrate(calibrate) => calibrate.run(),
+            Command::Tune(tune) => tune.run(),
         }
     }
 }
