@@ -84,8 +84,9 @@ impl Gathering {
         let least_mm = 1e3 * LEAST_MOTION * self.stroke;
         let robust = Robust::fit(gathered.points.samples());
         // A wrong unit makes a motion of metres one of millimetres: told first.
-        if let Some(Robust { line, .. }) = &robust {
-            gathered.unit(line.gain)?;
+        let together = self.correlation(index, index).abs() > LEAST_CORRELATION;
+        if let Some(Robust { line, .. }) = robust.as_ref().filter(|_| together) {
+            unit(line.gain)?;
         }
         if range_mm < least_mm {
             return Err(Refusal::HardlyMoves { range_mm, least_mm });
@@ -118,10 +119,15 @@ impl Gathering {
         }
     }
 
+    /// Of C1 of one cylinder with C2 of another.
+    fn correlation(&self, first: usize, second: usize) -> f64 {
+        self.crossed[first * self.count() + second].correlation().unwrap_or(0.0)
+    }
+
     /// Whose C2 moves with C1 of the cylinder of `index`.
     fn partners(&self, index: usize) -> Result<(), Refusal> {
         let count = self.count();
-        let with = |j: usize| self.crossed[index * count + j].correlation().unwrap_or(0.0);
+        let with = |j: usize| self.correlation(index, j);
         let own = with(index);
         let best = (0..count).max_by(|i, j| with(*i).total_cmp(&with(*j))).unwrap_or(index);
         // The unexplained part, 1 − ρ², of the right one is smaller by far.
@@ -244,24 +250,22 @@ impl Gathered {
             _ => 0.0,
         }
     }
+}
 
-    fn unit(&self, gain: f64) -> Result<(), Refusal> {
-        const SAME: std::ops::RangeInclusive<f64> = 0.5..=2.0;
-        // Readings that move as far as each other but not together are no matter of units.
-        let ratio = self.good[0].range() / self.good[1].range();
-        if SAME.contains(&gain) || SAME.contains(&ratio) && gain.abs() < 0.5 {
-            return Ok(());
-        }
-        let power = gain.abs().log10();
-        let near = power.round();
-        let guess = if gain < 0.0 {
-            ": their directions are opposite".to_owned()
-        } else if near != 0.0 && (power - near).abs() < 0.1 {
-            let times = 10_f64.powf(near.abs());
-            format!(", about a factor of {}{times}", if near < 0.0 { "1/" } else { "" })
-        } else {
-            String::new()
-        };
-        Err(Refusal::Unit { gain, guess })
+/// Two transducers of one stroke have about the same gain.
+fn unit(gain: f64) -> Result<(), Refusal> {
+    if (0.5..=2.0).contains(&gain) {
+        return Ok(());
     }
+    let power = gain.abs().log10();
+    let near = power.round();
+    let guess = if gain < 0.0 {
+        ": their directions are opposite".to_owned()
+    } else if near != 0.0 && (power - near).abs() < 0.1 {
+        let times = 10_f64.powf(near.abs());
+        format!(", about a factor of {}{times}", if near < 0.0 { "1/" } else { "" })
+    } else {
+        String::new()
+    };
+    Err(Refusal::Unit { gain, guess })
 }
