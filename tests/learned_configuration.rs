@@ -115,6 +115,22 @@ impl Learnt {
         support::replay(&[&log], &config, &[]).ok()
     }
 
+    /// C1 of cylinder 1 at `at` seconds of the second half, m.
+    fn position(&self, at: f64) -> f64 {
+        let table = self.path("residuals.csv");
+        if !Path::new(&table).exists() {
+            let (log, config) = (self.path("second.log"), self.path("config.toml"));
+            support::replay(&[&log], &config, &["--residuals", &table]).ok();
+        }
+        let table = fs::read_to_string(table).expect("it was written");
+        let number = |text: &str| text.parse::<f64>().expect("a number");
+        let row = |line: &str| {
+            let mut fields = line.split(',');
+            (number(fields.next().expect("t")), number(fields.nth(1).expect("c1")))
+        };
+        table.lines().skip(1).map(row).find(|(t, _)| *t >= at).expect("it is within").1
+    }
+
     fn threshold(&self) -> f64 {
         let tuned: Table =
             fs::read_to_string(self.path("tune.toml")).expect("it is there").parse().expect("TOML");
@@ -217,8 +233,8 @@ fn the_hanging_load() {
     for (place, at) in (0..20).map(|i| (i, 8.013 + 7.31 * f64::from(i))) {
         let transducer = 1 + place as usize % 2;
         let size = 1.5 * learnt.smallest(1, transducer);
-        // Towards the middle of the stroke is within the transducer's range.
-        steps.push((1, transducer, at, if place < 10 { size } else { -size }));
+        // Away from the middle such a step may leave the transducer's range, and is found as that.
+        steps.push((1, transducer, at, -size.copysign(learnt.position(at))));
     }
     let found = learnt.inject(&steps);
     let (timely, right) = in_time(&steps, &found);
@@ -270,7 +286,7 @@ fn what_cannot_be_learnt_from_is_told() {
         path
     };
     let log = still(19.0).display().to_string();
-    tertius(&["calibrate", &log, "--config", HANGING_LOAD], b"")
+    tertius(&["calibrate", &log, "--config", HANGING_LOAD, "--held-back", "5"], b"")
         .failed(1, &["cylinder 1: it moves over", "300 mm, a tenth of the stroke"]);
     tertius(&["tune", &log, "--config", HANGING_LOAD], b"").failed(1, &["at least 50 s"]);
     for command in ["calibrate", "tune"] {

@@ -7,7 +7,7 @@ use crate::survey::{Row, Surveyor};
 
 /// Samples farther than this many deviations from the robust line are not fitted. The difference of
 /// two transducers is no noise alone but bends along the stroke, so that some deviations are healthy.
-const NEAR: f64 = 6.0;
+const NEAR: f64 = 8.0;
 
 /// Rounding, m: nearer than this everything is fitted.
 const ROUNDING: f64 = 1e-6;

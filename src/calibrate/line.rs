@@ -44,7 +44,7 @@ impl Line {
             xy += weights(i) * (x - x0) * (y - y0);
         }
         let gain = xy / xx;
-        (xx > 0.0 && gain.is_finite()).then(|| Self { gain, offset: y0 - gain * x0 })
+        (xx > 0.0 && gain.is_finite()).then_some(Self { gain, offset: y0 - gain * x0 })
     }
 }
 
