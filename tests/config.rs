@@ -72,6 +72,11 @@ fn a_cylinder_has_its_own_values_or_those_of_the_machine() {
     assert_eq!(settings.comparator_of(1), (1.0, 0.0));
     assert_eq!(settings.model_of(4), (Model::default().theta, [1.0, 2.5]));
     assert_eq!(settings.model_of(3), (Model::default().theta, Model::default().gamma));
+    let given = broken("[model]", "[model]\ncommand_offset = 0.02");
+    let given = given.replace("n = 1\n", "n = 2\ncommand_offset = -0.1\n");
+    let (settings, _) = parse("own.toml", &given).expect("it is sound");
+    assert_eq!((settings.command_offset_of(1), settings.command_offset_of(2)), (0.02, -0.1));
+    assert_eq!(settings.machine.area_ratio, 0.5);
     let given = broken("[bus]", "cycle_deadline = 0.012\n[bus]");
     let (settings, _) = parse("own.toml", &given).expect("it is sound");
     assert_eq!(settings.cycle_deadline(), 0.012);

@@ -12,7 +12,7 @@ fn unknown_keys_name_the_nearest() {
         "sampletime =",
         "4:1: [machine] has an unknown key, `sampletime`",
         "(the nearest known key is `sample_time`; [machine] knows name, cylinders, sample_time, \
-         stroke, monitored_states, cycle_deadline, max_gap)",
+         stroke, area_ratio, monitored_states, cycle_deadline, max_gap)",
     );
     refused(
         "[fde]",

@@ -2,7 +2,7 @@
 
 mod machine;
 
-use machine::{Collected, Cycle, MS, START, surveying};
+use machine::{Collected, Cycle, MS, START, resting_at_50, surveying};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::monitor::Monitor;
 use tertius::sample::Quality;
@@ -142,4 +142,23 @@ fn a_monitor_that_surveys_records_what_the_other_does() {
     monitor.finish(&mut seen);
     assert!(seen.records.iter().all(|record| record.pressures[0] == Some(0.0)));
     assert_eq!(without_pressures(seen), without_pressures(plain));
+}
+
+/// A cylinder that a command only holds is still for its observer, and does not count as frozen.
+#[test]
+fn the_command_at_which_a_cylinder_rests_is_taken_off() {
+    let holding = |k| Cycle { command: 500, ..Cycle::new(k) }.frames();
+    let seen_by = |mut monitor: Monitor| {
+        let mut seen = Collected::default();
+        (0..100).flat_map(holding).for_each(|frame| monitor.take(&frame, &mut seen));
+        seen
+    };
+    let rest = seen_by(resting_at_50());
+    assert_eq!(rest.record(90, 1).command, Some(0.05), "it is recorded as it was sent");
+    assert_eq!(rest.record(90, 1).residuals[0], Some(0.0));
+    assert!(rest.warnings.is_empty(), "{:?}", rest.warnings);
+    let moving = seen_by(machine::monitor());
+    // Before it counts as frozen, its observer expects it to move.
+    assert!(moving.record(4, 1).residuals[0].expect("there is a reading").abs() > 1e-5);
+    assert!(!moving.warnings.is_empty(), "readings that do not follow a command are frozen");
 }

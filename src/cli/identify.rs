@@ -53,6 +53,11 @@ enum Offset {
     Never,
 }
 
+const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
+                         the sum of all speeds, so what a dead band or a changing offset of the \
+                         command leaves over adds up; the monitor uses the prediction, which is \
+                         led by the readings";
+
 fn window(text: &str) -> Result<usize, String> {
     let expected = || format!("expected an odd number from 1 to {WIDEST}");
     let number: usize = text.parse().map_err(|_| expected())?;
@@ -145,6 +150,11 @@ impl Identify {
             remarks,
         };
         outcome.choice = outcome.choose(self.model_of);
+        if let Some(choice) = outcome.choice
+            && outcome.cylinders.iter().any(|cylinder| cylinder.runs_away(choice.of))
+        {
+            outcome.remarks.push(RUNS_AWAY.to_owned());
+        }
         Ok(outcome)
     }
 

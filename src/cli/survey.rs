@@ -60,6 +60,12 @@ pub struct Surveyed {
     options: Options,
 }
 
+/// Before a window the monitor gets to know the platform's state, counters and calm, s.
+const LEAD: f64 = 10.0;
+
+/// After it the last cycle closes, s.
+const TRAIL: f64 = 1.0;
+
 /// Frames between two looks at progress.
 const STRIDE: u64 = 1 << 16;
 
@@ -138,8 +144,11 @@ impl Surveyed {
         let mut survey = Survey::new(self.first, window, surveyor);
         let bar = Bar::new(recording.progress());
         let mut frames = 0_u64;
+        let fed = Window { from: window.from - LEAD, to: window.to + TRAIL };
         while let Some(frame) = recording.next_frame()? {
-            monitor.take(frame, &mut survey);
+            if fed.holds(frame.timestamp.since(self.first).as_seconds()) {
+                monitor.take(frame, &mut survey);
+            }
             frames += 1;
             if frames.is_multiple_of(STRIDE) {
                 bar.show(recording.progress());

@@ -242,7 +242,7 @@ impl Counted {
         let before = std::mem::replace(&mut self.before, middle.and_then(|middle| middle.c1));
         let slope = (row.c1? - before?) / (2.0 * expected.sample_time);
         let middle = middle?;
-        if let Some(velocity) = middle.v1 {
+        if let Some(velocity) = middle.v1.filter(|velocity| velocity.is_finite()) {
             self.velocity_of_slope.add(slope, velocity);
         }
         self.slope_of_command.add(middle.u?, slope);

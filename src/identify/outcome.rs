@@ -128,6 +128,20 @@ impl Outcome {
     }
 }
 
+/// Open loop, below this a model says less of the position than its mean does, %.
+const SAYS_NOTHING: f64 = 0.0;
+
+impl CylinderOutcome {
+    /// Whether the model of cylinder `of` runs away from this cylinder when it is simulated.
+    pub fn runs_away(&self, of: u8) -> bool {
+        let tried = self.trials.iter().flat_map(|trials| &trials.tried);
+        let mut positions = tried.filter(|tried| tried.of == of).map(|it| it.simulated.position);
+        // What ran beyond the finite numbers has no VAF at all.
+        positions
+            .any(|score| score.count() > 0 && (score.vaf().is_nan() || score.vaf() < SAYS_NOTHING))
+    }
+}
+
 /// A model that ran away is worse than any other.
 fn finite_or_worst(vaf: f64) -> f64 {
     if vaf.is_finite() { vaf } else { f64::NEG_INFINITY }

@@ -164,7 +164,7 @@ mod tests {
             assert!(all.residual_norm < 1e-13 && all.rows == u64::from(rows));
             // Without the constant something is left over.
             let partial = triangle.solve(&[0, 1], 3).expect("it is well posed");
-            assert!(partial.residual_norm > 0.1, "{partial:?}");
+            assert!(partial.residual_norm > 0.01, "{partial:?}");
         }
     }
 

@@ -132,6 +132,16 @@ pub fn monitor() -> Monitor {
     design("no such line").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
+/// The same with cylinders that rest at a command of 50 mm/s.
+pub fn resting_at_50() -> Monitor {
+    let offset = |settings: &Settings, database: &Database| {
+        let mut settings = settings.clone();
+        settings.model.command_offset = 0.05;
+        MonitorDesign::new(&settings, database)
+    };
+    from_files("no such line", offset).map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
 /// The same without Sync.
 pub fn without_sync() -> Monitor {
     design("sync = ").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
