@@ -25,7 +25,9 @@
 //! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
-//!   back.
+//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: how large a healthy
+//!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
+//!   the smallest faults that follow.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
@@ -41,12 +43,14 @@
 pub mod alarm;
 pub mod appliance;
 pub mod bus;
+pub mod calibrate;
 pub mod cli;
 pub mod compare;
 pub mod config;
 pub mod controller;
 pub mod decode;
 pub mod error_frame;
+pub mod extremes;
 pub mod frame;
 pub mod hexapod;
 pub mod identify;
@@ -62,4 +66,5 @@ pub mod simulator;
 pub mod survey;
 pub mod time;
 pub mod transducer;
+pub mod tune;
 pub mod verdict;

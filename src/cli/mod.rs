@@ -1,5 +1,6 @@
 //! The commands.
 
+mod calibrate;
 mod check;
 mod doctor;
 mod failure;
@@ -14,6 +15,8 @@ mod replay;
 mod run;
 mod simulate;
 mod survey;
+mod tables;
+mod tune;
 mod virtual_bus;
 
 use clap::{Parser, Subcommand};
@@ -37,6 +40,8 @@ enum Command {
     Inject(inject::Inject),
     Identify(identify::Identify),
     Simulate(simulate::Simulate),
+    Calibrate(calibrate::Calibrate),
+    Tune(tune::Tune),
 }
 
 impl Arguments {
@@ -53,6 +58,8 @@ impl Arguments {
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
             Command::Simulate(simulate) => simulate.run(),
+            Command::Calibrate(calibrate) => calibrate.run(),
+            Command::Tune(tune) => tune.run(),
         }
     }
 }

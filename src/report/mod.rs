@@ -1,11 +1,14 @@
 //! What people and scripts read of a replay: lines of JSON, tables of residuals, a page of text.
 
+pub mod calibration;
 pub mod episode;
 pub mod human;
 pub mod identification;
 pub mod jsonl;
 pub mod model_tables;
+pub mod provenance;
 pub mod residuals;
+pub mod tuning;
 
 pub use episode::{Episode, Episodes};
 pub use residuals::ResidualTable;

@@ -1,0 +1,106 @@
+//! The band that R3 keeps on data that the calibration was not made from.
+
+use super::fitting::Fitted;
+use super::{Bound, Line};
+use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
+use crate::identify::moments::Spread;
+use crate::survey::{Row, Surveyor};
+
+/// Beyond this many times the limit of the fit a sample is a faulty one and no part of the band. A
+/// bend that the first part of a recording did not show is still within it.
+const FAULTY: f64 = 3.0;
+
+/// What C1 and C2 of one cylinder are apart.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    line: Line,
+    limit: f64,
+    /// C1 − C2 as it comes (Figure 5-14), faulty samples left out, m.
+    pub before: Spread,
+    /// C1 − Ĉ2 (Figure 5-15), m.
+    pub after: Spread,
+    pub magnitudes: Sketch,
+    maxima: Maxima,
+    /// Samples that were taken for faulty ones.
+    pub faulty: u64,
+    /// The largest of them, m.
+    pub worst_faulty: f64,
+}
+
+/// The third reading.
+#[derive(Clone, Debug)]
+pub struct Trying {
+    cylinders: Vec<Option<Tried>>,
+}
+
+impl Trying {
+    /// Of these calibrations; `block`: cycles that are one warning.
+    pub fn new<'a>(fits: impl IntoIterator<Item = Option<&'a Fitted>>, block: u32) -> Self {
+        let tried = |fitted: &Fitted| Tried {
+            line: fitted.line,
+            limit: FAULTY * fitted.limit,
+            before: Spread::default(),
+            after: Spread::default(),
+            magnitudes: Sketch::new(),
+            maxima: Maxima::new(block),
+            faulty: 0,
+            worst_faulty: 0.0,
+        };
+        Self { cylinders: fits.into_iter().map(|fitted| fitted.map(tried)).collect() }
+    }
+
+    /// A bound for all cylinders that is exceeded `per_year` times a year, and never was in this
+    /// part; `None` where it is too short for that.
+    pub fn bound(&self, per_year: f64, sample_time: f64) -> Option<Bound> {
+        let tried = || self.cylinders.iter().flatten();
+        let tails: Option<Vec<Tail>> =
+            tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
+        let tails = tails.filter(|tails| !tails.is_empty())?;
+        let worst = tried().map(|tried| tried.magnitudes.largest()).fold(0.0, f64::max);
+        let level = common_level(&tails, per_second(per_year)).max(worst);
+        Some(Bound {
+            level,
+            per_year,
+            worst,
+            hours: tails.iter().map(|tail| tail.seconds).sum::<f64>() / 3600.0,
+            heavy: tails.iter().any(|tail| tail.heavy),
+        })
+    }
+
+    pub fn into_cylinders(self) -> Vec<Option<Tried>> {
+        self.cylinders
+    }
+}
+
+impl Surveyor for Trying {
+    fn row(&mut self, row: &Row) {
+        let tried = self.cylinders[usize::from(row.cylinder) - 1].as_mut();
+        if let (Some(tried), Some((c1, c2))) = (tried, row.c1.zip(row.c2)) {
+            tried.take(c1, c2);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        _ = cylinder;
+    }
+}
+
+impl Tried {
+    fn take(&mut self, c1: f64, c2: f64) {
+        let error = self.line.error(c2, c1);
+        if error.abs() > self.limit {
+            self.faulty += 1;
+            self.worst_faulty = self.worst_faulty.max(error.abs());
+            return;
+        }
+        self.before.add(c1 - c2);
+        self.after.add(error);
+        self.magnitudes.add(error);
+        self.maxima.add(error);
+    }
+
+    /// What is farther than this was taken for a faulty sample, m.
+    pub const fn limit(&self) -> f64 {
+        self.limit
+    }
+}

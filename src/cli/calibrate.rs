@@ -1,0 +1,124 @@
+//! `tertius calibrate`: the correction of C2 from a healthy recording.
+
+use super::Failure;
+use super::survey::{Field, Surveyed};
+use super::tables;
+use crate::calibrate::{Calibration, CylinderCalibration, Fitting, Gathering, Refusal, Trying};
+use crate::report::calibration;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Fits C1 = a·C2 + b (5-20) of every cylinder on the first part of a healthy recording, and shows
+/// the band of the difference on the second.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  tertius calibrate field.log.zst --config config/e-type.toml --output \
+                  calibration.toml"
+)]
+pub struct Calibrate {
+    #[command(flatten)]
+    field: Field,
+    /// Writes the tables [comparator] and [[cylinder]] for the configuration
+    #[arg(long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// The part of the time at the end on which the fit is tried, %
+    #[arg(long, value_name = "PERCENT", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=90))]
+    held_back: u8,
+    /// False alarms of R3, all cylinders together, that a year of monitoring may bring
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
+    false_alarms_per_year: f64,
+}
+
+impl Calibrate {
+    /// Calibrates.
+    ///
+    /// # Errors
+    /// What is wrong with the call or its files; cylinders that were refused.
+    pub fn run(self) -> Result<(), Failure> {
+        let surveyed = self.field.open()?;
+        let output = self.output.as_deref();
+        tables::refuse_overwriting(output, &self.field, &surveyed)?;
+        let result = self.calibration(&surveyed)?;
+        let page = calibration::page(&result);
+        let written = calibration::tables(&result, env!("CARGO_PKG_VERSION"));
+        tables::publish(&page, output, written.as_deref())?;
+        surveyed.damage()?;
+        conclude(&result)
+    }
+
+    /// Reads the recording three times: what is in it, the fit, the trial.
+    fn calibration(&self, surveyed: &Surveyed) -> Result<Calibration, Failure> {
+        let settings = &surveyed.machine.loaded.settings;
+        let part = 1.0 - f64::from(self.held_back) / 100.0;
+        let [fitted, tried] = surveyed.window.split(part);
+        let [low, high] = settings.machine.stroke;
+        let configured = |n| {
+            let calibration = settings.comparator_of(n);
+            (calibration != (1.0, 0.0)).then_some(calibration)
+        };
+        let numbers = 1..=settings.machine.cylinders;
+        let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
+        surveyed.read(fitted, &mut gathering)?;
+        let second = settings.signals.cylinder.c2.is_some();
+        let judge = |n: u8| {
+            if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
+        };
+        let lines: Vec<_> = numbers.clone().map(judge).collect();
+        let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
+        surveyed.read(fitted, &mut fitting)?;
+        let results: Vec<_> = lines
+            .into_iter()
+            .enumerate()
+            .map(|(i, line)| {
+                fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
+            })
+            .collect();
+        let fits = results.iter().map(|result| result.as_ref().ok());
+        let mut trying = Trying::new(fits, tables::block(settings));
+        surveyed.read(tried, &mut trying)?;
+        let bound = trying.bound(self.false_alarms_per_year, settings.machine.sample_time);
+        let cylinders = numbers.zip(results).zip(trying.into_cylinders());
+        let cylinder = |((number, result), tried): ((u8, Result<_, _>), _)| CylinderCalibration {
+            number,
+            remarks: if result.is_ok() {
+                gathering.remarks(usize::from(number) - 1)
+            } else {
+                vec![]
+            },
+            result,
+            tried,
+        };
+        let mut remarks = surveyed.remarks();
+        remarks.extend(bound.filter(|b| b.level >= settings.comparator.critical).map(|b| {
+            format!(
+                "the bound of {:.2} mm is not below comparator.critical, {:.2} mm, where the machine \
+                 itself trips: the configuration will be refused with it",
+                b.level * 1e3,
+                settings.comparator.critical * 1e3
+            )
+        }));
+        Ok(Calibration {
+            machine: settings.machine.name.clone(),
+            inputs: surveyed.inputs(),
+            first: surveyed.first,
+            fitted,
+            tried,
+            cylinders: cylinders.map(cylinder).collect(),
+            bound,
+            remarks,
+        })
+    }
+}
+
+/// A cylinder without a calibration is a failure, though the others have theirs.
+fn conclude(result: &Calibration) -> Result<(), Failure> {
+    let refused: Vec<String> = result
+        .cylinders
+        .iter()
+        .filter_map(|cylinder| {
+            let refusal = cylinder.result.as_ref().err()?;
+            Some(format!("cylinder {}: {refusal}", cylinder.number))
+        })
+        .collect();
+    if refused.is_empty() { Ok(()) } else { Err(Failure::Failed(refused.join("\ntertius: "))) }
+}

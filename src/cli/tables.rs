@@ -1,0 +1,70 @@
+//! Files of tables that commands write for the configuration.
+
+use super::Failure;
+use super::survey::{Field, Surveyed};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Refuses an `output` that is one of the inputs.
+///
+/// # Errors
+/// It is.
+pub fn refuse_overwriting(
+    output: Option<&Path>,
+    field: &Field,
+    surveyed: &Surveyed,
+) -> Result<(), Failure> {
+    let Some(output) = output else { return Ok(()) };
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    let machine = [&field.config, &surveyed.machine.loaded.dbc_path];
+    let mut inputs = field.logs.iter().chain(machine);
+    let same = |input: &&PathBuf| {
+        *input == output || canonical(input).is_some_and(|it| canonical(output) == Some(it))
+    };
+    match inputs.find(same) {
+        None => Ok(()),
+        Some(input) => Err(Failure::Wrong(format!(
+            "{} would be written over the input {}; name another file",
+            output.display(),
+            input.display()
+        ))),
+    }
+}
+
+/// Shows `page` and writes `tables`, where both are there, to `output`.
+///
+/// # Errors
+/// Neither standard output nor the file can be written.
+pub fn publish(page: &str, output: Option<&Path>, tables: Option<&str>) -> Result<(), Failure> {
+    std::io::stdout()
+        .write_all(page.as_bytes())
+        .map_err(|error| Failure::writing("standard output", &error))?;
+    match output.zip(tables) {
+        Some((path, tables)) => {
+            fs::write(path, tables).map_err(|error| Failure::creating(path, &error))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A rate of false alarms, as the command line has it.
+///
+/// # Errors
+/// What was expected.
+pub fn per_year(text: &str) -> Result<f64, String> {
+    let sound = text.parse().ok().filter(|rate: &f64| rate.is_finite() && *rate > 0.0);
+    sound.ok_or_else(|| {
+        "expected how many false alarms a year may bring, above 0; 8766 is one an hour".to_owned()
+    })
+}
+
+/// Cycles that are one warning: what follows sooner does not raise anew.
+pub fn block(settings: &crate::config::Settings) -> u32 {
+    cycles(settings, settings.alarm.clear).max(1)
+}
+
+/// Whole cycles nearest to `seconds`.
+pub fn cycles(settings: &crate::config::Settings, seconds: f64) -> u32 {
+    (seconds / settings.machine.sample_time).round() as u32
+}

@@ -1,0 +1,262 @@
+//! `tertius tune`: the observer's weights and the thresholds from a healthy recording.
+
+use super::Failure;
+use super::survey::{Field, Surveyed};
+use super::tables;
+use crate::config::Settings;
+use crate::extremes::{Tail, common_level, per_second};
+use crate::observe::model::Model;
+use crate::report::tuning;
+use crate::tune::{
+    Criterion, CylinderModel, Detector, Evidence, Search, Store, Thresholds, Tuning, Weights,
+    designs, search, sensitivity,
+};
+use clap::Args;
+use std::path::PathBuf;
+
+/// Chooses the observer's weights and the thresholds of R1 and R2 on a healthy recording, and says
+/// what they will find.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  tertius tune field.log.zst --config config/e-type.toml --output \
+                  tuning.toml\n\nThe model has to be in the configuration before: see `tertius \
+                  identify`."
+)]
+pub struct Tune {
+    #[command(flatten)]
+    field: Field,
+    /// Writes the tables [observer] and [fde] for the configuration
+    #[arg(long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// False alarms of FDE1 and FDE2, all cylinders together, that a year of monitoring may bring
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
+    false_alarms_per_year: f64,
+    /// Keeps the configured weights, and takes the thresholds only
+    #[arg(long)]
+    keep_weights: bool,
+    /// The standard deviation that noise (5-17) is counted in, m; 4 counts in the thesis
+    #[arg(long, value_name = "METRES", default_value_t = 4.34e-4, value_parser = sigma)]
+    sigma: f64,
+}
+
+/// A step has to be found within this time, s.
+const IN_TIME: f64 = 0.1;
+
+/// Noise has to be found within this time, s.
+const NOISE_IN_TIME: f64 = 1.0;
+
+/// δ_l is at most this part of δ_h, as in section 5-4-1.
+const HYSTERESIS: f64 = 0.75;
+
+/// Other rates that are shown: one an hour, a day, a month, a year, false alarms a year.
+const LADDER: [f64; 4] = [8766.0, 365.25, 12.0, 1.0];
+
+fn sigma(text: &str) -> Result<f64, String> {
+    let sound = text.parse().ok().filter(|sigma: &f64| sigma.is_finite() && *sigma > 0.0);
+    sound.ok_or_else(|| "expected a length in metres, above 0".to_owned())
+}
+
+impl Tune {
+    /// Tunes.
+    ///
+    /// # Errors
+    /// What is wrong with the call or its files; a recording that says too little.
+    pub fn run(self) -> Result<(), Failure> {
+        let surveyed = self.field.open()?;
+        let output = self.output.as_deref();
+        tables::refuse_overwriting(output, &self.field, &surveyed)?;
+        let result = self.tuning(&surveyed)?;
+        let usable = usable(&result, &surveyed.machine.loaded.settings);
+        let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));
+        tables::publish(&tuning::page(&result), output, written.as_deref())?;
+        surveyed.damage()?;
+        usable
+    }
+
+    /// Reads the recording twice: stretches for the search, and all of it for the thresholds.
+    fn tuning(&self, surveyed: &Surveyed) -> Result<Tuning, Failure> {
+        let settings = &surveyed.machine.loaded.settings;
+        let cylinders: Vec<CylinderModel> =
+            (1..=settings.machine.cylinders).map(|n| cylinder(settings, n)).collect();
+        let sample_time = settings.machine.sample_time;
+        let criterion = Criterion {
+            rate: per_second(self.false_alarms_per_year),
+            sample_time,
+            block: tables::block(settings),
+            horizon: ((IN_TIME / sample_time) as usize).max(1),
+            sharp: (tables::cycles(settings, settings.alarm.coincidence) as usize).max(1),
+            settle: tables::cycles(settings, settings.observer.settle),
+        };
+        let mut store = Store::new(&cylinders);
+        surveyed.read(surveyed.window, &mut store)?;
+        store.finish();
+        let search = self.search(&criterion, &cylinders, &store, settings)?;
+        let designs = designs(&cylinders, search.weights, criterion.settle)
+            .map_err(|(n, error)| Failure::Failed(format!("cylinder {n}: {error}")))?;
+        let mut evidence = Evidence::new(&cylinders, &designs, criterion.block);
+        surveyed.read(surveyed.window, &mut evidence)?;
+        let mut detectors = evidence.detectors(sample_time);
+        let tails = tails(&detectors, criterion.block, sample_time)?;
+        let thresholds = self.thresholds(&detectors, &tails);
+        let noise_horizon = ((NOISE_IN_TIME / sample_time) as usize).max(1);
+        for detector in &mut detectors {
+            let (index, i) = (usize::from(detector.cylinder) - 1, detector.transducer);
+            let (design, high) = (&designs[index][i], thresholds.high);
+            detector.step = sensitivity::step(&store, index, i, design, high, criterion.horizon);
+            detector.noise = sensitivity::noise(design, high, noise_horizon);
+        }
+        let level = |per_year: f64| (per_year, common_level(&tails, per_second(per_year)));
+        let (remarks, critical) = (surveyed.remarks(), settings.comparator.critical);
+        let mut result = Tuning {
+            machine: settings.machine.name.clone(),
+            inputs: surveyed.inputs(),
+            first: surveyed.first,
+            window: surveyed.window,
+            sample_time,
+            search,
+            thresholds,
+            detectors,
+            ladder: LADDER.map(level).to_vec(),
+            sigma: self.sigma,
+            remarks,
+        };
+        result.remarks.extend(limits(&result, critical));
+        Ok(result)
+    }
+
+    fn search(
+        &self,
+        criterion: &Criterion,
+        cylinders: &[CylinderModel],
+        store: &Store,
+        settings: &Settings,
+    ) -> Result<Search, Failure> {
+        let begun = Weights { q: settings.observer.q, r: settings.observer.r };
+        let little = || {
+            Failure::Failed(format!(
+                "in no cylinder there is enough to judge: at least {:.0} s in monitored states with \
+                 position and command are needed, without the times after gaps in which the \
+                 observers settle",
+                f64::from(criterion.block)
+                    * criterion.sample_time
+                    * crate::extremes::LEAST_BLOCKS as f64
+            ))
+        };
+        if self.keep_weights {
+            let score = criterion.score(cylinders, store, begun).ok_or_else(little)?;
+            let cycles = store.cycles();
+            return Ok(Search { weights: begun, score, begun, before: score, tried: 1, cycles });
+        }
+        search(criterion, cylinders, store, begun).ok_or_else(little)
+    }
+
+    fn thresholds(&self, detectors: &[Detector], tails: &[Tail]) -> Thresholds {
+        let high = common_level(tails, per_second(self.false_alarms_per_year));
+        let calm = detectors.iter().map(|detector| detector.calm).fold(0.0, f64::max);
+        Thresholds {
+            high,
+            low: calm.min(HYSTERESIS * high),
+            per_year: self.false_alarms_per_year,
+            hours: tails.iter().map(|tail| tail.seconds).fold(f64::INFINITY, f64::min) / 3600.0,
+        }
+    }
+}
+
+/// Of every detector, or which has too little.
+fn tails(detectors: &[Detector], block: u32, sample_time: f64) -> Result<Vec<Tail>, Failure> {
+    let least = f64::from(block) * sample_time * crate::extremes::LEAST_BLOCKS as f64;
+    let tail = |detector: &Detector| {
+        detector.tail.ok_or_else(|| {
+            Failure::Failed(format!(
+                "C{} of cylinder {} was judged in {:.1} s only, of {least:.0} s at least: the \
+                 recording is too short, its readings or commands are missing, or the platform is \
+                 in no monitored state",
+                detector.transducer + 1,
+                detector.cylinder,
+                detector.residuals.count as f64 * sample_time
+            ))
+        })
+    };
+    detectors.iter().map(tail).collect()
+}
+
+fn cylinder(settings: &Settings, n: u8) -> CylinderModel {
+    let (theta, gamma) = settings.model_of(n);
+    let signals = &settings.signals.cylinder;
+    let second = signals.c2.is_some();
+    CylinderModel {
+        number: n,
+        model: Model::new(settings.machine.sample_time, theta, gamma),
+        command_offset: settings.command_offset_of(n),
+        transducers: [true, second],
+        velocities: [signals.c1_velocity.is_some(), second && signals.c2_velocity.is_some()],
+    }
+}
+
+/// What to think of before these thresholds are used.
+fn limits(result: &Tuning, critical: f64) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let heavy: Vec<&Detector> =
+        result.detectors.iter().filter(|d| d.tail.is_some_and(|tail| tail.heavy)).collect();
+    if !heavy.is_empty() {
+        remarks.push(format!(
+            "{} of {} residuals have bursts, a tail heavier than an exponential one: the model does \
+             not follow the machine at times, and the threshold is that of the bursts",
+            heavy.len(),
+            result.detectors.len()
+        ));
+    }
+    if result.thresholds.high >= critical {
+        remarks.push(format!(
+            "the threshold of {:.1} mm is not below comparator.critical, {:.1} mm, where the machine \
+             itself trips: FDE1 and FDE2 then only tell which transducer it was",
+            result.thresholds.high * 1e3,
+            critical * 1e3
+        ));
+    }
+    if result.search.score.smallest.is_infinite() {
+        remarks.push(
+            "with no weights the response to a step is over within alarm.coincidence: a fault may \
+             be taken for two"
+                .to_owned(),
+        );
+    }
+    remarks
+}
+
+/// A threshold beyond the stroke, or of nothing, is none.
+fn usable(result: &Tuning, settings: &Settings) -> Result<(), Failure> {
+    let high = result.thresholds.high;
+    let [low_end, high_end] = settings.machine.stroke;
+    if high <= 0.0 {
+        return Err(Failure::Failed(
+            "the residuals are zero throughout: this is no recording of a machine".to_owned(),
+        ));
+    }
+    if high < high_end - low_end {
+        return Ok(());
+    }
+    let tails: Vec<Tail> = result.detectors.iter().filter_map(|detector| detector.tail).collect();
+    let at = |level: f64| {
+        let rate = tails.iter().map(|tail| tail.rate(level)).sum::<f64>();
+        rate / per_second(1.0)
+    };
+    let critical = settings.comparator.critical;
+    Err(Failure::Failed(format!(
+        "for {} false alarms a year the threshold would be {high:.2} m, beyond the stroke: the \
+         residuals have bursts, and {:.3} h of recording do not say how large they get in a year. \
+         Record for longer, find a better model (`tertius identify`), or ask for a rate that the \
+         recording can speak of: with a threshold of {:.1} mm (comparator.critical) it is about {:.0} \
+         a year (--false-alarms-per-year), with the largest residual seen, {:.1} mm, about {:.0}",
+        result.thresholds.per_year,
+        result.thresholds.hours,
+        critical * 1e3,
+        at(critical).ceil(),
+        worst(&tails) * 1e3,
+        at(worst(&tails)).ceil(),
+    )))
+}
+
+fn worst(tails: &[Tail]) -> f64 {
+    tails.iter().map(|tail| tail.worst).fold(0.0, f64::max)
+}

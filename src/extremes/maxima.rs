@@ -1,0 +1,114 @@
+//! The largest magnitudes of blocks of cycles.
+
+use super::sketch::Sketch;
+
+/// The maxima that are kept at least: as many as ever make a tail.
+const KEPT: usize = 1000;
+
+/// Maxima of blocks of cycles, the largest of them one by one.
+#[derive(Clone, Debug)]
+pub struct Maxima {
+    /// Cycles of a block.
+    block: u32,
+    /// Of the block that is not yet full.
+    newest: f64,
+    filled: u32,
+    cycles: u64,
+    blocks: u64,
+    largest: Vec<f64>,
+    all: Sketch,
+}
+
+impl Maxima {
+    /// Of blocks of `block` cycles, at least one.
+    pub fn new(block: u32) -> Self {
+        Self {
+            block: block.max(1),
+            newest: 0.0,
+            filled: 0,
+            cycles: 0,
+            blocks: 0,
+            largest: Vec::new(),
+            all: Sketch::new(),
+        }
+    }
+
+    /// Takes a cycle's residual. Cycles that are not judged are left out, so that a block is a time
+    /// of judging and not of waiting.
+    pub fn add(&mut self, residual: f64) {
+        self.newest = self.newest.max(residual.abs());
+        self.filled += 1;
+        self.cycles += 1;
+        if self.filled == self.block {
+            self.close();
+        }
+    }
+
+    fn close(&mut self) {
+        self.largest.push(self.newest);
+        self.all.add(self.newest);
+        self.blocks += 1;
+        (self.newest, self.filled) = (0.0, 0);
+        // Twice as many as are kept, so that sorting them out is seldom.
+        if self.largest.len() == 2 * KEPT {
+            self.largest.sort_unstable_by(|a, b| b.total_cmp(a));
+            self.largest.truncate(KEPT);
+        }
+    }
+
+    /// Cycles that were taken.
+    pub const fn cycles(&self) -> u64 {
+        self.cycles
+    }
+
+    /// Blocks that are full.
+    pub const fn blocks(&self) -> u64 {
+        self.blocks
+    }
+
+    /// Cycles of a block.
+    pub const fn block(&self) -> u32 {
+        self.block
+    }
+
+    /// The largest magnitude of the full blocks.
+    pub const fn worst(&self) -> f64 {
+        self.all.largest()
+    }
+
+    /// The level below which the share `part` of all blocks stays; `None` without a full block.
+    pub fn quantile(&self, part: f64) -> Option<f64> {
+        self.all.quantile(part)
+    }
+
+    /// The largest maxima, the largest first: all of them, or at least a thousand.
+    pub fn largest(&self) -> Vec<f64> {
+        let mut largest = self.largest.clone();
+        largest.sort_unstable_by(|a, b| b.total_cmp(a));
+        largest.truncate(KEPT);
+        largest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_burst_within_a_block_counts_once() {
+        let mut maxima = Maxima::new(4);
+        [1.0, -9.0, 8.0, 7.0, 0.5, 0.0, -2.0, 1.0, 50.0].iter().for_each(|r| maxima.add(*r));
+        assert_eq!((maxima.blocks(), maxima.cycles(), maxima.worst()), (2, 9, 9.0));
+        assert_eq!(maxima.largest(), [9.0, 2.0]);
+    }
+
+    #[test]
+    fn the_largest_are_kept_however_many_come() {
+        let mut maxima = Maxima::new(1);
+        // 7919 is prime to 10 000: every number comes once, out of order.
+        (0..10_000_u32).for_each(|k| maxima.add(f64::from(7919 * k % 10_000)));
+        let largest = maxima.largest();
+        assert_eq!((largest.len(), largest[0], largest[999]), (1000, 9999.0, 9000.0));
+        assert_eq!(maxima.blocks(), 10_000);
+    }
+}

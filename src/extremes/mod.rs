@@ -1,0 +1,23 @@
+//! How large a healthy residual gets, and how seldom: what thresholds are made of.
+//!
+//! Residuals of neighbouring cycles depend on each other, and one burst is one alarm. So what is
+//! counted are the maxima of blocks about as long as a warning lasts ([`Maxima`]). The largest of
+//! them are extrapolated by a tail ([`Tail`]). All of it streams: memory does not grow.
+
+mod maxima;
+mod sketch;
+mod tail;
+mod thinned;
+
+pub use maxima::Maxima;
+pub use sketch::Sketch;
+pub use tail::{LEAST_BLOCKS, Pareto, Tail, common_level};
+pub use thinned::Thinned;
+
+/// Hours of a mean year.
+pub const HOURS_PER_YEAR: f64 = 8766.0;
+
+/// Events in a year, as events in a second.
+pub const fn per_second(per_year: f64) -> f64 {
+    per_year / (HOURS_PER_YEAR * 3600.0)
+}

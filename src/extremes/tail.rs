@@ -1,0 +1,292 @@
+//! The tail of block maxima: peaks over a threshold with an exponential or a generalised Pareto
+//! distribution of their excesses (Coles, *An Introduction to Statistical Modeling of Extreme
+//! Values*, chapter 4).
+
+use super::maxima::Maxima;
+
+/// A tail of fewer blocks is not fitted.
+pub const LEAST_BLOCKS: u64 = 50;
+
+/// The part of the blocks that makes the tail.
+const TAIL: u64 = 5;
+
+/// The most blocks that make a tail; of a long recording they are the outermost ones.
+const MOST: usize = 500;
+
+/// Twice the log-likelihood that a second parameter must gain: χ² of one degree of freedom, one
+/// side, 5 %.
+const SIGNIFICANT: f64 = 2.706;
+
+/// Outside of these shapes the likelihood has no maximum that means anything: below, it grows
+/// without bound at the largest excess; above, the tail has no mean, and some tens of peaks cannot
+/// tell one such tail from another.
+const SHAPES: std::ops::RangeInclusive<f64> = -0.5..=1.5;
+
+/// The generalised Pareto distribution of excesses: P(X > x) = (1 + ξ x / σ)^(−1/ξ).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pareto {
+    /// ξ; above 0 the tail is heavier than an exponential one.
+    pub shape: f64,
+    /// σ, in the unit of the excesses.
+    pub scale: f64,
+    /// The largest log-likelihood.
+    pub likelihood: f64,
+}
+
+/// How often the residual of one detector is beyond a level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tail {
+    /// The level above which there is a tail.
+    pub floor: f64,
+    /// Blocks beyond it.
+    pub peaks: usize,
+    /// The time that was judged, s.
+    pub seconds: f64,
+    /// The mean excess beyond the floor: the exponential tail.
+    pub mean: f64,
+    /// The largest residual seen.
+    pub worst: f64,
+    pub pareto: Pareto,
+    /// The Pareto tail is heavier than the exponential one, beyond chance; then it counts.
+    pub heavy: bool,
+}
+
+impl Pareto {
+    /// The fit of largest likelihood to `excesses`, none negative; `None` where all are zero.
+    ///
+    /// With τ = ξ/σ the best ξ is the mean of ln(1 + τ x) (Grimshaw 1993), so that only τ is
+    /// searched; τ max x = eᶻ − 1 puts all of them on one line with the exponential at z = 0.
+    pub fn fit(excesses: &[f64]) -> Option<Self> {
+        let largest = excesses.iter().copied().fold(0.0, f64::max);
+        if !(largest > 0.0 && largest.is_finite()) {
+            return None;
+        }
+        let at = |z: f64| Self::profile(excesses, z.exp_m1() / largest);
+        let grid = (-50..=200).map(|i| 0.1 * f64::from(i));
+        let better = |a: &f64, b: &f64| at(*a).likelihood.total_cmp(&at(*b).likelihood);
+        let best = grid.max_by(better)?;
+        Some(at(golden(best - 0.1, best + 0.1, |z| at(z).likelihood)))
+    }
+
+    fn profile(excesses: &[f64], tau: f64) -> Self {
+        let count = excesses.len() as f64;
+        let mean = excesses.iter().sum::<f64>() / count;
+        if (tau * mean).abs() < 1e-9 {
+            return Self { shape: 0.0, scale: mean, likelihood: -count * (mean.ln() + 1.0) };
+        }
+        let shape = excesses.iter().map(|x| (tau * x).ln_1p()).sum::<f64>() / count;
+        let scale = shape / tau;
+        let likelihood = -count * (scale.ln() + shape + 1.0);
+        let sound = SHAPES.contains(&shape) && likelihood.is_finite();
+        Self { shape, scale, likelihood: if sound { likelihood } else { f64::NEG_INFINITY } }
+    }
+
+    /// ln P(X > x).
+    fn log_beyond(&self, excess: f64) -> f64 {
+        if self.shape.abs() < 1e-12 {
+            return -excess / self.scale;
+        }
+        let inside = self.shape * excess / self.scale;
+        if inside <= -1.0 { f64::NEG_INFINITY } else { -inside.ln_1p() / self.shape }
+    }
+}
+
+/// Whether most of `excesses`, in order, differ. Where readings move in steps that are large beside
+/// their noise, peaks are few values many times over, and the zeros among the excesses would pass for
+/// the steep beginning of a heavy tail.
+fn distinct(excesses: &[f64]) -> bool {
+    let values = excesses.chunk_by(|one, next| (one - next).abs() < 1e-9).count();
+    2 * values > excesses.len()
+}
+
+/// The place of the maximum of `f` between `low` and `high`.
+fn golden(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let part = (5_f64.sqrt() - 1.0) / 2.0;
+    let (mut left, mut right) = (high - part * (high - low), low + part * (high - low));
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    while high - low > 1e-9 {
+        if f_left < f_right {
+            (low, left, f_left) = (left, right, f_right);
+            right = low + part * (high - low);
+            f_right = f(right);
+        } else {
+            (high, right, f_right) = (right, left, f_left);
+            left = high - part * (high - low);
+            f_left = f(left);
+        }
+    }
+    f64::midpoint(low, high)
+}
+
+impl Tail {
+    /// The tail of `maxima` of cycles of `sample_time` seconds; `None` of fewer than
+    /// [`LEAST_BLOCKS`].
+    pub fn fit(maxima: &Maxima, sample_time: f64) -> Option<Self> {
+        if maxima.blocks() < LEAST_BLOCKS {
+            return None;
+        }
+        let largest = maxima.largest();
+        let peaks = ((maxima.blocks() / TAIL) as usize).min(MOST).min(largest.len() - 1);
+        let floor = largest[peaks];
+        let excesses: Vec<f64> = largest[..peaks].iter().map(|peak| peak - floor).collect();
+        let mean = excesses.iter().sum::<f64>() / peaks as f64;
+        let exponential = Pareto { shape: 0.0, scale: mean, likelihood: f64::NEG_INFINITY };
+        let pareto = Pareto::fit(&excesses).unwrap_or(exponential);
+        let gain = 2.0 * (pareto.likelihood + peaks as f64 * (mean.ln() + 1.0));
+        Some(Self {
+            floor,
+            peaks,
+            seconds: (maxima.blocks() * u64::from(maxima.block())) as f64 * sample_time,
+            mean,
+            worst: maxima.worst(),
+            pareto,
+            heavy: pareto.shape > 0.0 && gain > SIGNIFICANT && distinct(&excesses),
+        })
+    }
+
+    /// Blocks a second that are beyond `level`; that of all peaks where it is not above the floor.
+    pub fn rate(&self, level: f64) -> f64 {
+        let excess = level - self.floor;
+        let all = self.peaks as f64 / self.seconds;
+        if excess <= 0.0 { all } else { all * self.log_beyond(excess).exp() }
+    }
+
+    fn log_beyond(&self, excess: f64) -> f64 {
+        if self.heavy { self.pareto.log_beyond(excess) } else { -excess / self.mean }
+    }
+
+    /// The level that is exceeded `rate` times a second; not below the floor.
+    pub fn level(&self, rate: f64) -> f64 {
+        let many = (self.peaks as f64 / (self.seconds * rate)).max(1.0);
+        let Pareto { shape, scale, .. } = self.pareto;
+        let excess = if self.heavy {
+            scale * (shape * many.ln()).exp_m1() / shape
+        } else {
+            self.mean * many.ln()
+        };
+        self.floor + excess
+    }
+
+    /// The standard error of [`Self::level`] from the number of peaks alone (delta method).
+    pub fn error(&self, rate: f64) -> f64 {
+        let (many, peaks) =
+            ((self.peaks as f64 / (self.seconds * rate)).max(1.0), self.peaks as f64);
+        if !self.heavy {
+            return self.mean * many.ln() / peaks.sqrt();
+        }
+        let Pareto { shape, scale, .. } = self.pareto;
+        let grown = (shape * many.ln()).exp();
+        let by_scale = (grown - 1.0) / shape;
+        let by_shape = scale * (grown * many.ln() - by_scale) / shape;
+        // The inverse of the expected information, for ξ and σ.
+        let variance = (1.0 + shape) / peaks
+            * ((1.0 + shape) * by_shape * by_shape - 2.0 * scale * by_shape * by_scale
+                + 2.0 * scale * scale * by_scale * by_scale);
+        variance.max(0.0).sqrt()
+    }
+}
+
+/// The one level that all `tails` together exceed `rate` times a second; infinite where there is no
+/// such number.
+///
+/// Their rates are added up: detectors that exceed together are counted each, on the safe side.
+pub fn common_level(tails: &[Tail], rate: f64) -> f64 {
+    let together = |level: f64| tails.iter().map(|tail| tail.rate(level)).sum::<f64>();
+    let mut low = tails.iter().map(|tail| tail.floor).fold(0.0, f64::max);
+    let mut high = tails.iter().map(|t| t.level(rate / tails.len() as f64)).fold(low, f64::max);
+    if !high.is_finite() {
+        return f64::INFINITY;
+    }
+    // At `high` each detector has no more than its equal share.
+    for _ in 0..200 {
+        let middle = f64::midpoint(low, high);
+        if together(middle) > rate { low = middle } else { high = middle }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Maxima whose excesses are the quantiles of a Pareto distribution.
+    fn maxima(shape: f64, scale: f64) -> Maxima {
+        let mut maxima = Maxima::new(50);
+        for k in 0..2000 {
+            let beyond = (f64::from(k) + 0.5) / 2000.0;
+            let value: f64 =
+                if shape == 0.0 { -beyond.ln() } else { (beyond.powf(-shape) - 1.0) / shape };
+            (0..50).for_each(|_| maxima.add(scale * value));
+        }
+        maxima
+    }
+
+    #[test]
+    fn an_exponential_tail_is_extrapolated_as_one() {
+        let tail = Tail::fit(&maxima(0.0, 1e-4), 0.02).expect("2000 blocks");
+        assert!(!tail.heavy && (tail.mean / 1e-4 - 1.0).abs() < 0.02, "{tail:?}");
+        // Of 2000 s one is beyond ln 2000 scales; once in 2e6 s it is ln 1000 scales more.
+        for (rate, scales) in [(1.0 / 2000.0, 2000_f64.ln()), (0.5e-6, 2e6_f64.ln())] {
+            let level = tail.level(rate);
+            assert!((level / (1e-4 * scales) - 1.0).abs() < 0.02, "{level}");
+            assert!((tail.rate(level) / rate - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_heavy_tail_is_known_and_goes_farther() {
+        let tail = Tail::fit(&maxima(0.5, 1e-4), 0.02).expect("2000 blocks");
+        assert!(tail.heavy && (tail.pareto.shape - 0.5).abs() < 0.05, "{tail:?}");
+        let level = tail.level(0.5e-6);
+        let exact = 1e-4 * (2e6_f64.powf(0.5) - 1.0) / 0.5;
+        assert!((level / exact - 1.0).abs() < 0.3, "{level} {exact}");
+        assert!((tail.rate(level) / 0.5e-6 - 1.0).abs() < 1e-9);
+        // The error is of the size of what 400 peaks leave open.
+        assert!(tail.error(0.5e-6) > 0.2 * level && tail.error(0.5e-6) < 2.0 * level);
+    }
+
+    /// A bounded tail is not taken at its word: that nothing is beyond was never seen.
+    #[test]
+    fn a_light_tail_is_extrapolated_as_an_exponential() {
+        let tail = Tail::fit(&maxima(-0.3, 1e-4), 0.02).expect("2000 blocks");
+        assert!(!tail.heavy && tail.pareto.shape < -0.2, "{tail:?}");
+        assert!(tail.level(1e-8) > 1.5 * tail.worst);
+    }
+
+    #[test]
+    fn detectors_share_a_rate() {
+        let one = Tail::fit(&maxima(0.0, 1e-4), 0.02).expect("2000 blocks");
+        let other = Tail::fit(&maxima(0.0, 2e-4), 0.02).expect("2000 blocks");
+        let rate = per_day(1.0);
+        let all = common_level(&[one, other, one], rate);
+        let together = 2.0 * one.rate(all) + other.rate(all);
+        assert!((together / rate - 1.0).abs() < 1e-6, "{together}");
+        assert!(all > other.level(rate) && all < other.level(rate / 3.0));
+        let twelve = common_level(&[one; 12], rate);
+        assert!((twelve - one.level(rate / 12.0)).abs() < 1e-9 * twelve);
+    }
+
+    fn per_day(events: f64) -> f64 {
+        events / 86_400.0
+    }
+
+    /// Residuals of one or two counts are no heavy tail.
+    #[test]
+    fn residuals_in_steps_are_extrapolated_as_an_exponential() {
+        let mut maxima = Maxima::new(1);
+        (0..1000).for_each(|k| maxima.add(if k % 50 == 0 { 2e-4 } else { 1e-4 }));
+        let tail = Tail::fit(&maxima, 1.0).expect("1000 blocks");
+        assert!(!tail.heavy && tail.level(1e-8) < 1e-3, "{tail:?}");
+    }
+
+    #[test]
+    fn little_evidence_is_none_and_constant_residuals_have_no_tail() {
+        let mut maxima = Maxima::new(2);
+        (0..98).for_each(|_| maxima.add(1e-4));
+        assert_eq!(Tail::fit(&maxima, 0.02), None);
+        (0..2).for_each(|_| maxima.add(1e-4));
+        let tail = Tail::fit(&maxima, 0.02).expect("50 blocks");
+        assert_eq!((tail.floor, tail.mean, tail.heavy), (1e-4, 0.0, false));
+        assert_eq!((tail.level(1e-9), tail.rate(2e-4)), (1e-4, 0.0));
+    }
+}

@@ -1,0 +1,174 @@
+//! A calibration as a page for people, and as tables that the configuration reads.
+
+use super::provenance::{self, four_digits, one_line};
+use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, Tried};
+use comfy_table::{Table, presets};
+use std::fmt::Write as _;
+
+/// The page.
+pub fn page(result: &Calibration) -> String {
+    let Calibration { fitted, tried, .. } = result;
+    let mut text = format!(
+        "{}: {}\nfitted on {:.1} s to {:.1} s, tried on {:.1} s to {:.1} s\n\n",
+        result.machine, result.inputs, fitted.from, fitted.to, tried.from, tried.to
+    );
+    text += &lines(result);
+    text += &bands(result);
+    text += &bound(result);
+    text += &remarks(result);
+    text
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.force_no_tty();
+    table.set_header(header.iter().copied());
+    table
+}
+
+fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
+    result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
+}
+
+fn lines(result: &Calibration) -> String {
+    let mut table = table(&["cylinder", "a", "b", "RMS of the fit", "samples", "left out"]);
+    for (cylinder, fitted) in fits(result) {
+        table.add_row([
+            cylinder.number.to_string(),
+            format!("{:.6} ± {:.0e}", fitted.line.gain, fitted.errors[0]),
+            format!("{:.4} mm ± {:.0e}", fitted.line.offset * 1e3, fitted.errors[1] * 1e3),
+            format!("{:.4} mm", fitted.rms * 1e3),
+            fitted.rows.to_string(),
+            format!("{} beyond {:.2} mm", fitted.trimmed, fitted.limit * 1e3),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    format!("C1 = a·C2 + b (5-20), least squares without the samples left out\n{table}\n\n")
+}
+
+fn bands(result: &Calibration) -> String {
+    let mut table = table(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
+    for cylinder in &result.cylinders {
+        let Some(tried) = cylinder.tried.as_ref().filter(|tried| tried.after.count > 0) else {
+            continue;
+        };
+        let Tried { before, after, .. } = tried;
+        table.add_row([
+            cylinder.number.to_string(),
+            format!("{:.3} to {:.3} mm", before.low * 1e3, before.high * 1e3),
+            format!("{:.3} to {:.3} mm", after.low * 1e3, after.high * 1e3),
+            format!("{:.3} mm", tried.magnitudes.quantile(0.999).unwrap_or(0.0) * 1e3),
+            format!("{:.4} mm", after.rms() * 1e3),
+            faulty(tried),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    format!(
+        "the difference before (Figure 5-14) and after (Figure 5-15), on the second part\n{table}\n\n"
+    )
+}
+
+fn faulty(tried: &Tried) -> String {
+    match tried.faulty {
+        0 => format!("none beyond {:.2} mm", tried.limit() * 1e3),
+        some => format!(
+            "{some} beyond {:.2} mm, up to {:.2} mm",
+            tried.limit() * 1e3,
+            tried.worst_faulty * 1e3
+        ),
+    }
+}
+
+fn bound(result: &Calibration) -> String {
+    match &result.bound {
+        Some(bound) => format!(
+            "proposed bound of R3: {:.3} mm\n  {}\n",
+            four_digits(bound.level) * 1e3,
+            meaning(bound).join("\n  ")
+        ),
+        None => "no bound is proposed: there are less than 50 s of the second part (50 times \
+                 alarm.clear), or no cylinder has a calibration\n"
+            .to_owned(),
+    }
+}
+
+/// What the number means, and how far it can be believed.
+fn meaning(bound: &Bound) -> Vec<String> {
+    let years = 1.0 / bound.per_year;
+    let factor = years * crate::extremes::HOURS_PER_YEAR / bound.hours;
+    let tail = if bound.heavy { "a generalised Pareto" } else { "an exponential" };
+    let mut lines = vec![format!(
+        "exceeded {} times a year, all cylinders together, by {tail} tail of the largest |R3| of \
+         each second; at least the largest seen, {:.3} mm",
+        bound.per_year,
+        bound.worst * 1e3
+    )];
+    lines.push(format!(
+        "evidence: {:.3} cylinder hours; the wanted rate is {factor:.1e} times beyond it, where \
+         nothing was seen: other temperatures, ranges and wear are not in it",
+        bound.hours
+    ));
+    lines
+}
+
+fn remarks(result: &Calibration) -> String {
+    let mut text = String::new();
+    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+    for cylinder in &result.cylinders {
+        let number = cylinder.number.to_string();
+        for remark in &cylinder.remarks {
+            match told.iter_mut().find(|(known, _)| known == remark) {
+                Some((_, numbers)) => numbers.push(number.clone()),
+                None => told.push((remark, vec![number.clone()])),
+            }
+        }
+    }
+    for (remark, numbers) in told {
+        _ = writeln!(text, "cylinder {}: {remark}", numbers.join(", "));
+    }
+    for cylinder in &result.cylinders {
+        if let Err(refusal) = &cylinder.result {
+            _ = writeln!(text, "cylinder {} is refused: {refusal}", cylinder.number);
+        }
+    }
+    for remark in &result.remarks {
+        _ = writeln!(text, "{remark}");
+    }
+    if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+/// The tables, with what they were made from; `None` where no cylinder has a calibration.
+pub fn tables(result: &Calibration, version: &str) -> Option<String> {
+    fits(result).next()?;
+    let Calibration { machine, inputs, first, .. } = result;
+    let parts = [("fitted", result.fitted), ("tried ", result.tried)];
+    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, &parts);
+    for cylinder in &result.cylinders {
+        if let Err(refusal) = &cylinder.result {
+            let refusal = one_line(&refusal.to_string());
+            _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
+        }
+    }
+    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    if let Some(bound) = &result.bound {
+        text += "\n";
+        for line in meaning(bound) {
+            _ = writeln!(text, "# {line}");
+        }
+        _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
+    }
+    for (cylinder, fitted) in fits(result) {
+        let line = fitted.line;
+        _ = writeln!(
+            text,
+            "\n[[cylinder]]\nn = {}\nc2_gain = {:?}\nc2_offset = {:?}",
+            cylinder.number, line.gain, line.offset
+        );
+    }
+    Some(text)
+}

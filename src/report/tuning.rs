@@ -1,0 +1,231 @@
+//! A tuning as a page for people, and as tables that the configuration reads.
+
+use super::provenance::{self, four_digits};
+use crate::extremes::{HOURS_PER_YEAR, per_second};
+use crate::tune::{Detector, Score, Search, Thresholds, Tuning, Weights};
+use comfy_table::{Table, presets};
+use std::fmt::Write as _;
+
+/// The page.
+pub fn page(result: &Tuning) -> String {
+    let mut text = format!(
+        "{}: {}\ntuned on {:.1} s to {:.1} s; monitored states only\n\n",
+        result.machine, result.inputs, result.window.from, result.window.to
+    );
+    text += &search(&result.search);
+    text += &tails(result);
+    text += &ladder(result);
+    text += &thresholds(result);
+    text += &sensitivity(result);
+    for (place, remark) in result.remarks.iter().enumerate() {
+        _ = writeln!(text, "{}{remark}", if place == 0 { "\n" } else { "" });
+    }
+    text
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.force_no_tty();
+    table.set_header(header.iter().copied());
+    table
+}
+
+fn search(search: &Search) -> String {
+    let header = ["", "q", "r", "threshold", "peak", "over after", "criterion"];
+    let mut table = table(&header);
+    for (name, weights, score) in
+        [("configured", &search.begun, &search.before), ("taken", &search.weights, &search.score)]
+    {
+        let Weights { q, r } = weights;
+        let Score { threshold, peak, settled, smallest } = score;
+        table.add_row([
+            name.to_owned(),
+            format!("{:.2e} {:.2e} {:.2e}", q[0], q[1], q[2]),
+            format!("{:.2e} {:.2e}", r[0], r[1]),
+            format!("{:.3} mm", threshold * 1e3),
+            format!("{peak:.2}"),
+            format!("{settled} cycles"),
+            if smallest.is_finite() {
+                format!("{:.3} mm", smallest * 1e3)
+            } else {
+                "not sharp".to_owned()
+            },
+        ]);
+    }
+    format!(
+        "weights: the criterion is the threshold at the wanted rate (by exponential tails) divided \
+         by the peak of the residual after a unit step, where nine tenths of the step are over within \
+         alarm.coincidence\n{table}\n{} sets of weights tried on {} stored cycles\n\n",
+        search.tried, search.cycles
+    )
+}
+
+fn name(detector: &Detector) -> [String; 2] {
+    [detector.cylinder.to_string(), format!("R{}", detector.transducer + 1)]
+}
+
+fn tails(result: &Tuning) -> String {
+    let header = [
+        "cylinder",
+        "",
+        "hours",
+        "RMS",
+        "99.9 %",
+        "largest",
+        "beyond",
+        "peaks",
+        "mean excess",
+        "Pareto ξ",
+        "σ",
+        "taken",
+        "level alone",
+    ];
+    let mut table = table(&header);
+    let rate = per_second(result.thresholds.per_year) / result.detectors.len() as f64;
+    for detector in &result.detectors {
+        let Some(tail) = &detector.tail else { continue };
+        let [number, residual] = name(detector);
+        table.add_row([
+            number,
+            residual,
+            format!("{:.4}", tail.seconds / 3600.0),
+            format!("{:.3} mm", detector.residuals.rms() * 1e3),
+            format!("{:.3} mm", detector.magnitudes.quantile(0.999).unwrap_or(0.0) * 1e3),
+            format!("{:.3} mm", tail.worst * 1e3),
+            format!("{:.3} mm", tail.floor * 1e3),
+            tail.peaks.to_string(),
+            format!("{:.4} mm", tail.mean * 1e3),
+            format!("{:.2}", tail.pareto.shape),
+            format!("{:.4} mm", tail.pareto.scale * 1e3),
+            if tail.heavy { "Pareto".to_owned() } else { "exponential".to_owned() },
+            format!("{:.3} ± {:.3} mm", tail.level(rate) * 1e3, tail.error(rate) * 1e3),
+        ]);
+    }
+    format!(
+        "healthy residuals, and the tail of the largest of each second (of alarm.clear): a \
+         generalised Pareto where it is heavier than an exponential beyond chance (5 %); level \
+         alone: at the detector's equal share of the wanted rate, ± the error from the number of \
+         peaks\n{table}\n\n"
+    )
+}
+
+fn ladder(result: &Tuning) -> String {
+    let mut table = table(&["false alarms a year", "one in", "threshold", "beyond the evidence"]);
+    let hours = result.thresholds.hours;
+    let wanted = (result.thresholds.per_year, result.thresholds.high);
+    let mut rows = result.ladder.clone();
+    if rows.iter().all(|(rate, _)| *rate != wanted.0) {
+        rows.push(wanted);
+    }
+    rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (rate, level) in rows {
+        let mark = if rate == wanted.0 { " ←" } else { "" };
+        table.add_row([
+            format!("{rate}{mark}"),
+            period(HOURS_PER_YEAR / rate),
+            length(level),
+            format!("{:.3e} times", HOURS_PER_YEAR / rate / hours),
+        ]);
+    }
+    format!("the extrapolation, of all detectors together\n{table}\n\n")
+}
+
+fn period(hours: f64) -> String {
+    match hours {
+        hours if hours < 1.0 => format!("{:.1} min", hours * 60.0),
+        hours if hours < 48.0 => format!("{hours:.1} h"),
+        hours => format!("{:.0} days", hours / 24.0),
+    }
+}
+
+fn length(metres: f64) -> String {
+    if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
+}
+
+fn thresholds(result: &Tuning) -> String {
+    let Thresholds { low, high, .. } = result.thresholds;
+    format!(
+        "δ_l {}, δ_h {}\n  {}\n\n",
+        length(four_digits(low)),
+        length(four_digits(high)),
+        meaning(result).join("\n  ")
+    )
+}
+
+/// What the numbers mean, and how far they can be believed.
+fn meaning(result: &Tuning) -> Vec<String> {
+    let Thresholds { per_year, hours, .. } = result.thresholds;
+    let count = result.detectors.len();
+    vec![
+        format!(
+            "high: {count} residuals together exceed it {per_year} times a year of monitoring; one \
+             number for all, since their rates are added up"
+        ),
+        "low: the residual that varies most stays below it in 95 % of the seconds (of alarm.clear), \
+         so that a warning ends soon after its fault; at most 0.75 high"
+            .to_owned(),
+        format!(
+            "evidence: {hours:.4} h for each residual; the wanted rate is {:.2e} times beyond it. \
+             What was not recorded (weather, load, temperature, wear) is not in it, residuals that \
+             go together count twice, and bursts at the border of two seconds, too",
+            HOURS_PER_YEAR / per_year / hours
+        ),
+    ]
+}
+
+fn sensitivity(result: &Tuning) -> String {
+    let mut table = table(&["cylinder", "", "smallest step", "smallest noise", "n of n·σ"]);
+    for detector in &result.detectors {
+        let [number, _] = name(detector);
+        let amplitude = detector.noise.map_or("–".to_owned(), length);
+        let times = detector.noise.map_or("–".to_owned(), |n| format!("{:.1}", n / result.sigma));
+        table.add_row([
+            number,
+            format!("C{}", detector.transducer + 1),
+            detector.step.map_or("–".to_owned(), length),
+            amplitude,
+            times,
+        ]);
+    }
+    format!(
+        "what is found: steps within 0.1 s in 95 % of the stored places, noise (5-17) within 1 s in \
+         95 % of trials; σ = {:.3} mm\n{table}\n",
+        result.sigma * 1e3
+    )
+}
+
+/// The tables, with what they were made from.
+pub fn tables(result: &Tuning, version: &str) -> String {
+    let Tuning { machine, inputs, first, window, .. } = result;
+    let parts = [("tuned on", *window)];
+    let mut text = provenance::heading(version, "tune", machine, inputs, *first, &parts);
+    let Weights { q, r } = result.search.weights;
+    let Score { threshold, peak, settled, .. } = result.search.score;
+    _ = writeln!(
+        text,
+        "\n# {} sets of weights tried; threshold by exponential tails {:.4} mm, peak of a unit step \
+         {peak:.2}, over after {settled} cycles.\n[observer]\nq = {q:?}\nr = {r:?}\n",
+        result.search.tried,
+        threshold * 1e3
+    );
+    for line in meaning(result) {
+        _ = writeln!(text, "# {line}");
+    }
+    for detector in &result.detectors {
+        if let Some(step) = detector.step {
+            let [number, _] = name(detector);
+            let transducer = detector.transducer + 1;
+            let step = length(step);
+            _ = writeln!(text, "# smallest step of C{transducer} of cylinder {number}: {step}");
+        }
+    }
+    for remark in &result.remarks {
+        _ = writeln!(text, "# {}", provenance::one_line(remark));
+    }
+    let Thresholds { low, high, .. } = result.thresholds;
+    let (low, high) = (four_digits(low), four_digits(high));
+    // Rounding up may put them past each other where they are the same.
+    _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
+    text
+}
