@@ -27,16 +27,16 @@ fn own_policy() -> String {
 
 /// Waits until the data path has the policy and priority `wanted`, and every other thread of those
 /// names, and of any, is ordinary: a new one needs its moment to give up what it inherited.
-fn wait_for_policies(child: &Child, wanted: (&str, &str), names: &[&str]) {
+fn wait_for_policies(child: u32, wanted: (&str, &str), names: &[&str]) {
     let started = Instant::now();
     loop {
-        let tasks = fs::read_dir(format!("/proc/{}/task", child.id())).expect("it runs");
+        let tasks = fs::read_dir(format!("/proc/{child}/task")).expect("it runs");
         // One that ends meanwhile has no policy.
         let stats =
             tasks.filter_map(|task| fs::read_to_string(task.ok()?.path().join("stat")).ok());
         let stats: Vec<String> = stats.collect();
         let (data_path, others): (Vec<&String>, Vec<&String>) =
-            stats.iter().partition(|stat| stat.starts_with(&format!("{} ", child.id())));
+            stats.iter().partition(|stat| stat.starts_with(&format!("{child} ")));
         let found = policy(data_path[0]);
         assert_eq!((&*found.0, &*found.1), wanted);
         let there = |name: &&str| others.iter().any(|stat| stat.contains(&format!("({name})")));
@@ -51,19 +51,26 @@ fn wait_for_policies(child: &Child, wanted: (&str, &str), names: &[&str]) {
 }
 
 /// A gateway that waits for an interface, once it said `words`; its log, and what it said.
-fn start(mut command: Command, words: &str) -> (Child, BufReader<ChildStderr>, String) {
-    let mut child = command.stderr(Stdio::piped()).spawn().expect("it starts");
+fn start(mut command: Command, words: &str) -> (Running, BufReader<ChildStderr>, String) {
+    let child = command.stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut child = Running(child);
     let mut said = String::new();
-    let mut log = BufReader::new(child.stderr.take().expect("it is piped"));
+    let mut log = BufReader::new(child.0.stderr.take().expect("it is piped"));
     while !said.contains(words) {
         assert_ne!(log.read_line(&mut said).expect("UTF-8"), 0, "{words:?} is not in\n{said}");
     }
     (child, log, said)
 }
 
-fn end(mut child: Child) {
-    child.kill().expect("it runs");
-    child.wait().expect("it ends");
+/// A process that does not outlive the test.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        _ = self.0.kill();
+        _ = self.0.wait();
+    }
 }
 
 fn config(scratch: &Scratch) -> String {
@@ -88,22 +95,21 @@ fn the_data_path_alone_runs_in_real_time() {
     assert!(locked != said.contains("memory is not locked: "), "one or the other\n{said}");
 
     let wanted = if granted { (SCHED_FIFO, "7") } else { (SCHED_OTHER, "0") };
-    wait_for_policies(&child, wanted, &["http", "link"]);
+    wait_for_policies(child.0.id(), wanted, &["http", "link"]);
 
     // Threads that the data path starts later have none of it either.
     let moved =
         fs::read_to_string(&path).expect("it was written").replace("127.0.0.1", "127.0.0.2");
     fs::write(&path, moved).expect("the folder is ours");
-    Command::new("kill").args(["-s", "HUP", &child.id().to_string()]).status().expect("kill");
-    while !said.contains("was read again") {
+    Command::new("kill").args(["-s", "HUP", &child.0.id().to_string()]).status().expect("kill");
+    while !said.contains("telemetry: http://127.0.0.2") {
         assert_ne!(log.read_line(&mut said).expect("UTF-8"), 0, "no reload in\n{said}");
     }
-    wait_for_policies(&child, wanted, &["http", "link"]);
+    wait_for_policies(child.0.id(), wanted, &["http", "link"]);
 
-    let status = fs::read_to_string(format!("/proc/{}/status", child.id())).expect("it runs");
+    let status = fs::read_to_string(format!("/proc/{}/status", child.0.id())).expect("it runs");
     let kilobytes = status.lines().find_map(|line| line.strip_prefix("VmLck:"));
     assert_eq!(kilobytes.is_some_and(|text| text.trim() != "0 kB"), locked, "{status}");
-    end(child);
 }
 
 #[test]
@@ -119,7 +125,7 @@ fn without_the_rights_it_says_what_to_do_and_goes_on() {
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).arg(env!("CARGO_BIN_EXE_tertius"));
     command.args(["run", "--config", &config(&scratch)]).current_dir(top());
-    let (child, _log, said) = start(command, "no bus");
+    let (_child, _log, said) = start(command, "no bus");
     for words in [
         "no real-time priority 7: Operation not permitted; as a service, install tertius-realtime",
         "`ulimit -r 7` or CAP_SYS_NICE; going on without",
@@ -128,7 +134,6 @@ fn without_the_rights_it_says_what_to_do_and_goes_on() {
     ] {
         assert!(said.contains(words), "{words:?} is not in\n{said}");
     }
-    end(child);
 }
 
 #[test]
