@@ -40,9 +40,7 @@ fn wait_for_policies(child: u32, wanted: (&str, &str), names: &[&str]) {
         let found = policy(data_path[0]);
         assert_eq!((&*found.0, &*found.1), wanted);
         let there = |name: &&str| others.iter().any(|stat| stat.contains(&format!("({name})")));
-        if names.iter().all(|name| there(name))
-            && others.iter().all(|stat| policy(stat).0 == SCHED_OTHER)
-        {
+        if names.iter().all(there) && others.iter().all(|stat| policy(stat).0 == SCHED_OTHER) {
             return;
         }
         assert!(started.elapsed() < Duration::from_secs(30), "{stats:#?}");
