@@ -316,6 +316,7 @@ fn the_link_is_told_as_the_kernel_tells_it() {
         up: true,
         mtu: Some(16),
         bit_rate: Some(500_000),
+        sample_point: None,
         data_bit_rate: None,
         state: Some(ControllerState::Passive),
         transmit_errors: Some(128),

@@ -40,7 +40,7 @@ fn a_machine_that_plays_is_heard_whole() {
         "ok    can            this kernel has CAN sockets",
         "ok    interface      t-doctor (virtual CAN) is up",
         "ok    frames         all 20 messages came in 2.0 s",
-        "Sync each 20.0",
+        "  cycle          Sync each ",
         "ok    error frames   none",
         "ok    node           nobody else sends as node 81",
     ] {

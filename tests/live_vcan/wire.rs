@@ -76,5 +76,9 @@ fn a_fault_played_to_it_stands_on_the_bus_as_cantools_reads_it() {
         .filter(|frame| frame.1 == 0x1D1)
         .map(|frame| frame.4["Counter"].as_i64().expect("it has one"))
         .collect();
-    assert!(counters.windows(2).all(|pair| (pair[0] + 1) % 256 == pair[1]), "{counters:?}");
+    // A status that gave way to a newer one, on a box without a moment to spare, leaves a gap that a
+    // receiver is to see; none comes twice.
+    let steps = counters.windows(2).map(|pair| (pair[1] - pair[0]).rem_euclid(256));
+    assert!(steps.clone().all(|step| (1..=5).contains(&step)), "{counters:?}");
+    assert!(steps.filter(|&step| step == 1).count() > counters.len() / 2, "{counters:?}");
 }

@@ -37,8 +37,8 @@ fn rights(rights: &Rights) -> Finding {
     let admin = if rights.net_admin { "has" } else { "has not" };
     let whose = whose(rights);
     let found = format!(
-        "a CAN socket needs none; CAP_NET_ADMIN, for a receive buffer beyond net.core.rmem_max, \
-         {whose} {admin}"
+        "a CAN socket needs none; {whose} {admin} CAP_NET_ADMIN, which a receive buffer beyond \
+         net.core.rmem_max takes"
     );
     Finding::ok("rights", found)
 }
