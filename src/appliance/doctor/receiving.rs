@@ -22,11 +22,7 @@ fn buffer(receiving: &Receiving, rmem_max: Option<u64>, rights: &Rights) -> Find
         "net.core.rmem_max = {:.0} in /etc/sysctl.d, or CAP_NET_ADMIN, for a whole second",
         second / 2.0
     );
-<<<<<<< HEAD
     if lasts.is_nan() || lasts < A_SECOND {
-=======
-    if lasts < A_SECOND {
->>>>>>> doctor
         return Finding::warn(subject, found, advice);
     }
     let allowed = rmem_max.map(|most| 2.0 * most as f64 / second);
