@@ -164,7 +164,9 @@ impl Bench {
 
     /// Starts candump into `bus.log`, and waits until it listens.
     pub fn candump(&self) -> Running {
-        let dump = Running::start("candump", &["-L", self.interface], &self.path("bus.log"));
+        // Its usual receive buffer holds a fifth of a second, less than a busy box may take.
+        let arguments = ["-r", "16777216", "-L", self.interface];
+        let dump = Running::start("candump", &arguments, &self.path("bus.log"));
         let mut hello = self.machine();
         let id = Id::standard(0x7FF).expect("eleven bits");
         // It says nothing when it is ready; its first line shows it.
