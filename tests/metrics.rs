@@ -311,7 +311,6 @@ fn the_link_is_told_as_the_kernel_tells_it() {
     let telemetry = bench.witness.recorder.telemetry().clone();
     assert_eq!(bench.metrics().count("tertius_controller_state"), 0);
     let link = LinkState {
-        sample_point: None,
         index: 3,
         up: true,
         mtu: Some(16),
