@@ -204,7 +204,7 @@ impl Bench {
 
 impl Drop for Bench {
     fn drop(&mut self) {
-        // A test may have deleted it.
+        // A test may have deleted it; a controller cannot be.
         _ = Command::new("ip").args(["link", "delete", self.interface]).output();
     }
 }

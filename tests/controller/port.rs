@@ -1,6 +1,4 @@
-//! The port over controllers with their driver: can0 and can1 on one bus, at 500 kbit/s and with
-//! restart-ms 100. `scripts/with-controller cargo test --test
-//! socket_controller`, or the built test itself.
+//! The port over a controller.
 
 use std::process::Command;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,7 +12,7 @@ use tertius::time::Timestamp;
 /// There is one bus for all tests.
 static BUS: Mutex<()> = Mutex::new(());
 
-fn the_bus() -> MutexGuard<'static, ()> {
+pub fn the_bus() -> MutexGuard<'static, ()> {
     BUS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
