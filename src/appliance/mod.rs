@@ -7,6 +7,7 @@ pub mod http;
 mod journald;
 pub mod link_watch;
 pub mod logging;
+mod quota;
 pub mod realtime;
 mod site;
 pub mod surroundings;

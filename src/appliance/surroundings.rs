@@ -2,6 +2,7 @@
 
 use super::activity::Activity;
 use super::link_watch::LinkWatch;
+use super::quota::Quota;
 use super::site::Site;
 use super::telemetry::Recorder;
 use super::telemetry::clock::SystemClock;
@@ -56,6 +57,7 @@ pub struct Appliance {
     recorder: Recorder,
     site: Site,
     links: Option<LinkWatch>,
+    quota: Quota,
 }
 
 impl Appliance {
@@ -79,7 +81,8 @@ impl Appliance {
         // Without it the error frames still tell of the controller.
         let links = links.ok();
         let site = Site::default();
-        Ok(Self { stop, reload, prepare, watchdog, activity, recorder, site, links })
+        let quota = Quota::new(Instant::now());
+        Ok(Self { stop, reload, prepare, watchdog, activity, recorder, site, links, quota })
     }
 
     /// Set, it stops the gateway as SIGTERM does.
@@ -138,6 +141,10 @@ impl Journal for Appliance {
     }
 
     fn notice(&mut self, notice: &Notice) {
+        let Some(withheld) = self.quota.ask(Instant::now()) else { return };
+        if withheld > 0 {
+            info!(lines = withheld, "more of what follows was left out");
+        }
         match *notice {
             Notice::Gap { length, .. } => {
                 info!(seconds = length.as_seconds(), "cycles again after none");
