@@ -11,4 +11,5 @@ pub mod realtime;
 mod site;
 pub mod surroundings;
 pub mod telemetry;
+mod warning_log;
 mod watchdog;
