@@ -92,14 +92,20 @@ class Disturber:
         self.stage.kill()
         yield from self.for_a_while(0.0, 2.0)
         self.stage.start()
+        # As a service manager does, nothing is asked of it before it says that it is ready.
+        for _ in range(200):
+            if self.stage.is_ready():
+                break
+            yield 0.05
 
     def reload(self):
-        self.stage.reload(good=True)
+        self.stage.reload()
         yield 1.0
 
     def refuse(self):
-        self.stage.reload(good=False)
+        self.stage.refuse()
         yield 1.0
+        self.stage.mend()
 
 
 class Faults:

@@ -116,8 +116,9 @@ class _Played:
                     self.send(self.cycles[at])
                     if time.time_ns() - now > LONG * 1e9 and self.raw:
                         self.diary.append(("stall", now, time.time_ns()))
-            elif at == len(self.cycles):
-                self.diary.append(("wrap", now, now + round(self.rest * CYCLE * 1e9)))
+            elif last < number - at + len(self.cycles):
+                rest = len(self.cycles) + self.rest - at
+                self.diary.append(("wrap", now, now + round(rest * CYCLE * 1e9)))
             last = number
         for place in list(self.begun):
             self.mend(*place, time.time_ns())

@@ -69,6 +69,7 @@ class Stage:
 
     def start(self):
         self.note("start")
+        self.begun = self.gateway.said(" starting ")
         self.gateway.start()
 
     def kill(self):
@@ -77,6 +78,9 @@ class Stage:
         self.gateway.kill()
         self.gateway.process = None
 
+    def is_ready(self):
+        return self.gateway.said(" starting ") > self.begun
+
     def look_for_death(self):
         """It only ever ends by being killed."""
         process = self.gateway.process
@@ -84,15 +88,22 @@ class Stage:
             self.deaths.append((time.time_ns(), process.returncode))
             self.start()
 
-    def reload(self, good):
-        good_text = self.configuration(1.0 + 0.1 * (self.reloads % 2))
-        if good:
-            self.reloads += 1
-            self.gateway.configure(good_text)
-        else:
-            self.refusals += 1
-            self.gateway.configure(good_text.replace("cylinders = 6", "cylinders = 66"))
+    def reload(self):
+        self.reloads += 1
+        self.gateway.configure(self.current())
         self.gateway.process.send_signal(signal.SIGHUP)
+
+    def refuse(self):
+        """A bad one, until :meth:`mend`: a gateway that starts meanwhile would rightly refuse it."""
+        self.refusals += 1
+        self.gateway.configure(self.current().replace("cylinders = 6", "cylinders = 66"))
+        self.gateway.process.send_signal(signal.SIGHUP)
+
+    def mend(self):
+        self.gateway.configure(self.current())
+
+    def current(self):
+        return self.configuration(1.0 + 0.1 * (self.reloads % 2))
 
 
 def play(stage, seconds, seed):
