@@ -12,4 +12,5 @@ pub mod realtime;
 mod site;
 pub mod surroundings;
 pub mod telemetry;
+mod warning_log;
 mod watchdog;

@@ -6,8 +6,9 @@ use super::quota::Quota;
 use super::site::Site;
 use super::telemetry::Recorder;
 use super::telemetry::clock::SystemClock;
+use super::warning_log::WarningLog;
 use super::watchdog::{Watchdog, tell};
-use crate::alarm::{OwnFrame, State, Warning};
+use crate::alarm::{OwnFrame, Warning};
 use crate::bus::Port;
 use crate::cli::Failure;
 use crate::config::settings::Realtime;
@@ -55,6 +56,7 @@ pub struct Appliance {
     watchdog: Watchdog,
     activity: Activity,
     recorder: Recorder,
+    warnings: WarningLog,
     site: Site,
     links: Option<LinkWatch>,
     quota: Quota,
@@ -80,9 +82,20 @@ impl Appliance {
         });
         // Without it the error frames still tell of the controller.
         let links = links.ok();
-        let site = Site::default();
-        let quota = Quota::new(Instant::now());
-        Ok(Self { stop, reload, prepare, watchdog, activity, recorder, site, links, quota })
+        let (warnings, site, quota) =
+            (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
+        Ok(Self {
+            stop,
+            reload,
+            prepare,
+            watchdog,
+            activity,
+            recorder,
+            warnings,
+            site,
+            links,
+            quota,
+        })
     }
 
     /// Set, it stops the gateway as SIGTERM does.
@@ -117,30 +130,11 @@ impl Journal for Appliance {
 
     fn warning(&mut self, warning: &Warning) {
         self.recorder.warning(warning);
-        let finding = &warning.finding;
-        let state = warning.state.name();
-        let residual = finding.residual.map(|residual| residual * 1e3);
-        macro_rules! tell {
-            ($say:ident) => {
-                $say!(
-                    cylinder = warning.cylinder,
-                    detector = warning.detector.name(),
-                    fault = finding.fault.name(),
-                    suspect = finding.suspect.name(),
-                    level = finding.level.name(),
-                    residual_mm = residual,
-                    timestamp = warning.timestamp.as_seconds(),
-                    "{state}"
-                )
-            };
-        }
-        match warning.state {
-            State::Cleared => tell!(info),
-            State::Raised | State::Changed => tell!(warn),
-        }
+        self.warnings.take(warning);
     }
 
     fn notice(&mut self, notice: &Notice) {
+        self.warnings.write();
         let Some(withheld) = self.quota.ask(Instant::now()) else { return };
         if withheld > 0 {
             info!(lines = withheld, "more of what follows was left out");
@@ -219,10 +213,12 @@ impl Surroundings for Appliance {
     }
 
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.warnings.write();
         self.recorder.closed(gateway, port);
     }
 
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
+        self.warnings.write();
         self.watchdog.feed();
         self.recorder.turned(gateway, port);
         self.activity.look(gateway, port);
