@@ -52,7 +52,9 @@ fn the_shipped_machine_is_the_defaults_written_out() {
     let cylinder = &settings.signals.cylinder;
     assert_eq!(cylinder.c1_status.as_deref(), Some("Cyl{n}_C1.Status"));
     assert_eq!(cylinder.c2_counter.as_deref(), Some("Cyl{n}_C2.Counter"));
-    assert_eq!(cylinder.named().count(), 11);
+    assert_eq!(cylinder.named().count(), 12);
+    assert_eq!(cylinder.spool.as_deref(), Some("Cyl{n}_Valve.SpoolPosition"));
+    assert_eq!(settings.signals.supply.as_deref(), Some("Plc_State.SupplyPressure"));
     assert_eq!(settings.model, Model::default());
     assert_eq!(settings.observer, Observer::default());
     assert_eq!(settings.fde, Fde::default());

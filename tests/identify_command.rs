@@ -235,3 +235,49 @@ fn an_input_is_not_written_over() {
     assert!(text(&done.stderr).contains("would be written over the input"));
     assert!(fs::read_to_string(&config).expect("it is there").contains("[machine]"));
 }
+
+/// The E-type's configuration with the signals of (3-18) that are recorded, too.
+const FLOW: [(&str, &str); 2] = [
+    ("[signals.cylinder]", "supply = \"Plc_State.SupplyPressure\"\n\n[signals.cylinder]"),
+    ("pressure_rod =", "spool = \"Cyl{n}_Valve.SpoolPosition\"\npressure_rod ="),
+];
+
+/// Both ways of every cylinder; the healthy recording has no stroke at constant velocity while it is
+/// engaged.
+#[test]
+fn flow_and_friction_are_told_on_request() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = changed(folder.path(), &FLOW, &[]);
+    let done = identify("e-type-healthy.log.zst", &config, &["--nonlinear"]);
+    let page = text(&done.stdout);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    println!("{page}");
+    for n in 1..=6 {
+        for way in ["extending", "retracting"] {
+            assert!(page.contains(&format!("cylinder {n}, {way}: ")), "{page}");
+        }
+        assert!(page.contains(&format!("cylinder {n}: no friction curve: ")), "{page}");
+    }
+    assert!(!page.contains("no flow curve"), "{page}");
+    assert!(page.contains("x is the recorded spool position"), "{page}");
+}
+
+/// Without a spool the command stands in for it, without P_S or pressures there is no curve.
+#[test]
+fn what_the_flow_curve_lacks_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = changed(folder.path(), &[], &[]);
+    let run = |log: &str, config: &Path, more: &[&str]| {
+        let more = [&["--nonlinear", "--to", "50%"], more].concat();
+        text(&identify(log, config, &more).stdout)
+    };
+    let page = run("e-type-healthy.log.zst", &config, &[]);
+    assert!(page.contains("no spool position is configured"), "{page}");
+    assert!(page.contains("no flow curve: the supply pressure P_S is missing in"), "{page}");
+    let page = run("e-type-healthy.log.zst", &config, &["--supply", "215"]);
+    assert!(page.contains("P_S taken as constant at 215 bar"), "{page}");
+    assert!(page.contains("cylinder 6, retracting: "), "{page}");
+    let page = run("hanging-load.log.gz", &recordings().join("hanging-load.toml"), &[]);
+    assert!(page.contains("cylinder 1: no flow curve: the velocity of C1 is missing"), "{page}");
+    assert!(page.contains("cylinder 1: no friction curve: no load pressure"), "{page}");
+}

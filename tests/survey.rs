@@ -132,15 +132,19 @@ fn a_missing_pressure_makes_no_cycle_incomplete() {
 #[test]
 fn a_monitor_that_surveys_records_what_the_other_does() {
     let without_pressures = |mut seen: Collected| {
-        seen.records.iter_mut().for_each(|record| record.pressures = [None; 3]);
+        for record in &mut seen.records {
+            (record.pressures, record.supply, record.spool) = ([None; 3], None, None);
+        }
         (seen.records, seen.warnings, seen.frames)
     };
     let (_, plain) = machine::play(cycles(0..200));
     assert!(plain.records.iter().all(|record| record.pressures == [None; 3]));
+    assert!(plain.records.iter().all(|record| record.spool.is_none() && record.supply.is_none()));
     let (mut monitor, mut seen) = (surveying(), Collected::default());
     cycles(0..200).for_each(|frame| monitor.take(&frame, &mut seen));
     monitor.finish(&mut seen);
     assert!(seen.records.iter().all(|record| record.pressures[0] == Some(0.0)));
+    assert!(seen.records.iter().all(|record| record.spool == Some(0.0)));
     assert_eq!(without_pressures(seen), without_pressures(plain));
 }
 

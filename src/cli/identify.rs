@@ -4,6 +4,9 @@ use super::Failure;
 use super::survey::{Field, Surveyed};
 use crate::config::Settings;
 use crate::identify::assess::{self, Weights};
+use crate::identify::flow::{FlowFit, FlowSources, Scout};
+use crate::identify::friction::Stretches;
+use crate::identify::nonlinear::Nonlinear;
 use crate::identify::shaper::WIDEST;
 use crate::identify::{Census, Expectations, OffsetRule, Outcome, Shaping};
 use crate::report::{identification, model_tables};
@@ -42,6 +45,12 @@ pub struct Identify {
     /// Whether the command at which a cylinder rests is estimated, too
     #[arg(long, value_enum, default_value_t = Offset::Auto)]
     offset: Offset,
+    /// Tells flow and friction curves, too: section 3-3-1
+    #[arg(long)]
+    nonlinear: bool,
+    /// Supply pressure for --nonlinear, bar [default: as signals.supply has it]
+    #[arg(long, value_name = "BAR", requires = "nonlinear", value_parser = supply)]
+    supply: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,6 +72,12 @@ fn window(text: &str) -> Result<usize, String> {
     let number: usize = text.parse().map_err(|_| expected())?;
     let sound = number % 2 == 1 && number <= WIDEST;
     if sound { Ok(number) } else { Err(expected()) }
+}
+
+fn supply(text: &str) -> Result<f64, String> {
+    let expected = || "expected a pressure above 0, at most 2000 bar".to_owned();
+    let bar: f64 = text.parse().map_err(|_| expected())?;
+    if bar > 0.0 && bar <= 2000.0 { Ok(bar) } else { Err(expected()) }
 }
 
 impl Identify {
@@ -148,6 +163,7 @@ impl Identify {
             cylinders,
             choice: None,
             remarks,
+            nonlinear: self.nonlinear.then(|| self.nonlinear(surveyed, fitted)).transpose()?,
         };
         outcome.choice = outcome.choose(self.model_of);
         if let Some(choice) = outcome.choice
@@ -156,6 +172,21 @@ impl Identify {
             outcome.remarks.push(RUNS_AWAY.to_owned());
         }
         Ok(outcome)
+    }
+
+    /// Reads the recording twice more: how far the spools go, then what they do.
+    fn nonlinear(&self, surveyed: &Surveyed, fitted: Window) -> Result<Nonlinear, Failure> {
+        let loaded = &surveyed.machine.loaded.settings;
+        let (signals, machine) = (&loaded.signals.cylinder, &loaded.machine);
+        let (spool, area_ratio) = (signals.spool.is_some(), machine.area_ratio);
+        let sources = FlowSources { spool, supply: self.supply, area_ratio };
+        let mut scout = Scout::new(machine.cylinders, sources);
+        surveyed.read(fitted, &mut scout)?;
+        let mut fit = FlowFit::new(&scout);
+        let mut stretches = Stretches::new(machine.cylinders, area_ratio);
+        surveyed.read(fitted, (&mut fit, &mut stretches))?;
+        let (flow, friction) = (fit.curves(), stretches.curves());
+        Ok(Nonlinear { sources, flow, friction })
     }
 
     fn write(&self, outcome: &Outcome) -> Result<(), Failure> {

@@ -94,6 +94,8 @@ static SIGNALS: Table = Table { keys: &[
     Key::optional("sync", text(TextRule::Message), "\"Sync\"", "the message that opens a cycle"),
     Key::optional("state", text(TextRule::Signal), "\"Plc_State.PlatformState\"",
         "the platform's state"),
+    Key::optional("supply", text(TextRule::Signal), "\"Plc_State.SupplyPressure\"",
+        "the supply pressure P_S, bar, for `identify --nonlinear`"),
     Key::required("cylinder", Kind::Table(&CYLINDER_SIGNALS), "", "the signals of a cylinder"),
 ] };
 
@@ -123,6 +125,8 @@ static CYLINDER_SIGNALS: Table = Table { keys: &[
         "the pressure in the rod chamber"),
     Key::optional("load_pressure", text(TextRule::CylinderSignal), "\"Cyl{n}_Load.Pressure\"",
         "the load pressure P_L itself, bar, where the machine sends it"),
+    Key::optional("spool", text(TextRule::CylinderSignal), "\"Cyl{n}_Valve.SpoolPosition\"",
+        "the position of the main spool, positive extends, for `identify --nonlinear`"),
 ] };
 
 #[rustfmt::skip]

@@ -53,6 +53,7 @@ impl CylinderSignals {
             ("pressure_bottom", self.pressure_bottom.as_ref()),
             ("pressure_rod", self.pressure_rod.as_ref()),
             ("load_pressure", self.load_pressure.as_ref()),
+            ("spool", self.spool.as_ref()),
         ]
         .into_iter()
         .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))

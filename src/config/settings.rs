@@ -92,6 +92,8 @@ pub struct Signals {
     /// A message (not a signal) that opens a cycle.
     pub sync: Option<String>,
     pub state: Option<String>,
+    /// P_S of (3-18), bar; read by who learns from a recording.
+    pub supply: Option<String>,
     pub cylinder: CylinderSignals,
 }
 
@@ -112,6 +114,8 @@ pub struct CylinderSignals {
     pub pressure_rod: Option<String>,
     /// The load pressure where the machine sends it; then the chambers' are not asked.
     pub load_pressure: Option<String>,
+    /// x_m of (3-17), in whatever unit it is sent; read by who learns from a recording.
+    pub spool: Option<String>,
 }
 
 /// When a reading is not to be believed before any model is asked.

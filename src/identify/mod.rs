@@ -9,6 +9,7 @@
 //! - [`qr`]: least squares over a stream, by orthogonal triangles; [`estimate`]: (4-7) and (4-8).
 //! - [`validate`]: simulation and one-step prediction on data that were not used; [`correlate`]:
 //!   whether what is left over is noise.
+//! - [`flow`], [`friction`]: the non-linear parts of section 3-3-1, on request; [`nonlinear`] holds them.
 //! - [`outcome`]: all of that as plain data, for reports.
 //!
 //! Every stage reads the recording once, as a [`Surveyor`](crate::survey::Surveyor), and keeps
@@ -18,7 +19,10 @@ pub mod assess;
 pub mod census;
 pub mod correlate;
 pub mod estimate;
+pub mod flow;
+pub mod friction;
 pub mod moments;
+pub mod nonlinear;
 pub mod outcome;
 pub mod qr;
 pub mod refusal;

@@ -1,6 +1,7 @@
 //! Everything that came of an identification, as plain data.
 
 use super::estimate::Estimate;
+use super::nonlinear::Nonlinear;
 use super::refusal::Refusal;
 use super::shaper::{Shaping, Sources};
 use super::validate::{Fit, Trials, Tried};
@@ -28,6 +29,8 @@ pub struct Outcome {
     /// Whose model is the machine's; `None` where there is none.
     pub choice: Option<Choice>,
     pub remarks: Vec<String>,
+    /// Flow and friction, where they were asked for.
+    pub nonlinear: Option<Nonlinear>,
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -152,6 +152,8 @@ mod tests {
             pressure_bottom: Some(f64::from(k % 3) + 2.0),
             pressure_rod: Some(4.0),
             pressure_load: None,
+            supply: None,
+            spool: None,
             monitored: true,
             raw: [Some(t * t), None],
             qualities: [Quality::Good; 2],

@@ -280,6 +280,8 @@ impl Cylinder {
             velocities: readings.map(|reading| reading?.velocity),
             qualities: self.plausibility.each_ref().map(Plausibility::quality),
             pressures: self.inputs.pressures(),
+            supply: self.inputs.supply_value(),
+            spool: self.inputs.spool_value(),
             c2_corrected: c2.map(|c2| self.design.comparator.corrected(c2)),
             command: self.inputs.command_value(),
             estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),

@@ -1,5 +1,7 @@
 //! From settings and a DBC to everything a monitor is made from.
 
+mod surveyed;
+
 use super::MonitorDesign;
 use super::cylinder::CylinderDesign;
 use super::gate::Gate;
@@ -12,7 +14,7 @@ use crate::observe::model::Model;
 use crate::observe::observer::Design;
 use crate::sample::cycle::CycleTiming;
 use crate::sample::plausibility::Limits;
-use crate::sample::{Field, Pressure, Transducer};
+use crate::sample::{Field, Transducer};
 use crate::time::Span;
 use crate::verdict::fault::Signatures;
 use crate::verdict::{BankDesign, Thresholds};
@@ -182,7 +184,7 @@ impl<'a> Wirer<'a> {
         ];
         self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
         let required = self.connected(n);
-        self.connect_pressures(n, signals);
+        self.connect_surveyed(n, signals);
         let observers = self.observers(n);
         let ([first, second], Some(observers)) = (limits, observers) else { return None };
         if self.flaws.len() > before {
@@ -227,23 +229,6 @@ impl<'a> Wirer<'a> {
             _ => None,
         });
         bits.fold(0, |all, bit| all | bit)
-    }
-
-    fn connect_pressures(&mut self, n: u8, signals: &CylinderSignals) {
-        for (key, name, pressure) in [
-            ("pressure_bottom", &signals.pressure_bottom, Pressure::Bottom),
-            ("pressure_rod", &signals.pressure_rod, Pressure::Rod),
-            ("load_pressure", &signals.load_pressure, Pressure::Load),
-        ] {
-            let Some(name) = name else { continue };
-            if self.surveys {
-                self.connect(n, key, Some(name), Field::Pressure(pressure));
-            } else {
-                // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
-                let name = CylinderSignals::of_cylinder(name, n);
-                self.find(&format!("signals.cylinder.{key}"), &name);
-            }
-        }
     }
 
     fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Checks {
@@ -357,7 +342,8 @@ impl<'a> Wirer<'a> {
             Field::Position(_) => "m",
             Field::Velocity(_) => "m/s",
             Field::Pressure(_) => "bar",
-            Field::Status(_) | Field::Counter(_) | Field::Command => return,
+            // A spool's unit is its own: percent, millimetres, volts.
+            Field::Status(_) | Field::Counter(_) | Field::Command | Field::Spool => return,
         };
         if !(signal.unit.is_empty() || signal.unit == expected) {
             self.flaws.push(Flaw::new(

@@ -386,6 +386,7 @@ fn put(cylinder: &mut Cylinder, field: Field, value: Value) -> bool {
         }
         Field::Command => inputs.command(value.physical),
         Field::Pressure(pressure) => inputs.pressure(pressure, value.physical),
+        Field::Spool => inputs.spool(value.physical),
     }
 }
 

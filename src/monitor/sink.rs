@@ -25,6 +25,9 @@ pub struct Record {
     /// Bottom, rod and load pressure, bar; only in a monitor that surveys
     /// ([`MonitorDesign::surveying`](super::MonitorDesign::surveying)).
     pub pressures: [Option<f64>; 3],
+    /// P_S, bar, and the position of the main spool in its own unit; likewise.
+    pub supply: Option<f64>,
+    pub spool: Option<f64>,
     /// Ĉ2 = a·C2 + b, m.
     pub c2_corrected: Option<f64>,
     /// u(k), m/s.

@@ -14,6 +14,7 @@ pub fn page(outcome: &Outcome) -> String {
     text += &cross_validation(outcome);
     text += &own_scores(outcome);
     text += &residual_tests(outcome);
+    text += &outcome.nonlinear.as_ref().map_or(String::new(), super::nonlinear::section);
     text += &remarks(outcome);
     text
 }

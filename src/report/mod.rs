@@ -6,6 +6,7 @@ pub mod human;
 pub mod identification;
 pub mod jsonl;
 pub mod model_tables;
+pub mod nonlinear;
 pub mod provenance;
 pub mod residuals;
 pub mod tuning;

@@ -16,6 +16,8 @@ pub enum Pressure {
     Rod = 1,
     /// The load pressure P_L itself, where the machine sends it.
     Load = 2,
+    /// The supply pressure P_S, the same for all cylinders.
+    Supply = 3,
 }
 
 /// The places that a signal can fill.
@@ -28,6 +30,8 @@ pub enum Field {
     Command,
     /// Not monitored: read by who surveys a recording.
     Pressure(Pressure),
+    /// Of the main spool; likewise.
+    Spool,
 }
 
 impl Field {
@@ -40,12 +44,13 @@ impl Field {
             Self::Counter(t) => 8 << (4 * t as u16),
             Self::Command => 1 << 8,
             Self::Pressure(p) => 1 << (9 + p as u16),
+            Self::Spool => 1 << 13,
         }
     }
 
     /// Whether it comes from a transducer.
     pub const fn is_reading(self) -> bool {
-        !matches!(self, Self::Command | Self::Pressure(_))
+        !matches!(self, Self::Command | Self::Pressure(_) | Self::Spool)
     }
 }
 
@@ -68,7 +73,8 @@ pub struct Inputs {
     got: u16,
     readings: [Reading; 2],
     command: f64,
-    pressures: [f64; 3],
+    pressures: [f64; 4],
+    spool: f64,
 }
 
 impl Inputs {
@@ -142,12 +148,35 @@ impl Inputs {
         finite
     }
 
-    /// The pressures, bar, by [`Pressure`].
+    /// Takes a spool position, in its own unit; one that is not finite is bad data.
+    #[must_use]
+    pub fn spool(&mut self, position: f64) -> bool {
+        let finite = position.is_finite();
+        if finite {
+            self.spool = position;
+            self.got |= Field::Spool.bit();
+        }
+        finite
+    }
+
+    /// P_S, bar.
+    pub fn supply_value(&self) -> Option<f64> {
+        self.pressure_value(Pressure::Supply)
+    }
+
+    /// x_m, in its own unit.
+    pub fn spool_value(&self) -> Option<f64> {
+        (self.got & Field::Spool.bit() != 0).then_some(self.spool)
+    }
+
+    /// Those of the cylinder, bar, by [`Pressure`].
     pub fn pressures(&self) -> [Option<f64>; 3] {
-        [Pressure::Bottom, Pressure::Rod, Pressure::Load].map(|pressure| {
-            let here = self.got & Field::Pressure(pressure).bit() != 0;
-            here.then_some(self.pressures[pressure as usize])
-        })
+        [Pressure::Bottom, Pressure::Rod, Pressure::Load].map(|which| self.pressure_value(which))
+    }
+
+    fn pressure_value(&self, pressure: Pressure) -> Option<f64> {
+        let here = self.got & Field::Pressure(pressure).bit() != 0;
+        here.then_some(self.pressures[pressure as usize])
     }
 
     /// The reading of `transducer`, if its position came, and with it all of status and counter

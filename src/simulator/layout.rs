@@ -163,6 +163,7 @@ fn origin(key: &str, cylinder: usize) -> Origin {
         "control_speed" => Origin::Command(cylinder),
         "pressure_bottom" => Origin::Bottom(cylinder),
         "pressure_rod" => Origin::Rod(cylinder),
+        "spool" => Origin::Spool(cylinder),
         // "c1_status", "c2_status".
         _ => Origin::Status,
     }

@@ -30,6 +30,10 @@ pub struct Row {
     pub pressure_rod: Option<f64>,
     /// The load pressure that the machine itself sends, bar; see [`Self::load_pressure`].
     pub pressure_load: Option<f64>,
+    /// P_S, bar.
+    pub supply: Option<f64>,
+    /// x_m, positive extends, in its own unit.
+    pub spool: Option<f64>,
     /// The platform is in a monitored state.
     pub monitored: bool,
     /// The positions as they came, plausible or not, m.
@@ -57,6 +61,8 @@ impl Row {
             pressure_bottom,
             pressure_rod,
             pressure_load,
+            supply: record.supply,
+            spool: record.spool,
             monitored: record.monitored,
             raw: [record.c1, record.c2],
             qualities: record.qualities,

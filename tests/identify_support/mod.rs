@@ -76,6 +76,8 @@ pub fn row(cylinder: u8, k: u32, l: f64, v: f64, p: f64, u: f64) -> Row {
         pressure_bottom: Some(p + 40.0),
         pressure_rod: Some(80.0),
         pressure_load: None,
+        supply: None,
+        spool: None,
         monitored: true,
         raw: [Some(l), Some(c2)],
         qualities: [Quality::Good; 2],

@@ -36,6 +36,8 @@ pub fn row(k: u64, cylinder: u8, c1: Option<f64>, c2: Option<f64>) -> Row {
         pressure_bottom: None,
         pressure_rod: None,
         pressure_load: None,
+        supply: None,
+        spool: None,
         monitored: true,
         raw: [c1, c2],
         qualities: [c1, c2].map(|c| if c.is_some() { Quality::Good } else { Quality::OutOfRange }),

@@ -1,0 +1,13 @@
+//! Flow and friction of a machine, as plain data.
+
+use super::flow::{FlowCurve, FlowSources, NoFlow};
+use super::friction::{FrictionCurve, NoFriction};
+
+/// What section 3-3-1 asks for; cylinder by cylinder from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nonlinear {
+    pub sources: FlowSources,
+    /// Out and in.
+    pub flow: Vec<[Result<FlowCurve, NoFlow>; 2]>,
+    pub friction: Vec<Result<FrictionCurve, NoFriction>>,
+}

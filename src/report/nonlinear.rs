@@ -1,0 +1,123 @@
+//! Flow and friction curves (section 3-3-1) as text.
+
+use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
+use crate::identify::friction::{FrictionCurve, NoFriction};
+use crate::identify::nonlinear::Nonlinear;
+use comfy_table::{Table, presets};
+use std::fmt::Write as _;
+
+/// The section of the page.
+pub fn section(nonlinear: &Nonlinear) -> String {
+    let mut text = flow(nonlinear);
+    text += &friction(nonlinear);
+    text
+}
+
+fn heading(nonlinear: &Nonlinear) -> String {
+    let sources = &nonlinear.sources;
+    let opening = if sources.spool {
+        "x is the recorded spool position, in its unit of the DBC".to_owned()
+    } else {
+        "no spool position is configured (signals.cylinder.spool): x is the command u (m/s), so that \
+         the curve holds the machine's own look-up table and the valve's lag, too"
+            .to_owned()
+    };
+    let supply = sources.supply.map_or("P_S as recorded".to_owned(), |bar| {
+        format!("P_S taken as constant at {bar} bar, which it is not")
+    });
+    format!(
+        "\nflow curves f_NL (3-17), (3-18), over the piston area A_p, in mm/s/√bar: {MEMBERSHIPS} \
+         triangular membership functions each way\n{opening}; {supply}; without leakage and \
+         compression, as (3-17)\n? is not known: fewer than {FEWEST:.0} cycles speak of it; ± is a \
+         lower bound, the residuals are not white\n"
+    )
+}
+
+fn flow(nonlinear: &Nonlinear) -> String {
+    let mut text = heading(nonlinear);
+    for (number, curves) in (1..).zip(&nonlinear.flow) {
+        if let [Err(out), Err(back)] = curves
+            && out == back
+        {
+            _ = writeln!(text, "\ncylinder {number}: no flow curve: {out}");
+            continue;
+        }
+        for (way, curve) in ["extending", "retracting"].into_iter().zip(curves) {
+            text += &one(number, way, curve);
+        }
+    }
+    text
+}
+
+fn one(number: usize, way: &str, curve: &Result<FlowCurve, NoFlow>) -> String {
+    let curve = match curve {
+        Ok(curve) => curve,
+        Err(why) => return format!("\ncylinder {number}, {way}: no flow curve: {why}\n"),
+    };
+    let mut table = table(&["x", "f_NL", "±", "cycles"]);
+    for singleton in &curve.singletons {
+        let number = |value: Option<f64>, places: usize| {
+            value.map_or("?".to_owned(), |value| format!("{:.places$}", 1e3 * value))
+        };
+        table.add_row([
+            format!("{:.4}", singleton.centre),
+            number(singleton.value.map(|(value, _)| value), 3),
+            number(singleton.value.map(|(_, error)| error), 3),
+            format!("{:.0}", singleton.coverage),
+        ]);
+    }
+    format!(
+        "\ncylinder {number}, {way}: {} of {MEMBERSHIPS} known, from {} cycles; RMS about the curve \
+         {:.3} mm/s/√bar\n{table}\n",
+        curve.known(),
+        curve.rows,
+        1e3 * curve.rms
+    )
+}
+
+fn friction(nonlinear: &Nonlinear) -> String {
+    let mut text = "\nfriction (3-13), (3-19) from stretches of constant velocity in monitored \
+                    states, over the piston area A_p, in bar\n"
+        .to_owned();
+    for (number, curve) in (1..).zip(&nonlinear.friction) {
+        match curve {
+            Ok(curve) => text += &stribeck(number, curve),
+            Err(why) => text += &none(number, why),
+        }
+    }
+    text
+}
+
+fn none(number: usize, why: &NoFriction) -> String {
+    format!("cylinder {number}: no friction curve: {why}\n")
+}
+
+fn stribeck(number: usize, curve: &FrictionCurve) -> String {
+    let mut table = table(&["speed mm/s", "friction bar", "deviation", "stretches"]);
+    for point in &curve.points {
+        table.add_row([
+            format!("{:.2}", 1e3 * point.velocity),
+            format!("{:.3}", point.force),
+            format!("{:.3}", point.deviation),
+            point.stretches.to_string(),
+        ]);
+    }
+    let stiction = curve
+        .stribeck
+        .map_or("no static friction shows at these speeds".to_owned(), |(force, speed)| {
+            format!("F_s0 {force:.3} bar, c_s {:.2} mm/s", 1e3 * speed)
+        });
+    format!(
+        "\ncylinder {number}: μ_v {:.3} bar s/m, F_c0 {:.3} bar, {stiction}; {} stretches, RMS {:.3} \
+         bar\n{table}\n",
+        curve.viscous, curve.coulomb, curve.stretches, curve.rms
+    )
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.force_no_tty();
+    table.set_header(header.iter().copied());
+    table
+}
