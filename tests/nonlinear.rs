@@ -24,8 +24,8 @@ fn balanced() -> (Plant, Inputs) {
     let parameters = parameters();
     let mut plant = Plant::new(&parameters, TS / f64::from(SUB_STEPS), 0.0);
     let loads = parameters.spread.load;
-    for leg in 0..6 {
-        plant.states_mut()[leg].pressure = plant.cylinders()[leg].balance(0.0, loads[leg], GRAVITY);
+    for (leg, load) in loads.into_iter().enumerate() {
+        plant.states_mut()[leg].pressure = plant.cylinders()[leg].balance(0.0, load, GRAVITY);
     }
     (plant, Inputs { spools: [0.0; 6], loads, accelerations: [GRAVITY; 6] })
 }
@@ -162,7 +162,8 @@ fn what_is_missing_is_named() {
         let curves = flow(&rows, SOURCES);
         curves[0][0].as_ref().expect_err("something is missing").to_string()
     };
-    let cases: [(fn(&mut Row), &str); 5] = [
+    type Change = fn(&mut Row);
+    let cases: [(Change, &str); 5] = [
         (|row| row.pressure_rod = None, "signals.cylinder.pressure_bottom and pressure_rod"),
         (|row| row.supply = None, "signals.supply"),
         (|row| row.v1 = None, "signals.cylinder.c1_velocity"),
