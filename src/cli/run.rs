@@ -16,6 +16,7 @@ use crate::monitor::Monitor;
 use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Monitors a machine on its CAN bus, until it is told to stop (SIGTERM). SIGHUP reads the
 /// configuration again.
@@ -41,6 +42,8 @@ impl Run {
     /// What is wrong with the call or the configuration. An interface that is not there is waited
     /// for.
     pub fn run(self) -> Result<(), Failure> {
+        // Who asks for a reload while the configuration is read for the first time must not end it.
+        _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
         let Prepared { gateway, opener, listen, interface, realtime } =
             prepare(&self.config, stage.as_ref())?;
