@@ -52,7 +52,7 @@ def tc(verb, interface, *words):
     if subprocess.run(command, capture_output=True).returncode != 0:
         module = Path(f"/usr/lib/uml/modules/{os.uname().release}/kernel/net/sched/sch_tbf.ko")
         if module.exists():
-            subprocess.run(["insmod", str(module)], capture_output=True)
+            subprocess.run(["busybox", "insmod", str(module)], capture_output=True)
         run(*command)
 
 

@@ -6,7 +6,7 @@ use super::virtual_bus::{self, PlayOptions, Stage};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, Prepared};
-use crate::bus::socket::{Options, SocketPort};
+use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port};
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
@@ -108,9 +108,14 @@ impl Opener for Interface {
             few_under_way: true,
             ..Options::default()
         };
-        match SocketPort::open(&self.name, &options) {
-            Ok(port) => Ok(Box::new(port)),
-            Err(error) => Err(error.to_string()),
+        let port = SocketPort::open(&self.name, &options).map_err(|error| error.to_string())?;
+        // Error frames tell of what befalls the controller from now on, not of what has before.
+        match LinkState::read(&self.name).ok().and_then(|link| link.state) {
+            Some(ControllerState::BusOff) => Err(format!(
+                "the controller of {} is bus-off: it hears and says nothing until it is restarted",
+                self.name
+            )),
+            _ => Ok(Box::new(port)),
         }
     }
 }

@@ -99,8 +99,13 @@ impl Bank {
         }
     }
 
-    /// Time jumped: what was found stands, what clears it counts anew.
+    /// Time jumped: what was found stands, what clears it counts anew. But R3 alone has no side: in
+    /// the time of which nothing is known one transducer may have been mended and the other have
+    /// failed.
     pub fn interrupt(&mut self) {
+        if let Some(found) = &mut self.found[FDE3] {
+            found.suspect = Suspect::Undecided;
+        }
         self.triggers.iter_mut().for_each(Trigger::interrupt);
         self.observed.iter_mut().for_each(History::clear);
         self.difference.clear();
@@ -164,5 +169,46 @@ impl Bank {
             Some(signatures) => signatures.classify(&self.observed[i].in_order()),
             None => classify_difference(&self.difference.in_order()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bank() -> Bank {
+        let clear = Span::from_seconds(1.0);
+        let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
+        let design = || crate::observe::observer::Design {
+            a: nalgebra::Matrix3::identity(),
+            b: nalgebra::Vector3::zeros(),
+            l: nalgebra::Matrix3x2::zeros(),
+            settle: 0,
+            max_gap: 0,
+        };
+        Bank::new(&BankDesign {
+            observer: thresholds(1e-3),
+            difference: thresholds(1.5e-3),
+            coincidence: Span::from_seconds(0.2),
+            signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
+        })
+    }
+
+    fn run(bank: &mut Bank, cycles: std::ops::Range<i64>, r: [f64; 3]) -> Option<Suspect> {
+        for cycle in cycles {
+            let at = Timestamp::from_nanos(cycle * 20_000_000);
+            bank.judge(at, &Residuals { r: r.map(Some) });
+        }
+        bank.detections()[FDE3].map(|detection| detection.suspect)
+    }
+
+    /// C1 was faulty as the bus was lost; when it came back it was C2, with the same difference.
+    #[test]
+    fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
+        let mut bank = bank();
+        assert_eq!(run(&mut bank, 0..1, [3e-3, 0.0, 3e-3]), Some(Suspect::C1));
+        assert_eq!(run(&mut bank, 1..100, [0.0, 0.0, 3e-3]), Some(Suspect::C1));
+        bank.interrupt();
+        assert_eq!(run(&mut bank, 500..600, [0.0, 0.0, 3e-3]), Some(Suspect::Undecided));
     }
 }
