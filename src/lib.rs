@@ -16,6 +16,8 @@
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
+//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
+//!   transducer it is, and the end stop as a reference.
 //! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
@@ -62,6 +64,7 @@ pub mod plant;
 pub mod report;
 pub mod sample;
 pub mod sea;
+pub mod sequential;
 pub mod simulator;
 pub mod survey;
 pub mod time;

@@ -10,4 +10,4 @@ pub mod warning;
 pub use frames::{Encoder, OwnFrame};
 pub use level::Level;
 pub use register::Register;
-pub use warning::{Detector, Finding, State, Warning};
+pub use warning::{Detector, Evidence, Finding, State, Warning};

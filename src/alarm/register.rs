@@ -4,9 +4,9 @@ use super::Level;
 use super::warning::{Detector, Finding, State, Warning};
 use crate::time::{Span, Timestamp};
 
-/// Where a warning of a cylinder has its place: FDE1, FDE2, FDE3, then the plausibility of C1, C2
-/// and the command.
-pub const PLACES: usize = 6;
+/// Where a warning of a cylinder has its place: FDE1, FDE2, FDE3, the plausibility of C1, C2 and the
+/// command, then the sequential detector.
+pub const PLACES: usize = 7;
 
 /// The detector of each place.
 pub const DETECTORS: [Detector; PLACES] = [
@@ -16,6 +16,7 @@ pub const DETECTORS: [Detector; PLACES] = [
     Detector::Plausibility,
     Detector::Plausibility,
     Detector::Plausibility,
+    Detector::Sequential,
 ];
 
 /// A standing warning is sent again this often.

@@ -65,6 +65,19 @@ pub struct Finding {
     pub residual: Option<f64>,
     /// m; `None` like the residual.
     pub threshold: Option<f64>,
+    /// What a detector that weighs evidence has; `None` of the others.
+    pub evidence: Option<Evidence>,
+}
+
+/// How sure a finding is, and since when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// That something is faulty, nats: it was by exp(this) too much for a healthy cylinder.
+    pub fault: f64,
+    /// For C1 if positive, for C2 if negative, nats; `None` where they were not compared.
+    pub location: Option<f64>,
+    /// When the fault began, as far as it shows.
+    pub onset: Timestamp,
 }
 
 impl Finding {

@@ -72,6 +72,7 @@ mod tests {
             level: Level::Yellow,
             residual: None,
             threshold: None,
+            evidence: None,
         };
         let warning = Warning {
             timestamp: Timestamp::default(),

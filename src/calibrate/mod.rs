@@ -4,21 +4,28 @@
 //! Three readings of the recording, with memory that does not grow: [`Gathering`] looks at what is
 //! there and finds a line that a few faulty samples do not move, on samples thinned to a bounded
 //! number; [`Fitting`] is the least squares of all samples near that line; [`Trying`] is the band.
+//! For the sequential detector [`Profiling`] fits, in one reading more, what the difference is along
+//! the stroke, and [`Scattering`] sees, together with the band, how it scatters.
 
 mod fitting;
 mod gathering;
 mod line;
+mod profile;
 mod refusal;
+mod scatter;
 mod trying;
 
 pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};
+pub use profile::{LEAST_SAMPLES, Profile, Profiling};
 pub use refusal::Refusal;
+pub use scatter::{Scatter, Scattering};
 pub use trying::{Tried, Trying};
 
 use crate::survey::Window;
 use crate::time::Timestamp;
+use crate::tune::sequential::Level;
 
 /// The result for a machine.
 #[derive(Clone, Debug)]
@@ -35,6 +42,9 @@ pub struct Calibration {
     pub cylinders: Vec<CylinderCalibration>,
     /// What is proposed for R3; `None` where there is not enough of it.
     pub bound: Option<Bound>,
+    /// Of the sequential detectors, where the recording asks for a higher one than the wanted rate of
+    /// false alarms does by itself: its residuals have bursts that belong together.
+    pub level: Option<Level>,
     pub remarks: Vec<String>,
 }
 
@@ -44,6 +54,8 @@ pub struct CylinderCalibration {
     pub result: Result<Fitted, Refusal>,
     /// On the second part; `None` without a fit.
     pub tried: Option<Tried>,
+    /// For the sequential detector; `None` where there was too little.
+    pub sequential: Option<(Profile, Scatter)>,
     pub remarks: Vec<String>,
 }
 

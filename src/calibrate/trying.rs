@@ -8,7 +8,7 @@ use crate::survey::{Row, Surveyor};
 
 /// Beyond this many times the limit of the fit a sample is a faulty one and no part of the band. A
 /// bend that the first part of a recording did not show is still within it.
-const FAULTY: f64 = 3.0;
+pub(super) const FAULTY: f64 = 3.0;
 
 /// What C1 and C2 of one cylinder are apart.
 #[derive(Clone, Debug)]

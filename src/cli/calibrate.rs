@@ -3,8 +3,13 @@
 use super::Failure;
 use super::survey::{Field, Surveyed};
 use super::tables;
-use crate::calibrate::{Calibration, CylinderCalibration, Fitting, Gathering, Refusal, Trying};
+use crate::calibrate::{
+    Calibration, CylinderCalibration, Fitting, Gathering, Profile, Profiling, Refusal, Scattering,
+    Trying,
+};
 use crate::report::calibration;
+use crate::sequential;
+use crate::tune::sequential::Watch;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -46,7 +51,8 @@ impl Calibrate {
         conclude(&result)
     }
 
-    /// Reads the recording three times: what is in it, the fit, the trial.
+    /// Reads the recording five times: what is in it, the line, what bends along it, the trial, and the
+    /// detectors that follow.
     fn calibration(&self, surveyed: &Surveyed) -> Result<Calibration, Failure> {
         let settings = &surveyed.machine.loaded.settings;
         let part = 1.0 - f64::from(self.held_back) / 100.0;
@@ -73,20 +79,46 @@ impl Calibrate {
                 fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
             })
             .collect();
-        let fits = results.iter().map(|result| result.as_ref().ok());
-        let mut trying = Trying::new(fits, tables::block(settings));
-        surveyed.read(tried, &mut trying)?;
-        let bound = trying.bound(self.false_alarms_per_year, settings.machine.sample_time);
-        let cylinders = numbers.zip(results).zip(trying.into_cylinders());
-        let cylinder = |((number, result), tried): ((u8, Result<_, _>), _)| CylinderCalibration {
-            number,
-            remarks: if result.is_ok() {
-                gathering.remarks(usize::from(number) - 1)
-            } else {
-                vec![]
-            },
-            result,
-            tried,
+        let fits = || results.iter().map(|result| result.as_ref().ok());
+        let sample_time = settings.machine.sample_time;
+        let mut profiling = Profiling::new(settings.machine.stroke, sample_time, fits());
+        surveyed.read(fitted, &mut profiling)?;
+        let profiles: Vec<Option<Profile>> =
+            (0..results.len()).map(|i| profiling.result(i)).collect();
+        let known = fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
+        let mut scattering = Scattering::new(sample_time, known);
+        let mut trying = Trying::new(fits(), tables::block(settings));
+        surveyed.read(tried, (&mut trying, &mut scattering))?;
+        let bound = trying.bound(self.false_alarms_per_year, sample_time);
+        let sequential = profiles
+            .into_iter()
+            .enumerate()
+            .map(|(i, profile)| profile.zip(scattering.result(i)))
+            .collect::<Vec<_>>();
+        let designs: Vec<_> = sequential
+            .iter()
+            .map(|both| {
+                both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
+            })
+            .collect();
+        let mut watch = Watch::new(designs.iter().map(Option::as_ref), tables::block(settings));
+        surveyed.read(tried, &mut watch)?;
+        let per_year = self.false_alarms_per_year;
+        let by_rate = sequential::level(per_year, settings.machine.cylinders, sample_time);
+        let level = watch.level(per_year, sample_time).filter(|level| level.nats > by_rate);
+        let cylinders = numbers.zip(results).zip(trying.into_cylinders()).zip(sequential);
+        let cylinder = |(((number, result), tried), sequential): (((u8, Result<_, _>), _), _)| {
+            CylinderCalibration {
+                number,
+                sequential,
+                remarks: if result.is_ok() {
+                    gathering.remarks(usize::from(number) - 1)
+                } else {
+                    vec![]
+                },
+                result,
+                tried,
+            }
         };
         let mut remarks = surveyed.remarks();
         remarks.extend(bound.filter(|b| b.level >= settings.comparator.critical).map(|b| {
@@ -105,6 +137,7 @@ impl Calibrate {
             tried,
             cylinders: cylinders.map(cylinder).collect(),
             bound,
+            level,
             remarks,
         })
     }

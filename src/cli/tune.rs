@@ -7,6 +7,7 @@ use crate::config::Settings;
 use crate::extremes::{Tail, common_level, per_second};
 use crate::observe::model::Model;
 use crate::report::tuning;
+use crate::tune::sequential::Watch;
 use crate::tune::{
     Criterion, CylinderModel, Detector, Evidence, Search, Store, Thresholds, Tuning, Weights,
     designs, search, sensitivity,
@@ -94,7 +95,9 @@ impl Tune {
         let designs = designs(&cylinders, search.weights, criterion.settle)
             .map_err(|(n, error)| Failure::Failed(format!("cylinder {n}: {error}")))?;
         let mut evidence = Evidence::new(&cylinders, &designs, criterion.block);
-        surveyed.read(surveyed.window, &mut evidence)?;
+        let sequential = surveyed.machine.design.cylinders.iter().map(|c| c.sequential.as_ref());
+        let mut watch = Watch::new(sequential, criterion.block);
+        surveyed.read(surveyed.window, (&mut evidence, &mut watch))?;
         let mut detectors = evidence.detectors(sample_time);
         let tails = tails(&detectors, criterion.block, sample_time)?;
         let thresholds = self.thresholds(&detectors, &tails);
@@ -116,6 +119,7 @@ impl Tune {
             search,
             thresholds,
             detectors,
+            sequential: watch.level(self.false_alarms_per_year, sample_time),
             ladder: LADDER.map(level).to_vec(),
             sigma: self.sigma,
             remarks,

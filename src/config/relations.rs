@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::document::Document;
 use super::problem::{Problems, table_of};
-use super::settings::{PLACEHOLDER, Settings};
+use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are left for the next time: their values may not be what the user means.
@@ -169,7 +169,30 @@ impl Relations<'_> {
                 format!("`{key}` is {n}, which has a [[cylinder]] table above already"),
                 "write all that cylinder has of its own into one table",
             );
+            if let Some(fitted) = &cylinder.sequential {
+                self.fitted(&format!("cylinder[{index}].sequential"), fitted);
+            }
         }
+    }
+
+    fn fitted(&mut self, table: &str, fitted: &CylinderSequential) {
+        const HELP: &str = "take the table as `tertius calibrate` writes it";
+        let cells = fitted.nodes.len().saturating_sub(1);
+        let key = format!("{table}.samples");
+        let count = fitted.samples.len();
+        self.require(
+            count == cells,
+            &[&key],
+            format!("`{key}` has {count} values, but there are {cells} cells between the nodes"),
+            HELP,
+        );
+        let key = format!("{table}.rate");
+        self.require(
+            fitted.rate.first() == Some(&0.0) && fitted.rate.is_sorted(),
+            &[&key],
+            format!("`{key}` must begin with 0 and never fall"),
+            HELP,
+        );
     }
 
     fn default_note(&self, key: &str) -> &'static str {

@@ -1,6 +1,10 @@
 //! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
 
-use super::settings::{Cylinder, CylinderSignals, PLACEHOLDER, Settings};
+use super::settings::{Cylinder, CylinderSequential, CylinderSignals, PLACEHOLDER, Settings};
+use crate::sequential;
+
+/// However many false alarms are allowed, less evidence than this is none, nats.
+const LEAST_LEVEL: f64 = 5.0;
 
 impl Settings {
     /// `(theta, gamma)` of (4-1) for cylinder `n`: its own, else those of `[model]`.
@@ -30,6 +34,19 @@ impl Settings {
     /// Below this |R3| counts towards clearing, m.
     pub fn comparator_low(&self) -> f64 {
         self.comparator.low.unwrap_or(0.75 * self.comparator.bound)
+    }
+
+    /// What the sequential detector of cylinder `n` was calibrated to, if it was.
+    pub fn sequential_of(&self, n: u8) -> Option<&CylinderSequential> {
+        self.own(n)?.sequential.as_ref()
+    }
+
+    /// h, nats.
+    pub fn sequential_level(&self) -> f64 {
+        let Self { machine, sequential: budget, .. } = self;
+        let by_rate =
+            sequential::level(budget.false_alarms_per_year, machine.cylinders, machine.sample_time);
+        budget.level.unwrap_or(by_rate.max(LEAST_LEVEL))
     }
 
     fn own(&self, n: u8) -> Option<&Cylinder> {

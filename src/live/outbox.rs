@@ -201,6 +201,7 @@ mod tests {
             level: Level::Yellow,
             residual: Some(0.0),
             threshold: Some(0.0),
+            evidence: None,
         };
         encoder.warning(at(ms), cylinder, Detector::Fde1, &finding, true)
     }

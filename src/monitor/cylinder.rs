@@ -5,12 +5,13 @@ use super::implausible::Implausible;
 use super::sink::Record;
 use crate::alarm::register::PLACES;
 use crate::alarm::status::Health;
-use crate::alarm::{Finding, Level};
+use crate::alarm::{Evidence, Finding, Level};
 use crate::compare::Comparator;
 use crate::config::settings::Levels;
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
+use crate::sequential::{self, Dwell, Moved, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Fault, Residuals, Suspect, Verdict, bank::Detection};
 
@@ -36,6 +37,8 @@ pub struct CylinderDesign {
     pub observers: [Design; 2],
     pub comparator: Comparator,
     pub bank: BankDesign,
+    /// `None` where no calibration for it is configured.
+    pub sequential: Option<sequential::Design>,
     /// |R3| at which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
@@ -53,6 +56,8 @@ pub struct Evaluation {
     /// See [`Moment::live`].
     pub live: bool,
     pub gate: Opening,
+    /// The rods stand on their mechanical stops.
+    pub at_stop: bool,
 }
 
 /// Counts and extremes of one cylinder, for reports.
@@ -83,10 +88,14 @@ pub struct Cylinder {
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,
+    sequential: Option<Box<Sequential>>,
+    sample_time: Span,
     was_critical: bool,
     command_missing: u32,
     moving: bool,
     judged: [bool; 2],
+    /// The opening of the newest cycle that the sequential detector took.
+    evaluated: Timestamp,
     tally: Tally,
 }
 
@@ -101,10 +110,16 @@ impl Cylinder {
             implausible: std::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
+            sample_time: design
+                .sequential
+                .as_ref()
+                .map_or(Span::ZERO, |sequential| Span::from_seconds(sequential.sample_time)),
+            sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             was_critical: false,
             command_missing: 0,
             moving: false,
             judged: [false; 2],
+            evaluated: Timestamp::default(),
             tally: Tally::default(),
             design,
         }
@@ -112,6 +127,16 @@ impl Cylinder {
 
     pub const fn tally(&self) -> &Tally {
         &self.tally
+    }
+
+    /// What was read on the stop in the newest cycle, once.
+    pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
+        self.sequential.as_mut()?.take_dwell()
+    }
+
+    /// Its number and its sequential detector, if it has one.
+    pub fn sequential(&self) -> Option<(u8, &Sequential)> {
+        Some((self.design.number, self.sequential.as_deref()?))
     }
 
     /// Times that an alive counter of C1 and C2 jumped.
@@ -176,6 +201,7 @@ impl Cylinder {
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
+        self.judge_sequentially(now, good);
         self.count(&residuals);
         let record = self.record(now, readings, innovations, difference);
         self.inputs.clear();
@@ -187,6 +213,9 @@ impl Cylinder {
         self.observers.iter_mut().for_each(|observer| observer.stop(reason));
         self.plausibility.iter_mut().for_each(Plausibility::reset);
         self.bank.interrupt();
+        if let Some(sequential) = &mut self.sequential {
+            sequential.interrupt();
+        }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
         self.moving = false;
@@ -249,6 +278,21 @@ impl Cylinder {
         residuals
     }
 
+    fn judge_sequentially(&mut self, now: Evaluation, good: [Option<Reading>; 2]) {
+        let Some(sequential) = &mut self.sequential else { return };
+        let [c1, c2] = good;
+        sequential.step(&sequential::Input {
+            lengths: [c1.map(|reading| reading.position), c2.map(|reading| reading.position)],
+            velocity: c2.and_then(|reading| reading.velocity),
+            // As it was sent: the drive has a constant of its own.
+            command: self.inputs.command_value(),
+            monitored: now.gate == Opening::Open,
+            at: now.opened,
+            at_stop: now.at_stop,
+        });
+        self.evaluated = now.opened;
+    }
+
     fn count(&mut self, residuals: &Residuals) {
         let incomplete = u64::from(!self.is_complete());
         let tally = &mut self.tally;
@@ -294,7 +338,9 @@ impl Cylinder {
     /// Whether any detector finds anything now.
     #[inline]
     pub fn finds_anything(&self) -> bool {
-        self.bank.any_found() || self.implausible.iter().any(Implausible::raised)
+        self.bank.any_found()
+            || self.implausible.iter().any(Implausible::raised)
+            || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
     }
 
     /// What the detectors find now, in the places of the [`crate::alarm::Register`].
@@ -308,6 +354,7 @@ impl Cylinder {
             self.implausible_finding(0, Suspect::C1),
             self.implausible_finding(1, Suspect::C2),
             self.implausible_finding(2, Suspect::Process),
+            self.sequential_finding(),
         ];
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
@@ -321,13 +368,33 @@ impl Cylinder {
     }
 
     fn observer_finding(&self, detection: Detection) -> Finding {
+        finding(detection, self.level(detection.suspect), detection.threshold)
+    }
+
+    const fn level(&self, suspect: Suspect) -> Level {
         let levels = &self.design.levels;
-        let level = match detection.suspect {
+        match suspect {
             Suspect::C1 | Suspect::C2 => levels.located,
             Suspect::Process => levels.process,
             Suspect::Undecided => levels.undecided,
-        };
-        finding(detection, level, detection.threshold)
+        }
+    }
+
+    fn sequential_finding(&self) -> Option<Finding> {
+        let alarm = self.sequential.as_ref()?.alarm()?;
+        let back = self.sample_time.as_nanos().saturating_mul(i64::from(alarm.since));
+        Some(Finding {
+            fault: alarm.fault,
+            suspect: alarm.suspect,
+            level: self.level(alarm.suspect),
+            residual: Some(alarm.size),
+            threshold: None,
+            evidence: Some(Evidence {
+                fault: alarm.peak.nats,
+                location: alarm.evidence,
+                onset: self.evaluated.after(Span::from_nanos(-back)),
+            }),
+        })
     }
 
     fn difference_finding(&self, detection: Detection) -> Finding {
@@ -350,6 +417,7 @@ impl Cylinder {
             level: self.design.levels.implausible,
             residual: out_of_range.then_some(implausible.beyond),
             threshold: out_of_range.then_some(0.0),
+            evidence: None,
         })
     }
 
@@ -382,5 +450,6 @@ fn finding(detection: Detection, level: Level, threshold: f64) -> Finding {
         level,
         residual: Some(detection.residual),
         threshold: Some(threshold),
+        evidence: None,
     }
 }

@@ -1,5 +1,6 @@
 //! From settings and a DBC to everything a monitor is made from.
 
+mod sequential;
 mod surveyed;
 
 use super::MonitorDesign;
@@ -61,7 +62,7 @@ impl MonitorDesign {
         let (wiring, flaws) = (Wiring::new(), Vec::new());
         let mut wirer = Wirer { settings, database, wiring, surveys, flaws };
         wirer.connect_sync();
-        let monitored = wirer.connect_state();
+        let (monitored, stops) = wirer.connect_state();
         let cylinders = (1..=settings.machine.cylinders)
             .filter_map(|n| wirer.connect_cylinder(n))
             .collect::<Vec<_>>();
@@ -79,7 +80,11 @@ impl MonitorDesign {
                     synchronised: settings.signals.sync.is_some(),
                 },
                 gap_cycles: cycles(settings, settings.machine.max_gap).into(),
-                gate: Gate::new(monitored, Span::from_seconds(settings.plausibility.state_stale)),
+                gate: Gate::new(
+                    monitored,
+                    stops,
+                    Span::from_seconds(settings.plausibility.state_stale),
+                ),
                 cylinders,
                 encoder,
             }),
@@ -131,8 +136,9 @@ impl<'a> Wirer<'a> {
         }
     }
 
-    /// The numbers of the monitored states; `None` where FDE1 and FDE2 always judge.
-    fn connect_state(&mut self) -> Option<Vec<i64>> {
+    /// The numbers of the monitored states, `None` where FDE1 and FDE2 always judge, and of those in
+    /// which the rods stand on their stops.
+    fn connect_state(&mut self) -> (Option<Vec<i64>>, Vec<i64>) {
         let machine = &self.settings.machine;
         let Some(name) = &self.settings.signals.state else {
             if machine.monitored_states.is_some() {
@@ -142,16 +148,22 @@ impl<'a> Wirer<'a> {
                     "name it as signals.state, or leave monitored_states out to judge always",
                 ));
             }
-            return None;
+            return (None, vec![]);
         };
-        let found = self.find("signals.state", name)?;
+        let Some(found) = self.find("signals.state", name) else { return (None, vec![]) };
         let wire = Wire { plan: found.signal.plan.clone(), target: Target::State };
         self.wiring.line(found.message.id).wires.push(wire);
-        let names = machine.monitored_states.as_ref()?;
-        Some(names.iter().flat_map(|name| self.state_numbers(found.signal, name)).collect())
+        let settings = self.settings;
+        let mut numbers = |key: &str, names: &[String]| -> Vec<i64> {
+            names.iter().flat_map(|name| self.state_numbers(key, found.signal, name)).collect()
+        };
+        let stops = settings.sequential.stop_states.as_deref().unwrap_or_default();
+        let stops = numbers("sequential.stop_states", stops);
+        let monitored = machine.monitored_states.as_ref();
+        (monitored.map(|names| numbers("machine.monitored_states", names)), stops)
     }
 
-    fn state_numbers(&mut self, signal: &Signal, name: &str) -> Vec<i64> {
+    fn state_numbers(&mut self, key: &str, signal: &Signal, name: &str) -> Vec<i64> {
         if let Ok(number) = name.parse() {
             return vec![number];
         }
@@ -167,7 +179,7 @@ impl<'a> Wirer<'a> {
                 signal.values.iter().map(|(_, name)| name.as_str()).collect()
             };
             self.flaws.push(Flaw::new(
-                "machine.monitored_states",
+                key,
                 format!("the platform has no state {name:?}"),
                 format!("known states: {}; or give the number as text", known.join(", ")),
             ));
@@ -186,6 +198,7 @@ impl<'a> Wirer<'a> {
         let required = self.connected(n);
         self.connect_surveyed(n, signals);
         let observers = self.observers(n);
+        let sequential = self.sequential(n);
         let ([first, second], Some(observers)) = (limits, observers) else { return None };
         if self.flaws.len() > before {
             return None;
@@ -215,6 +228,7 @@ impl<'a> Wirer<'a> {
                 signatures: observers.each_ref().map(Signatures::of_innovation),
             },
             observers,
+            sequential,
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
             clear,

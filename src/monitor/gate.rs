@@ -1,4 +1,4 @@
-//! In which platform states FDE1 and FDE2 judge.
+//! In which platform states FDE1 and FDE2 judge, and in which the rods stand on their stops.
 
 use crate::time::{Span, Timestamp};
 
@@ -7,6 +7,7 @@ use crate::time::{Span, Timestamp};
 pub struct Gate {
     /// Absent: always open.
     monitored: Option<Vec<i64>>,
+    stops: Vec<i64>,
     timeout: Span,
     state: Option<(i64, Timestamp)>,
 }
@@ -22,9 +23,10 @@ pub enum Opening {
 }
 
 impl Gate {
-    /// A gate that opens in the `monitored` states; a state older than `timeout` is not known.
-    pub fn new(monitored: Option<Vec<i64>>, timeout: Span) -> Self {
-        Self { monitored, timeout, state: None }
+    /// A gate that opens in the `monitored` states, of a machine whose rods stand on their mechanical
+    /// stops in those of `stops`; a state older than `timeout` is not known.
+    pub fn new(monitored: Option<Vec<i64>>, stops: Vec<i64>, timeout: Span) -> Self {
+        Self { monitored, stops, timeout, state: None }
     }
 
     /// Takes the platform's state as it was on the bus.
@@ -40,6 +42,12 @@ impl Gate {
             Some(_) => Opening::Closed,
             None => Opening::Unknown,
         }
+    }
+
+    /// The state in which the rods stand on their stops, if it is one of these.
+    pub fn stop(&self, at: Timestamp) -> Option<i64> {
+        let (state, since) = self.state?;
+        (at.since(since) <= self.timeout && self.stops.contains(&state)).then_some(state)
     }
 
     /// Forgets the state, after a jump in time.

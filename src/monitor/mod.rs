@@ -21,6 +21,7 @@ use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
 use crate::sample::Field;
 use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
+use crate::sequential::Sequential;
 use crate::time::{Span, Timestamp};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
@@ -102,6 +103,11 @@ impl Monitor {
     /// The tallies of the cylinders, in their order.
     pub fn tallies(&self) -> impl Iterator<Item = &Tally> {
         self.cylinders.iter().map(Cylinder::tally)
+    }
+
+    /// The sequential detectors of the cylinders that have one, with their numbers.
+    pub fn sequential(&self) -> impl Iterator<Item = (u8, &Sequential)> {
+        self.cylinders.iter().filter_map(Cylinder::sequential)
     }
 
     /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
@@ -302,6 +308,7 @@ impl Monitor {
             opened: self.clock.opened().unwrap_or(at),
             live: self.live,
             gate: self.gate.opening(at),
+            at_stop: self.gate.stop(at).is_some(),
         };
         let number = index as u8 + 1;
         let record = cylinder.evaluate(now, |transducer, reason| {
@@ -309,6 +316,9 @@ impl Monitor {
             sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
         });
         sink.record(&record);
+        if let Some((dwell, moved)) = cylinder.take_dwell() {
+            sink.dwell(number, &dwell, moved.as_ref());
+        }
         if cylinder.finds_anything() || self.register.any(index) {
             self.warn(index, at, sink);
         }

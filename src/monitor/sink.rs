@@ -3,6 +3,7 @@
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::observe::observer::Restart;
 use crate::sample::Quality;
+use crate::sequential::{Dwell, Moved};
 use crate::time::{Span, Timestamp};
 
 /// Everything known of one cylinder in one cycle; `None` where there was nothing.
@@ -64,6 +65,12 @@ pub trait Sink {
 
     fn warning(&mut self, warning: &Warning) {
         _ = warning;
+    }
+
+    /// A rod has come to rest on its stop, and how its readings have moved since its first dwells,
+    /// where there is a history.
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
+        _ = (cylinder, dwell, moved);
     }
 
     /// A frame to send.

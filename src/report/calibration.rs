@@ -2,6 +2,9 @@
 
 use super::provenance::{self, four_digits, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, Tried};
+use crate::calibrate::{Profile, Scatter};
+use crate::sequential::{Drive, Reference};
+use crate::tune::sequential::Level;
 use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
@@ -14,6 +17,7 @@ pub fn page(result: &Calibration) -> String {
     );
     text += &lines(result);
     text += &bands(result);
+    text += &sequential(result);
     text += &bound(result);
     text += &remarks(result);
     text
@@ -70,6 +74,45 @@ fn bands(result: &Calibration) -> String {
     }
     format!(
         "the difference before (Figure 5-14) and after (Figure 5-15), on the second part\n{table}\n\n"
+    )
+}
+
+/// What the sequential detector starts from.
+fn sequential(result: &Calibration) -> String {
+    let mut table =
+        table(&["cylinder", "covered", "deviation", "largest", "by velocity", "command"]);
+    for cylinder in &result.cylinders {
+        let Some((profile, scatter)) = &cylinder.sequential else { continue };
+        let Reference { spacing, covered, velocity, .. } = &profile.reference;
+        let cells = covered.iter().filter(|covered| **covered).count();
+        table.add_row([
+            cylinder.number.to_string(),
+            format!("{:.1} m", cells as f64 * spacing),
+            format!("{:.4} mm", scatter.deviation * 1e3),
+            format!("{:.3} mm", scatter.largest * 1e3),
+            format!("{:.3} ms", velocity * 1e3),
+            scatter.prediction.map_or("none".to_owned(), |p| format!("{:.4} mm", p * 1e3)),
+        ]);
+    }
+    if table.is_empty() {
+        return String::new();
+    }
+    let level = match &result.level {
+        Some(level) => format!("h {:.2} nats\n  {}\n", level.nats, bursts(level)),
+        None => String::new(),
+    };
+    format!(
+        "for the sequential detector: stroke covered, C1 − C2 beyond hat functions and velocity \
+         (second part), and what a cycle differs by from the command's prediction\n{table}\n{level}\n"
+    )
+}
+
+/// Why the wanted rate alone does not make the level.
+fn bursts(level: &Level) -> String {
+    format!(
+        "the residuals have bursts that belong together; the largest evidence seen is {:.2} nats in \
+         {:.3} cylinder hours",
+        level.worst, level.hours
     )
 }
 
@@ -162,6 +205,10 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
         }
         _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
     }
+    if let Some(level) = &result.level {
+        let nats = four_digits(level.nats);
+        _ = writeln!(text, "\n# {}\n[sequential]\nlevel = {nats:?}", bursts(level));
+    }
     for (cylinder, fitted) in fits(result) {
         let line = fitted.line;
         _ = writeln!(
@@ -169,6 +216,32 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
             "\n[[cylinder]]\nn = {}\nc2_gain = {:?}\nc2_offset = {:?}",
             cylinder.number, line.gain, line.offset
         );
+        if let Some((profile, scatter)) = &cylinder.sequential {
+            text += &sequential_table(profile, scatter);
+        }
     }
     Some(text)
+}
+
+fn sequential_table(profile: &Profile, scatter: &Scatter) -> String {
+    let Profile { reference, samples, drive } = profile;
+    let Scatter { rate, deviation, prediction, .. } = scatter;
+    let six = |values: &[f64]| {
+        let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
+        format!("[{}]", texts.join(", "))
+    };
+    let mut text = format!(
+        "\n[cylinder.sequential]\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
+         velocity = {:e}\ndeviation = {deviation:e}\nrate_spacing = {:e}\nrate = {}\n",
+        reference.first,
+        reference.spacing,
+        six(&reference.nodes),
+        reference.velocity,
+        rate.spacing,
+        six(&rate.values),
+    );
+    if let Some((Drive(coefficients), prediction)) = drive.zip(*prediction) {
+        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(&coefficients));
+    }
+    text
 }

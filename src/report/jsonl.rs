@@ -22,6 +22,16 @@ struct WarningLine {
     state: &'static str,
     residual: Option<f64>,
     threshold: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none", flatten)]
+    evidence: Option<EvidenceFields>,
+}
+
+/// Of a detector that weighs evidence.
+#[derive(Serialize)]
+struct EvidenceFields {
+    evidence: f64,
+    location_evidence: Option<f64>,
+    onset: f64,
 }
 
 #[derive(Serialize)]
@@ -105,6 +115,11 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
             state: warning.state.name(),
             residual: finding.residual,
             threshold: finding.threshold,
+            evidence: finding.evidence.map(|evidence| EvidenceFields {
+                evidence: evidence.fault,
+                location_evidence: evidence.location,
+                onset: evidence.onset.since(first).as_seconds(),
+            }),
         },
     )
 }

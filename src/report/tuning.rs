@@ -2,6 +2,7 @@
 
 use super::provenance::{self, four_digits};
 use crate::extremes::{HOURS_PER_YEAR, per_second};
+use crate::tune::sequential::Level;
 use crate::tune::{Detector, Score, Search, Thresholds, Tuning, Weights};
 use comfy_table::{Table, presets};
 use std::fmt::Write as _;
@@ -17,6 +18,7 @@ pub fn page(result: &Tuning) -> String {
     text += &ladder(result);
     text += &thresholds(result);
     text += &sensitivity(result);
+    text += &sequential(result);
     for (place, remark) in result.remarks.iter().enumerate() {
         _ = writeln!(text, "{}{remark}", if place == 0 { "\n" } else { "" });
     }
@@ -195,6 +197,27 @@ fn sensitivity(result: &Tuning) -> String {
     )
 }
 
+fn sequential(result: &Tuning) -> String {
+    let Some(level) = &result.sequential else { return String::new() };
+    format!(
+        "\nsequential detectors: h {:.2} nats\n  {}\n",
+        four_digits(level.nats),
+        sequential_meaning(level, result.thresholds.per_year).join("\n  ")
+    )
+}
+
+fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
+    let tail = if level.heavy { "a generalised Pareto" } else { "an exponential" };
+    vec![format!(
+        "level: reached {per_year} times a year, all cylinders together, by {tail} tail of the \
+         largest evidence of each second; at least the largest seen, {:.2} nats, in {:.3} cylinder \
+         hours; the wanted rate is {:.1e} times beyond them",
+        level.worst,
+        level.hours,
+        HOURS_PER_YEAR / per_year / level.hours
+    )]
+}
+
 /// The tables, with what they were made from.
 pub fn tables(result: &Tuning, version: &str) -> String {
     let Tuning { machine, inputs, first, window, .. } = result;
@@ -227,5 +250,11 @@ pub fn tables(result: &Tuning, version: &str) -> String {
     let (low, high) = (four_digits(low), four_digits(high));
     // Rounding up may put them past each other where they are the same.
     _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
+    if let Some(level) = &result.sequential {
+        for line in sequential_meaning(level, result.thresholds.per_year) {
+            _ = writeln!(text, "\n# {line}");
+        }
+        _ = writeln!(text, "[sequential]\nlevel = {:?}", four_digits(level.nats));
+    }
     text
 }

@@ -1,0 +1,249 @@
+//! The reference of the sequential detector: what C1 − C2 is along the stroke, and how fast the
+//! command makes the rod go.
+
+use super::fitting::Fitted;
+use super::line::Line;
+use crate::identify::qr::Triangle;
+use crate::sequential::Reference;
+use crate::sequential::drive::{Commands, Drive, FEATURES};
+use crate::survey::{Row, Surveyor};
+use nalgebra::{DMatrix, DVector};
+
+/// From node to node, m.
+const SPACING: f64 = 0.1;
+
+/// A cell of the stroke with fewer samples is not covered.
+pub const LEAST_SAMPLES: u64 = 400;
+
+/// Weight of the squared second differences of neighbouring nodes, in samples.
+const RIDGE: f64 = 2500.0;
+
+/// Cycles of a displacement that the drive is fitted to.
+const SPAN: usize = 10;
+
+/// Displacements begin every so many cycles; they overlap.
+const EVERY: u64 = 5;
+
+/// Commands of neighbouring cycles are nearly one: a pseudo-row of this part of each regressor.
+const DRIVE_RIDGE: f64 = 1e-3;
+
+/// Fewer displacements give no drive: half a minute at 50 Hz.
+const LEAST_DISPLACEMENTS: u64 = 300;
+
+/// What one cylinder's detector starts from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    pub reference: Reference,
+    /// For each cell between two nodes.
+    pub samples: Vec<u64>,
+    /// `None` where the commands were too few to fit.
+    pub drive: Option<Drive>,
+}
+
+/// Fits a [`Profile`] to every cylinder that has a line, on samples near it.
+#[derive(Clone, Debug)]
+pub struct Profiling {
+    cylinders: Vec<Option<Gathered>>,
+}
+
+#[derive(Clone, Debug)]
+struct Gathered {
+    line: Line,
+    limit: f64,
+    sample_time: f64,
+    first: f64,
+    /// Of each node: itself squared, with the next one, with the velocity, with the difference.
+    nodes: Vec<[f64; 4]>,
+    samples: Vec<u64>,
+    /// The velocity squared, and with the difference.
+    velocity: [f64; 2],
+    before: Option<f64>,
+    drives: Box<Drives>,
+}
+
+impl Profiling {
+    /// Of cylinders with the reach `stroke`, m, sampled every `sample_time` seconds.
+    pub fn new<'a>(
+        stroke: [f64; 2],
+        sample_time: f64,
+        fits: impl IntoIterator<Item = Option<&'a Fitted>>,
+    ) -> Self {
+        let first = (stroke[0] / SPACING).floor() * SPACING;
+        let cells = (((stroke[1] - first) / SPACING).ceil() as usize).clamp(1, 1000);
+        let gathered = |fitted: &Fitted| Gathered {
+            line: fitted.line,
+            limit: fitted.limit,
+            sample_time,
+            first,
+            nodes: vec![[0.0; 4]; cells + 1],
+            samples: vec![0; cells],
+            velocity: [0.0; 2],
+            before: None,
+            drives: Box::new(Drives::new(sample_time)),
+        };
+        Self { cylinders: fits.into_iter().map(|fitted| fitted.map(gathered)).collect() }
+    }
+
+    /// What came of the cylinder of `index` (from 0); `None` where there was nothing to fit.
+    pub fn result(&self, index: usize) -> Option<Profile> {
+        self.cylinders[index].as_ref()?.result()
+    }
+}
+
+impl Surveyor for Profiling {
+    fn row(&mut self, row: &Row) {
+        if let Some(gathered) = self.cylinders[usize::from(row.cylinder) - 1].as_mut() {
+            gathered.take(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        if let Some(gathered) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
+            gathered.before = None;
+            gathered.drives.clear();
+        }
+    }
+}
+
+impl Gathered {
+    fn take(&mut self, row: &Row) {
+        let before = std::mem::replace(&mut self.before, row.c2);
+        let near = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
+        let pair = row.c1.zip(row.c2).filter(|_| row.monitored).filter(near);
+        self.drives.step(pair.map(|(c1, c2)| 0.5 * (c1 + c2)), row.u);
+        let Some((c1, c2)) = pair else { return };
+        let derived = || before.map(|before| (c2 - before) / self.sample_time);
+        let Some(velocity) = row.v2.or_else(derived) else { return };
+        let count = self.nodes.len();
+        let Some(place) = Reference::place(self.first, SPACING, count, c2) else { return };
+        let difference = c1 - c2;
+        let hats = [1.0 - place.part, place.part];
+        for (hat, node) in hats.into_iter().zip(&mut self.nodes[place.cell..]) {
+            node[0] += hat * hat;
+            node[2] += hat * velocity;
+            node[3] += hat * difference;
+        }
+        self.nodes[place.cell][1] += hats[0] * hats[1];
+        self.samples[place.cell] += 1;
+        self.velocity[0] += velocity * velocity;
+        self.velocity[1] += velocity * difference;
+    }
+
+    /// The normal equations: hats are between 0 and 1 and hardly overlap, so that nothing is lost by
+    /// squaring them.
+    fn result(&self) -> Option<Profile> {
+        let count = self.nodes.len();
+        let (mut matrix, mut right) =
+            (DMatrix::zeros(count + 1, count + 1), DVector::zeros(count + 1));
+        for (i, [square, next, velocity, difference]) in self.nodes.iter().enumerate() {
+            matrix[(i, i)] += square;
+            if i + 1 < count {
+                matrix[(i, i + 1)] += next;
+                matrix[(i + 1, i)] += next;
+            }
+            matrix[(i, count)] = *velocity;
+            matrix[(count, i)] = *velocity;
+            right[i] = *difference;
+        }
+        for i in 1..count - 1 {
+            for (j, a) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
+                for (k, b) in [(i - 1, 1.0), (i, -2.0), (i + 1, 1.0)] {
+                    matrix[(j, k)] += RIDGE * a * b;
+                }
+            }
+        }
+        matrix[(count, count)] = self.velocity[0];
+        right[count] = self.velocity[1];
+        let solution = matrix.cholesky()?.solve(&right);
+        if !solution.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        Some(Profile {
+            reference: Reference {
+                first: self.first,
+                spacing: SPACING,
+                nodes: solution.as_slice()[..count].to_vec(),
+                covered: self.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
+                velocity: solution[count],
+            },
+            samples: self.samples.clone(),
+            drive: self.drives.result(),
+        })
+    }
+}
+
+/// Displacements of [`SPAN`] cycles on the commands that made them.
+#[derive(Clone, Debug)]
+struct Drives {
+    sample_time: f64,
+    commands: Commands,
+    /// Lengths and features of the newest cycles, a ring.
+    ring: [(f64, [f64; FEATURES]); SPAN],
+    held: usize,
+    cycle: u64,
+    /// The features' means over a displacement, and its velocity.
+    triangle: Triangle<{ FEATURES + 1 }>,
+}
+
+impl Drives {
+    fn new(sample_time: f64) -> Self {
+        Self {
+            sample_time,
+            commands: Commands::default(),
+            ring: [(0.0, [0.0; FEATURES]); SPAN],
+            held: 0,
+            cycle: 0,
+            triangle: Triangle::new(),
+        }
+    }
+
+    fn clear(&mut self) {
+        self.commands.clear();
+        self.held = 0;
+    }
+
+    fn step(&mut self, length: Option<f64>, command: Option<f64>) {
+        let Some(command) = command else { return self.clear() };
+        self.commands.push(command);
+        let Some((length, features)) = length.zip(self.commands.features()) else {
+            self.held = 0;
+            return;
+        };
+        let place = (self.cycle % SPAN as u64) as usize;
+        if self.held == SPAN && self.cycle.is_multiple_of(EVERY) {
+            self.add(length - self.ring[place].0);
+        }
+        self.ring[place] = (length, features);
+        self.held = (self.held + 1).min(SPAN);
+        self.cycle += 1;
+    }
+
+    fn add(&mut self, displacement: f64) {
+        let mut row = [0.0; FEATURES + 1];
+        for (_, features) in &self.ring {
+            for (mean, feature) in row.iter_mut().zip(features) {
+                *mean += feature / SPAN as f64;
+            }
+        }
+        row[FEATURES] = displacement / (SPAN as f64 * self.sample_time);
+        self.triangle.add(&row);
+    }
+
+    fn result(&self) -> Option<Drive> {
+        if self.triangle.rows() < LEAST_DISPLACEMENTS {
+            return None;
+        }
+        let mut triangle = self.triangle.clone();
+        let rows = (triangle.rows() as f64).sqrt();
+        for feature in 0..FEATURES {
+            let mut row = [0.0; FEATURES + 1];
+            // A regressor that never was anything else than zero has the coefficient zero.
+            row[feature] =
+                (DRIVE_RIDGE * rows * self.triangle.rms(feature)).max(f64::MIN_POSITIVE.sqrt());
+            triangle.add(&row);
+        }
+        let regressors: Vec<usize> = (0..FEATURES).collect();
+        let solved = triangle.solve(&regressors, FEATURES).ok()?;
+        Some(Drive(solved.coefficients.try_into().ok()?))
+    }
+}

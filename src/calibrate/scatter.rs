@@ -1,0 +1,166 @@
+//! How healthy residuals of a [`Profile`] scatter, on a part of the recording that it was not
+//! fitted to.
+
+use super::fitting::Fitted;
+use super::line::Line;
+use super::profile::Profile;
+use super::trying::FAULTY;
+use crate::sequential::baseline::Baseline;
+use crate::sequential::motion::Motion;
+use crate::sequential::{Design, Magnitudes, Pair, PairDesign, Rate, Reference};
+use crate::survey::{Row, Surveyor};
+
+/// The first width of the bins of magnitudes, m.
+const BIN: f64 = 1e-6;
+
+/// Samples in motion that a rate function is made of at least: a minute at 50 Hz.
+const LEAST_SAMPLES: u64 = 3000;
+
+/// Of the deviation that the pair's filter starts from before it is known, m.
+const GUESS: f64 = 1e-4;
+
+/// What one cylinder's residuals were.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    pub rate: Rate,
+    /// Standard deviation of the residual, m.
+    pub deviation: f64,
+    /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
+    /// of the innovations, each with half the weight, times √2. `None` without a drive.
+    pub prediction: Option<f64>,
+    pub samples: u64,
+    /// m.
+    pub largest: f64,
+}
+
+impl Scatter {
+    /// The detector that these make, with a level that nothing reaches.
+    pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
+        let prediction = self.prediction.unwrap_or(0.0);
+        let pair = profile
+            .drive
+            .and_then(|drive| PairDesign::new(drive, sample_time, self.deviation, prediction).ok());
+        Design {
+            reference: profile.reference.clone(),
+            rate: self.rate.clone(),
+            deviation: self.deviation,
+            pair,
+            level: f64::INFINITY,
+            sample_time,
+            clear: 1,
+        }
+    }
+}
+
+/// Judges the profile of every cylinder that has one.
+#[derive(Clone, Debug)]
+pub struct Scattering {
+    cylinders: Vec<Option<Judged>>,
+}
+
+#[derive(Clone, Debug)]
+struct Judged {
+    line: Line,
+    limit: f64,
+    reference: Reference,
+    sample_time: f64,
+    before: Option<f64>,
+    baseline: Baseline,
+    motion: Motion,
+    pair: Option<Pair>,
+    magnitudes: Magnitudes,
+    sums: Magnitudes,
+}
+
+impl Scattering {
+    /// Of cylinders with these lines and profiles, sampled every `sample_time` seconds.
+    pub fn new<'a>(
+        sample_time: f64,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a Profile)>>,
+    ) -> Self {
+        let judged = |(fitted, profile): (&Fitted, &Profile)| {
+            let deviation = if fitted.rms > 0.0 { fitted.rms } else { GUESS };
+            let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
+            Judged {
+                line: fitted.line,
+                limit: FAULTY * fitted.limit,
+                reference: profile.reference.clone(),
+                sample_time,
+                before: None,
+                baseline: Baseline::new(sample_time, deviation),
+                motion: Motion::new(sample_time),
+                pair: profile.drive.and_then(design).map(Pair::new),
+                magnitudes: Magnitudes::new(BIN),
+                sums: Magnitudes::new(BIN),
+            }
+        };
+        Self { cylinders: cylinders.into_iter().map(|both| both.map(judged)).collect() }
+    }
+
+    /// What came of the cylinder of `index` (from 0); `None` where there was too little.
+    pub fn result(&self, index: usize) -> Option<Scatter> {
+        let Judged { magnitudes, sums, pair, .. } = self.cylinders[index].as_ref()?;
+        if magnitudes.total() < LEAST_SAMPLES {
+            return None;
+        }
+        Some(Scatter {
+            rate: Rate::of(magnitudes)?,
+            deviation: magnitudes.deviation(),
+            prediction: pair.as_ref().filter(|_| sums.total() > 0).map(|_| sums.deviation()),
+            samples: magnitudes.total(),
+            largest: magnitudes.largest(),
+        })
+    }
+}
+
+impl Surveyor for Scattering {
+    fn row(&mut self, row: &Row) {
+        if let Some(judged) = self.cylinders[usize::from(row.cylinder) - 1].as_mut() {
+            judged.take(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        if let Some(judged) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
+            judged.interrupt();
+        }
+    }
+}
+
+impl Judged {
+    fn interrupt(&mut self) {
+        self.before = None;
+        self.baseline.reset();
+        self.motion.reset();
+        if let Some(pair) = &mut self.pair {
+            pair.reset();
+        }
+    }
+
+    fn take(&mut self, row: &Row) {
+        if !row.monitored {
+            return self.interrupt();
+        }
+        let before = std::mem::replace(&mut self.before, row.c2);
+        let healthy = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
+        let both = row.c1.zip(row.c2).filter(healthy);
+        let residual = both.and_then(|(c1, c2)| {
+            let derived = || before.map(|before| (c2 - before) / self.sample_time);
+            self.reference.residual(c1, c2, row.v2.or_else(derived)?)
+        });
+        let baseline = self.baseline.value();
+        if let Some(pair) = &mut self.pair {
+            let beyond = residual.zip(baseline).map(|(residual, baseline)| residual - baseline);
+            pair.step(row.c1.zip(beyond).map(|(c1, beyond)| [c1, c1 - beyond]), row.u);
+            if let Some([n1, n2]) = pair.newest() {
+                self.sums.add((n1 + n2) * std::f64::consts::FRAC_1_SQRT_2);
+            }
+        }
+        let (Some((c1, c2)), Some(residual)) = (both, residual) else { return };
+        self.baseline.follow(residual);
+        let moving = self.motion.step([c1, c2]);
+        if let Some(baseline) = baseline.filter(|_| moving) {
+            self.magnitudes.add(residual - baseline);
+        }
+    }
+}

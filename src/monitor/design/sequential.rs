@@ -1,0 +1,57 @@
+//! From the fitted tables to a sequential detector.
+
+use super::{Flaw, Wirer, cycles};
+use crate::calibrate::LEAST_SAMPLES;
+use crate::config::settings::CylinderSequential;
+use crate::sequential::{Design, Drive, PairDesign, Rate, Reference};
+
+impl Wirer<'_> {
+    /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
+    pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
+        let settings = self.settings;
+        let fitted = settings.sequential_of(n)?;
+        if settings.signals.cylinder.c2.is_none() {
+            self.flaws.push(Flaw::new(
+                "cylinder.sequential",
+                format!("cylinder {n} has no C2 to be compared with"),
+                "name it as signals.cylinder.c2, or leave the table out",
+            ));
+            return None;
+        }
+        let sample_time = settings.machine.sample_time;
+        Some(Design {
+            reference: reference(fitted),
+            rate: Rate { spacing: fitted.rate_spacing, values: fitted.rate.clone() },
+            deviation: fitted.deviation,
+            pair: self.pair(n, fitted),
+            level: settings.sequential_level(),
+            sample_time,
+            clear: cycles(settings, settings.alarm.clear).max(1),
+        })
+    }
+
+    fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
+        let drive = Drive(fitted.drive?);
+        let sample_time = self.settings.machine.sample_time;
+        let design = PairDesign::new(drive, sample_time, fitted.deviation, fitted.prediction);
+        design
+            .map_err(|error| {
+                self.flaws.push(Flaw::new(
+                    "cylinder.sequential",
+                    format!("cylinder {n} has no filter of both readings: {error}"),
+                    "calibrate it anew",
+                ));
+            })
+            .ok()
+    }
+}
+
+fn reference(fitted: &CylinderSequential) -> Reference {
+    Reference {
+        first: fitted.first,
+        spacing: fitted.spacing,
+        nodes: fitted.nodes.clone(),
+        covered: fitted.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
+        velocity: fitted.velocity,
+    }
+}

@@ -1,0 +1,123 @@
+//! Where a healthy residual lies by itself: slow changes, of temperature above all.
+
+/// The time constant, s.
+const TIME: f64 = 60.0;
+
+/// It begins with the mean of so many seconds.
+const BEGIN: f64 = 5.0;
+
+/// It follows a residual by at most so many deviations.
+const CLIP: f64 = 3.0;
+
+/// A slow mean of the residual.
+#[derive(Clone, Debug)]
+pub struct Baseline {
+    /// Of one sample.
+    gain: f64,
+    begin: u32,
+    clip: f64,
+    seen: u32,
+    value: f64,
+}
+
+impl Baseline {
+    /// For samples every `sample_time` seconds with a healthy `deviation`, m.
+    pub fn new(sample_time: f64, deviation: f64) -> Self {
+        Self {
+            gain: sample_time / TIME,
+            begin: (BEGIN / sample_time).round() as u32,
+            clip: CLIP * deviation,
+            seen: 0,
+            value: 0.0,
+        }
+    }
+
+    pub fn reset(&mut self) {
+        (self.seen, self.value) = (0, 0.0);
+    }
+
+    /// The baseline, m, once it has begun.
+    pub fn value(&self) -> Option<f64> {
+        (self.seen >= self.begin).then_some(self.value)
+    }
+
+    /// Follows a residual, m.
+    pub fn follow(&mut self, residual: f64) {
+        if self.seen < self.begin {
+            self.seen += 1;
+            self.value += (residual - self.value) / f64::from(self.seen);
+        } else {
+            self.value += self.gain * (residual - self.value).clamp(-self.clip, self.clip);
+        }
+    }
+}
+
+/// One-second means in a [`Slow`].
+const MEANS: usize = 60;
+
+/// The mean of the residual itself over the newest minute of evidence: what a baseline follows too
+/// slowly to be seen, ends here.
+#[derive(Clone, Debug)]
+pub struct Slow {
+    second: u32,
+    means: [f64; MEANS],
+    held: usize,
+    next: usize,
+    sum: f64,
+    count: u32,
+}
+
+impl Slow {
+    pub fn new(sample_time: f64) -> Self {
+        let second = ((1.0 / sample_time).round() as u32).max(1);
+        Self { second, means: [0.0; MEANS], held: 0, next: 0, sum: 0.0, count: 0 }
+    }
+
+    pub fn reset(&mut self) {
+        (self.held, self.next, self.sum, self.count) = (0, 0, 0.0, 0);
+    }
+
+    pub fn push(&mut self, residual: f64) {
+        self.sum += residual;
+        self.count += 1;
+        if self.count == self.second {
+            self.means[self.next] = self.sum / f64::from(self.count);
+            self.next = (self.next + 1) % MEANS;
+            self.held = (self.held + 1).min(MEANS);
+            (self.sum, self.count) = (0.0, 0);
+        }
+    }
+
+    /// m; `None` before there is a minute of it.
+    pub fn mean(&self) -> Option<f64> {
+        (self.held == MEANS).then(|| self.means.iter().sum::<f64>() / MEANS as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_begins_with_a_mean_and_then_follows_slowly() {
+        let mut baseline = Baseline::new(0.02, 1e-4);
+        for k in 0..250 {
+            assert_eq!(baseline.value(), None);
+            baseline.follow(if k % 2 == 0 { 1e-3 } else { 3e-3 });
+        }
+        assert!((baseline.value().unwrap() - 2e-3).abs() < 1e-12);
+        // A jump of a metre moves it by three deviations a minute at the most.
+        (0..3000).for_each(|_| baseline.follow(1.0));
+        assert!((baseline.value().unwrap() - 2.3e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_slow_mean_is_that_of_a_minute() {
+        let mut slow = Slow::new(0.02);
+        (0..3000).for_each(|_| slow.push(5.0));
+        (0..2999).for_each(|k| slow.push(f64::from(k)));
+        assert_eq!(slow.mean(), Some((5.0 * 50.0 + (0..2950).sum::<i32>() as f64) / 3000.0));
+        slow.reset();
+        assert_eq!(slow.mean(), None);
+    }
+}

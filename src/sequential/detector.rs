@@ -1,0 +1,429 @@
+//! The sequential detector of one cylinder.
+
+use super::baseline::{Baseline, Slow};
+use super::dwell::{Dwell, Dwelling};
+use super::history::{Blame, DwellHistory, Moved};
+use super::kind;
+use super::motion::Motion;
+use super::pair::{Form, Pair, PairDesign};
+use super::rate::Rate;
+use super::reference::Reference;
+use super::statistic::{History, Peak, peaks};
+use super::windows::WIDTHS;
+use crate::time::Timestamp;
+use crate::verdict::{Fault, Suspect, Verdict};
+
+/// What is below this is no fault but a temperature or a bend that the calibration has left, m.
+const DEAD_BAND: f64 = 1e-4;
+
+/// The least relative dead band of the variance.
+const LEAST_SPREAD_BAND: f64 = 0.25;
+
+/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m …
+const SLOW: f64 = 6e-4;
+
+/// … and it is over below this, m.
+const SLOW_OVER: f64 = 4e-4;
+
+/// The level at which an alarm ends, as a part of that at which it rises.
+const CALM: f64 = 0.5;
+
+/// Cycles after an alarm at which the readings are compared, …
+const COMPARE: u32 = 10;
+
+/// … and at which noise is told from a step, and its transducer.
+const NOISE: u32 = 25;
+
+/// Evidence for one of the transducers that decides, nats.
+const DECIDED: f64 = 5.0;
+
+/// Alarms of longer windows come too late: the filter, and the machine, have followed.
+const LOCATED: usize = 16;
+
+/// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
+const FOLLOWED: f64 = 5e-3;
+
+/// A transducer has this much more of the innovations' energy to be blamed for a noise.
+const NOISIER: f64 = 0.25;
+
+/// A clearing alarm is looked at over at least so many samples.
+const LEAST_WATCHED: usize = 48;
+
+/// What one detector runs on.
+#[derive(Clone, Debug)]
+pub struct Design {
+    pub reference: Reference,
+    pub rate: Rate,
+    /// Standard deviation of the healthy residual, m.
+    pub deviation: f64,
+    /// `None` where the calibration has no drive: then nothing is located.
+    pub pair: Option<PairDesign>,
+    /// h, nats.
+    pub level: f64,
+    /// s.
+    pub sample_time: f64,
+    /// Cycles without evidence that end an alarm.
+    pub clear: u32,
+}
+
+/// One cycle of a cylinder.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Input {
+    /// Readings that passed the plausibility checks, m.
+    pub lengths: [Option<f64>; 2],
+    /// By C2 where it is measured, m/s.
+    pub velocity: Option<f64>,
+    /// u(k), m/s.
+    pub command: Option<f64>,
+    /// The platform is in a monitored state.
+    pub monitored: bool,
+    /// The opening of the cycle.
+    pub at: Timestamp,
+    /// The rods stand on their mechanical stops.
+    pub at_stop: bool,
+}
+
+/// Why there is an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    Mean,
+    Variance,
+    /// The mean of a minute, without the baseline.
+    Slow,
+    /// A reading on the stop that has moved since the first ones.
+    Dwell,
+}
+
+/// An alarm that stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alarm {
+    pub cause: Cause,
+    /// The statistic as it rose.
+    pub peak: Peak,
+    pub fault: Fault,
+    pub suspect: Suspect,
+    /// For C1 if positive, for C2 if negative, nats; `None` where nothing was compared.
+    pub evidence: Option<f64>,
+    /// m; of noise its root mean square.
+    pub size: f64,
+    /// Cycles since it began, as far as the residuals show it.
+    pub since: u32,
+    /// Cycles since the alarm.
+    pub age: u32,
+    /// Cycles without evidence.
+    calm: u32,
+}
+
+/// The detector.
+#[derive(Clone, Debug)]
+pub struct Sequential {
+    design: Design,
+    spread_band: f64,
+    baseline: Baseline,
+    slow: Slow,
+    motion: Motion,
+    history: History,
+    pair: Option<Pair>,
+    /// C2 of the cycle before, m.
+    before: Option<f64>,
+    was_monitored: bool,
+    verdict: Verdict,
+    peaks: [Peak; 2],
+    alarm: Option<Alarm>,
+    dwelling: Dwelling,
+    dwells: DwellHistory,
+    /// Of the newest cycle.
+    dwelt: Option<(Dwell, Option<Moved>)>,
+}
+
+impl Sequential {
+    pub fn new(design: Design) -> Self {
+        let relative = DEAD_BAND / design.deviation;
+        Self {
+            spread_band: LEAST_SPREAD_BAND.max(relative * relative),
+            baseline: Baseline::new(design.sample_time, design.deviation),
+            slow: Slow::new(design.sample_time),
+            motion: Motion::new(design.sample_time),
+            history: History::default(),
+            pair: design.pair.clone().map(Pair::new),
+            before: None,
+            was_monitored: false,
+            verdict: Verdict::Unknown,
+            peaks: [Peak::default(); 2],
+            alarm: None,
+            dwelling: Dwelling::default(),
+            dwells: DwellHistory::default(),
+            dwelt: None,
+            design,
+        }
+    }
+
+    /// What is known after the newest cycle.
+    pub const fn verdict(&self) -> Verdict {
+        self.verdict
+    }
+
+    /// The statistics of mean and variance in the newest cycle.
+    pub const fn peaks(&self) -> [Peak; 2] {
+        self.peaks
+    }
+
+    /// The alarm that stands.
+    pub const fn alarm(&self) -> Option<&Alarm> {
+        self.alarm.as_ref()
+    }
+
+    /// What was read on the stop so far.
+    pub const fn dwells(&self) -> &DwellHistory {
+        &self.dwells
+    }
+
+    /// Goes on with a history of before.
+    pub fn remember(&mut self, dwells: DwellHistory) {
+        self.dwells = dwells;
+    }
+
+    /// What was read on the stop in the newest cycle, once.
+    pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
+        self.dwelt.take()
+    }
+
+    /// Time jumped or frames were lost.
+    pub fn interrupt(&mut self) {
+        // As with R3, the side does not outlast a time of which nothing is known.
+        if let Some(alarm) = self.alarm.as_mut().filter(|alarm| alarm.cause != Cause::Dwell) {
+            alarm.suspect = Suspect::Undecided;
+        }
+        self.leave();
+        self.dwelling = Dwelling::default();
+        self.was_monitored = false;
+    }
+
+    /// Takes one cycle. Where the alarm that stands has become another one, or has ended, it shows
+    /// in [`Self::alarm`].
+    pub fn step(&mut self, input: &Input) {
+        if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
+            let moved = self.dwells.add(dwell);
+            self.dwelt = Some((dwell, moved));
+            if let Some(moved) = moved {
+                self.judge_dwell(&moved);
+            }
+        }
+        if !input.monitored {
+            if std::mem::take(&mut self.was_monitored) {
+                self.leave();
+            }
+            self.verdict = Verdict::Unknown;
+            return;
+        }
+        self.was_monitored = true;
+        let residual = self.residual(input);
+        let baseline = self.baseline.value();
+        self.follow(input, residual.zip(baseline));
+        let Some(residual) = residual else {
+            self.verdict = self.without_evidence();
+            return;
+        };
+        self.slow.push(residual);
+        if self.alarm.is_none() {
+            self.baseline.follow(residual);
+        }
+        let Some(baseline) = baseline else {
+            self.verdict = self.without_evidence();
+            return;
+        };
+        self.judge(residual - baseline);
+    }
+
+    /// What is learnt of a state is void in another one. What was found stands, and its baseline
+    /// with it: or else the fault would be the new one.
+    fn leave(&mut self) {
+        self.history.clear();
+        self.motion.reset();
+        self.before = None;
+        self.peaks = [Peak::default(); 2];
+        self.verdict = Verdict::Unknown;
+        if let Some(pair) = &mut self.pair {
+            pair.reset();
+        }
+        if self.alarm.is_none() {
+            self.baseline.reset();
+            self.slow.reset();
+        }
+    }
+
+    /// The stop tells which reading has drifted, also where nothing else could: while the machine
+    /// moves, its controller follows a drifting C1.
+    fn judge_dwell(&mut self, moved: &Moved) {
+        let [one, two] = moved.by;
+        let (suspect, size) = match moved.blame() {
+            Blame::C1 => (Suspect::C1, one),
+            Blame::C2 => (Suspect::C2, two),
+            Blame::Neither | Blame::Stop => {
+                // What the stop found is over when the stop says so.
+                self.alarm = self.alarm.filter(|alarm| alarm.cause != Cause::Dwell);
+                return;
+            }
+            Blame::Both => return,
+        };
+        match &mut self.alarm {
+            Some(alarm) if alarm.suspect == Suspect::Undecided => alarm.suspect = suspect,
+            Some(_) => {}
+            None if size.abs() > SLOW => {
+                self.alarm = Some(Alarm {
+                    cause: Cause::Dwell,
+                    peak: Peak::default(),
+                    fault: Fault::Incipient,
+                    suspect,
+                    evidence: None,
+                    size,
+                    since: 0,
+                    age: 0,
+                    calm: 0,
+                });
+            }
+            None => {}
+        }
+    }
+
+    fn without_evidence(&self) -> Verdict {
+        if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Unknown }
+    }
+
+    fn residual(&mut self, input: &Input) -> Option<f64> {
+        let before = std::mem::replace(&mut self.before, input.lengths[1]);
+        let (c1, c2) = input.lengths[0].zip(input.lengths[1])?;
+        let derived = || before.map(|before| (c2 - before) / self.design.sample_time);
+        let velocity = input.velocity.or_else(derived)?;
+        self.design.reference.residual(c1, c2, velocity)
+    }
+
+    /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
+    fn follow(&mut self, input: &Input, difference: Option<(f64, f64)>) {
+        let Some(pair) = &mut self.pair else { return };
+        let lengths = input.lengths[0]
+            .zip(difference)
+            .map(|(c1, (residual, baseline))| [c1, c1 - (residual - baseline)]);
+        pair.step(lengths, input.command);
+    }
+
+    fn judge(&mut self, residual: f64) {
+        // `before` holds C2 of this cycle by now; the residual is there, so it is, too.
+        let c2 = self.before.unwrap_or_default();
+        let moving = self.motion.step([c2 + residual, c2]);
+        let Design { rate, deviation, .. } = &self.design;
+        self.history.push(residual, *deviation, rate.farthest(), moving);
+        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| watched(&alarm));
+        let Design { rate, level, .. } = &self.design;
+        self.peaks = peaks(&self.history, rate, DEAD_BAND, self.spread_band, widest);
+        let [mean, variance] = self.peaks;
+        let level = *level;
+        if self.alarm.is_some() {
+            self.go_on(mean.nats.max(variance.nats) < CALM * level);
+        } else if mean.nats > level {
+            self.raise(Cause::Mean, mean);
+        } else if variance.nats > level {
+            self.raise(Cause::Variance, variance);
+        } else if self.slow.mean().is_some_and(|mean| mean.abs() > SLOW) {
+            self.raise(Cause::Slow, Peak::default());
+        }
+        self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
+    }
+
+    fn raise(&mut self, cause: Cause, peak: Peak) {
+        let (fault, size, since) = match cause {
+            Cause::Mean => {
+                let shape = kind::shape(&self.history);
+                (shape.fault, shape.size, shape.onset)
+            }
+            Cause::Variance => (Fault::Noise, self.spread(peak.width), peak.width),
+            Cause::Slow | Cause::Dwell => {
+                (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
+            }
+        };
+        self.alarm = Some(Alarm {
+            cause,
+            peak,
+            fault,
+            suspect: Suspect::Undecided,
+            evidence: None,
+            size,
+            since: since as u32,
+            age: 0,
+            calm: 0,
+        });
+    }
+
+    fn spread(&self, width: usize) -> f64 {
+        let squares = self.history.moving.over(width).or_else(|| self.history.all.over(width));
+        squares.map_or(0.0, |[_, _, _, squares]| (squares / width as f64).sqrt())
+    }
+
+    fn go_on(&mut self, calm: bool) {
+        let Some(mut alarm) = self.alarm else { return };
+        let calm = match alarm.cause {
+            Cause::Dwell => false,
+            Cause::Slow => calm && self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
+            _ => calm,
+        };
+        alarm.age = alarm.age.saturating_add(1);
+        alarm.since = alarm.since.saturating_add(1);
+        alarm.calm = if calm { alarm.calm + 1 } else { 0 };
+        match alarm.age {
+            COMPARE if alarm.cause == Cause::Mean => self.compare(&mut alarm),
+            NOISE if matches!(alarm.cause, Cause::Mean | Cause::Variance) => {
+                self.tell_noise(&mut alarm);
+            }
+            _ => {}
+        }
+        self.alarm = Some(alarm);
+        if alarm.calm >= self.design.clear {
+            self.alarm = None;
+            self.history.clear();
+            self.slow.reset();
+        }
+    }
+
+    /// Which of the readings has stepped.
+    fn compare(&self, alarm: &mut Alarm) {
+        let shape = kind::shape(&self.history);
+        (alarm.fault, alarm.size) = (shape.fault, shape.size);
+        let Some(pair) = &self.pair else { return };
+        let form = if shape.fault == Fault::Incipient { Form::Ramp } else { Form::Step };
+        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
+        if alarm.peak.width > LOCATED || (form == Form::Ramp && speed < FOLLOWED) {
+            return;
+        }
+        let age = COMPARE as usize;
+        let evidence = pair.compare(form, age, age + alarm.peak.width + 1);
+        alarm.evidence = evidence.map(|evidence| evidence.nats);
+        alarm.suspect = match alarm.evidence {
+            Some(nats) if nats > DECIDED => Suspect::C1,
+            Some(nats) if nats < -DECIDED => Suspect::C2,
+            _ => Suspect::Undecided,
+        };
+    }
+
+    /// Noise has no onset to compare; its innovations go on.
+    fn tell_noise(&self, alarm: &mut Alarm) {
+        let span = NOISE as usize;
+        let size = match (kind::noise(&self.history, span), alarm.cause) {
+            (Some(size), _) => size,
+            // Of a rod at rest there are too few samples in motion to look at.
+            (None, Cause::Variance) => alarm.size,
+            (None, _) => return,
+        };
+        (alarm.fault, alarm.size) = (Fault::Noise, size);
+        let share = self.pair.as_ref().and_then(|pair| pair.energy(span));
+        alarm.suspect = match share {
+            Some(share) if share > NOISIER => Suspect::C1,
+            Some(share) if share < -NOISIER => Suspect::C2,
+            _ => Suspect::Undecided,
+        };
+    }
+}
+
+/// How far back one looks whether the alarm is over: as far as it took to find it.
+fn watched(alarm: &Alarm) -> usize {
+    alarm.peak.width.max(LEAST_WATCHED)
+}

@@ -1,0 +1,138 @@
+//! The end stop as a reference: where the rods stand on their mechanical stop, a transducer's own
+//! reading repeats from dwell to dwell, and the one that moved is the one that drifted.
+
+use crate::time::{Span, Timestamp};
+use serde::{Deserialize, Serialize};
+
+/// A rod rests while its readings stay within this, m …
+const STILL: f64 = 1.5e-3;
+
+/// … and is read when it has rested for this long, s.
+const REST: f64 = 3.0;
+
+/// What one dwell read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dwell {
+    /// When it was read.
+    #[serde(with = "nanos")]
+    pub at: Timestamp,
+    /// The means of C1 and C2, m.
+    pub readings: [f64; 2],
+}
+
+/// Nanoseconds since 1970, as in a file.
+mod nanos {
+    use super::Timestamp;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(at: &Timestamp, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_i64(at.as_nanos())
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Timestamp, D::Error> {
+        i64::deserialize(from).map(Timestamp::from_nanos)
+    }
+}
+
+/// Waits for a rod to rest on its stop, and reads it once each time.
+#[derive(Clone, Debug)]
+pub struct Dwelling {
+    rest: Span,
+    /// Since when the readings have stayed near the first of them.
+    since: Option<(Timestamp, [f64; 2])>,
+    sums: [f64; 2],
+    count: u32,
+    read: bool,
+}
+
+impl Default for Dwelling {
+    fn default() -> Self {
+        Self { rest: Span::from_seconds(REST), since: None, sums: [0.0; 2], count: 0, read: false }
+    }
+}
+
+impl Dwelling {
+    /// Takes the readings of a cycle, m; `at_stop`: the platform is in a state in which the rods
+    /// stand on their stops. Gives each dwell once.
+    pub fn step(
+        &mut self,
+        at: Timestamp,
+        at_stop: bool,
+        lengths: [Option<f64>; 2],
+    ) -> Option<Dwell> {
+        if !at_stop {
+            *self = Self::default();
+            return None;
+        }
+        let readings = match lengths {
+            [Some(c1), Some(c2)] => [c1, c2],
+            _ => return None,
+        };
+        let near = |first: &[f64; 2]| {
+            first.iter().zip(readings).all(|(first, now)| (now - first).abs() <= STILL)
+        };
+        let since = match self.since.filter(|(_, first)| near(first)) {
+            Some((since, _)) => since,
+            None => {
+                self.since = Some((at, readings));
+                (self.sums, self.count) = ([0.0; 2], 0);
+                at
+            }
+        };
+        if self.read {
+            return None;
+        }
+        self.sums = [self.sums[0] + readings[0], self.sums[1] + readings[1]];
+        self.count += 1;
+        if at.since(since) < self.rest {
+            return None;
+        }
+        self.read = true;
+        let count = f64::from(self.count);
+        Some(Dwell { at, readings: self.sums.map(|sum| sum / count) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(cycle: i64) -> Timestamp {
+        Timestamp::from_nanos(cycle * 20_000_000)
+    }
+
+    #[test]
+    fn a_dwell_is_read_once_when_the_rod_has_come_to_rest() {
+        let mut dwelling = Dwelling::default();
+        let mut dwells = Vec::new();
+        for k in 0..1000 {
+            // It comes down until cycle 100.
+            let length = -1.4 + 1e-3 * (100 - k).max(0) as f64;
+            dwells.extend(dwelling.step(at(k), true, [Some(length), Some(length + 2e-3)]));
+        }
+        let [dwell] = dwells[..] else { panic!("{dwells:?}") };
+        assert!((249..252).contains(&(dwell.at.as_nanos() / 20_000_000)), "{dwell:?}");
+        assert!((dwell.readings[0] + 1.4).abs() < 2e-5, "{dwell:?}");
+        assert!((dwell.readings[1] + 1.398).abs() < 2e-5, "{dwell:?}");
+        // After another state it is another dwell.
+        dwelling.step(at(1000), false, [None; 2]);
+        let again = (1001..1300).filter_map(|k| dwelling.step(at(k), true, [Some(-1.4); 2]));
+        assert_eq!(again.count(), 1);
+    }
+
+    #[test]
+    fn a_rod_that_moves_is_not_at_its_stop() {
+        let mut dwelling = Dwelling::default();
+        for k in 0..2000 {
+            let length = 0.2 * (k as f64 * 0.01).sin();
+            assert_eq!(dwelling.step(at(k), true, [Some(length); 2]), None, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_dwell_comes_back_from_its_file() {
+        let dwell = Dwell { at: at(7), readings: [-1.4, 0.1 + 0.2] };
+        let text = serde_json::to_string(&dwell).expect("it can be written");
+        assert_eq!(serde_json::from_str::<Dwell>(&text).expect("it can be read"), dwell);
+    }
+}

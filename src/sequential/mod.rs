@@ -1,0 +1,47 @@
+//! Beyond fixed thresholds: sequential detection, and which transducer it is.
+//!
+//! ```text
+//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
+//!    └────→ pair (with u) ─ innovations ──────────────────────────────────────→ suspect, kind
+//! ```
+//!
+//! A threshold on one sample finds millimetres. Here the evidence of all windows up to 1024 samples
+//! is weighed, in nats, against what the calibration has seen of healthy residuals: a mean that
+//! moved ([`statistic`]), or a spread that grew. The level h is one number, from the wanted rate of
+//! false alarms. Which transducer it is, is told only where the evidence is there: steps and noise
+//! by the command ([`pair`]); a slow drift stays undecided, because in the closed loop the machine
+//! follows it. Memory is bounded, and a step allocates nothing.
+
+pub mod baseline;
+pub mod detector;
+pub mod drive;
+pub mod dwell;
+pub mod history;
+pub mod kind;
+pub mod motion;
+pub mod pair;
+pub mod rate;
+pub mod reference;
+pub mod statistic;
+pub mod windows;
+
+pub use detector::{Alarm, Design, Input, Sequential};
+pub use drive::Drive;
+pub use dwell::Dwell;
+pub use history::{Blame, DwellHistory, Moved, Trend};
+pub use pair::{Pair, PairDesign};
+pub use rate::{Magnitudes, Rate};
+pub use reference::Reference;
+
+/// Samples of a year.
+const YEAR: f64 = 365.25 * 86_400.0;
+
+/// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
+/// seconds and always judged has `per_year` false alarms a year at the most.
+///
+/// At each sample the statistic of one window is beyond h with a probability of exp(−h) at most
+/// (Chernoff); neighbouring windows and samples say nearly the same, so that this many are not
+/// added up. What a recording shows is by a few nats better.
+pub fn level(per_year: f64, cylinders: u8, sample_time: f64) -> f64 {
+    (f64::from(cylinders) * YEAR / sample_time / per_year).ln()
+}

@@ -1,0 +1,213 @@
+//! How unlikely a mean is on a healthy cylinder.
+
+/// The bins of a [`Magnitudes`].
+const BINS: usize = 512;
+
+/// Nodes of a [`Rate`] beside that at zero.
+const NODES: usize = 48;
+
+/// The largest tilt that is looked at, in units of 1/largest: beyond it the rate has its bound.
+const STEEPEST: f64 = 200.0;
+
+/// The distribution of the magnitude of healthy residuals, as bins that widen when they must.
+/// Memory does not grow.
+#[derive(Clone, Debug)]
+pub struct Magnitudes {
+    width: f64,
+    counts: Vec<u64>,
+    total: u64,
+    squares: f64,
+    largest: f64,
+}
+
+impl Magnitudes {
+    /// Bins that begin with a width of `width`, m.
+    pub fn new(width: f64) -> Self {
+        Self { width, counts: vec![0; BINS], total: 0, squares: 0.0, largest: 0.0 }
+    }
+
+    /// Takes a residual, m; one that is not finite is not taken.
+    pub fn add(&mut self, residual: f64) {
+        let magnitude = residual.abs();
+        if !magnitude.is_finite() {
+            return;
+        }
+        while magnitude >= self.width * BINS as f64 {
+            for i in 0..BINS / 2 {
+                self.counts[i] = self.counts[2 * i] + self.counts[2 * i + 1];
+            }
+            self.counts[BINS / 2..].fill(0);
+            self.width *= 2.0;
+        }
+        self.counts[(magnitude / self.width) as usize] += 1;
+        self.total += 1;
+        self.squares += magnitude * magnitude;
+        self.largest = self.largest.max(magnitude);
+    }
+
+    pub const fn total(&self) -> u64 {
+        self.total
+    }
+
+    /// m.
+    pub const fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// The root mean square, m.
+    pub fn deviation(&self) -> f64 {
+        (self.squares / self.total.max(1) as f64).sqrt()
+    }
+}
+
+/// Chernoff's rate function I of the healthy residual: the mean of w independent ones is beyond x
+/// with a probability of at most exp(−w I(x)).
+///
+/// It is that of the residuals which a calibration has seen, made symmetrical, and of one more at
+/// 1.25 times the largest, because nobody has seen the largest. No Gaussian is assumed: readings
+/// that move in counts have none. It is a table from 0 in steps of `spacing`, and beyond it the
+/// last value: a single sample, however far off, is no more evidence than the calibration is long.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rate {
+    /// m.
+    pub spacing: f64,
+    /// Nats; begins with 0 and never falls.
+    pub values: Vec<f64>,
+}
+
+impl Rate {
+    /// The rate function of `magnitudes`; `None` where there are none or all are zero.
+    pub fn of(magnitudes: &Magnitudes) -> Option<Self> {
+        let farthest = 1.25 * magnitudes.largest;
+        if magnitudes.total == 0 || farthest <= 0.0 {
+            return None;
+        }
+        let all = magnitudes.total as f64 + 1.0;
+        let mut points: Vec<(f64, f64)> = magnitudes
+            .counts
+            .iter()
+            .enumerate()
+            .filter(|(_, count)| **count > 0)
+            // The outer edge of a bin: rather too wide than too narrow.
+            .map(|(i, count)| ((i as f64 + 1.0) * magnitudes.width, *count as f64 / all))
+            .collect();
+        let farthest = farthest.max(points.last()?.0);
+        points.push((farthest, 1.0 / all));
+        let spacing = farthest / NODES as f64;
+        let mut values: Vec<f64> =
+            (0..=NODES).map(|i| conjugate(&points, i as f64 * spacing, farthest)).collect();
+        values[0] = 0.0;
+        for i in 1..values.len() {
+            values[i] = values[i].max(values[i - 1]);
+        }
+        Some(Self { spacing, values })
+    }
+
+    /// Beyond this one sample is no more evidence, m.
+    pub fn farthest(&self) -> f64 {
+        self.spacing * (self.values.len() - 1) as f64
+    }
+
+    /// I(x), nats, for a mean of magnitude `x`, m, at least 0.
+    pub fn at(&self, x: f64) -> f64 {
+        let along = x / self.spacing;
+        let last = self.values.len() - 1;
+        if along >= last as f64 {
+            return self.values[last];
+        }
+        let i = along as usize;
+        self.values[i] + (along - i as f64) * (self.values[i + 1] - self.values[i])
+    }
+}
+
+/// sup over λ of λx − ln E cosh(λ r), by golden section: the function is concave.
+fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64) -> f64 {
+    let value = |tilt: f64| {
+        // ln Σ p cosh(λ r), without overflow.
+        let top = tilt * farthest;
+        let sum: f64 = points
+            .iter()
+            .map(|(r, p)| p * 0.5 * ((tilt * r - top).exp() + (-tilt * r - top).exp()))
+            .sum();
+        tilt * x - top - sum.ln()
+    };
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    // The tilt that matters can be small against the tail: search its logarithm.
+    let (mut low, mut high) = ((1e-4 / farthest).ln(), (STEEPEST / farthest).ln());
+    for _ in 0..80 {
+        let inner = [high - golden * (high - low), low + golden * (high - low)];
+        if value(inner[0].exp()) < value(inner[1].exp()) {
+            low = inner[0];
+        } else {
+            high = inner[1];
+        }
+    }
+    value((0.5 * (low + high)).exp()).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const SIGMA: f64 = 1e-4;
+
+    fn normal(samples: u64) -> Magnitudes {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut magnitudes = Magnitudes::new(1e-6);
+        for _ in 0..samples {
+            let z: f64 = StandardNormal.sample(&mut rng);
+            magnitudes.add(SIGMA * z);
+        }
+        magnitudes
+    }
+
+    /// Of a normal distribution it is x²/2σ².
+    #[test]
+    fn of_a_normal_distribution_it_is_a_parabola() {
+        let rate = Rate::of(&normal(200_000)).expect("there are samples");
+        for z in [0.3_f64, 0.5, 1.0, 1.5, 2.0] {
+            let (found, expected) = (rate.at(z * SIGMA), z * z / 2.0);
+            assert!((found / expected - 1.0).abs() < 0.08, "{z}: {found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn one_sample_is_no_more_evidence_than_the_calibration_is_long() {
+        let rate = Rate::of(&normal(10_000)).expect("there are samples");
+        let most = (2.0 * 10_001_f64).ln();
+        for x in [1e-3, 1.0, f64::INFINITY] {
+            assert!((rate.at(x) - most).abs() < 0.1, "{} for {most}", rate.at(x));
+        }
+    }
+
+    /// Readings that are three counts off or not at all: the mean of many is normal, one is not.
+    #[test]
+    fn of_two_values_it_is_that_of_a_coin() {
+        let mut magnitudes = Magnitudes::new(1e-6);
+        (0..100_000).for_each(|_| magnitudes.add(1e-3 - 1e-9));
+        let rate = Rate::of(&magnitudes).expect("there are samples");
+        let coin = |p: f64| p * (2.0 * p).ln() + (1.0 - p) * (2.0 * (1.0 - p)).ln();
+        for x in [0.2, 0.5, 0.8] {
+            let (found, expected) = (rate.at(x * 1e-3), coin(0.5 * (1.0 + x)));
+            assert!((found / expected - 1.0).abs() < 0.06, "{x}: {found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn it_never_falls_and_nothing_gives_nothing() {
+        let rate = Rate::of(&normal(1000)).expect("there are samples");
+        assert!(rate.values.is_sorted() && rate.values[0] == 0.0);
+        assert_eq!(Rate::of(&Magnitudes::new(1e-6)), None);
+    }
+
+    #[test]
+    fn wider_bins_lose_no_sample() {
+        let mut magnitudes = Magnitudes::new(1e-6);
+        [1e-7, 3e-4, 5.0, f64::NAN, -2e-3].into_iter().for_each(|r| magnitudes.add(r));
+        assert_eq!(magnitudes.counts.iter().sum::<u64>(), 4);
+        assert_eq!((magnitudes.total(), magnitudes.largest()), (4, 5.0));
+    }
+}
