@@ -346,6 +346,29 @@ fn replay_takes_the_recording_like_any_other_and_the_truth_is_a_table_of_faults(
     assert!((20.0..20.1).contains(&t), "{t}");
 }
 
+/// `identify` takes it like any other: one cylinder's model, fitted on the first half, accounts for
+/// at least 90 % of the position of every cylinder in the second.
+#[test]
+fn identify_finds_a_model_in_a_simulated_recording() {
+    let scratch = Scratch::new();
+    let log = scratch.path("healthy.log");
+    let call = ["simulate", "--config", CONFIG, "--duration", "240", "--seed", "3"];
+    support::tertius(&[&call[..], &["--output", &log]].concat(), b"").ok();
+    let page = support::tertius(&["identify", &log, "--config", CONFIG], b"").ok().stdout;
+    let (_, below) = page.split_once("the model of cylinder ").expect("one is taken");
+    let chosen = &below[..1];
+    let (_, table) = page.split_once("simulated open loop (Figure 4-3)").expect("it was tried");
+    let row = table.lines().find(|line| line.split_whitespace().next() == Some(chosen));
+    let vafs: Vec<f64> = row
+        .expect("a row for each cylinder's model")
+        .split_whitespace()
+        .skip(1)
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    assert_eq!(vafs.len(), 7, "six cylinders and the worst of them: {page}");
+    assert!(vafs.iter().all(|vaf| (90.0..100.0).contains(vaf)), "{page}");
+}
+
 #[test]
 fn a_truth_reads_back_as_the_faults_that_it_was_made_from() {
     let words = [
