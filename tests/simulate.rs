@@ -346,6 +346,47 @@ fn replay_takes_the_recording_like_any_other_and_the_truth_is_a_table_of_faults(
     assert!((20.0..20.1).contains(&t), "{t}");
 }
 
+/// Where a machine sends its load pressure itself, it is P_bot − α P_rod (3-4) of the pressures that
+/// it sends.
+#[test]
+fn a_load_pressure_on_the_bus_is_that_of_the_chambers() {
+    let mut setup = setup();
+    let mut dbc = std::fs::read_to_string(support::top().join("dbc/e-type.dbc")).expect("ships");
+    for n in 1..=6 {
+        dbc += &format!(
+            "\nBO_ {} Cyl{n}_Load: 2 Valve{n}\n SG_ LoadPressure : 0|16@1- (0.01,0) [-200|300] \
+             \"bar\" Gateway\n",
+            0x2A0 + n
+        );
+    }
+    setup.database = Database::parse(&dbc).expect("it is sound");
+    setup.settings.signals.cylinder.load_pressure = Some("Cyl{n}_Load.LoadPressure".to_owned());
+    let mut simulator = setup.simulator(&Options { seed: 1, ..Options::default() });
+    let mut seen = [[0.0; 3]; 6];
+    let read = |frame: &Frame, signal: &str| {
+        let message = setup.database.message_by_id(frame.id).expect("it is in the DBC");
+        let value = message.signal(signal).and_then(|it| it.plan.decode(frame).value());
+        value.expect("it is there").physical
+    };
+    let mut largest = 0.0_f64;
+    for _ in 0..100 {
+        simulator.step(&mut |frame| match frame.id.value() {
+            id @ 0x1A1..=0x1A6 => {
+                let row = &mut seen[id as usize - 0x1A1];
+                row[0] = read(frame, "PressureBottom");
+                row[1] = read(frame, "PressureRod");
+            }
+            id @ 0x2A1..=0x2A6 => seen[id as usize - 0x2A1][2] = read(frame, "LoadPressure"),
+            _ => {}
+        });
+        for [bottom, rod, load] in seen {
+            assert!((load - (bottom - 0.5 * rod)).abs() < 0.02, "{load} of {bottom} and {rod}");
+            largest = largest.max(load.abs());
+        }
+    }
+    assert!(largest > 10.0, "tens of bar, as the thesis measured: {largest}");
+}
+
 /// `identify` takes it like any other: one cylinder's model, fitted on the first half, accounts for
 /// at least 90 % of the position of every cylinder in the second.
 #[test]
