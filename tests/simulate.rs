@@ -346,6 +346,36 @@ fn replay_takes_the_recording_like_any_other_and_the_truth_is_a_table_of_faults(
     assert!((20.0..20.1).contains(&t), "{t}");
 }
 
+/// A table of faults does what the same faults in the call do, and comes back as the truth.
+#[test]
+fn a_written_truth_makes_the_same_recording() {
+    let scratch = Scratch::new();
+    let simulate = |name: &str, faults: &[&str]| {
+        let log = scratch.path(&format!("{name}.log"));
+        let truth = scratch.path(&format!("{name}.csv"));
+        let call = ["simulate", "--config", CONFIG, "--duration", "6", "--seed", "4"];
+        let out = ["--output", &log, "--truth", &truth];
+        let run = support::tertius(&[&call[..], &out, faults].concat(), b"").ok();
+        (scratch.read(&format!("{name}.log")), scratch.read(&format!("{name}.csv")), run)
+    };
+    let [step, noise] =
+        ["step,cylinder=5,sensor=c2,at=2,size=-0.0025,until=4", "noise,cylinder=2,size=0.001,at=3"];
+    let (log, truth, _) = simulate("called", &["--fault", step, "--fault", noise]);
+    let table = scratch.path("called.csv");
+    let (same, again, run) = simulate("table", &["--faults", &table]);
+    assert!(log == same, "the recordings differ");
+    assert_eq!(truth, again);
+    let named = format!("{table}: line 2: 100 of 100 frames changed");
+    assert!(run.stderr.contains(&named), "{}", run.stderr);
+    // Those of the table act first, and the randomness of each is its own.
+    scratch.write("first.csv", truth.lines().take(2).collect::<Vec<_>>().join("\n"));
+    let (same, _, _) =
+        simulate("both", &["--faults", &scratch.path("first.csv"), "--fault", noise]);
+    assert!(log == same, "a table and a call differ from a call");
+    let (healthy, _, _) = simulate("healthy", &[]);
+    assert_ne!(log, healthy);
+}
+
 /// Where a machine sends its load pressure itself, it is P_bot − α P_rod (3-4) of the pressures that
 /// it sends.
 #[test]
@@ -482,6 +512,10 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--fault", "step,cylinder=7,size=1"]).failed(2, &["there is no cylinder 7"]);
     run(&["--plant", "no/such.toml"]).failed(2, &["no/such.toml", "cannot be read"]);
     run(&["--output", "no/such/folder.log"]).failed(2, &["cannot be created"]);
+    run(&["--speed", "2"]).failed(2, &["--interface"]);
+    run(&["--interface", "vcan0", "--speed", "0"]).failed(2, &["or max"]);
+    run(&["--faults", "no/such.csv"]).failed(2, &["no/such.csv: cannot be read"]);
+    run(&["--faults", "Cargo.toml"]).failed(2, &["Cargo.toml: line 1", "expected the header"]);
     let help = support::tertius(&["simulate", "--help"], b"").ok();
-    assert!(help.stdout.contains("Example:"), "{}", help.stdout);
+    assert!(help.stdout.contains("Examples:"), "{}", help.stdout);
 }

@@ -1,12 +1,15 @@
 //! The commands.
 
+mod broadcast;
 mod calibrate;
 mod check;
 mod demo;
 mod doctor;
 mod failure;
+mod faults;
 mod identify;
 mod inject;
+mod log_file;
 mod machine;
 mod output;
 mod player;

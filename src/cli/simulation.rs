@@ -2,6 +2,7 @@
 
 use crate::bus::{Source, SourceError};
 use crate::frame::Frame;
+use crate::inject::Tally;
 use crate::simulator::Simulator;
 
 /// The frames of so many cycles of a simulated machine, one by one.
@@ -17,6 +18,11 @@ pub struct Simulation {
 impl Simulation {
     pub const fn new(simulator: Simulator, cycles: u64) -> Self {
         Self { simulator, cycles, frames: Vec::new(), given: 0 }
+    }
+
+    /// What became of each fault so far, in the order in which they were given.
+    pub fn tallies(&self) -> &[Tally] {
+        self.simulator.tallies()
     }
 }
 
