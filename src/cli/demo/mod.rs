@@ -37,8 +37,8 @@ const PRELUDE: f64 = 6.0;
 
 /// Shows the gateway at work on a simulated machine: faults arrive, it warns.
 ///
-/// Simulator, embedded bus and gateway run in this process, and all that is shown of the gateway but
-/// the residuals is read from the frames that it sends.
+/// Simulator, embedded bus and gateway run in this process. But for readings and residuals, all that
+/// is shown is read from the frames on the bus.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   tertius demo

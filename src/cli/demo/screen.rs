@@ -7,6 +7,9 @@ use std::time::{Duration, Instant};
 /// The terminal is drawn anew this often.
 const PERIOD: Duration = Duration::from_millis(50);
 
+/// Wipes what is behind the cursor in its line.
+const TO_END_OF_LINE: &str = "\x1b[K";
+
 /// Somebody who watches.
 pub enum Screen {
     Terminal(Terminal),
@@ -65,13 +68,16 @@ impl Terminal {
     fn draw(&mut self, lines: &[String]) -> io::Result<()> {
         self.due = Instant::now() + PERIOD;
         let (height, width) = self.term.size();
-        self.clear()?;
         // A line more would scroll what is above away, and a wider one would take two.
         let shown = &lines[..lines.len().min(usize::from(height).saturating_sub(1))];
+        self.term.move_cursor_up(std::mem::take(&mut self.drawn))?;
         for line in shown {
-            self.term.write_line(&truncate_str(line, usize::from(width), ""))?;
+            // Written over and not wiped before, so that nothing blinks.
+            let line = truncate_str(line, usize::from(width), "");
+            self.term.write_line(&format!("{line}{TO_END_OF_LINE}"))?;
         }
         self.drawn = shown.len();
+        self.term.clear_to_end_of_screen()?;
         self.term.flush()
     }
 
