@@ -137,3 +137,39 @@ fn swapped_cylinders_are_named() {
     refused(3, &["follows the command of cylinder 1", "look swapped"], swap);
     assert_eq!(verdict(2, swap), Ok(()));
 }
+
+#[test]
+fn commands_that_went_round_are_named() {
+    let round = |rows: &mut [Row; 3]| {
+        let [one, two, three] = rows.each_ref().map(|row| row.u);
+        (rows[0].u, rows[1].u, rows[2].u) = (two, three, one);
+    };
+    refused(1, &["follows the command of cylinder 3", "look swapped"], round);
+    refused(2, &["follows the command of cylinder 1", "look swapped"], round);
+    refused(3, &["follows the command of cylinder 2", "look swapped"], round);
+}
+
+/// Neighbours on a wave move alike, one behind the other, and a motion follows its command with a lag:
+/// so it may be nearest to the command of the cylinder behind. That is no swap.
+#[test]
+fn neighbours_that_follow_each_other_are_not_swapped() {
+    // Of a motion behind its command, on a wave of 8 s; in cycles.
+    const LAG: f64 = 8.0;
+    let wave = |k: f64| 0.3 * (k * std::f64::consts::TAU / 400.0).sin();
+    let mut cycle = 0.0;
+    let follow = |rows: &mut [Row; 3]| {
+        for (row, behind) in rows.iter_mut().zip([0.0, LAG, 200.0]) {
+            row.u = Some(wave(cycle - behind));
+            // The position is the integral of a command that the motion follows late.
+            let phase = (cycle - behind - LAG) * std::f64::consts::TAU / 400.0;
+            row.c1 = Some(-0.3 * 400.0 * TS / std::f64::consts::TAU * phase.cos());
+            row.v1 = Some(wave(cycle - behind - LAG));
+            row.c2 = row.c1.map(|c1| (c1 - 0.003) / 1.002);
+        }
+        cycle += 1.0;
+    };
+    let census = census(follow);
+    for index in 0..3 {
+        assert_eq!(census.judge(index).map_err(|refusal| refusal.to_string()), Ok(()));
+    }
+}

@@ -346,6 +346,100 @@ fn replay_takes_the_recording_like_any_other_and_the_truth_is_a_table_of_faults(
     assert!((20.0..20.1).contains(&t), "{t}");
 }
 
+/// A table of faults does what the same faults in the call do, and comes back as the truth.
+#[test]
+fn a_written_truth_makes_the_same_recording() {
+    let scratch = Scratch::new();
+    let simulate = |name: &str, faults: &[&str]| {
+        let log = scratch.path(&format!("{name}.log"));
+        let truth = scratch.path(&format!("{name}.csv"));
+        let call = ["simulate", "--config", CONFIG, "--duration", "6", "--seed", "4"];
+        let out = ["--output", &log, "--truth", &truth];
+        let run = support::tertius(&[&call[..], &out, faults].concat(), b"").ok();
+        (scratch.read(&format!("{name}.log")), scratch.read(&format!("{name}.csv")), run)
+    };
+    let [step, noise] =
+        ["step,cylinder=5,sensor=c2,at=2,size=-0.0025,until=4", "noise,cylinder=2,size=0.001,at=3"];
+    let (log, truth, _) = simulate("called", &["--fault", step, "--fault", noise]);
+    let table = scratch.path("called.csv");
+    let (same, again, run) = simulate("table", &["--faults", &table]);
+    assert!(log == same, "the recordings differ");
+    assert_eq!(truth, again);
+    let named = format!("{table}: line 2: 100 of 100 frames changed");
+    assert!(run.stderr.contains(&named), "{}", run.stderr);
+    // Those of the table act first, and the randomness of each is its own.
+    scratch.write("first.csv", truth.lines().take(2).collect::<Vec<_>>().join("\n"));
+    let (same, _, _) =
+        simulate("both", &["--faults", &scratch.path("first.csv"), "--fault", noise]);
+    assert!(log == same, "a table and a call differ from a call");
+    let (healthy, _, _) = simulate("healthy", &[]);
+    assert_ne!(log, healthy);
+}
+
+/// Where a machine sends its load pressure itself, it is P_bot − α P_rod (3-4) of the pressures that
+/// it sends.
+#[test]
+fn a_load_pressure_on_the_bus_is_that_of_the_chambers() {
+    let mut setup = setup();
+    let mut dbc = std::fs::read_to_string(support::top().join("dbc/e-type.dbc")).expect("ships");
+    for n in 1..=6 {
+        dbc += &format!(
+            "\nBO_ {} Cyl{n}_Load: 2 Valve{n}\n SG_ LoadPressure : 0|16@1- (0.01,0) [-200|300] \
+             \"bar\" Gateway\n",
+            0x2A0 + n
+        );
+    }
+    setup.database = Database::parse(&dbc).expect("it is sound");
+    setup.settings.signals.cylinder.load_pressure = Some("Cyl{n}_Load.LoadPressure".to_owned());
+    let mut simulator = setup.simulator(&Options { seed: 1, ..Options::default() });
+    let mut seen = [[0.0; 3]; 6];
+    let read = |frame: &Frame, signal: &str| {
+        let message = setup.database.message_by_id(frame.id).expect("it is in the DBC");
+        let value = message.signal(signal).and_then(|it| it.plan.decode(frame).value());
+        value.expect("it is there").physical
+    };
+    let mut largest = 0.0_f64;
+    for _ in 0..100 {
+        simulator.step(&mut |frame| match frame.id.value() {
+            id @ 0x1A1..=0x1A6 => {
+                let row = &mut seen[id as usize - 0x1A1];
+                row[0] = read(frame, "PressureBottom");
+                row[1] = read(frame, "PressureRod");
+            }
+            id @ 0x2A1..=0x2A6 => seen[id as usize - 0x2A1][2] = read(frame, "LoadPressure"),
+            _ => {}
+        });
+        for [bottom, rod, load] in seen {
+            assert!((load - (bottom - 0.5 * rod)).abs() < 0.02, "{load} of {bottom} and {rod}");
+            largest = largest.max(load.abs());
+        }
+    }
+    assert!(largest > 10.0, "tens of bar, as the thesis measured: {largest}");
+}
+
+/// `identify` takes it like any other: one cylinder's model, fitted on the first half, accounts for
+/// at least 90 % of the position of every cylinder in the second.
+#[test]
+fn identify_finds_a_model_in_a_simulated_recording() {
+    let scratch = Scratch::new();
+    let log = scratch.path("healthy.log");
+    let call = ["simulate", "--config", CONFIG, "--duration", "240", "--seed", "3"];
+    support::tertius(&[&call[..], &["--output", &log]].concat(), b"").ok();
+    let page = support::tertius(&["identify", &log, "--config", CONFIG], b"").ok().stdout;
+    let (_, below) = page.split_once("the model of cylinder ").expect("one is taken");
+    let chosen = &below[..1];
+    let (_, table) = page.split_once("simulated open loop (Figure 4-3)").expect("it was tried");
+    let row = table.lines().find(|line| line.split_whitespace().next() == Some(chosen));
+    let vafs: Vec<f64> = row
+        .expect("a row for each cylinder's model")
+        .split_whitespace()
+        .skip(1)
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    assert_eq!(vafs.len(), 7, "six cylinders and the worst of them: {page}");
+    assert!(vafs.iter().all(|vaf| (90.0..100.0).contains(vaf)), "{page}");
+}
+
 #[test]
 fn a_truth_reads_back_as_the_faults_that_it_was_made_from() {
     let words = [
@@ -418,6 +512,10 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--fault", "step,cylinder=7,size=1"]).failed(2, &["there is no cylinder 7"]);
     run(&["--plant", "no/such.toml"]).failed(2, &["no/such.toml", "cannot be read"]);
     run(&["--output", "no/such/folder.log"]).failed(2, &["cannot be created"]);
+    run(&["--speed", "2"]).failed(2, &["--interface"]);
+    run(&["--interface", "vcan0", "--speed", "0"]).failed(2, &["or max"]);
+    run(&["--faults", "no/such.csv"]).failed(2, &["no/such.csv: cannot be read"]);
+    run(&["--faults", "Cargo.toml"]).failed(2, &["Cargo.toml: line 1", "expected the header"]);
     let help = support::tertius(&["simulate", "--help"], b"").ok();
-    assert!(help.stdout.contains("Example:"), "{}", help.stdout);
+    assert!(help.stdout.contains("Examples:"), "{}", help.stdout);
 }

@@ -1,15 +1,15 @@
 //! `tertius inject`: a recording, or a bus, with faults that were not there.
 
 use super::Failure;
+use super::faults::{self, FaultOptions};
+use super::log_file::Out;
 use super::machine::Machine;
 use super::progress::Bar;
 use super::proxy::{self, Ends};
 use crate::bus::{Options, Recording, Source, Statistics, append_log_line};
-use crate::inject::{Fault, Injector, MAX_FAULTS, Placed, Tally, grammar, place, table};
+use crate::inject::{Injector, grammar};
 use clap::Args;
-use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 const EXAMPLE: &str = "Examples:
@@ -69,12 +69,8 @@ pub struct Inject {
     /// Where the recording with the faults goes; - for standard output
     #[arg(long, value_name = "FILE.log", default_value = "-")]
     output: PathBuf,
-    /// A fault; several act in this order where they meet
-    #[arg(long = "fault", value_name = "SPEC")]
-    faults: Vec<String>,
-    /// A table of faults, which act before those of --fault
-    #[arg(long = "faults", value_name = "FILE.csv")]
-    table: Option<PathBuf>,
+    #[command(flatten)]
+    faults: FaultOptions,
     /// Whatever is random comes from this number: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -86,33 +82,24 @@ pub struct Inject {
 /// Frames between two looks at progress.
 const STRIDE: u64 = 1 << 16;
 
-/// A fault with the words for it.
-struct Named {
-    name: String,
-    fault: Fault,
-}
-
 impl Inject {
     /// Injects.
     ///
     /// # Errors
     /// What is wrong with the call, its files or the output.
     pub fn run(self) -> Result<(), Failure> {
-        let faults = self.faults()?;
+        let faults = self.faults.read()?;
+        if faults.is_empty() {
+            let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
+            return Err(Failure::Wrong(message.to_owned()));
+        }
         let machine = Machine::load(&self.config)?;
-        let placed = faults
-            .iter()
-            .map(|named| {
-                place(&named.fault, &machine.loaded.settings, &machine.database)
-                    .map_err(|error| Failure::Wrong(format!("{}: {error}", named.name)))
-            })
-            .collect::<Result<Vec<Placed>, Failure>>()?;
-        let mut injector = Injector::new(&placed, self.seed);
+        let mut injector = Injector::new(&faults::place_all(&faults, &machine)?, self.seed);
         if let (Some(from), Some(to)) = (&self.from, &self.to) {
             let (from, to) = (from.clone(), to.clone());
             let ends = Ends { from, to, lasts: self.lasts, max_age: self.max_age };
             let injector = proxy::run(&ends, injector)?;
-            report_faults(&faults, injector.tallies());
+            faults::report(&faults, injector.tallies());
             return Ok(());
         }
         let mut recording = Recording::open(&self.logs, Options::default())?;
@@ -122,35 +109,11 @@ impl Inject {
         let counts = self.pump(&mut recording, &mut injector, &mut out, fallback)?;
         out.close()?;
         report(counts, recording.statistics());
-        report_faults(&faults, injector.tallies());
+        faults::report(&faults, injector.tallies());
         match recording.statistics().damage.first() {
             Some(damage) => Err(Failure::Failed(damage.to_string())),
             None => Ok(()),
         }
-    }
-
-    /// Those of the table, then those of the call.
-    fn faults(&self) -> Result<Vec<Named>, Failure> {
-        let mut faults = match &self.table {
-            Some(path) => read_table(path)?,
-            None => Vec::new(),
-        };
-        for text in &self.faults {
-            let name = format!("--fault {text:?}");
-            match Fault::parse(text) {
-                Ok(fault) => faults.push(Named { name, fault }),
-                Err(error) => return Err(Failure::Wrong(format!("{name}: {error}"))),
-            }
-        }
-        if faults.is_empty() {
-            let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
-            return Err(Failure::Wrong(message.to_owned()));
-        }
-        if faults.len() > MAX_FAULTS {
-            let message = format!("{} faults, expected at most {MAX_FAULTS}", faults.len());
-            return Err(Failure::Wrong(message));
-        }
-        Ok(faults)
     }
 
     /// Writing to a file that is still being read would destroy it.
@@ -200,22 +163,6 @@ impl Inject {
     }
 }
 
-fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
-    let shown = path.display();
-    let wrong = |what: String| Failure::Wrong(format!("{shown}: {what}"));
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(table::MAX_TEXT as u64 + 1).read_to_end(&mut bytes))
-        .map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    let text =
-        String::from_utf8(bytes).map_err(|_| wrong("not a table: its text is not UTF-8".into()))?;
-    let faults = table::parse(&text).map_err(|error| wrong(error.to_string()))?;
-    let named = faults
-        .into_iter()
-        .map(|(line, fault)| Named { name: format!("{shown}: line {line}"), fault });
-    Ok(named.collect())
-}
-
 /// Tells the interface of the newest frame from the counts of the recording.
 #[derive(Default)]
 struct Interfaces {
@@ -243,32 +190,6 @@ struct Counts {
     written: u64,
 }
 
-/// Where the recording goes.
-struct Out {
-    writer: BufWriter<Box<dyn Write>>,
-    name: String,
-}
-
-impl Out {
-    fn create(path: &Path) -> Result<Self, Failure> {
-        let (writer, name): (Box<dyn Write>, _) = if path == Path::new("-") {
-            (Box::new(io::stdout()), "standard output".to_owned())
-        } else {
-            let file = File::create(path).map_err(|error| Failure::creating(path, &error))?;
-            (Box::new(file), path.display().to_string())
-        };
-        Ok(Self { writer: BufWriter::with_capacity(1 << 16, writer), name })
-    }
-
-    fn write(&mut self, line: &[u8]) -> Result<(), Failure> {
-        self.writer.write_all(line).map_err(|error| Failure::writing(&self.name, &error))
-    }
-
-    fn close(mut self) -> Result<(), Failure> {
-        self.writer.flush().map_err(|error| Failure::writing(&self.name, &error))
-    }
-}
-
 /// Tells what became of the frames, on standard error: the recording may be on standard output.
 fn report(counts: Counts, statistics: &Statistics) {
     eprintln!("{} frames read, {} written", counts.read, counts.written);
@@ -276,25 +197,4 @@ fn report(counts: Counts, statistics: &Statistics) {
         eprintln!("{} lines were no frames and are left out", statistics.bad_lines);
         statistics.first_bad_lines.iter().for_each(|line| eprintln!("  {line}"));
     }
-}
-
-/// Tells what became of each fault.
-fn report_faults(faults: &[Named], tallies: &[Tally]) {
-    for (named, tally) in faults.iter().zip(tallies) {
-        eprintln!("{}: {}", named.name, outcome(*tally));
-    }
-}
-
-fn outcome(tally: Tally) -> String {
-    if tally.frames == 0 && tally.absent == 0 {
-        return "nothing: none of its frames came in its time".to_owned();
-    }
-    let mut text = format!("{} of {} frames changed or lost", tally.altered, tally.frames);
-    if tally.clamped > 0 {
-        text += &format!(", {} clamped to what the signal can hold", tally.clamped);
-    }
-    if tally.absent > 0 {
-        text += &format!(", {} without the signal", tally.absent);
-    }
-    text
 }

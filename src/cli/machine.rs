@@ -1,11 +1,16 @@
 //! A configuration with its DBC, ready to be monitored.
 
 use super::Failure;
-use crate::config::{self, Loaded};
+use crate::config::{self, Document, Loaded, Settings};
 use crate::decode::{self, Database};
 use crate::monitor::MonitorDesign;
 use crate::monitor::design::Flaw;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// The simulated machine for the monitor, and its DBC; built in, so that a demonstration needs
+/// nothing but the program.
+const SIMULATED: &str = include_str!("../../config/e-type-simulated.toml");
+const DBC: &[u8] = include_bytes!("../../dbc/e-type.dbc");
 
 /// What a configuration file leads to.
 #[derive(Debug)]
@@ -21,7 +26,21 @@ impl Machine {
     /// # Errors
     /// Everything wrong with either.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let loaded = config::load(path)?;
+        Self::new(config::load(path)?)
+    }
+
+    /// The machine of `config/e-type-simulated.toml`, which is built in.
+    ///
+    /// # Errors
+    /// None but those of a program that was built wrongly.
+    pub fn simulated() -> Result<Self, Failure> {
+        let (settings, document): (Settings, Document) =
+            config::parse("config/e-type-simulated.toml", SIMULATED)?;
+        let dbc_path = PathBuf::from("dbc/e-type.dbc");
+        Self::new(Loaded { settings, document, dbc_path, dbc_text: DBC.to_vec() })
+    }
+
+    fn new(loaded: Loaded) -> Result<Self, Failure> {
         let text = decode::text::from_bytes(&loaded.dbc_text);
         let database = Database::parse(&text).map_err(|error| {
             refusal(

@@ -1,11 +1,15 @@
 //! The commands.
 
+mod broadcast;
 mod calibrate;
 mod check;
+mod demo;
 mod doctor;
 mod failure;
+mod faults;
 mod identify;
 mod inject;
+mod log_file;
 mod machine;
 mod output;
 mod player;
@@ -14,6 +18,8 @@ mod proxy;
 mod replay;
 mod run;
 mod simulate;
+mod simulation;
+mod stage;
 mod survey;
 mod tables;
 mod tune;
@@ -33,6 +39,7 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Demo),
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
@@ -51,6 +58,7 @@ impl Arguments {
     /// What went wrong, for a person, with the exit code.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
+            Command::Demo(demo) => demo.run(),
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),

@@ -1,4 +1,4 @@
-//! Plays a recording onto the embedded bus, whose clock it drives.
+//! Plays a recording, or a simulated machine, onto the embedded bus, whose clock it drives.
 
 use super::Failure;
 use crate::bus::embedded::{EmbeddedBus, Endpoint, ManualClock};
@@ -17,7 +17,7 @@ const STEP: Span = Span::from_nanos(5_000_000);
 /// takes it so, too.
 const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
 
-/// How fast a recording is played.
+/// How fast frames are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// So many times its own speed.
@@ -40,9 +40,9 @@ impl FromStr for Pace {
     }
 }
 
-/// A recording on its way onto a bus.
-pub struct Player {
-    recording: Recording,
+/// Frames on their way onto a bus.
+pub struct Player<S> {
+    source: S,
     port: Unrestricted<Endpoint>,
     clock: ManualClock,
     pace: Pace,
@@ -59,13 +59,13 @@ pub struct Player {
     failure: Option<Failure>,
 }
 
-impl Player {
-    /// A player that ends `rest` after the recording. `clock` is the bus's.
+impl<S: Source> Player<S> {
+    /// A player that ends `rest` after the last frame of `source`. `clock` is the bus's.
     ///
     /// # Errors
     /// If the bus is not up.
     pub fn new(
-        recording: Recording,
+        source: S,
         bus: &EmbeddedBus,
         clock: ManualClock,
         pace: Pace,
@@ -74,18 +74,8 @@ impl Player {
         // It listens to nothing.
         let port = bus.open_unrestricted(&Identifiers::Only(Vec::new()), 1)?;
         let (next, end, anchor) = (None, None, None);
-        let mut player = Self {
-            recording,
-            port,
-            clock,
-            pace,
-            next,
-            end,
-            rest,
-            anchor,
-            refused: 0,
-            failure: None,
-        };
+        let mut player =
+            Self { source, port, clock, pace, next, end, rest, anchor, refused: 0, failure: None };
         player.fetch();
         if let Some(next) = &player.next {
             player.clock.set(next.timestamp);
@@ -115,24 +105,11 @@ impl Player {
         true
     }
 
-    /// Tells what could not be played.
-    ///
-    /// # Errors
-    /// The recording could not be read to its end.
-    pub fn finish(&mut self) -> Result<(), Failure> {
-        if self.refused > 0 {
-            warn!(frames = self.refused, "no bus carries some of the recording's frames");
-        }
-        let statistics = self.recording.statistics();
-        if let Some(line) = statistics.first_bad_lines.first() {
-            warn!(lines = statistics.bad_lines, "lines were no frames and are left out: {line}");
-        }
-        if let Some(failure) = self.failure.take() {
-            return Err(failure);
-        }
-        match statistics.damage.first() {
-            Some(damage) => Err(Failure::Failed(damage.to_string())),
-            None => Ok(()),
+    /// Another pace from now on.
+    pub fn set_pace(&mut self, pace: Pace) {
+        if self.pace != pace {
+            self.pace = pace;
+            self.anchor = None;
         }
     }
 
@@ -167,12 +144,35 @@ impl Player {
     }
 
     fn fetch(&mut self) {
-        self.next = match self.recording.next_frame() {
+        self.next = match self.source.next_frame() {
             Ok(next) => next.cloned(),
             Err(error) => {
                 self.failure = Some(error.into());
                 None
             }
         };
+    }
+}
+
+impl Player<Recording> {
+    /// Tells what could not be played.
+    ///
+    /// # Errors
+    /// The recording could not be read to its end.
+    pub fn finish(&mut self) -> Result<(), Failure> {
+        if self.refused > 0 {
+            warn!(frames = self.refused, "no bus carries some of the recording's frames");
+        }
+        let statistics = self.source.statistics();
+        if let Some(line) = statistics.first_bad_lines.first() {
+            warn!(lines = statistics.bad_lines, "lines were no frames and are left out: {line}");
+        }
+        if let Some(failure) = self.failure.take() {
+            return Err(failure);
+        }
+        match statistics.damage.first() {
+            Some(damage) => Err(Failure::Failed(damage.to_string())),
+            None => Ok(()),
+        }
     }
 }

@@ -2,12 +2,13 @@
 
 use super::Failure;
 use super::machine::Machine;
-use super::virtual_bus::{self, PlayOptions, Stage};
+use super::stage::Stage;
+use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, Prepared};
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
-use crate::bus::{Identifiers, Port};
+use crate::bus::{Identifiers, Port, Recording};
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{Limits, Outbox};
@@ -69,10 +70,8 @@ const WAITING: usize = 72;
 /// Frames that may go out at once: all warnings that can stand, and a status.
 const BURST: u32 = 37;
 
-/// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
-/// `stage`.
-fn prepare(path: &Path, stage: Option<&Stage>) -> Result<Prepared, Failure> {
-    let machine = Machine::load(path)?;
+/// The gateway of a machine.
+pub fn gateway(machine: Machine) -> Gateway {
     let settings = &machine.loaded.settings;
     let limits = Limits {
         waiting: WAITING,
@@ -81,17 +80,29 @@ fn prepare(path: &Path, stage: Option<&Stage>) -> Result<Prepared, Failure> {
         share: settings.gateway.bus_share,
         burst: BURST,
     };
-    let identifiers = machine.design.wiring.lines().iter().map(|line| line.id).collect();
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
+    Gateway::new(Monitor::new(machine.design), outbox, guard)
+}
+
+/// The identifiers that the gateway of a machine listens to.
+pub fn identifiers(machine: &Machine) -> Vec<Id> {
+    machine.design.wiring.lines().iter().map(|line| line.id).collect()
+}
+
+/// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
+/// `stage`.
+fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Failure> {
+    let machine = Machine::load(path)?;
+    let settings = &machine.loaded.settings;
+    let identifiers = identifiers(&machine);
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
         Some(stage) => (stage.opener(identifiers), None),
         None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
     let (listen, realtime) = (settings.http.address(), settings.realtime);
-    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
-    Ok(Prepared { gateway, opener, listen, interface, realtime })
+    Ok(Prepared { gateway: gateway(machine), opener, listen, interface, realtime })
 }
 
 /// A SocketCAN interface by name.

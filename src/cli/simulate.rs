@@ -1,26 +1,34 @@
-//! `tertius simulate`: a recording of a machine that nobody has on the desk.
+//! `tertius simulate`: a recording of a machine that nobody has on the desk, or its bus, live.
 
 use super::Failure;
+use super::broadcast::Broadcast;
+use super::faults::{self, FaultOptions, Named};
+use super::log_file::Out;
 use super::machine::Machine;
-use crate::bus::append_log_line;
+use super::player::Pace;
+use super::simulation::Simulation;
+use crate::bus::{Source, append_log_line};
 use crate::controller::State;
-use crate::inject::{Fault, MAX_FAULTS, Placed, Tally, grammar, place};
+use crate::inject::{Fault, grammar};
 use crate::simulator::{Options, Simulator, Tables, truth};
 use clap::{Args, ValueEnum};
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-const EXAMPLE: &str = "Example:
+const EXAMPLE: &str = "Examples:
   tertius simulate --config config/e-type.toml --duration 60 --seed 1 --output e-type.log \\
       --fault step,cylinder=3,sensor=c1,at=30,size=0.0025 --truth e-type.truth.csv
+  tertius simulate --config config/e-type.toml --duration 600 --interface vcan0
 
 The machine begins engaged, its cylinders following a sea; with --start safe it goes through all
-platform states first. The same call gives the same bytes. A fault is KIND,key=value,… as in
-`tertius inject`, sensor c1 by default:
+platform states first. The same call gives the same bytes, in a file and on an interface. A fault is
+KIND,key=value,… as in `tertius inject`, sensor c1 by default:
 ";
 
 const LOOP: &str = "
+A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1, as --truth writes it.
+
 A fault is added to the reading on the bus; with --in-loop the machine's controller reads it, too,
 and moves the cylinder.";
 
@@ -30,7 +38,7 @@ const LONGEST: f64 = 366.0 * 86_400.0;
 /// The largest table of a plant that is read, bytes.
 const LARGEST_TABLE: u64 = 1 << 20;
 
-/// Simulates a machine and writes its frames as candump -l would.
+/// Simulates a machine and writes its frames as candump -l would, or sends them on an interface.
 #[derive(Args, Debug)]
 #[command(after_help = format!("{EXAMPLE}{}{LOOP}", grammar()))]
 pub struct Simulate {
@@ -52,15 +60,24 @@ pub struct Simulate {
     /// The platform's state at the beginning; it goes on to engaged
     #[arg(long, value_enum, default_value_t = Start::Engaged)]
     start: Start,
-    /// A fault; several act in this order where they meet
-    #[arg(long = "fault", value_name = "SPEC")]
-    faults: Vec<String>,
+    #[command(flatten)]
+    faults: FaultOptions,
     /// The controller reads C1 with its faults
     #[arg(long)]
     in_loop: bool,
-    /// Where the recording goes; - for standard output
-    #[arg(long, value_name = "FILE.log", default_value = "-")]
-    output: PathBuf,
+    /// Where the recording goes; - for standard output [default: -, but none with --interface]
+    #[arg(long, value_name = "FILE.log")]
+    output: Option<PathBuf>,
+    /// Sends the frames on this interface (vcan or vxcan), each in its time, until --duration or
+    /// SIGINT
+    #[arg(long, value_name = "NAME")]
+    interface: Option<String>,
+    /// On the interface: how many times as fast as the machine; max: as fast as it goes
+    #[arg(long, value_name = "N", default_value = "1", requires = "interface")]
+    speed: Pace,
+    /// Also on an interface with wires: for test benches, never where a machine listens
+    #[arg(long, requires = "interface")]
+    real_bus: bool,
     /// Where a table of the faults goes, which `inject` reads, too
     #[arg(long, value_name = "FILE.csv")]
     truth: Option<PathBuf>,
@@ -93,21 +110,11 @@ impl Simulate {
     pub fn run(self) -> Result<(), Failure> {
         let cycles_for = self.duration()?;
         let sea = self.sea.as_deref().map(sea).transpose()?;
-        let faults = self.faults()?;
+        let faults = self.faults.read()?;
         let tables = self.tables()?;
         let machine = Machine::load(&self.config)?;
         let settings = &machine.loaded.settings;
-        let wrong = |text: &str, error: &dyn std::fmt::Display| {
-            Failure::Wrong(format!("--fault {text:?}: {error}"))
-        };
-        let placed = self
-            .faults
-            .iter()
-            .zip(&faults)
-            .map(|(text, fault)| {
-                place(fault, settings, &machine.database).map_err(|error| wrong(text, &error))
-            })
-            .collect::<Result<Vec<Placed>, Failure>>()?;
+        let placed = faults::place_all(&faults, &machine)?;
         let options = Options {
             seed: self.seed,
             sea,
@@ -120,14 +127,51 @@ impl Simulate {
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         simulator.request(State::Engaged);
         let cycles = (cycles_for / settings.machine.sample_time).round() as u64;
-        let interface = &settings.bus.interface;
-        let frames = record(&mut simulator, cycles, interface, &self.output)?;
+        let simulation = self.go(Simulation::new(simulator, cycles), &settings.bus.interface)?;
         if let Some(path) = &self.truth {
+            let faults: Vec<Fault> = faults.iter().map(|named: &Named| named.fault).collect();
             std::fs::write(path, truth::table(&faults))
                 .map_err(|error| Failure::creating(path, &error))?;
         }
-        report(&self.faults, simulator.tallies(), frames);
+        faults::report(&faults, simulation.tallies());
         Ok(())
+    }
+
+    /// Simulates to the end, into the recording and onto the interface. `name` is the interface's in
+    /// the recording: that of the configuration, so that the same call gives the same bytes wherever
+    /// it sends them.
+    fn go(&self, mut simulation: Simulation, name: &str) -> Result<Simulation, Failure> {
+        let mut broadcast = match &self.interface {
+            Some(interface) => Some(Broadcast::open(interface, self.speed, self.real_bus)?),
+            None => None,
+        };
+        let mut recording = match (&self.output, &broadcast) {
+            (Some(path), _) => Some(Out::create(path)?),
+            (None, None) => Some(Out::create(Path::new("-"))?),
+            (None, Some(_)) => None,
+        };
+        let (mut frames, mut line) = (0_u64, Vec::with_capacity(192));
+        while let Some(frame) = simulation.next_frame()? {
+            if let Some(broadcast) = &mut broadcast
+                && !broadcast.send(frame)?
+            {
+                break;
+            }
+            if let Some(recording) = &mut recording {
+                line.clear();
+                append_log_line(&mut line, name, frame);
+                recording.write(&line)?;
+            }
+            frames += 1;
+        }
+        if let Some(recording) = recording {
+            recording.close()?;
+            eprintln!("{frames} frames");
+        }
+        if let Some(broadcast) = &broadcast {
+            broadcast.report();
+        }
+        Ok(simulation)
     }
 
     fn duration(&self) -> Result<f64, Failure> {
@@ -136,17 +180,6 @@ impl Simulate {
         }
         let given = self.duration;
         Err(Failure::Wrong(format!("--duration is {given}, expected seconds, up to {LONGEST}")))
-    }
-
-    fn faults(&self) -> Result<Vec<Fault>, Failure> {
-        if self.faults.len() > MAX_FAULTS {
-            let given = self.faults.len();
-            return Err(Failure::Wrong(format!("{given} faults, expected at most {MAX_FAULTS}")));
-        }
-        let parse = |text: &String| {
-            Fault::parse(text).map_err(|error| Failure::Wrong(format!("--fault {text:?}: {error}")))
-        };
-        self.faults.iter().map(parse).collect()
     }
 
     fn tables(&self) -> Result<Tables, Failure> {
@@ -168,44 +201,5 @@ fn sea(text: &str) -> Result<[f64; 2], Failure> {
         _ => Err(Failure::Wrong(format!(
             "--sea is {text:?}, expected wave height, m, and peak period, s, such as 2.5,9"
         ))),
-    }
-}
-
-/// Writes the frames of so many cycles; how many there were.
-fn record(
-    simulator: &mut Simulator,
-    cycles: u64,
-    interface: &str,
-    output: &Path,
-) -> Result<u64, Failure> {
-    let (writer, name): (Box<dyn Write>, _) = if output == Path::new("-") {
-        (Box::new(io::stdout()), "standard output".to_owned())
-    } else {
-        let file = File::create(output).map_err(|error| Failure::creating(output, &error))?;
-        (Box::new(file), output.display().to_string())
-    };
-    let mut writer = BufWriter::with_capacity(1 << 16, writer);
-    let mut lines = Vec::with_capacity(1 << 13);
-    let mut frames = 0;
-    for _ in 0..cycles {
-        lines.clear();
-        simulator.step(&mut |frame| {
-            frames += 1;
-            append_log_line(&mut lines, interface, frame);
-        });
-        writer.write_all(&lines).map_err(|error| Failure::writing(&name, &error))?;
-    }
-    writer.flush().map_err(|error| Failure::writing(&name, &error))?;
-    Ok(frames)
-}
-
-/// Tells what became of each fault, on standard error: the recording may be on standard output.
-fn report(faults: &[String], tallies: &[Tally], frames: u64) {
-    eprintln!("{frames} frames");
-    for (text, tally) in faults.iter().zip(tallies) {
-        eprintln!("--fault {text:?}: {} of {} frames changed or lost", tally.altered, tally.frames);
-        if tally.clamped > 0 {
-            eprintln!("  {} clamped to what the signal can hold", tally.clamped);
-        }
     }
 }

@@ -2,30 +2,17 @@
 
 use super::Failure;
 use super::machine::Machine;
-use super::player::{Pace, Player};
-use crate::alarm::OwnFrame;
-use crate::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
-use crate::bus::{
-    Identifiers, LogWriter, Options, Port, PortCounts, PortError, Received, Recording, Sent, Stamps,
-};
-use crate::frame::{Frame, Id};
-use crate::live::supervisor::Opener;
-use crate::time::{Span, Timestamp};
+use super::player::Pace;
+use super::stage::{Record, Stage};
+use crate::bus::{LogWriter, Options, Recording};
+use crate::time::Span;
 use clap::Args;
-use std::cell::RefCell;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 /// The name of the embedded bus in a configuration.
-const NAME: &str = "virtual";
-
-/// Frames that may wait for the gateway; the player lets it have a turn after each.
-const CAPACITY: usize = 64;
+pub const NAME: &str = "virtual";
 
 /// What is played on the embedded bus.
 #[derive(Args, Debug)]
@@ -47,7 +34,7 @@ impl PlayOptions {
     ///
     /// # Errors
     /// What is wrong with the recordings, the configuration or the file to record to.
-    pub fn stage(&self, config: &Path) -> Result<Option<Stage>, Failure> {
+    pub fn stage(&self, config: &Path) -> Result<Option<Stage<Recording>>, Failure> {
         if self.logs.is_empty() {
             return Ok(None);
         }
@@ -59,12 +46,7 @@ impl PlayOptions {
         let record = self.record.as_deref().map(|path| self.create(path, &inputs)).transpose()?;
         // The last open cycle ends, and what follows from it gets past the guard.
         let rest = settings.gateway.guard + settings.machine.sample_time;
-        let clock = ManualClock::new(Timestamp::default());
-        let bus = EmbeddedBus::new(Clock::Manual(clock.clone()));
-        let player = Player::new(recording, &bus, clock, self.speed, Span::from_seconds(rest))
-            .map_err(|error| Failure::Failed(format!("the embedded bus: {error}")))?;
-        let play = Play { bus, player, record, failure: None, stop: Arc::default() };
-        Ok(Some(Stage(Rc::new(RefCell::new(play)))))
+        Stage::new(recording, self.speed, Span::from_seconds(rest), record).map(Some)
     }
 
     fn create(&self, path: &Path, inputs: &[&Path]) -> Result<Record, Failure> {
@@ -100,118 +82,5 @@ pub fn wanted<S>(stage: Option<S>, interface: &str) -> Result<Option<S>, Failure
              be played on it (--play LOG), or name a CAN interface"
         ))),
         (stage, _) => Ok(stage),
-    }
-}
-
-type Record = LogWriter<BufWriter<File>>;
-
-/// The embedded bus and who plays on it. Clones are the same one.
-#[derive(Clone)]
-pub struct Stage(Rc<RefCell<Play>>);
-
-struct Play {
-    bus: EmbeddedBus,
-    player: Player,
-    record: Option<Record>,
-    /// The first of the record.
-    failure: Option<Failure>,
-    /// Set when the recording has ended.
-    stop: Arc<AtomicBool>,
-}
-
-impl Stage {
-    /// What opens the bus for a gateway that listens to `identifiers`.
-    pub fn opener(&self, identifiers: Vec<Id>) -> Box<dyn Opener> {
-        Box::new(Seat { stage: self.clone(), identifiers: Identifiers::Only(identifiers) })
-    }
-
-    /// `stop` is set once all is played.
-    pub fn stop_at_end(&self, stop: Arc<AtomicBool>) {
-        self.0.borrow_mut().stop = stop;
-    }
-
-    /// Ends the record.
-    ///
-    /// # Errors
-    /// What kept the recording from being played whole, or the record from being written.
-    pub fn finish(&self) -> Result<(), Failure> {
-        let mut play = self.0.borrow_mut();
-        if let Some(failure) = play.failure.take() {
-            return Err(failure);
-        }
-        if let Some(record) = &mut play.record {
-            record.flush().map_err(|error| Failure::writing("the record", &error))?;
-        }
-        play.player.finish()
-    }
-}
-
-/// The gateway's place on the bus.
-struct Seat {
-    stage: Stage,
-    identifiers: Identifiers,
-}
-
-impl Opener for Seat {
-    fn open(&mut self) -> Result<Box<dyn Port>, String> {
-        let opened = self.stage.0.borrow().bus.open(&self.identifiers, CAPACITY);
-        let endpoint = opened.map_err(|error| error.to_string())?;
-        Ok(Box::new(Played { endpoint, stage: self.stage.clone() }))
-    }
-}
-
-/// The gateway's port: as it listens, the next is played.
-struct Played {
-    endpoint: Endpoint,
-    stage: Stage,
-}
-
-impl Port for Played {
-    fn receive(
-        &mut self,
-        patience: Duration,
-        take: &mut dyn FnMut(&Frame),
-    ) -> Result<Received, PortError> {
-        let mut play = self.stage.0.borrow_mut();
-        if !play.player.step(patience) {
-            play.stop.store(true, Ordering::Relaxed);
-        }
-        drop(play);
-        self.endpoint.receive(patience, take)
-    }
-
-    fn send(&mut self, frame: &OwnFrame) -> Result<Sent, PortError> {
-        let sent = self.endpoint.send(frame)?;
-        if sent == Sent::Taken {
-            self.stage.0.borrow_mut().write(frame);
-        }
-        Ok(sent)
-    }
-
-    fn counts(&self) -> PortCounts {
-        self.endpoint.counts()
-    }
-
-    fn stamps(&self) -> Stamps {
-        self.endpoint.stamps()
-    }
-
-    fn description(&self) -> String {
-        self.endpoint.description()
-    }
-}
-
-impl Play {
-    /// Records a frame of the gateway, at the time of the bus.
-    fn write(&mut self, frame: &OwnFrame) {
-        let Some(record) = &mut self.record else { return };
-        let mut frame = frame.as_frame().clone();
-        frame.timestamp = self.bus.now();
-        if let Err(error) = record.write(&frame) {
-            self.record = None;
-            self.failure = Some(Failure::writing("the record", &error));
-            // There is no use in going on.
-            self.stop.store(true, Ordering::Relaxed);
-        }
     }
 }

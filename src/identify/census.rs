@@ -173,25 +173,35 @@ impl Census {
         }
     }
 
-    /// Whose command the motion of the cylinder of `index` follows.
+    /// Of the command of one cylinder with the motion of another.
+    fn correlation(&self, command: usize, motion: usize) -> f64 {
+        let pair = &self.crossed[command * self.cylinders.len() + motion];
+        pair.correlation().filter(|_| pair.count() >= ENOUGH).unwrap_or(0.0)
+    }
+
+    /// Whose command the motion of the cylinder of `index` follows, if by far rather than its own.
+    fn stranger(&self, index: usize) -> Option<usize> {
+        let with = |command: usize| self.correlation(command, index);
+        let best = (0..self.cylinders.len()).max_by(|i, j| with(*i).total_cmp(&with(*j)))?;
+        let by_far = 1.0 - with(best) < 0.5 * (1.0 - with(index));
+        (best != index && with(best) > 0.5 && by_far).then_some(best)
+    }
+
+    /// Whether the cylinder of `index` follows its own command.
     fn neighbours(&self, index: usize) -> Result<(), Refusal> {
-        let count = self.cylinders.len();
-        let with = |i: usize| {
-            let pair = &self.crossed[i * count + index];
-            pair.correlation().filter(|_| pair.count() >= ENOUGH).unwrap_or(0.0)
-        };
-        let own = with(index);
-        let best = (0..count).max_by(|i, j| with(*i).total_cmp(&with(*j))).unwrap_or(index);
-        let found = with(best);
-        // Neighbours move alike; a swap shows by far, not by a nose.
-        if best != index && found > 0.5 && 1.0 - found < 0.5 * (1.0 - own) {
-            return Err(Refusal::SwappedCylinders {
-                other: best as u8 + 1,
-                with_other: found,
-                with_own: own,
-            });
+        let Some(other) = self.stranger(index) else { return Ok(()) };
+        // Neighbours move alike, one behind the other, and a motion is behind its command: so it may
+        // be nearest to the command of the cylinder behind. Where commands are swapped the other one,
+        // too, follows a stranger, and so on round to this one.
+        let mut way = std::iter::successors(Some(other), |at| self.stranger(*at));
+        if way.by_ref().take(self.cylinders.len()).all(|at| at != index) {
+            return Ok(());
         }
-        Ok(())
+        Err(Refusal::SwappedCylinders {
+            other: other as u8 + 1,
+            with_other: self.correlation(other, index),
+            with_own: self.correlation(index, index),
+        })
     }
 }
 

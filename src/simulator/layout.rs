@@ -52,7 +52,11 @@ pub enum Phase {
 impl Origin {
     fn phase(self) -> Phase {
         match self {
-            Self::Command(_) | Self::Spool(_) | Self::Bottom(_) | Self::Rod(_) => Phase::Commanded,
+            Self::Command(_)
+            | Self::Spool(_)
+            | Self::Bottom(_)
+            | Self::Rod(_)
+            | Self::LoadPressure(_) => Phase::Commanded,
             _ => Phase::Sampled,
         }
     }
@@ -163,6 +167,7 @@ fn origin(key: &str, cylinder: usize) -> Origin {
         "control_speed" => Origin::Command(cylinder),
         "pressure_bottom" => Origin::Bottom(cylinder),
         "pressure_rod" => Origin::Rod(cylinder),
+        "load_pressure" => Origin::LoadPressure(cylinder),
         "spool" => Origin::Spool(cylinder),
         // "c1_status", "c2_status".
         _ => Origin::Status,

@@ -17,6 +17,8 @@ pub enum Origin {
     Spool(usize),
     Bottom(usize),
     Rod(usize),
+    /// P_L (3-4).
+    LoadPressure(usize),
     /// Surge, sway, heave.
     Translation(usize),
     /// Roll, pitch, yaw.
@@ -55,6 +57,7 @@ impl Values {
             Origin::Spool(cylinder) => 100.0 * self.sample.spools[cylinder],
             Origin::Bottom(cylinder) => self.sample.chambers[cylinder][0],
             Origin::Rod(cylinder) => self.sample.chambers[cylinder][1],
+            Origin::LoadPressure(cylinder) => self.sample.load_pressures[cylinder],
             Origin::Translation(axis) => self.sample.motion.pose.translation[axis],
             Origin::Attitude(axis) => self.sample.motion.pose.attitude[axis],
             Origin::State => self.state,

@@ -5,4 +5,5 @@ mod doctor;
 mod life;
 #[path = "../oracle/mod.rs"]
 mod oracle;
+mod simulated;
 mod wire;

@@ -1,6 +1,6 @@
 //! What is known of an interface without a controller.
 
-use tertius::bus::socket::{LinkError, LinkState};
+use tertius::bus::socket::{LinkError, LinkState, is_virtual};
 
 use crate::vcan::{Vcan, ip};
 
@@ -18,6 +18,8 @@ fn a_virtual_interface_has_no_controller() {
     assert_eq!((link.up, link.queue_length), (false, Some(10)));
     ip(&["link", "set", "t-link", "mtu", "16"]);
     assert!(!LinkState::read("t-link").unwrap().is_fd());
+    assert!(is_virtual("t-link").unwrap());
+    assert!(!is_virtual("lo").unwrap());
 }
 
 #[test]
@@ -25,4 +27,6 @@ fn an_interface_that_is_not_there_is_named() {
     let error = LinkState::read("t-nothing").unwrap_err();
     assert!(matches!(error, LinkError::NoInterface { .. }));
     assert!(error.to_string().contains("t-nothing"), "{error}");
+    let error = is_virtual("t-nothing").unwrap_err();
+    assert!(matches!(error, LinkError::NoInterface { .. }), "{error}");
 }

@@ -5,6 +5,7 @@
 mod batch;
 mod drops;
 mod error;
+mod kind;
 mod link;
 mod live;
 mod load;
@@ -14,6 +15,7 @@ mod wire;
 
 pub use crate::error_frame::ControllerState;
 pub use error::OpenError;
+pub use kind::is_virtual;
 pub use link::{LinkError, LinkState};
 pub use live::SocketPort;
 pub use open::Options;

@@ -1,0 +1,153 @@
+//! Hears the bus as any other node would: frames, by the DBC.
+
+use crate::alarm::e2e;
+use crate::cli::Failure;
+use crate::decode::{Database, Signal};
+use crate::frame::{Frame, Id};
+
+/// Cylinders of the demonstration's machine.
+pub const CYLINDERS: usize = 6;
+
+/// What a frame tells who watches the gateway.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// Plc_State: the platform's state.
+    Platform(String),
+    Status(Status),
+    Warning(Warning),
+    /// A frame of the gateway whose CRC is wrong.
+    Damaged,
+    /// One of the machine's other frames.
+    Machine,
+    /// One that neither the machine nor the gateway has any business to send.
+    Stranger,
+}
+
+/// Fd_Status.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Status {
+    /// Of C1 and C2 of each cylinder.
+    pub states: [[String; 2]; CYLINDERS],
+    pub level: String,
+    pub mode: String,
+    pub active: i64,
+}
+
+/// Fd_Warning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// From 1.
+    pub cylinder: i64,
+    pub detector: String,
+    pub fault: String,
+    pub suspect: String,
+    pub level: String,
+    pub raised: bool,
+    /// m; `None` where the detector has none.
+    pub residual: Option<f64>,
+    pub threshold: Option<f64>,
+}
+
+/// Reads the frames of the bus.
+pub struct Listener {
+    database: Database,
+    status: Own,
+    warning: Own,
+    platform: Id,
+}
+
+/// A message of the gateway.
+struct Own {
+    id: Id,
+    signals: Vec<Signal>,
+}
+
+impl Listener {
+    /// # Errors
+    /// A message that the DBC does not have.
+    pub fn new(database: &Database) -> Result<Self, Failure> {
+        let find = |name: &str| {
+            let found = database.message(name);
+            found.map_err(|error| Failure::Failed(format!("the DBC of the program: {error}")))
+        };
+        let own = |name: &str| {
+            find(name).map(|message| Own { id: message.id, signals: message.signals.clone() })
+        };
+        Ok(Self {
+            status: own("Fd_Status")?,
+            warning: own("Fd_Warning")?,
+            platform: find("Plc_State")?.id,
+            database: database.clone(),
+        })
+    }
+
+    pub fn hear(&self, frame: &Frame) -> Heard {
+        for own in [&self.status, &self.warning] {
+            // The data ID is the identifier, which has 11 bits.
+            if frame.id == own.id && e2e::check(frame.data(), own.id.value() as u16).is_err() {
+                return Heard::Damaged;
+            }
+        }
+        if frame.id == self.status.id {
+            Heard::Status(self.status(frame))
+        } else if frame.id == self.warning.id {
+            Heard::Warning(self.warning(frame))
+        } else if let Some(message) = self.database.message_by_id(frame.id) {
+            match message.signal("PlatformState") {
+                Some(signal) if message.id == self.platform => Heard::Platform(name(signal, frame)),
+                _ => Heard::Machine,
+            }
+        } else {
+            Heard::Stranger
+        }
+    }
+
+    fn status(&self, frame: &Frame) -> Status {
+        let state = |n: usize, c: usize| self.status.name(&format!("Cyl{n}_C{c}_State"), frame);
+        Status {
+            states: std::array::from_fn(|index| [1, 2].map(|c| state(index + 1, c))),
+            level: self.status.name("Level", frame),
+            mode: self.status.name("Mode", frame),
+            active: self.status.number("ActiveWarnings", frame) as i64,
+        }
+    }
+
+    fn warning(&self, frame: &Frame) -> Warning {
+        let own = &self.warning;
+        let detector = own.name("Detector", frame);
+        // Plausibility has no residual.
+        let metres = |name| Some(own.number(name, frame)).filter(|_| detector != "plausibility");
+        Warning {
+            cylinder: own.number("Cylinder", frame) as i64,
+            fault: own.name("Fault", frame).replace('_', " "),
+            suspect: own.name("Suspect", frame),
+            level: own.name("Level", frame),
+            raised: own.number("Raised", frame) != 0.0,
+            residual: metres("Residual"),
+            threshold: metres("Threshold"),
+            detector,
+        }
+    }
+}
+
+impl Own {
+    fn signal(&self, name: &str) -> Option<&Signal> {
+        self.signals.iter().find(|signal| signal.name == name)
+    }
+
+    fn number(&self, name: &str, frame: &Frame) -> f64 {
+        let value = self.signal(name).and_then(|signal| signal.plan.decode(frame).value());
+        value.map_or(f64::NAN, |value| value.physical)
+    }
+
+    fn name(&self, name: &str, frame: &Frame) -> String {
+        self.signal(name).map_or_else(String::new, |signal| self::name(signal, frame))
+    }
+}
+
+/// What the DBC calls the signal's number.
+fn name(signal: &Signal, frame: &Frame) -> String {
+    let number = signal.plan.decode(frame).value().and_then(|value| value.raw.as_i64());
+    let name = number.and_then(|number| signal.value_name(number));
+    name.unwrap_or("?").to_owned()
+}

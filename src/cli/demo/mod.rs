@@ -1,0 +1,175 @@
+//! `tertius demo`: a machine, its bus and the gateway in one process, to be watched.
+
+mod audience;
+mod listener;
+mod programme;
+mod scene;
+mod score;
+mod screen;
+mod view;
+mod words;
+
+use super::Failure;
+use super::machine::Machine;
+use super::player::Pace;
+use super::run;
+use super::simulation::Simulation;
+use super::stage::Stage;
+use crate::controller::State;
+use crate::inject::{Placed, place};
+use crate::live::supervisor;
+use crate::simulator::{Options, Simulator, Tables};
+use crate::time::Span;
+use audience::Audience;
+use clap::Args;
+use listener::Listener;
+use programme::{ACTS, END};
+use scene::Scene;
+use score::Score;
+use screen::Screen;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How much faster the platform comes up, of which there is little to see.
+const PRELUDE: f64 = 6.0;
+
+/// Shows the gateway at work on a simulated machine: faults arrive, it warns.
+///
+/// Simulator, embedded bus and gateway run in this process. But for readings and residuals, all that
+/// is shown is read from the frames on the bus.
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:
+  tertius demo
+  tertius demo --speed max --record demo.log
+  tertius replay demo.log --config config/e-type-simulated.toml
+
+On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as it goes.
+Exit code 1: a fault was not found as announced.")]
+pub struct Demo {
+    /// How many times as fast as the machine; max: as fast as it goes [default: 1 on a terminal,
+    /// else max]
+    #[arg(long, value_name = "N")]
+    speed: Option<Pace>,
+    /// Whatever is random comes from this number: the sea, the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Writes all frames of the bus as candump -l would
+    #[arg(long, value_name = "FILE.log")]
+    record: Option<PathBuf>,
+}
+
+impl Demo {
+    /// Shows it.
+    ///
+    /// # Errors
+    /// A fault that was not found as announced, or an output that cannot be written.
+    pub fn run(self) -> Result<(), Failure> {
+        let machine = Machine::simulated()?;
+        let stage = self.stage(&machine)?;
+        let mut audience = self.audience(&machine, &stage)?;
+        let opener = stage.opener(run::identifiers(&machine));
+        let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
+        introduced.map_err(|error| Failure::writing("standard output", &error))?;
+        supervisor::run(run::gateway(machine), opener, &mut audience);
+        // Its last words.
+        audience.attend();
+        end(audience)
+    }
+
+    /// The bus with the machine on it.
+    fn stage(&self, machine: &Machine) -> Result<Stage<Simulation>, Failure> {
+        let settings = &machine.loaded.settings;
+        let built_in = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
+        let faults = (0..ACTS.len())
+            .map(|index| {
+                let fault = programme::fault(index).map_err(|error| built_in(&error))?;
+                place(&fault, settings, &machine.database).map_err(|error| built_in(&error))
+            })
+            .collect::<Result<Vec<Placed>, Failure>>()?;
+        let options = Options { seed: self.seed, start: State::Safe, faults, ..Options::default() };
+        let mut simulator =
+            Simulator::new(&Tables::default(), settings, &machine.database, &options)
+                .map_err(|error| built_in(&error))?;
+        simulator.request(State::Engaged);
+        let cycles = (END / settings.machine.sample_time).round() as u64;
+        // The last open cycle ends, and what follows from it gets past the guard.
+        let rest = Span::from_seconds(settings.gateway.guard + settings.machine.sample_time);
+        Stage::new(Simulation::new(simulator, cycles), Pace::Max, rest, None)
+    }
+
+    fn audience(&self, machine: &Machine, stage: &Stage<Simulation>) -> Result<Audience, Failure> {
+        let [over, interrupted] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+        for signal in [SIGINT, SIGTERM] {
+            signal_hook::flag::register(signal, Arc::clone(&interrupted))
+                .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        }
+        stage.stop_at_end(Arc::clone(&over));
+        let record = self.record.as_deref().map(audience::record).transpose()?;
+        let settings = &machine.loaded.settings;
+        let (fde, comparator) = (settings.fde.high, settings.comparator.bound);
+        let screen = Screen::new();
+        let usual = if screen.is_terminal() { Pace::Times(1.0) } else { Pace::Max };
+        let pace = self.speed.unwrap_or(usual);
+        stage.set_pace(match pace {
+            Pace::Times(times) => Pace::Times(PRELUDE * times),
+            Pace::Max => Pace::Max,
+        });
+        Ok(Audience {
+            stage: stage.clone(),
+            ear: stage.listener()?,
+            listener: Listener::new(&machine.database)?,
+            screen,
+            record,
+            pace,
+            limits: [fde, fde, comparator],
+            over,
+            interrupted,
+            scene: Scene::default(),
+            score: Score::new(),
+            strangers: 0,
+            begun: [0; 2],
+            failure: None,
+        })
+    }
+}
+
+const INTRODUCTION: [&str; 4] = [
+    "Here run a simulated gangway, its CAN bus, and the gateway that listens to it.",
+    "Each of six cylinders has two position transducers, C1 and C2. R1 and R2 are",
+    "their readings less what an observer predicts, R3 is C1 less C2: the largest of",
+    "a second. Five faults will come, one after the other. Ctrl-C ends it.",
+];
+
+/// Says how it went.
+fn end(mut audience: Audience) -> Result<(), Failure> {
+    if let Some(record) = &mut audience.record {
+        record.flush().map_err(|error| Failure::writing("the record", &error))?;
+    }
+    if let Some(failure) = audience.failure {
+        return Err(failure);
+    }
+    let Audience { mut screen, score, scene, strangers, interrupted, .. } = audience;
+    let at = scene.now;
+    let [right, over] = score.tally(at);
+    let [statuses, warnings] = scene.sent;
+    let mut lines = vec![String::new()];
+    lines.extend(score.table(at));
+    lines.extend([
+        String::new(),
+        format!("{right} of {over} as announced, {} warnings without a fault.", score.unfounded()),
+        format!("The gateway sent {statuses} Fd_Status and {warnings} Fd_Warning, and no other."),
+    ]);
+    screen.say(&lines).map_err(|error| Failure::writing("standard output", &error))?;
+    // The cursor comes back before anything is said on standard error.
+    drop(screen);
+    let stopped = interrupted.load(Ordering::Relaxed);
+    if strangers > 0 {
+        return Err(Failure::Failed(format!("{strangers} frames on the bus are nobody's")));
+    }
+    if right < over || !(stopped || over == ACTS.len()) {
+        return Err(Failure::Failed("it did not go as announced; see the table".to_owned()));
+    }
+    Ok(())
+}

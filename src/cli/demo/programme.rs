@@ -1,0 +1,93 @@
+//! What happens in the demonstration, and when.
+
+use crate::inject::{Fault, SpecError};
+
+/// A fault of the demonstration.
+#[derive(Clone, Copy, Debug)]
+pub struct Act {
+    /// The fault, as `--fault` takes it; when it comes stands in the programme.
+    spec: &'static str,
+    pub title: &'static str,
+    /// What there is to see.
+    pub hint: &'static str,
+    /// Whom the gateway should suspect, as Fd_Warning.Suspect calls it.
+    pub suspect: &'static str,
+}
+
+/// One of each sort: of thesis, Table 5-1, and two that need no model.
+pub const ACTS: [Act; 5] = [
+    Act {
+        spec: "step,cylinder=3,sensor=c1,size=0.002",
+        title: "C1 of cylinder 3 jumps by 2 mm",
+        hint: "R1 and R3 jump, R2 does not: so it is C1",
+        suspect: "c1",
+    },
+    Act {
+        spec: "noise,cylinder=5,sensor=c2,size=0.0017",
+        title: "C2 of cylinder 5 gets noise of 1.7 mm",
+        hint: "R2 crosses its limit again and again, R1 does not: so it is C2",
+        suspect: "c2",
+    },
+    Act {
+        spec: "drift,cylinder=2,sensor=c1,rate=0.001",
+        title: "C1 of cylinder 2 drifts by 1 mm/s",
+        hint: "an observer follows a drift: only R3 grows, which one stays undecided",
+        suspect: "undecided",
+    },
+    Act {
+        spec: "freeze,cylinder=6,sensor=c2",
+        title: "C2 of cylinder 6 freezes",
+        hint: "the command moves, the reading does not: that takes no model to see",
+        suspect: "c2",
+    },
+    Act {
+        spec: "broken_wire,cylinder=4,sensor=c1",
+        title: "the wire of C1 of cylinder 4 breaks",
+        hint: "a broken wire's code is no length, and no observer is given it",
+        suspect: "c1",
+    },
+];
+
+/// s from the start to the first fault: the platform is engaged at 26 s, and observers take a second
+/// to settle.
+const FIRST: f64 = 30.0;
+/// s from fault to fault, and how long each lasts: then what was raised clears.
+const EVERY: f64 = 6.0;
+const LASTS: f64 = 4.0;
+
+/// s from the start: from when on there is something to watch.
+pub const CURTAIN: f64 = 28.0;
+
+/// s from the start: the end.
+pub const END: f64 = FIRST + ACTS.len() as f64 * EVERY;
+
+/// When fault `index`, from 0, is there: its begin and its end, s from the start.
+pub const fn window(index: usize) -> [f64; 2] {
+    let from = FIRST + index as f64 * EVERY;
+    [from, from + LASTS]
+}
+
+/// The fault of the act `index`, from 0.
+///
+/// # Errors
+/// None: a test reads each.
+pub fn fault(index: usize) -> Result<Fault, SpecError> {
+    let [from, until] = window(index);
+    Fault::parse(&format!("{},at={from},until={until}", ACTS[index].spec))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_fault_is_one_and_its_words_fit_into_a_line() {
+        for (index, act) in ACTS.iter().enumerate() {
+            let fault = fault(index).expect(act.spec);
+            assert!(act.title.contains(&format!("cylinder {}", fault.cylinder)));
+            assert!(act.title.contains(&fault.sensor.to_uppercase()));
+            assert!(act.title.len() <= 38 && act.hint.len() <= 69, "{}", act.hint);
+        }
+        assert!(window(0)[0] > CURTAIN && window(ACTS.len() - 1)[1] < END);
+    }
+}

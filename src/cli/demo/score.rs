@@ -1,0 +1,178 @@
+//! How the gateway did.
+
+use super::listener::Warning;
+use super::programme::{ACTS, fault, window};
+use super::words;
+use std::collections::BTreeMap;
+
+/// s after a fault's end in which a warning is still owed to it: what it leaves behind is a fault's
+/// own jump back, and what stands clears.
+const AFTERMATH: f64 = 1.9;
+
+/// What became of a fault.
+#[derive(Clone, Debug, Default)]
+struct Outcome {
+    /// s after its begin.
+    found: Option<f64>,
+    suspect: String,
+    named: String,
+}
+
+/// Which warning: cylinder, detector, and whom plausibility blames, which judges each transducer.
+type Key = (i64, String, Option<String>);
+
+/// What a warning tells, but for its residual.
+type Tells = [String; 3];
+
+/// Follows the warnings on the bus.
+#[derive(Default)]
+pub struct Score {
+    outcomes: [Outcome; ACTS.len()],
+    cylinders: Vec<i64>,
+    standing: BTreeMap<Key, Tells>,
+    /// Warnings raised where there was no fault.
+    unfounded: u64,
+}
+
+impl Score {
+    pub fn new() -> Self {
+        let cylinder = |index| fault(index).map_or(0, |fault| i64::from(fault.cylinder));
+        Self { cylinders: (0..ACTS.len()).map(cylinder).collect(), ..Self::default() }
+    }
+
+    /// Takes a warning that was on the bus at `at`, s; whether it tells anything new.
+    pub fn take(&mut self, at: f64, warning: &Warning) -> bool {
+        let whom = (warning.detector == "plausibility").then(|| warning.suspect.clone());
+        let key = (warning.cylinder, warning.detector.clone(), whom);
+        if !warning.raised {
+            return self.standing.remove(&key).is_some();
+        }
+        let tells = [&warning.fault, &warning.suspect, &warning.level].map(Clone::clone);
+        let before = self.standing.insert(key, tells.clone());
+        self.judge(at, warning, before.is_none());
+        before.as_ref() != Some(&tells)
+    }
+
+    fn judge(&mut self, at: f64, warning: &Warning, is_new: bool) {
+        let owed = (0..ACTS.len()).find(|&index| {
+            let [from, until] = window(index);
+            self.cylinders[index] == warning.cylinder && (from..until + AFTERMATH).contains(&at)
+        });
+        let Some(index) = owed else { return self.unfounded += u64::from(is_new) };
+        let [from, until] = window(index);
+        if at < until {
+            let outcome = &mut self.outcomes[index];
+            outcome.found.get_or_insert(at - from);
+            // FDE3 stays undecided beside a check that knows which transducer it is.
+            if is_decided(&warning.suspect) || !is_decided(&outcome.suspect) {
+                outcome.suspect.clone_from(&warning.suspect);
+                outcome.named.clone_from(&warning.fault);
+            }
+        }
+    }
+
+    /// Whether fault `index` was found as announced; `None` if it was not over at `at`, s.
+    fn over(&self, index: usize, at: f64) -> Option<bool> {
+        let outcome = &self.outcomes[index];
+        let right = outcome.found.is_some() && outcome.suspect == ACTS[index].suspect;
+        (at >= window(index)[1]).then_some(right)
+    }
+
+    /// A table of the faults, and what was found of them by `at`, s.
+    pub fn table(&self, at: f64) -> Vec<String> {
+        let row = |title: &str, found: &str, suspect: &str, named: &str, right: &str| {
+            let row = format!("{title:<38} {found:>7}  {suspect:<8}  {named:<11}  {right}");
+            row.trim_end().to_owned()
+        };
+        let mut rows = vec![row("fault", "after", "suspect", "named", "")];
+        for (index, (act, outcome)) in ACTS.iter().zip(&self.outcomes).enumerate() {
+            rows.push(match (self.over(index, at), outcome.found) {
+                (None, _) => row(act.title, "–", "", "", "not over"),
+                (Some(_), None) => row(act.title, "never", "", "", "NOT FOUND"),
+                (Some(right), Some(found)) => {
+                    let (found, whom) = (format!("{found:.3} s"), words::suspect(&outcome.suspect));
+                    row(act.title, &found, whom, &outcome.named, verdict(right))
+                }
+            });
+        }
+        rows
+    }
+
+    /// How many of the faults that were over at `at`, s, were found as announced, and of how many.
+    pub fn tally(&self, at: f64) -> [usize; 2] {
+        let over: Vec<bool> = (0..ACTS.len()).filter_map(|index| self.over(index, at)).collect();
+        [over.iter().filter(|right| **right).count(), over.len()]
+    }
+
+    pub const fn unfounded(&self) -> u64 {
+        self.unfounded
+    }
+}
+
+fn is_decided(suspect: &str) -> bool {
+    matches!(suspect, "c1" | "c2")
+}
+
+const fn verdict(right: bool) -> &'static str {
+    if right { "right" } else { "WRONG" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn warning(cylinder: i64, detector: &str, suspect: &str) -> Warning {
+        Warning {
+            cylinder,
+            detector: detector.to_owned(),
+            fault: "abrupt".to_owned(),
+            suspect: suspect.to_owned(),
+            level: "yellow".to_owned(),
+            raised: true,
+            residual: Some(0.002),
+            threshold: Some(0.001),
+        }
+    }
+
+    /// The row of act `index`, from 0, as it stands at `at`.
+    fn row(score: &Score, index: usize, at: f64) -> String {
+        score.table(at)[index + 1].clone()
+    }
+
+    #[test]
+    fn a_fault_is_found_by_a_warning_in_its_time_that_blames_the_right_one() {
+        let [from, until] = window(0);
+        let mut score = Score::new();
+        assert!(row(&score, 0, until - 0.1).ends_with("not over"));
+        assert!(row(&score, 0, until).ends_with("NOT FOUND"));
+        assert!(score.take(from + 0.5, &warning(3, "fde3", "undecided")));
+        assert!(row(&score, 0, until).ends_with("WRONG"));
+        assert_eq!(score.tally(until), [0, 1]);
+        assert!(score.take(from + 0.6, &warning(3, "fde1", "c1")));
+        assert!(score.take(from + 0.7, &warning(3, "plausibility", "undecided")));
+        let found = row(&score, 0, until);
+        assert!(found.contains("0.500 s  C1") && found.ends_with("right"), "{found}");
+        assert_eq!((score.tally(until), score.unfounded()), ([1, 1], 0));
+        // What it leaves behind is no find, and no fault of its own.
+        let mut late = Score::new();
+        late.take(until + 0.1, &warning(3, "fde1", "c1"));
+        assert!(row(&late, 0, until + 1.0).ends_with("NOT FOUND"));
+        assert_eq!(late.unfounded(), 0);
+    }
+
+    #[test]
+    fn a_warning_without_a_fault_is_counted_once_however_often_it_is_repeated() {
+        let [from, until] = window(0);
+        let mut score = Score::new();
+        assert!(score.take(from + 0.5, &warning(4, "fde1", "c1")));
+        assert!(!score.take(from + 1.5, &warning(4, "fde1", "c1")), "a repetition");
+        assert!(score.take(from + 1.6, &warning(4, "fde1", "process")), "a change");
+        assert_eq!(score.unfounded(), 1);
+        let cleared = Warning { raised: false, ..warning(4, "fde1", "process") };
+        assert!(score.take(from + 2.0, &cleared));
+        assert!(!score.take(from + 2.0, &cleared), "it was cleared already");
+        score.take(until + AFTERMATH, &warning(3, "fde1", "c1"));
+        assert_eq!(score.unfounded(), 2, "long after the fault's end");
+        assert_eq!(score.tally(until), [0, 1]);
+    }
+}

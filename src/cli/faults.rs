@@ -1,0 +1,101 @@
+//! The faults that a call asks for.
+
+use super::Failure;
+use super::machine::Machine;
+use crate::inject::{Fault, MAX_FAULTS, Placed, Tally, place, table};
+use clap::Args;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Faults on the command line and in a table.
+#[derive(Args, Debug)]
+pub struct FaultOptions {
+    /// A fault; several act in this order where they meet
+    #[arg(long = "fault", value_name = "SPEC")]
+    faults: Vec<String>,
+    /// A table of faults, which act before those of --fault
+    #[arg(long = "faults", value_name = "FILE.csv")]
+    table: Option<PathBuf>,
+}
+
+/// A fault with the words for it.
+#[derive(Clone, Debug)]
+pub struct Named {
+    pub name: String,
+    pub fault: Fault,
+}
+
+impl FaultOptions {
+    /// Those of the table, then those of the call.
+    ///
+    /// # Errors
+    /// The first thing wrong with them.
+    pub fn read(&self) -> Result<Vec<Named>, Failure> {
+        let mut faults = match &self.table {
+            Some(path) => read_table(path)?,
+            None => Vec::new(),
+        };
+        for text in &self.faults {
+            let name = format!("--fault {text:?}");
+            match Fault::parse(text) {
+                Ok(fault) => faults.push(Named { name, fault }),
+                Err(error) => return Err(Failure::Wrong(format!("{name}: {error}"))),
+            }
+        }
+        if faults.len() > MAX_FAULTS {
+            let message = format!("{} faults, expected at most {MAX_FAULTS}", faults.len());
+            return Err(Failure::Wrong(message));
+        }
+        Ok(faults)
+    }
+}
+
+/// Finds the signals of the faults.
+///
+/// # Errors
+/// The first fault that the machine has no place for.
+pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Failure> {
+    let placed = faults.iter().map(|named| {
+        place(&named.fault, &machine.loaded.settings, &machine.database)
+            .map_err(|error| Failure::Wrong(format!("{}: {error}", named.name)))
+    });
+    placed.collect()
+}
+
+/// Tells what became of each fault, on standard error: a recording may be on standard output.
+pub fn report(faults: &[Named], tallies: &[Tally]) {
+    for (named, tally) in faults.iter().zip(tallies) {
+        eprintln!("{}: {}", named.name, outcome(*tally));
+    }
+}
+
+fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
+    let shown = path.display();
+    let wrong = |what: String| Failure::Wrong(format!("{shown}: {what}"));
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(table::MAX_TEXT as u64 + 1).read_to_end(&mut bytes))
+        .map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    let text =
+        String::from_utf8(bytes).map_err(|_| wrong("not a table: its text is not UTF-8".into()))?;
+    let faults = table::parse(&text).map_err(|error| wrong(error.to_string()))?;
+    let named = faults
+        .into_iter()
+        .map(|(line, fault)| Named { name: format!("{shown}: line {line}"), fault });
+    Ok(named.collect())
+}
+
+fn outcome(tally: Tally) -> String {
+    if tally.frames == 0 && tally.absent == 0 {
+        return "nothing: none of its frames came in its time".to_owned();
+    }
+    let mut text = format!("{} of {} frames changed or lost", tally.altered, tally.frames);
+    if tally.clamped > 0 {
+        text += &format!(", {} clamped to what the signal can hold", tally.clamped);
+    }
+    if tally.absent > 0 {
+        text += &format!(", {} without the signal", tally.absent);
+    }
+    text
+}
