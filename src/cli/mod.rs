@@ -3,11 +3,13 @@
 mod calibrate;
 mod check;
 mod doctor;
+mod evaluate;
 mod failure;
 mod identify;
 mod inject;
 mod machine;
 mod output;
+mod plant;
 mod player;
 mod progress;
 mod proxy;
@@ -40,6 +42,7 @@ enum Command {
     Inject(inject::Inject),
     Identify(identify::Identify),
     Simulate(simulate::Simulate),
+    Evaluate(evaluate::Evaluate),
     Calibrate(calibrate::Calibrate),
     Tune(tune::Tune),
 }
@@ -58,6 +61,7 @@ impl Arguments {
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
             Command::Simulate(simulate) => simulate.run(),
+            Command::Evaluate(evaluate) => evaluate.run(),
             Command::Calibrate(calibrate) => calibrate.run(),
             Command::Tune(tune) => tune.run(),
         }

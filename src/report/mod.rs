@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod episode;
+pub mod evaluation;
 pub mod human;
 pub mod identification;
 pub mod jsonl;
