@@ -8,6 +8,7 @@ mod identify;
 mod inject;
 mod machine;
 mod output;
+mod page;
 mod player;
 mod progress;
 mod proxy;
