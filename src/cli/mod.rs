@@ -9,6 +9,7 @@ mod identify;
 mod inject;
 mod machine;
 mod output;
+mod page;
 mod plant;
 mod player;
 mod progress;

@@ -294,6 +294,7 @@ impl Cylinder {
             command: self.inputs.command_value(),
             estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
             residuals: [residual(0), residual(1), difference],
+            judged: self.judged,
             gated: !self.judged.contains(&true),
             monitored: now.gate == Opening::Open,
         }
