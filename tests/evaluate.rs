@@ -1,8 +1,10 @@
 //! Monte Carlo: what a trial says of a fault, that it does not depend on who computes it, and what
 //! the command makes of it.
 
+mod page_support;
 mod support;
 
+use page_support::{Figure, parse};
 use support::Scratch;
 use tertius::alarm::Detector;
 use tertius::config::{self, Settings};
@@ -148,13 +150,13 @@ fn evaluate(more: &[&str]) -> support::Run {
 #[test]
 fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let scratch = Scratch::new();
-    let file = scratch.path("evaluation.json");
+    let (file, html) = (scratch.path("evaluation.json"), scratch.path("evaluation.html"));
     let run = |threads, seed, more: &[&str]| {
         let call = ["--trials", "6", "--hours", "0.1", "--threads", threads, "--seed", seed];
         evaluate(&[&call, more].concat()).ok()
     };
     let one = run("1", "3", &["--format", "json"]).stdout;
-    let page = run("2", "3", &["--output", &file]).stdout;
+    let page = run("2", "3", &["--output", &file, "--report", &html]).stdout;
     assert_eq!(one, scratch.read("evaluation.json"));
     assert_ne!(one, run("2", "4", &["--format", "json"]).stdout);
     let result: serde_json::Value = serde_json::from_str(&one).expect("JSON");
@@ -163,9 +165,13 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let largest = rows.iter().find(|row| row["size"] == 0.05).expect("50 mm");
     assert_eq!(largest["own"]["found"]["count"], 6);
     assert_eq!(largest["thesis"]["holds"], true);
-    for word in ["step 1.25 mm", "found at once", "False alarms", "6 of 6"] {
+    for word in ["step 1.25 mm", "found at once", "false alarms", "6 of 6"] {
         assert!(page.contains(word), "{word:?} is not in\n{page}");
     }
+    let html = scratch.read("evaluation.html");
+    let titles: Vec<String> = Figure::all(&parse(&html)).into_iter().map(|it| it.title).collect();
+    assert_eq!(titles, ["Step, fine transducers", "Step, coarse transducers", "Step"]);
+    assert!(html.contains("step 1.25 mm") && html.contains("False alarms of a machine"), "{html}");
 }
 
 #[test]
@@ -174,6 +180,7 @@ fn what_cannot_be_is_refused_before_anything_is_done() {
     evaluate(&["--hours=-1"]).failed(2, &["-1 hours without a fault, expected 0 to"]);
     evaluate(&["--sea", "high"]).failed(2, &["--sea is \"high\", expected wave height"]);
     evaluate(&["--sea", "9,8"]).failed(2, &["take a calmer sea"]);
+    evaluate(&["--report", "none/page.html"]).failed(2, &["none/page.html cannot be created"]);
     evaluate(&["--plant", "none.toml"]).failed(2, &["none.toml: cannot be read"]);
     let rig = ["evaluate", "--config", support::HANGING_LOAD, "--quick"];
     support::tertius(&rig, b"").failed(2, &["machine.cylinders is 1"]);

@@ -2,15 +2,16 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::page::PageFile;
 use super::plant;
 use super::progress::Bar;
 use crate::evaluate::{Evaluation, Extent, Gathering, Job, Plan, Product, Stand, Study};
-use crate::report::evaluation;
+use crate::report::{evaluation, page};
 use crate::simulator::Options;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::num::NonZero;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
@@ -60,6 +61,9 @@ pub struct Evaluate {
     /// Writes the result as JSON
     #[arg(long, value_name = "FILE.json")]
     output: Option<PathBuf>,
+    /// Writes a page with figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -130,8 +134,24 @@ impl Evaluate {
             let options = Options { sea: Some(cell.sea), ..Options::default() };
             stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
         }
+        // And where it cannot be written, before minutes have been spent on it.
+        let prepare = |path: &Option<PathBuf>| path.as_deref().map(PageFile::prepare).transpose();
+        let (output, report) = (prepare(&self.output)?, prepare(&self.report)?);
         let evaluation = self.evaluate(&plan, &stand, settings.machine.sample_time)?;
-        self.publish(&plan, &evaluation)
+        let json = evaluation::json(&evaluation);
+        if let Some(file) = output {
+            file.write(&json)?;
+        }
+        if let Some(file) = report {
+            file.write(&page::evaluation::page(&plan, &evaluation))?;
+        }
+        let shown = match self.format {
+            Format::Json => json,
+            Format::Human => evaluation::text(&plan, &evaluation),
+        };
+        std::io::stdout()
+            .write_all(shown.as_bytes())
+            .map_err(|error| Failure::writing("standard output", &error))
     }
 
     fn extent(&self) -> Result<Extent, Failure> {
@@ -184,24 +204,6 @@ impl Evaluate {
         bar.finish();
         gathered.map(|()| gathering.finish(&stand.settings.machine.name))
     }
-
-    fn publish(&self, plan: &Plan, evaluation: &Evaluation) -> Result<(), Failure> {
-        let json = evaluation::json(evaluation);
-        if let Some(path) = &self.output {
-            write(path, &json)?;
-        }
-        let page = match self.format {
-            Format::Json => json,
-            Format::Human => evaluation::page(plan, evaluation),
-        };
-        std::io::stdout()
-            .write_all(page.as_bytes())
-            .map_err(|error| Failure::writing("standard output", &error))
-    }
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|error| Failure::creating(path, &error))
 }
 
 type Brought = (Job, Result<Product, crate::evaluate::StandError>);

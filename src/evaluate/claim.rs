@@ -25,6 +25,8 @@ pub struct Judged {
     pub claim: String,
     /// How often δ_h was crossed in the claim's time.
     pub found: Proportion,
+    /// How often any detector found the fault in that time.
+    pub by_any: Proportion,
     pub holds: bool,
 }
 
@@ -48,13 +50,14 @@ impl Claim {
             Self::Within(seconds) => seconds + sample_time,
             Self::NotAlways | Self::Never | Self::Found => f64::INFINITY,
         };
-        let crossed = |outcome: &Outcome| outcome.own().is_some_and(|delay| delay < limit);
-        let found = Proportion::counting(outcomes, crossed);
+        let in_time = |delay: Option<f64>| delay.is_some_and(|delay| delay < limit);
+        let found = Proportion::counting(outcomes, |outcome| in_time(outcome.own()));
+        let by_any = Proportion::counting(outcomes, |outcome| in_time(outcome.delay()));
         let holds = match self {
             Self::AtOnce | Self::Found | Self::Within(_) => found.count == found.of,
             Self::NotAlways => found.count < found.of,
             Self::Never => found.count == 0,
         };
-        Judged { claim: self.words(), found, holds }
+        Judged { claim: self.words(), found, by_any, holds }
     }
 }

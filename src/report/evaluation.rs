@@ -1,10 +1,10 @@
-//! An evaluation as a page for people and as JSON.
+//! An evaluation as text for a terminal and as JSON. The page of HTML is made of the same tables.
 
+use super::sheet::{Section, Sheet};
 use crate::evaluate::{
-    CONFIDENCE, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study, SuspectFigures, WITHIN,
+    CONFIDENCE, Cell, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study, SuspectFigures,
+    WITHIN,
 };
-use comfy_table::{CellAlignment, Table, presets};
-use std::fmt::Write as _;
 
 /// All of it, for scripts: the same evaluation is the same text.
 pub fn json(evaluation: &Evaluation) -> String {
@@ -14,78 +14,85 @@ pub fn json(evaluation: &Evaluation) -> String {
     text
 }
 
-/// The page.
-pub fn page(plan: &Plan, evaluation: &Evaluation) -> String {
-    let mut text = format!(
-        "{}, simulated; seed {}, {} faults a row\nintervals of {:.0} % confidence, exact; suspects: \
-         right/undecided/process/the other transducer\n",
-        evaluation.machine,
-        evaluation.seed,
-        plan.extent.trials,
-        CONFIDENCE * 1e2
-    );
-    text += &thesis(evaluation);
-    for cell in &plan.cells {
-        let of_cell = |it: &&RowResult| it.row.cell == *cell && it.row.study != Study::Loop;
-        let rows: Vec<&RowResult> = evaluation.rows.iter().filter(of_cell).collect();
-        if !rows.is_empty() {
-            let place = place(cell.grade.name(), cell.sea);
-            _ = write!(text, "\nWhat is found: {place}\n{}\n", detection(&rows));
-        }
+/// The text.
+pub fn text(plan: &Plan, evaluation: &Evaluation) -> String {
+    let mut text = format!("{}\n{}\n", evaluation.machine, extent(plan));
+    for section in sections(plan, evaluation) {
+        text += "\n";
+        text += &section.text();
     }
-    text += &loops(evaluation);
-    text += &healthy(&evaluation.healthy);
     text
 }
 
-fn place(grade: &str, [height, period]: [f64; 2]) -> String {
-    format!("{grade} transducers, sea of {height} m and {period} s")
-}
-
-fn table(header: &[&str], texts: usize) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    for column in table.column_iter_mut().skip(texts) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
-}
-
-/// Types I, II and III beside the thesis's claims.
-fn thesis(evaluation: &Evaluation) -> String {
-    let claimed = || evaluation.rows.iter().filter_map(|row| Some((row, row.thesis.as_ref()?)));
-    if claimed().next().is_none() {
-        return String::new();
-    }
-    let header =
-        ["fault", "the thesis", "transducers", "sea", "δ_h crossed", "probability", "holds"];
-    let mut table = table(&header, 2);
-    for (row, judged) in claimed() {
-        let [height, period] = row.sea;
-        table.add_row([
-            row.label.clone(),
-            judged.claim.clone(),
-            row.grade.to_owned(),
-            format!("{height} m {period} s"),
-            count(&judged.found),
-            interval(&judged.found),
-            if judged.holds { "yes" } else { "no" }.to_owned(),
-        ]);
-    }
+/// How much was tried, and what the columns mean.
+pub fn extent(plan: &Plan) -> String {
     format!(
-        "\nWhat the thesis claims (section 5-4), by the observer on the faulty transducer\n{table}\n"
+        "simulated, seed {}, {} faults a row (a quarter for the loop); intervals of {:.0} % \
+         confidence, exact; suspects: right/undecided/process/the other transducer",
+        plan.seed,
+        plan.extent.trials,
+        CONFIDENCE * 1e2
     )
 }
 
-fn detection(rows: &[&RowResult]) -> Table {
-    let within = WITHIN.map(|seconds| format!("{seconds} s"));
-    let mut header = vec!["fault", "faults"];
-    header.extend(within.iter().map(String::as_str));
-    header.extend(["interval", "median", "99 %", "suspect", "kind", "own", "FDE3", "data"]);
-    let mut table = table(&header, 1);
-    for row in rows {
+/// All tables that have rows.
+pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
+    let mut sections = vec![thesis(evaluation)];
+    sections.extend(plan.cells.iter().map(|cell| detection(*cell, evaluation)));
+    sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
+    sections.retain(|section| !section.sheet.rows.is_empty());
+    sections
+}
+
+/// A cell as a person says it.
+pub fn place(grade: &str, [height, period]: [f64; 2]) -> String {
+    format!("{grade} transducers, sea of {height} m and {period} s")
+}
+
+fn sea([height, period]: [f64; 2]) -> String {
+    format!("{height} m {period} s")
+}
+
+/// Types I, II and III beside the thesis's claims.
+fn thesis(evaluation: &Evaluation) -> Section {
+    let mut sheet = Sheet::new(&[
+        "fault",
+        "the thesis",
+        "transducers",
+        "sea",
+        "δ_h crossed",
+        "probability",
+        "holds",
+        "by any",
+    ]);
+    let claimed = evaluation.rows.iter().filter_map(|row| Some((row, row.thesis.as_ref()?)));
+    for (row, judged) in claimed {
+        sheet.add_row([
+            row.label.clone(),
+            judged.claim.clone(),
+            row.grade.to_owned(),
+            sea(row.sea),
+            count(&judged.found),
+            interval(&judged.found),
+            if judged.holds { "yes" } else { "no" }.to_owned(),
+            count(&judged.by_any),
+        ]);
+    }
+    sheet.about(
+        "what the thesis claims (section 5-4) of the observer on the faulty transducer, and what any \
+         detector finds in the same time",
+    )
+}
+
+fn detection(cell: Cell, evaluation: &Evaluation) -> Section {
+    let mut header: Vec<String> = ["fault", "faults"].map(str::to_owned).to_vec();
+    header.extend(WITHIN.map(|seconds| format!("{seconds} s")));
+    let more =
+        ["interval", "median", "99 %", "suspect", "kind", "own observer", "FDE3", "plausibility"];
+    header.extend(more.map(str::to_owned));
+    let mut sheet = Sheet::new(&header);
+    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.study != Study::Loop;
+    for row in evaluation.rows.iter().filter(of_cell) {
         let figures = &row.figures;
         let mut cells = vec![row.label.clone(), figures.faults.to_string()];
         cells.extend(figures.found.iter().map(|found| percent(&found.found)));
@@ -101,14 +108,14 @@ fn detection(rows: &[&RowResult]) -> Table {
             by("fde3").unwrap_or_default(),
             by("plausibility").unwrap_or_default(),
         ]);
-        table.add_row(cells);
+        sheet.add_row(cells);
     }
-    table
+    sheet.about(format!("what is found: {}", place(cell.grade.name(), cell.sea)))
 }
 
 /// The same faults beside the loop and in it.
-fn loops(evaluation: &Evaluation) -> String {
-    let header = [
+fn loops(evaluation: &Evaluation) -> Section {
+    let mut sheet = Sheet::new(&[
         "fault of C1",
         "controller",
         "faults",
@@ -123,9 +130,8 @@ fn loops(evaluation: &Evaluation) -> String {
         "rod off",
         "at most",
         "C1 off",
-        "beside",
-    ];
-    let mut table = table(&header, 2);
+        "others",
+    ]);
     let mm = |metres: f64| format!("{:.2}", metres * 1e3);
     for row in evaluation.rows.iter().filter(|row| row.row.study == Study::Loop) {
         let figures = &row.figures;
@@ -143,22 +149,16 @@ fn loops(evaluation: &Evaluation) -> String {
         cells.extend(figures.worst.map(mm));
         cells.extend([moved.rod_median, moved.rod_largest, moved.reading_median].map(mm));
         cells.push(figures.beside.unwrap_or(0).to_string());
-        table.add_row(cells);
+        sheet.add_row(cells);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
-        "\nThe loop: R1 to R3 are medians of the largest, rod and C1 against the same machine \
-         without the fault, mm\n{table}\n"
+    sheet.about(
+        "the loop: R1 to R3 are medians of the largest, rod and C1 against the same machine without \
+         the fault, mm; others are warnings of other cylinders",
     )
 }
 
-fn healthy(cells: &[HealthyCell]) -> String {
-    if cells.is_empty() {
-        return String::new();
-    }
-    let header = [
+fn healthy(cells: &[HealthyCell]) -> Section {
+    let mut sheet = Sheet::new(&[
         "transducers",
         "sea",
         "hours",
@@ -168,18 +168,16 @@ fn healthy(cells: &[HealthyCell]) -> String {
         "FDE1",
         "FDE2",
         "FDE3",
-        "data",
+        "plausibility",
         "R1 within",
         "R2 within",
         "R3 within",
-    ];
-    let mut table = table(&header, 2);
+    ]);
     for cell in cells {
-        let [height, period] = cell.sea;
         let events = |name: &str| cell.detectors.get(name).map_or(0, |rate| rate.events);
         let mut cells = vec![
             cell.grade.to_owned(),
-            format!("{height} m {period} s"),
+            sea(cell.sea),
             format!("{:.1}", cell.hours),
             cell.false_alarms.events.to_string(),
             rate(cell.false_alarms.per_year),
@@ -188,11 +186,11 @@ fn healthy(cells: &[HealthyCell]) -> String {
         cells.extend(["fde1", "fde2", "fde3", "plausibility"].map(|name| events(name).to_string()));
         let share = |it: &Proportion| format!("{:.5} %", it.probability.unwrap_or(0.0) * 1e2);
         cells.extend(cell.within.iter().map(share));
-        table.add_row(cells);
+        sheet.add_row(cells);
     }
-    format!(
-        "\nFalse alarms of a machine, all cylinders together; a year is 8766 monitored hours\n\
-         {table}\n"
+    sheet.about(
+        "false alarms of a machine, all cylinders together, and the bound of 95 %; a year is 8766 \
+         monitored hours",
     )
 }
 

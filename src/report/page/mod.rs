@@ -7,6 +7,7 @@
 
 pub mod axis;
 mod drawing;
+pub mod evaluation;
 pub mod figure;
 pub mod histogram;
 pub mod html;
