@@ -74,10 +74,13 @@ fn sizes<'a>(
     rows.filter_map(|row| Some((row.size? / sized.unit, row)))
 }
 
-/// Over the sizes; from the least to the largest of `points`.
+/// Over the sizes that the curves have; in decades where there is one.
 fn by_size(sized: &Sized, curves: &[Curve]) -> Axis {
     let sizes = || curves.iter().flat_map(|curve| curve.runs.iter().flatten()).map(|(x, _)| *x);
     let (low, high) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
+    if high < 10.0 * low {
+        return Axis::linear(sized.label, 0.0, 1.1 * high).with_ticks(7);
+    }
     Axis::log(sized.label, 0.8 * low, 1.25 * high).with_ticks(5)
 }
 
