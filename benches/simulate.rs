@@ -1,7 +1,8 @@
 //! How many times faster than the machine a simulated one is, with its bus and its monitor.
 //!
 //! `cargo bench --bench simulate`: one core, the default machine, ten minutes of its time; the
-//! best of some rounds of each part.
+//! best of some rounds of each part. At last the monitor alone, on the frames of an hour, and what
+//! that makes for a year of a machine.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -10,12 +11,15 @@ use std::time::Instant;
 use tertius::config;
 use tertius::controller::Readings;
 use tertius::decode::{Database, text};
+use tertius::frame::Frame;
 use tertius::monitor::{Monitor, MonitorDesign, Sink};
 use tertius::simulator::{Machine, Options, Simulator, Tables};
 
 const CYCLES: u32 = 30_000;
 const ROUNDS: usize = 7;
 const CYCLES_PER_SECOND: f64 = 50.0;
+const CYCLES_PER_MINUTE: u32 = 3000;
+const HOURS_PER_YEAR: f64 = 8766.0;
 
 struct Nothing;
 
@@ -79,6 +83,38 @@ fn main() {
             }
             assert_eq!(monitor.counts().cycles, u64::from(CYCLES));
         }),
+    );
+    alone(simulated.clone(), Monitor::new(design));
+}
+
+/// An hour, minute by minute: the machine makes the frames of a minute, and only what the monitor
+/// does with them is timed.
+fn alone(mut simulator: Simulator, mut monitor: Monitor) {
+    let (mut frames, mut seconds) = (Vec::<Frame>::new(), 0.0);
+    for _ in 0..60 {
+        frames.clear();
+        for _ in 0..CYCLES_PER_MINUTE {
+            simulator.step(&mut |frame| frames.push(frame.clone()));
+        }
+        let start = Instant::now();
+        for frame in &frames {
+            monitor.take(black_box(frame), &mut Nothing);
+        }
+        seconds += start.elapsed().as_secs_f64();
+    }
+    let (cycles, cylinders) = (monitor.counts().cycles, monitor.tallies().count() as u64);
+    assert_eq!(cycles, 60 * u64::from(CYCLES_PER_MINUTE));
+    let samples = (cycles * cylinders) as f64;
+    println!(
+        "the monitor alone, an hour: {seconds:.3} s, {:.0} ns a cylinder and sample, {:.0} times \
+         real time",
+        1e9 * seconds / samples,
+        3600.0 / seconds
+    );
+    println!(
+        "  a year of a machine, {:.2e} samples of a cylinder: {:.0} s on one core",
+        samples * HOURS_PER_YEAR,
+        seconds * HOURS_PER_YEAR
     );
 }
 

@@ -52,6 +52,7 @@ pub mod config;
 pub mod controller;
 pub mod decode;
 pub mod error_frame;
+pub mod evaluate;
 pub mod extremes;
 pub mod frame;
 pub mod hexapod;

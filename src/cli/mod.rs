@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod demo;
 mod doctor;
+mod evaluate;
 mod failure;
 mod faults;
 mod identify;
@@ -12,6 +13,8 @@ mod inject;
 mod log_file;
 mod machine;
 mod output;
+mod page;
+mod plant;
 mod player;
 mod progress;
 mod proxy;
@@ -47,6 +50,7 @@ enum Command {
     Inject(inject::Inject),
     Identify(identify::Identify),
     Simulate(simulate::Simulate),
+    Evaluate(evaluate::Evaluate),
     Calibrate(calibrate::Calibrate),
     Tune(tune::Tune),
 }
@@ -66,6 +70,7 @@ impl Arguments {
             Command::Inject(inject) => inject.run(),
             Command::Identify(identify) => identify.run(),
             Command::Simulate(simulate) => simulate.run(),
+            Command::Evaluate(evaluate) => evaluate.run(),
             Command::Calibrate(calibrate) => calibrate.run(),
             Command::Tune(tune) => tune.run(),
         }

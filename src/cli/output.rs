@@ -5,6 +5,7 @@ use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
+use crate::report::page::Recorder;
 use crate::report::{Episodes, ResidualTable, jsonl};
 use crate::time::Timestamp;
 use std::fs::File;
@@ -19,6 +20,8 @@ pub struct Output {
     pub first: Timestamp,
     pub episodes: Episodes,
     pub notices: Notices,
+    /// Gathers figures, where a page of them is asked for.
+    pub recorder: Option<Recorder>,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<ResidualTable<OutFile>>,
     frames: Option<LogWriter<OutFile>>,
@@ -48,6 +51,7 @@ impl Output {
             first: Timestamp::default(),
             episodes: Episodes::default(),
             notices: Notices::default(),
+            recorder: None,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,
             frames,
@@ -99,6 +103,9 @@ fn create(path: &Path) -> Result<OutFile, Failure> {
 
 impl Sink for Output {
     fn record(&mut self, record: &Record) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(self.first, record);
+        }
         if let Some(table) = &mut self.residuals {
             let result = table.write(self.first, record);
             self.note("the table of residuals", result);
@@ -107,6 +114,9 @@ impl Sink for Output {
 
     fn warning(&mut self, warning: &Warning) {
         self.episodes.take(warning);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.warning(self.first, warning);
+        }
         if let Some(lines) = &mut self.lines {
             let result = jsonl::warning(lines, self.first, warning);
             self.note("standard output", result);
@@ -122,6 +132,9 @@ impl Sink for Output {
 
     fn notice(&mut self, notice: &Notice) {
         self.notices.take(notice);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.notice(self.first, notice);
+        }
         if let Some(lines) = &mut self.lines {
             let result = jsonl::notice(lines, self.first, notice);
             self.note("standard output", result);

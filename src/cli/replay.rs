@@ -3,10 +3,12 @@
 use super::Failure;
 use super::machine::Machine;
 use super::output::Output;
+use super::page::PageFile;
 use super::progress::Bar;
 use crate::bus::{Options, Recording, Source, TimeStamps};
 use crate::monitor::Monitor;
 use crate::report::human::{self, Heading};
+use crate::report::page::{self, Recorder};
 use crate::report::{Summary, jsonl};
 use clap::{Args, ValueEnum};
 use std::fs;
@@ -33,6 +35,9 @@ pub struct Replay {
     /// Writes the frames that the gateway would have sent, as candump -l lines
     #[arg(long, value_name = "FILE.log")]
     warnings: Option<PathBuf>,
+    /// Writes a page with figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Takes only the frames of this interface [default: of all]
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
@@ -90,16 +95,17 @@ impl Replay {
             self.warnings.as_deref(),
             &machine.loaded.settings.bus.interface,
         )?;
+        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
+        output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
         let mut monitor = Monitor::new(machine.design.clone());
         let duration = feed(&mut recording, &mut monitor, &mut output)?;
-        self.conclude(&machine, &recording, &monitor, duration, &mut output)?;
-        output.close()?;
+        self.conclude(&machine, &recording, &monitor, duration, report, output)?;
         damage(&recording)
     }
 
     /// A file that is read here would be emptied before it is read.
     fn refuse_overwriting(&self, machine: &Machine) -> Result<(), Failure> {
-        let outputs = [&self.residuals, &self.warnings].map(Option::as_deref);
+        let outputs = [&self.residuals, &self.warnings, &self.report].map(Option::as_deref);
         let inputs = self.logs.iter().chain([&self.config, &machine.loaded.dbc_path]);
         for (index, output) in outputs.iter().enumerate() {
             let Some(output) = output else { continue };
@@ -119,13 +125,15 @@ impl Replay {
         Ok(())
     }
 
+    /// Tells what came of it on standard output, and on the page.
     fn conclude(
         &self,
         machine: &Machine,
         recording: &Recording,
         monitor: &Monitor,
         duration: f64,
-        output: &mut Output,
+        report: Option<PageFile>,
+        mut output: Output,
     ) -> Result<(), Failure> {
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
@@ -138,10 +146,6 @@ impl Replay {
             counter_jumps: &counter_jumps,
             episodes: &episodes,
         };
-        let to_stdout = |error| Failure::writing("standard output", &error);
-        if let Some(lines) = output.lines() {
-            return jsonl::summary(lines, &summary).map_err(to_stdout);
-        }
         let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let heading = Heading {
             inputs: &inputs.join(", "),
@@ -150,8 +154,21 @@ impl Replay {
             first: output.first,
             colour: std::io::stdout().is_terminal(),
         };
-        let page = human::page(&heading, &summary, &output.notices);
-        std::io::stdout().write_all(page.as_bytes()).map_err(to_stdout)
+        let html = output.recorder.take().map(|recorder| {
+            page::replay::page(&heading, &summary, &output.notices, &recorder.finish())
+        });
+        let to_stdout = |error| Failure::writing("standard output", &error);
+        let printed = match output.lines() {
+            Some(lines) => jsonl::summary(lines, &summary).map_err(to_stdout),
+            None => {
+                let text = human::page(&heading, &summary, &output.notices);
+                std::io::stdout().write_all(text.as_bytes()).map_err(to_stdout)
+            }
+        };
+        // A replay that was broken off, since nobody reads its lines, has no page.
+        let whole = report.zip(html).filter(|_| !output.failed());
+        let written = whole.map_or(Ok(()), |(report, html)| report.write(&html));
+        printed.and(output.close()).and(written)
     }
 }
 

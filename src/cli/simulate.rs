@@ -5,15 +5,14 @@ use super::broadcast::Broadcast;
 use super::faults::{self, FaultOptions, Named};
 use super::log_file::Out;
 use super::machine::Machine;
+use super::plant;
 use super::player::Pace;
 use super::simulation::Simulation;
 use crate::bus::{Source, append_log_line};
 use crate::controller::State;
 use crate::inject::{Fault, grammar};
-use crate::simulator::{Options, Simulator, Tables, truth};
+use crate::simulator::{Options, Simulator, truth};
 use clap::{Args, ValueEnum};
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 const EXAMPLE: &str = "Examples:
@@ -34,9 +33,6 @@ and moves the cylinder.";
 
 /// The longest simulation, s: a year.
 const LONGEST: f64 = 366.0 * 86_400.0;
-
-/// The largest table of a plant that is read, bytes.
-const LARGEST_TABLE: u64 = 1 << 20;
 
 /// Simulates a machine and writes its frames as candump -l would, or sends them on an interface.
 #[derive(Args, Debug)]
@@ -109,9 +105,9 @@ impl Simulate {
     /// What is wrong with the call, its files or the output.
     pub fn run(self) -> Result<(), Failure> {
         let cycles_for = self.duration()?;
-        let sea = self.sea.as_deref().map(sea).transpose()?;
+        let sea = self.sea.as_deref().map(plant::sea).transpose()?;
         let faults = self.faults.read()?;
-        let tables = self.tables()?;
+        let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load(&self.config)?;
         let settings = &machine.loaded.settings;
         let placed = faults::place_all(&faults, &machine)?;
@@ -182,24 +178,5 @@ impl Simulate {
         Err(Failure::Wrong(format!("--duration is {given}, expected seconds, up to {LONGEST}")))
     }
 
-    fn tables(&self) -> Result<Tables, Failure> {
-        let Some(path) = &self.plant else { return Ok(Tables::default()) };
-        let wrong = |what: String| Failure::Wrong(format!("{}: {what}", path.display()));
-        let mut text = String::new();
-        File::open(path)
-            .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_string(&mut text))
-            .map_err(|error| wrong(format!("cannot be read: {error}")))?;
-        Tables::parse(&text).map_err(|error| wrong(error.to_string()))
-    }
-}
-
-/// `HS,TP`.
-fn sea(text: &str) -> Result<[f64; 2], Failure> {
-    let numbers: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
-    match numbers[..] {
-        [height, period] if text.split(',').count() == 2 => Ok([height, period]),
-        _ => Err(Failure::Wrong(format!(
-            "--sea is {text:?}, expected wave height, m, and peak period, s, such as 2.5,9"
-        ))),
     }
 }

@@ -177,6 +177,7 @@ impl Cylinder {
             cycle: now.cycle,
             live: now.live,
             moving: self.moving && now.gate == Opening::Open,
+            other: None,
         };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required).copied());
         let mut good = [None; 2];
@@ -185,6 +186,7 @@ impl Cylinder {
             if !self.has(transducer) {
                 continue;
             }
+            let moment = Moment { other: self.relied_on(1 - i, &readings), ..moment };
             good[i] = self.check(i, readings[i].as_ref(), moment, now.at);
             let measurement = good[i].map(|reading| Measurement {
                 position: reading.position,
@@ -221,6 +223,12 @@ impl Cylinder {
         self.moving = false;
         self.pending = false;
         self.inputs.clear();
+    }
+
+    /// What a transducer reads, if it was sound when it was last judged.
+    fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<f64> {
+        let sound = self.plausibility[i].quality().is_good();
+        readings[i].as_ref().filter(|_| sound).map(|reading| reading.position)
     }
 
     fn check(
@@ -330,6 +338,7 @@ impl Cylinder {
             command: self.inputs.command_value(),
             estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
             residuals: [residual(0), residual(1), difference],
+            judged: self.judged,
             gated: !self.judged.contains(&true),
             monitored: now.gate == Opening::Open,
         }

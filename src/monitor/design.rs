@@ -287,6 +287,9 @@ impl<'a> Wirer<'a> {
             // A limit in decimals lies beside its count by rounding.
             lengths: (lengths.0 - half_count, lengths.1 + half_count),
             frozen: cycles(self.settings, plausibility.frozen).max(1),
+            // Half of the way of the slowest command that counts as moving, so that a stroke which
+            // just begins is not taken for one that stands still.
+            travel: 0.5 * plausibility.frozen_speed * plausibility.frozen,
         }
     }
 

@@ -37,6 +37,8 @@ pub struct Record {
     pub estimates: [Option<f64>; 2],
     /// R1, R2 and R3, m, signed.
     pub residuals: [Option<f64>; 3],
+    /// FDE1 and FDE2 judged this cycle.
+    pub judged: [bool; 2],
     /// Neither FDE1 nor FDE2 judged this cycle.
     pub gated: bool,
     /// The platform is in a monitored state, whether or not an observer has settled.

@@ -1,11 +1,9 @@
 //! The page that a person reads after a replay.
 
-use super::jsonl::restart_name;
+use super::wording;
 use super::{Episode, Summary};
-use crate::alarm::Detector;
 use crate::monitor::Notice;
 use crate::time::Timestamp;
-use crate::verdict::Suspect;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets};
 use std::fmt::Write as _;
 
@@ -26,6 +24,15 @@ impl Notices {
         } else {
             self.left_out += 1;
         }
+    }
+
+    pub fn kept(&self) -> &[Notice] {
+        &self.kept
+    }
+
+    /// Notices beyond [`NOTICES_KEPT`].
+    pub const fn left_out(&self) -> u64 {
+        self.left_out
     }
 }
 
@@ -55,11 +62,11 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     page
 }
 
-fn overview(summary: &Summary<'_>) -> String {
+pub(super) fn overview(summary: &Summary<'_>) -> String {
     let Summary { statistics, counts, .. } = summary;
     let mut text = format!(
         "{} of recording: {} frames, of which {} not used by this configuration\n",
-        clock(summary.duration),
+        wording::clock(summary.duration),
         statistics.frames,
         summary.ignored_frames(),
     );
@@ -108,62 +115,24 @@ fn table(heading: &Heading<'_>, columns: &[&str]) -> Table {
 }
 
 fn cylinders(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
-    let columns = [
-        "cylinder",
-        "samples",
-        "gated",
-        "missing",
-        "implausible",
-        "worst R1",
-        "worst R2",
-        "worst R3",
-        "warnings",
-    ];
-    let mut table = table(heading, &columns);
-    for (index, tally) in summary.tallies.iter().enumerate() {
-        let [r1, r2, r3] = tally.worst.map(|worst| worst.map_or("–".to_owned(), millimetres));
-        let warnings = summary.episodes.of_cylinder(index + 1);
-        table.add_row([
-            (index + 1).to_string(),
-            tally.cycles.to_string(),
-            tally.gated.to_string(),
-            tally.incomplete.to_string(),
-            (tally.implausible[0] + tally.implausible[1]).to_string(),
-            r1,
-            r2,
-            r3,
-            warnings.to_string(),
-        ]);
+    let mut table = table(heading, &wording::CYLINDER_COLUMNS);
+    for row in wording::cylinder_rows(summary) {
+        table.add_row(row);
     }
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let mut text = format!("{}\n", table.trim_fmt());
-    let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
-    if jumps > 0 {
-        _ = writeln!(text, "alive counters jumped {jumps} times");
-    }
-    text + "\n"
+    format!("{}\n{}\n", table.trim_fmt(), wording::counter_jumps(summary))
 }
 
 fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     let episodes = summary.episodes;
-    let total: u64 = episodes.raised().iter().sum();
-    if total == 0 {
-        return "No warnings.\n".to_owned();
+    let mut text = format!("{}\n", wording::warnings(episodes));
+    if episodes.kept().is_empty() {
+        return text;
     }
-    let by_detector = Detector::ALL
-        .iter()
-        .zip(episodes.raised())
-        .filter(|(_, raised)| **raised > 0)
-        .map(|(detector, raised)| format!("{} {raised}", label(*detector)));
-    let by_detector = by_detector.collect::<Vec<_>>().join(", ");
-    let mut text = format!("{total} warnings: {by_detector}\n\n");
-    let columns = [
-        "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
-        "lasted",
-    ];
-    let mut table = table(heading, &columns);
+    text += "\n";
+    let mut table = table(heading, &wording::EPISODE_COLUMNS);
     for episode in episodes.kept() {
         table.add_row(row(heading, episode));
     }
@@ -181,37 +150,18 @@ fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
 }
 
 fn row(heading: &Heading<'_>, episode: &Episode) -> Vec<Cell> {
-    let finding = &episode.finding;
-    let fault = if episode.first_fault == finding.fault {
-        words(finding.fault.name())
-    } else {
-        format!("{} → {}", words(episode.first_fault.name()), words(finding.fault.name()))
-    };
-    let level = Cell::new(finding.level.name());
-    let level = match (heading.colour, finding.level.name()) {
+    let cells = wording::episode_row(heading.first, episode).map(Cell::new);
+    let mut cells = cells.to_vec();
+    let name = episode.finding.level.name();
+    let level = Cell::new(name);
+    cells[wording::LEVEL_COLUMN] = match (heading.colour, name) {
         (true, "yellow") => level.fg(Color::Yellow),
         (true, "orange") => level.fg(Color::DarkYellow),
         (true, "red") => level.fg(Color::Red),
         (true, "black") => level.fg(Color::Red).add_attribute(Attribute::Reverse),
         _ => level,
     };
-    let lasted = match episode.cleared {
-        Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
-        None => "still raised".to_owned(),
-    };
-    let millimetres = |value: Option<f64>| value.map_or("–".to_owned(), millimetres);
-    vec![
-        Cell::new(clock(episode.raised.since(heading.first).as_seconds())),
-        Cell::new(log_time(episode.raised)),
-        Cell::new(episode.cylinder),
-        Cell::new(label(episode.detector)),
-        Cell::new(fault),
-        Cell::new(suspect(finding.suspect)),
-        level,
-        Cell::new(millimetres(finding.residual)),
-        Cell::new(millimetres(finding.threshold)),
-        Cell::new(lasted),
-    ]
+    cells
 }
 
 fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
@@ -220,20 +170,7 @@ fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
         text += "\nNoticed:\n";
     }
     for notice in &notices.kept {
-        let (at, what) = match *notice {
-            Notice::Gap { at, length } => {
-                (at, format!("cycles again after {:.2} s without any", length.as_seconds()))
-            }
-            Notice::TimeJump { at, by } => {
-                (at, format!("time stamps jumped by {:+.3} s", by.as_seconds()))
-            }
-            Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
-            Notice::Restart { at, cylinder, detector, reason } => {
-                let (label, reason) = (label(detector), words(restart_name(reason)));
-                (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
-            }
-        };
-        let clock = clock(at.since(heading.first).as_seconds());
+        let [clock, what] = wording::notice(heading.first, notice);
         _ = writeln!(text, "{clock:>14}  {what}");
     }
     if notices.left_out > 0 {
@@ -243,7 +180,7 @@ fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
     text
 }
 
-fn what_was_bad(summary: &Summary<'_>) -> String {
+pub(super) fn what_was_bad(summary: &Summary<'_>) -> String {
     let statistics = summary.statistics;
     let mut text = String::new();
     if statistics.bad_lines > 0 {
@@ -257,47 +194,4 @@ fn what_was_bad(summary: &Summary<'_>) -> String {
         _ = writeln!(text, "\n{damage}");
     }
     text
-}
-
-fn label(detector: Detector) -> &'static str {
-    match detector {
-        Detector::Fde1 => "FDE1",
-        Detector::Fde2 => "FDE2",
-        Detector::Fde3 => "FDE3",
-        other => other.name(),
-    }
-}
-
-fn suspect(suspect: Suspect) -> &'static str {
-    match suspect {
-        Suspect::C1 => "C1",
-        Suspect::C2 => "C2",
-        other => other.name(),
-    }
-}
-
-fn words(name: &str) -> String {
-    name.replace('_', " ")
-}
-
-fn millimetres(metres: f64) -> String {
-    format!("{:.2} mm", metres * 1e3)
-}
-
-/// As candump writes it, so that the place is found in the log with a search.
-fn log_time(at: Timestamp) -> String {
-    let micros = at.as_nanos().div_euclid(1000);
-    format!("{}.{:06}", micros.div_euclid(1_000_000), micros.rem_euclid(1_000_000))
-}
-
-/// Hours, minutes and seconds, as few as there are.
-fn clock(seconds: f64) -> String {
-    let sign = if seconds < 0.0 { "-" } else { "" };
-    let millis = (seconds.abs() * 1e3).round() as u64;
-    let (hours, minutes) = (millis / 3_600_000, millis / 60_000 % 60);
-    let (seconds, millis) = (millis / 1000 % 60, millis % 1000);
-    match hours {
-        0 => format!("{sign}{minutes}:{seconds:02}.{millis:03}"),
-        _ => format!("{sign}{hours}:{minutes:02}:{seconds:02}.{millis:03}"),
-    }
 }

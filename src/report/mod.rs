@@ -2,14 +2,18 @@
 
 pub mod calibration;
 pub mod episode;
+pub mod evaluation;
 pub mod human;
 pub mod identification;
 pub mod jsonl;
 pub mod model_tables;
 pub mod nonlinear;
+pub mod page;
 pub mod provenance;
 pub mod residuals;
+pub mod sheet;
 pub mod tuning;
+mod wording;
 
 pub use episode::{Episode, Episodes};
 pub use residuals::ResidualTable;

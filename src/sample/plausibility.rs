@@ -20,7 +20,14 @@ pub struct Limits {
     pub lengths: (f64, f64),
     /// Cycles of an exactly constant reading under a moving command until it is frozen.
     pub frozen: u32,
+    /// How far the other transducer has to move meanwhile, m.
+    pub travel: f64,
 }
+
+/// While the other transducer does not move either, a constant reading is frozen only after so many
+/// times [`Limits::frozen`]: where a slow stroke turns, friction holds the rod still for a while
+/// under a command that moves again.
+const UNWITNESSED: u32 = 5;
 
 /// What is known of the cycle beside the reading.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +39,8 @@ pub struct Moment {
     /// The command that acted since the last cycle moves the cylinder, and the platform's state is
     /// one in which it follows.
     pub moving: bool,
+    /// What the other transducer reads in this cycle, m; `None` where there is none to be relied on.
+    pub other: Option<f64>,
 }
 
 /// The plausibility of one transducer's readings.
@@ -43,6 +52,10 @@ pub struct Plausibility {
     missing: u32,
     last: Option<f64>,
     constant: u32,
+    /// What the other transducer read when this one stopped.
+    beside: Option<f64>,
+    /// Whether it moved since, or cannot be asked.
+    witnessed: bool,
     quality: Quality,
 }
 
@@ -56,6 +69,8 @@ impl Plausibility {
             missing: 0,
             last: None,
             constant: 0,
+            beside: None,
+            witnessed: false,
             quality: Quality::default(),
         }
     }
@@ -83,7 +98,7 @@ impl Plausibility {
             None => self.without_reading(moment.live),
             Some(reading) => {
                 self.missing = 0;
-                self.follow(reading.position, moment.moving);
+                self.follow(reading.position, moment);
                 self.of_new(reading)
             }
         };
@@ -113,13 +128,23 @@ impl Plausibility {
     }
 
     /// Once frozen it stays so until the reading changes, even if the command comes to rest.
-    fn follow(&mut self, position: f64, moving: bool) {
+    fn follow(&mut self, position: f64, moment: Moment) {
         let same = self.last == Some(position);
+        let moving = moment.moving || self.is_frozen();
         self.last = Some(position);
-        self.constant = match (same, moving || self.constant >= self.limits.frozen) {
-            (true, true) => self.constant.saturating_add(1),
-            _ => 0,
-        };
+        if !(same && moving) {
+            (self.constant, self.beside, self.witnessed) = (0, moment.other, false);
+            return;
+        }
+        self.constant = self.constant.saturating_add(1);
+        let travel = self.beside.zip(moment.other).map(|(then, now)| (now - then).abs());
+        self.witnessed |= travel.is_none_or(|travel| travel >= self.limits.travel);
+    }
+
+    /// The command moves and the reading does not, nor is it the rod that stands still.
+    fn is_frozen(&self) -> bool {
+        let alone = self.limits.frozen.saturating_mul(UNWITNESSED);
+        self.constant >= if self.witnessed { self.limits.frozen } else { alone }
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {
@@ -135,7 +160,7 @@ impl Plausibility {
             Quality::BrokenWire
         } else if !code_in_range || !(lowest..=highest).contains(&reading.position) {
             Quality::OutOfRange
-        } else if self.constant >= limits.frozen {
+        } else if self.is_frozen() {
             Quality::Frozen
         } else {
             Quality::Good
@@ -155,6 +180,7 @@ mod tests {
             codes: Some((1, 27648)),
             lengths: (-1.5, 1.5),
             frozen: 4,
+            travel: 1e-3,
         }
     }
 
@@ -162,7 +188,7 @@ mod tests {
         Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
     }
 
-    const MOVING: Moment = Moment { cycle: 0, live: true, moving: true };
+    const MOVING: Moment = Moment { cycle: 0, live: true, moving: true, other: None };
     const STILL: Moment = Moment { moving: false, ..MOVING };
 
     #[test]
@@ -199,6 +225,25 @@ mod tests {
         assert_eq!(checks.judge(Some(&reading(0.5)), MOVING), Quality::Frozen);
         assert_eq!(checks.judge(Some(&reading(0.5)), STILL), Quality::Frozen, "it did not thaw");
         assert_eq!(checks.judge(Some(&reading(0.500_1)), STILL), Quality::Good);
+    }
+
+    /// The cycle in which a reading that stops in cycle 0 is frozen, the other one at `other`.
+    fn frozen_in(other: impl Fn(u64) -> Option<f64>) -> u64 {
+        let mut checks = Plausibility::new(limits(), None);
+        let judge = |cycle: &u64| {
+            let moment = Moment { other: other(*cycle), ..MOVING };
+            checks.judge(Some(&reading(0.5)), moment) == Quality::Frozen
+        };
+        (0..100).find(judge).expect("it is frozen in the end")
+    }
+
+    #[test]
+    fn while_the_other_one_stands_still_too_it_is_the_rod_for_a_while() {
+        assert_eq!(frozen_in(|_| None), 4, "nobody to ask");
+        assert_eq!(frozen_in(|cycle| Some(3e-4 * cycle as f64)), 4, "it moves slowly");
+        assert_eq!(frozen_in(|cycle| (cycle < 2).then_some(0.0)), 4, "it cannot be asked any more");
+        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 3) as f64)), 20, "it flickers");
+        assert_eq!(frozen_in(|cycle| Some(if cycle < 9 { 0.1 } else { 0.2 })), 9, "it moves later");
     }
 
     #[test]

@@ -128,6 +128,11 @@ impl Simulator {
         &self.machine
     }
 
+    /// What the controller read in the newest cycle.
+    pub fn readings(&self) -> &Readings {
+        &self.readings
+    }
+
     /// When the next cycle opens, but for the jitter of its Sync.
     pub fn opening(&self) -> Timestamp {
         let nanos = self.sample_time.as_nanos().saturating_mul(self.cycle as i64);

@@ -13,7 +13,9 @@ rules are those of the description:
 - A cycle that does not open is evaluated without readings, until the observers have stopped.
 - A reading is used unless its sender repeats itself, its code or status says broken wire, it is
   beyond codes or stroke, or it has been exactly constant for `frozen` seconds under a command that
-  moved since the cycle before in a monitored state. It stays frozen until it changes.
+  moved since the cycle before in a monitored state. It stays frozen until it changes. As long as the
+  other transducer, good when last judged, has not moved meanwhile by half of frozen_speed times
+  `frozen`, that takes five times as long.
 - (5-4): x(k+1) = A x(k) + B u(k) + L (y(k) - C x(k)); the residual is y - C x before this step. It
   starts with the first reading as [length, speed or 0, 0]. Without a reading the model alone goes on,
   for at most max_gap seconds; then it starts anew. The last command is held.
@@ -163,10 +165,15 @@ class Transducer:
             low, high = max(low, signal.minimum), min(high, signal.maximum)
         self.lengths = low - half_count, high + half_count
         self.frozen = round(plausibility["frozen"] / config["machine"]["sample_time"])
-        self.last = self.counter = None
-        self.constant = 0
+        self.travel = 0.5 * plausibility["frozen_speed"] * plausibility["frozen"]
+        self.last = self.counter = self.beside = None
+        self.constant, self.witnessed, self.sound = 0, False, False
 
-    def good(self, reading, moving):
+    def good(self, reading, moving, other):
+        self.sound = self.judged(reading, moving, other)
+        return self.sound
+
+    def judged(self, reading, moving, other):
         if reading is None:
             return False
         if "counter" in reading:
@@ -175,7 +182,12 @@ class Transducer:
             self.counter = reading["counter"]
         same = reading["position"] == self.last
         self.last = reading["position"]
-        self.constant = self.constant + 1 if same and (moving or self.is_frozen()) else 0
+        if same and (moving or self.is_frozen()):
+            self.constant += 1
+            if self.beside is None or other is None or abs(other - self.beside) >= self.travel:
+                self.witnessed = True
+        else:
+            self.constant, self.beside, self.witnessed = 0, other, False
         return not (self.is_broken(reading) or self.is_outside(reading) or self.is_frozen())
 
     def is_broken(self, reading):
@@ -189,7 +201,7 @@ class Transducer:
         return not (inside and low <= reading["code"] <= high)
 
     def is_frozen(self):
-        return self.constant >= self.frozen
+        return self.constant >= (self.frozen if self.witnessed else 5 * self.frozen)
 
 
 class Cylinder:
@@ -214,7 +226,8 @@ class Cylinder:
         estimates, residuals, judged, used = [None] * 2, [None] * 3, False, []
         positions = [reading and reading["position"] for reading in readings]
         for i, reading in enumerate(readings):
-            good = self.transducers[i].good(reading, self.moving and monitored)
+            other = positions[1 - i] if self.transducers[1 - i].sound else None
+            good = self.transducers[i].good(reading, self.moving and monitored, other)
             self.tried["refused"] += reading is not None and not good
             self.tried["frozen"] += self.transducers[i].is_frozen()
             used.append(reading["position"] if good else None)

@@ -1,0 +1,224 @@
+//! `tertius evaluate`: what is found, how fast, and how often something is said that is not so.
+
+use super::Failure;
+use super::machine::Machine;
+use super::page::PageFile;
+use super::plant;
+use super::progress::Bar;
+use crate::evaluate::{Evaluation, Extent, Gathering, Job, Plan, Product, Stand, Study};
+use crate::report::{evaluation, page};
+use crate::simulator::Options;
+use clap::{Args, ValueEnum};
+use std::io::Write;
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+
+/// Evaluates the monitor on a simulated machine: many faults of every kind and size, and hours
+/// without one.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Example:\n  tertius evaluate --config config/e-type-simulated.toml --seed 1 \
+                  --output evaluation.json\n\nEach row of the result is one kind of fault of one \
+                  size, on fine transducers (one count) or\ncoarse ones (steps of four counts), in \
+                  one sea. The same seed gives the same result on any number\nof cores. The \
+                  configuration has to know the simulated machine's C2 corrections, as\n\
+                  config/e-type-simulated.toml does."
+)]
+pub struct Evaluate {
+    /// The configuration of the monitor, and of the simulated machine's bus
+    #[arg(long, value_name = "FILE")]
+    config: PathBuf,
+    /// The simulated machine [default: built in, as config/e-type-plant.toml]
+    #[arg(long, value_name = "FILE")]
+    plant: Option<PathBuf>,
+    /// Whatever is random comes from this number
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Faults in a row; a quarter of them in those of the loop [default: 600; --quick: 48]
+    #[arg(long, value_name = "N")]
+    trials: Option<u32>,
+    /// Hours without a fault, for each grade in each sea [default: 10; --quick: 0.5]
+    #[arg(long, value_name = "H")]
+    hours: Option<f64>,
+    /// A look that takes seconds: few faults, one sea
+    #[arg(long)]
+    quick: bool,
+    /// Only these studies
+    #[arg(long, value_name = "NAME,…", value_enum, value_delimiter = ',')]
+    rows: Vec<Studied>,
+    /// Significant wave height, m, and peak period, s; may be given again [default: 2.5,8 and
+    /// 1.5,7 and 3,10; --quick: 2.5,8]
+    #[arg(long = "sea", value_name = "HS,TP")]
+    seas: Vec<String>,
+    /// Machines that are simulated at once [default: as many as there are cores]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZero<usize>>,
+    /// What is written on standard output
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// Writes the result as JSON
+    #[arg(long, value_name = "FILE.json")]
+    output: Option<PathBuf>,
+    /// Writes a page with figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Human,
+    Json,
+}
+
+/// What can be asked for by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Studied {
+    /// Type I (5-15), (5-16)
+    Step,
+    /// Type II (5-17)
+    Noise,
+    /// Type III (5-18)
+    Incipient,
+    /// A constant rate
+    Drift,
+    /// A gain that is off
+    Scale,
+    /// Frozen, stale, lost, out of range, broken wire, spikes
+    Data,
+    /// Nothing at all: what is found by chance
+    Chance,
+    /// Faults of C1 that the controller reads, beside those that it does not
+    Loop,
+    /// False alarms
+    Healthy,
+}
+
+impl Studied {
+    const fn study(self) -> Option<Study> {
+        Some(match self {
+            Self::Step => Study::Step,
+            Self::Noise => Study::Noise,
+            Self::Incipient => Study::Incipient,
+            Self::Drift => Study::Drift,
+            Self::Scale => Study::Scale,
+            Self::Data => Study::Data,
+            Self::Chance => Study::Chance,
+            Self::Loop => Study::Loop,
+            Self::Healthy => return None,
+        })
+    }
+}
+
+/// The sea of the plant's table is in the middle.
+const SEAS: [[f64; 2]; 3] = [[2.5, 8.0], [1.5, 7.0], [3.0, 10.0]];
+
+/// Products that wait to be gathered.
+const WAITING: usize = 64;
+
+impl Evaluate {
+    /// Evaluates.
+    ///
+    /// # Errors
+    /// What is wrong with the call or its files; output that cannot be written.
+    pub fn run(self) -> Result<(), Failure> {
+        let plan = Plan::new(self.seed, self.extent()?)
+            .map_err(|error| Failure::Wrong(error.to_string()))?;
+        let tables = plant::tables(self.plant.as_deref())?;
+        let machine = Machine::load(&self.config)?;
+        let settings = &machine.loaded.settings;
+        let stand = Stand::new(&tables, settings, &machine.database, &machine.design);
+        // Whatever the call asks for that cannot be, before anything is done.
+        for cell in &plan.cells {
+            let options = Options { sea: Some(cell.sea), ..Options::default() };
+            stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
+        // And where it cannot be written, before minutes have been spent on it.
+        let prepare = |path: &Option<PathBuf>| path.as_deref().map(PageFile::prepare).transpose();
+        let (output, report) = (prepare(&self.output)?, prepare(&self.report)?);
+        let evaluation = self.evaluate(&plan, &stand, settings.machine.sample_time)?;
+        let json = evaluation::json(&evaluation);
+        if let Some(file) = output {
+            file.write(&json)?;
+        }
+        if let Some(file) = report {
+            file.write(&page::evaluation::page(&plan, &evaluation))?;
+        }
+        let shown = match self.format {
+            Format::Json => json,
+            Format::Human => evaluation::text(&plan, &evaluation),
+        };
+        std::io::stdout()
+            .write_all(shown.as_bytes())
+            .map_err(|error| Failure::writing("standard output", &error))
+    }
+
+    fn extent(&self) -> Result<Extent, Failure> {
+        let asked: Vec<Studied> = if self.rows.is_empty() {
+            Studied::value_variants().to_vec()
+        } else {
+            self.rows.clone()
+        };
+        let healthy = asked.contains(&Studied::Healthy);
+        let hours = self.hours.unwrap_or(if self.quick { 0.5 } else { 10.0 });
+        let given = self.seas.iter().map(|text| plant::sea(text)).collect::<Result<Vec<_>, _>>()?;
+        let seas = match (given.is_empty(), self.quick) {
+            (false, _) => given,
+            (true, true) => SEAS[..1].to_vec(),
+            (true, false) => SEAS.to_vec(),
+        };
+        Ok(Extent {
+            trials: self.trials.unwrap_or(if self.quick { 48 } else { 600 }),
+            hours: if healthy { hours } else { 0.0 },
+            seas,
+            studies: asked.into_iter().filter_map(Studied::study).collect(),
+        })
+    }
+
+    /// Does the jobs on all cores, and gathers what they bring.
+    fn evaluate(
+        &self,
+        plan: &Plan,
+        stand: &Stand,
+        sample_time: f64,
+    ) -> Result<Evaluation, Failure> {
+        let jobs = plan.jobs();
+        let threads = self.threads.or_else(|| std::thread::available_parallelism().ok());
+        let (next, bar) = (AtomicUsize::new(0), Bar::counting(jobs.len()));
+        let mut gathering = Gathering::new(plan, sample_time);
+        let gathered = std::thread::scope(|scope| {
+            let (sender, receiver) = mpsc::sync_channel(WAITING);
+            for _ in 0..threads.map_or(1, NonZero::get).min(jobs.len().max(1)) {
+                let (sender, next, jobs) = (sender.clone(), &next, &jobs);
+                scope.spawn(move || work(plan, stand, jobs, next, &sender));
+            }
+            drop(sender);
+            for (job, product) in receiver {
+                let product = product.map_err(|error| Failure::Wrong(error.to_string()))?;
+                gathering.take(job, product);
+                bar.count();
+            }
+            Ok(())
+        });
+        bar.finish();
+        gathered.map(|()| gathering.finish(&stand.settings.machine.name))
+    }
+}
+
+type Brought = (Job, Result<Product, crate::evaluate::StandError>);
+
+/// Does the next job until there is none, or nobody takes what it brings.
+fn work(
+    plan: &Plan,
+    stand: &Stand,
+    jobs: &[Job],
+    next: &AtomicUsize,
+    sender: &mpsc::SyncSender<Brought>,
+) {
+    while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+        if sender.send((*job, plan.run(stand, *job))).is_err() {
+            return;
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Figures as data: panels over each other that share the axis below.
+
+use super::axis::Axis;
+use plotters::style::RGBColor;
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    Line,
+    /// A line of half the weight, for what is behind.
+    Hairline,
+    Dots,
+    /// From the lower end of the panel to the points, from each x to the next.
+    Bars,
+    /// From each x to the next.
+    Steps,
+}
+
+/// One curve; where data are missing it is in several runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// For the legend.
+    pub name: String,
+    pub colour: RGBColor,
+    pub shape: Shape,
+    pub runs: Vec<Vec<(f64, f64)>>,
+}
+
+/// A line at one value: a threshold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    pub name: String,
+    pub colour: RGBColor,
+    pub value: f64,
+}
+
+/// A vertical line behind the curves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    pub name: String,
+    pub colour: RGBColor,
+    pub at: f64,
+}
+
+/// Shading behind everything, along the axis below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Band {
+    pub name: String,
+    pub colour: RGBColor,
+    pub from: f64,
+    pub to: f64,
+}
+
+/// One field of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Of the plot itself, CSS pixels.
+    pub height: u32,
+    pub y: Axis,
+    pub curves: Vec<Curve>,
+    /// Along the axis below.
+    pub levels: Vec<Level>,
+    pub marks: Vec<Mark>,
+    pub bands: Vec<Band>,
+}
+
+/// Panels with one common axis below.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// CSS pixels.
+    pub width: u32,
+    pub x: Axis,
+    pub panels: Vec<Panel>,
+}
+
+/// What a legend's entry looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sample {
+    Line,
+    Dot,
+    Area,
+    Upright,
+}
+
+/// An entry of a legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    pub name: String,
+    pub colour: RGBColor,
+    pub sample: Sample,
+}
+
+/// The width of a figure over the whole page, CSS pixels.
+pub const WIDE: u32 = 960;
+/// And of one of two beside each other.
+pub const HALF: u32 = 470;
+
+impl Curve {
+    /// A line without gaps.
+    pub fn line(name: &str, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.to_owned(), colour, shape: Shape::Line, runs: vec![points] }
+    }
+
+    pub fn dots(name: &str, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.to_owned(), colour, shape: Shape::Dots, runs: vec![points] }
+    }
+
+    /// The same, drawn as `shape`.
+    #[must_use]
+    pub fn shaped(mut self, shape: Shape) -> Self {
+        self.shape = shape;
+        self
+    }
+
+    /// The points of `values`, split where one is missing.
+    pub fn broken(
+        name: &str,
+        colour: RGBColor,
+        values: impl IntoIterator<Item = (f64, Option<f64>)>,
+    ) -> Self {
+        let mut runs = vec![Vec::new()];
+        for (x, value) in values {
+            match value.filter(|value| value.is_finite()) {
+                Some(y) => runs.last_mut().into_iter().for_each(|run| run.push((x, y))),
+                None if runs.last().is_some_and(Vec::is_empty) => {}
+                None => runs.push(Vec::new()),
+            }
+        }
+        runs.retain(|run| !run.is_empty());
+        Self { name: name.to_owned(), colour, shape: Shape::Line, runs }
+    }
+
+    /// All y.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.runs.iter().flatten().map(|(_, y)| *y)
+    }
+}
+
+impl Panel {
+    /// With curves only.
+    pub fn new(height: u32, y: Axis, curves: Vec<Curve>) -> Self {
+        Self { height, y, curves, levels: Vec::new(), marks: Vec::new(), bands: Vec::new() }
+    }
+
+    /// How many dots are beyond the scale, and not drawn.
+    pub fn beyond(&self) -> usize {
+        let dots = self.curves.iter().filter(|curve| curve.shape == Shape::Dots);
+        dots.flat_map(Curve::values).filter(|y| !self.y.holds(*y)).count()
+    }
+
+    /// Adds a level on both sides of zero; the legend has it once.
+    #[must_use]
+    pub fn with_bounds(mut self, name: &str, colour: RGBColor, value: f64) -> Self {
+        for value in [value, -value] {
+            self.levels.push(Level { name: name.to_owned(), colour, value });
+        }
+        self
+    }
+}
+
+impl Figure {
+    /// Of one panel.
+    pub fn single(width: u32, x: Axis, panel: Panel) -> Self {
+        Self { width, x, panels: vec![panel] }
+    }
+
+    /// What its curves, levels, marks and bands are called, each once, where they are drawn at all.
+    pub fn legend(&self) -> Vec<Entry> {
+        let mut entries: Vec<Entry> = Vec::new();
+        let mut add = |name: &str, colour: RGBColor, sample: Sample| {
+            let known = |entry: &Entry| entry.name == name && entry.colour == colour;
+            if !name.is_empty() && !entries.iter().any(known) {
+                entries.push(Entry { name: name.to_owned(), colour, sample });
+            }
+        };
+        for curve in self.panels.iter().flat_map(|panel| &panel.curves) {
+            let sample = match curve.shape {
+                Shape::Line | Shape::Hairline | Shape::Steps => Sample::Line,
+                Shape::Dots => Sample::Dot,
+                Shape::Bars => Sample::Area,
+            };
+            if curve.runs.iter().any(|run| !run.is_empty()) {
+                add(&curve.name, curve.colour, sample);
+            }
+        }
+        for panel in &self.panels {
+            panel.levels.iter().for_each(|level| add(&level.name, level.colour, Sample::Line));
+            panel.marks.iter().for_each(|mark| add(&mark.name, mark.colour, Sample::Upright));
+            panel.bands.iter().for_each(|band| add(&band.name, band.colour, Sample::Area));
+        }
+        entries
+    }
+
+    /// The same as SVG; `label` says what it is to who cannot see it.
+    pub fn svg(&self, label: &str) -> String {
+        super::drawing::svg(self, label)
+    }
+}

@@ -1,0 +1,269 @@
+//! The skeleton of a page: one file, no network, no script, sound as XML, too.
+
+use super::figure::{Entry, Figure, Sample};
+use crate::report::sheet::Section;
+use plotters::style::RGBColor;
+use std::fmt::Write as _;
+
+/// Loads nothing, runs nothing, whatever a name in it says.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
+
+const STYLE: &str = "
+:root { color-scheme: light; }
+body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 960px; background: #fff; color: #222;
+  font: 14px/1.45 system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif; }
+h1 { font-size: 1.5rem; margin: 0 0 .2rem; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+p { margin: .4rem 0; max-width: 52rem; }
+ul.lines { list-style: none; margin: .4rem 0; padding: 0; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; margin: .5rem 0; font-variant-numeric: tabular-nums; }
+caption { text-align: left; padding: .2rem 0; }
+th, td { padding: .15rem .7rem .15rem 0; text-align: left; white-space: nowrap; }
+thead { border-bottom: 1px solid #999; }
+tbody tr + tr { border-top: 1px solid #eee; }
+.n { text-align: right; }
+figure { margin: .6rem 0 1.2rem; break-inside: avoid; }
+figure svg { display: block; max-width: 100%; height: auto; }
+figure .title { margin: 0 0 .1rem; font-weight: 600; }
+figcaption { font-size: 13px; padding-left: 76px; }
+figcaption p { margin: .15rem 0; }
+.pair { display: flex; flex-wrap: wrap; gap: 0 20px; }
+.pair figure { width: 470px; max-width: 100%; }
+.legend { list-style: none; display: flex; flex-wrap: wrap; gap: .1rem 1.1rem; margin: .1rem 0 .3rem;
+  padding: 0 0 0 76px; font-size: 12px; }
+.legend li { display: flex; align-items: center; gap: .35rem; }
+.legend i { display: inline-block; box-sizing: border-box; width: 22px; }
+.legend .line { height: 0; border-top: 2px solid; }
+.legend .dot { width: 8px; height: 8px; border: 4px solid; border-radius: 50%; }
+.legend .area { height: 10px; border-top: 10px solid; opacity: .5; }
+.legend .upright { width: 0; height: 13px; border-left: 3px solid; opacity: .6; }
+footer { margin-top: 2.5rem; color: #666; font-size: 12px; }
+@page { margin: 12mm; }
+@media print {
+  body { padding: 0; max-width: none; font-size: 10pt; }
+  h2, h3 { break-after: avoid; }
+  tr { break-inside: avoid; }
+  .scroll { overflow: visible; }
+  table { font-size: 8pt; }
+  .pair figure { width: 48%; }
+}
+";
+
+/// A page that is being written.
+#[derive(Clone, Debug)]
+pub struct Page {
+    title: String,
+    body: String,
+}
+
+impl Page {
+    pub fn new(title: &str) -> Self {
+        Self { title: title.to_owned(), body: String::new() }
+    }
+
+    /// A section.
+    pub fn heading(&mut self, text: &str) {
+        self.element("h2", text);
+    }
+
+    /// A part of a section.
+    pub fn subheading(&mut self, text: &str) {
+        self.element("h3", text);
+    }
+
+    /// A paragraph; nothing where there is nothing to say.
+    pub fn paragraph(&mut self, text: &str) {
+        if !text.trim().is_empty() {
+            self.element("p", text);
+        }
+    }
+
+    /// Each line of `text` on a line of its own, empty ones left out.
+    pub fn lines(&mut self, text: &str) {
+        let lines: Vec<&str> =
+            text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        if lines.is_empty() {
+            return;
+        }
+        self.body += "<ul class=\"lines\">\n";
+        for line in lines {
+            self.element("li", line);
+        }
+        self.body += "</ul>\n";
+    }
+
+    /// A table; nothing where it has no rows. Numbers stand at the right.
+    pub fn table<T: AsRef<str>>(&mut self, header: &[T], rows: &[Vec<String>]) {
+        if rows.is_empty() {
+            return;
+        }
+        let numeric = |column: usize| {
+            rows.iter().filter_map(|row| row.get(column)).all(|cell| is_number(cell))
+        };
+        let classes: Vec<&str> = (0..header.len())
+            .map(|column| if numeric(column) { " class=\"n\"" } else { "" })
+            .collect();
+        let row = |name: &str, cells: &mut dyn Iterator<Item = &str>| {
+            let cells = cells.zip(classes.iter().chain(std::iter::repeat(&"")));
+            cells.fold("<tr>".to_owned(), |mut line, (cell, class)| {
+                _ = write!(line, "<{name}{class}>{}</{name}>", escaped(cell));
+                line
+            }) + "</tr>\n"
+        };
+        self.body += "<div class=\"scroll\"><table>\n<thead>";
+        self.body += &row("th", &mut header.iter().map(AsRef::as_ref));
+        self.body += "</thead>\n<tbody>\n";
+        for cells in rows {
+            self.body += &row("td", &mut cells.iter().map(String::as_str));
+        }
+        self.body += "</tbody></table></div>\n";
+    }
+
+    /// A table with what it is about; nothing where it has no rows.
+    pub fn section(&mut self, section: &Section) {
+        if !section.sheet.rows.is_empty() {
+            self.paragraph(&capitalised(&section.about));
+            self.table(&section.sheet.header, &section.sheet.rows);
+        }
+    }
+
+    /// A figure under the first line of `caption`, with its legend and the other lines below.
+    pub fn figure(&mut self, figure: &Figure, caption: &str) {
+        let mut lines = caption.lines().filter(|line| !line.is_empty());
+        let title = lines.next().unwrap_or_default();
+        _ = writeln!(self.body, "<figure>\n<p class=\"title\">{}</p>", escaped(title));
+        self.body += &figure.svg(title);
+        self.body += &legend(&figure.legend());
+        let notes: String = lines.map(|line| format!("<p>{}</p>\n", escaped(line))).collect();
+        if !notes.is_empty() {
+            _ = writeln!(self.body, "<figcaption>\n{notes}</figcaption>");
+        }
+        self.body += "</figure>\n";
+    }
+
+    /// Figures of half the width beside each other, two in a row.
+    pub fn figures<'a>(&mut self, figures: impl IntoIterator<Item = (&'a Figure, &'a str)>) {
+        self.body += "<div class=\"pair\">\n";
+        for (figure, caption) in figures {
+            self.figure(figure, caption);
+        }
+        self.body += "</div>\n";
+    }
+
+    /// The whole file.
+    pub fn finish(self) -> String {
+        let title = escaped(&self.title);
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\" xmlns=\"http://www.w3.org/1999/xhtml\">\n<head>\n\
+             <meta charset=\"utf-8\"/>\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}\
+             <footer>tertius {}</footer>\n</body>\n</html>\n",
+            self.body,
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+
+    fn element(&mut self, name: &str, text: &str) {
+        _ = writeln!(self.body, "<{name}>{}</{name}>", escaped(text));
+    }
+}
+
+fn legend(entries: &[Entry]) -> String {
+    if entries.is_empty() {
+        return String::new();
+    }
+    let mut text = "<ul class=\"legend\">".to_owned();
+    for Entry { name, colour, sample } in entries {
+        let class = match sample {
+            Sample::Line => "line",
+            Sample::Dot => "dot",
+            Sample::Area => "area",
+            Sample::Upright => "upright",
+        };
+        let RGBColor(r, g, b) = *colour;
+        _ = write!(
+            text,
+            "<li><i class=\"{class}\" style=\"border-color:#{r:02x}{g:02x}{b:02x}\"></i>{}</li>",
+            escaped(name)
+        );
+    }
+    text + "</ul>\n"
+}
+
+/// With a capital at the beginning, as a line of its own.
+pub fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
+}
+
+/// Whether a cell is read as a number: it has a digit at its beginning, behind a sign at most, or
+/// stands for one that is not there.
+fn is_number(cell: &str) -> bool {
+    let cell = cell.trim_start_matches(['-', '−', '+', '±', ' ', '<', '>', '≥', '≤']);
+    cell.is_empty() || matches!(cell, "–" | "?") || cell.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// `text` as the content of an element or of an attribute. What XML has no place for is replaced.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '&' => out.push_str("&amp;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\t' => out.push(' '),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_is_said_becomes_markup() {
+        let evil = "</title><script>alert('1')</script>\u{0}\u{1b}[2J&\"";
+        let mut page = Page::new(evil);
+        page.heading(evil);
+        page.paragraph(evil);
+        page.lines(evil);
+        page.table(&[evil], &[vec![evil.to_owned()]]);
+        let html = page.finish();
+        assert!(!html.contains("<script"), "{html}");
+        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&html, options).expect("sound XML");
+        let cell = document.descendants().find(|node| node.has_tag_name("td")).expect("a cell");
+        assert!(cell.text().expect("text").starts_with("</title><script>alert('1')</script>"));
+    }
+
+    #[test]
+    fn nothing_is_said_where_there_is_nothing() {
+        let mut page = Page::new("Empty");
+        let before = page.body.clone();
+        page.paragraph(" ");
+        page.lines("\n\n");
+        page.table(&["a"], &[]);
+        assert_eq!(page.body, before);
+    }
+
+    #[test]
+    fn numbers_stand_at_the_right() {
+        let mut page = Page::new("");
+        let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
+        page.table(
+            &["name", "size", "mixed"],
+            &[row(["C1", "−1.2 mm", "1"]), row(["C2", "–", "x"])],
+        );
+        assert!(page.body.contains("<th>name</th><th class=\"n\">size</th><th>mixed</th>"));
+        assert!(page.body.contains("<td class=\"n\">−1.2 mm</td>"), "{}", page.body);
+    }
+}

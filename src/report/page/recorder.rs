@@ -1,0 +1,173 @@
+//! Gathers what the page of a replay shows, beside the replay and in bounded memory.
+
+use super::histogram::Histogram;
+use super::traces::Trace;
+use super::zoom::{Moment, Zooms};
+use crate::alarm::{Detector, Level, State, Warning};
+use crate::compare::Comparator;
+use crate::monitor::{MonitorDesign, Notice, Record};
+use crate::report::episode;
+use crate::time::{Span, Timestamp};
+
+/// Jumps in time that are marked; the others are counted.
+const JUMPS: usize = 100;
+
+/// The thresholds of one residual, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// δ_l: below it the residual counts towards clearing.
+    pub low: f64,
+    /// δ_h, or the bound of R3.
+    pub high: f64,
+}
+
+/// What is drawn of one cylinder.
+#[derive(Clone, Debug)]
+pub struct Gathered {
+    /// Of R1, R2 and R3.
+    pub bounds: [Bounds; 3],
+    /// R1 and R2 where they are judged, and R3; shaded where neither FDE1 nor FDE2 judges.
+    pub residuals: Trace<3>,
+    pub histograms: [Histogram; 3],
+    comparator: Comparator,
+}
+
+/// A raised warning on the figures' time axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Raised {
+    pub t: f64,
+    pub cylinder: u8,
+    pub detector: Detector,
+    pub level: Level,
+}
+
+/// The figures' time: seconds since the first frame, and where the time stamps jump it goes on as if
+/// no time had passed.
+#[derive(Clone, Debug, Default)]
+struct Axis {
+    skipped: Span,
+    jumps: u64,
+    /// When they were.
+    at: Vec<f64>,
+}
+
+/// Takes what the monitor gives.
+#[derive(Clone, Debug)]
+pub struct Recorder {
+    axis: Axis,
+    cylinders: Vec<Gathered>,
+    zooms: Zooms,
+    raised: Vec<Raised>,
+    count: usize,
+}
+
+/// Everything gathered.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    pub cylinders: Vec<Gathered>,
+    pub zooms: Vec<super::zoom::Zoom>,
+    /// Warnings that no zoom shows.
+    pub not_zoomed: u64,
+    /// The first warnings, as many as are kept for the page's table.
+    pub raised: Vec<Raised>,
+    /// How often the time stamps jumped, and where (of the first ones).
+    pub jumps: u64,
+    pub jumped_at: Vec<f64>,
+}
+
+impl Axis {
+    fn place(&self, first: Timestamp, at: Timestamp) -> f64 {
+        let nanos = at.since(first).as_nanos().saturating_sub(self.skipped.as_nanos());
+        Span::from_nanos(nanos).as_seconds()
+    }
+
+    fn jump(&mut self, first: Timestamp, at: Timestamp, by: Span) {
+        let skipped = self.skipped.as_nanos().saturating_add(by.as_nanos());
+        self.skipped = Span::from_nanos(skipped);
+        self.jumps += 1;
+        if self.at.len() < JUMPS {
+            self.at.push(self.place(first, at));
+        }
+    }
+}
+
+impl Recorder {
+    /// For a monitor of `design`.
+    pub fn new(design: &MonitorDesign) -> Self {
+        let sample_time = design.timing.sample_time.as_seconds();
+        let gathered = |cylinder: &crate::monitor::cylinder::CylinderDesign| {
+            let [observer, difference] = [cylinder.bank.observer, cylinder.bank.difference]
+                .map(|thresholds| Bounds { low: thresholds.low, high: thresholds.high });
+            let bounds = [observer, observer, difference];
+            Gathered {
+                bounds,
+                residuals: Trace::new(sample_time),
+                histograms: bounds.map(|bounds| Histogram::new(bounds.high)),
+                comparator: cylinder.comparator,
+            }
+        };
+        Self {
+            axis: Axis::default(),
+            cylinders: design.cylinders.iter().map(gathered).collect(),
+            zooms: Zooms::new(design.cylinders.len()),
+            raised: Vec::new(),
+            count: 0,
+        }
+    }
+
+    /// A cycle of one cylinder; `first` is the time stamp of the recording's first frame.
+    pub fn record(&mut self, first: Timestamp, record: &Record) {
+        let t = self.axis.place(first, record.timestamp);
+        let Some(cylinder) = self.cylinders.get_mut(usize::from(record.cylinder).wrapping_sub(1))
+        else {
+            return;
+        };
+        let [r1, r2, r3] = record.residuals;
+        let judged = record.judged;
+        let residuals = [r1.filter(|_| judged[0]), r2.filter(|_| judged[1]), r3];
+        cylinder.residuals.add(t, residuals, record.gated);
+        for (histogram, residual) in cylinder.histograms.iter_mut().zip(residuals) {
+            residual.into_iter().for_each(|residual| histogram.add(residual));
+        }
+        let comparator = cylinder.comparator;
+        let moment = Moment::new(t, record, residuals, |c2| comparator.corrected(c2));
+        self.zooms.moment(record.cylinder, moment);
+    }
+
+    pub fn warning(&mut self, first: Timestamp, warning: &Warning) {
+        if warning.state != State::Raised {
+            return;
+        }
+        let t = self.axis.place(first, warning.timestamp);
+        let Warning { cylinder, detector, finding, .. } = *warning;
+        if self.raised.len() < episode::KEPT {
+            self.raised.push(Raised { t, cylinder, detector, level: finding.level });
+        }
+        self.zooms.warning(cylinder, self.count, t);
+        self.count += 1;
+    }
+
+    pub fn notice(&mut self, first: Timestamp, notice: &Notice) {
+        if let Notice::TimeJump { at, by } = *notice {
+            self.axis.jump(first, at, by);
+        }
+    }
+
+    pub fn finish(self) -> Recorded {
+        Recorded {
+            cylinders: self.cylinders,
+            not_zoomed: self.zooms.left_out(),
+            zooms: self.zooms.finish(),
+            raised: self.raised,
+            jumps: self.axis.jumps,
+            jumped_at: self.axis.at,
+        }
+    }
+}
+
+impl Recorded {
+    /// The newest time on the figures' axis, s.
+    pub fn end(&self) -> f64 {
+        self.cylinders.iter().map(|cylinder| cylinder.residuals.end()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,159 @@
+//! What a replay is told in, wherever it is told: rows, lines and numbers.
+
+use super::jsonl::restart_name;
+use super::{Episode, Episodes, Summary};
+use crate::alarm::Detector;
+use crate::monitor::Notice;
+use crate::time::Timestamp;
+use crate::verdict::Suspect;
+
+pub const CYLINDER_COLUMNS: [&str; 9] = [
+    "cylinder",
+    "samples",
+    "gated",
+    "missing",
+    "implausible",
+    "worst R1",
+    "worst R2",
+    "worst R3",
+    "warnings",
+];
+
+pub const EPISODE_COLUMNS: [&str; 10] = [
+    "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
+    "lasted",
+];
+
+/// Which of them is the level.
+pub const LEVEL_COLUMN: usize = 6;
+
+/// A row for each cylinder.
+pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 9]> {
+    let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
+        let [r1, r2, r3] = tally.worst.map(|worst| worst.map_or("–".to_owned(), millimetres));
+        [
+            number.to_string(),
+            tally.cycles.to_string(),
+            tally.gated.to_string(),
+            tally.incomplete.to_string(),
+            (tally.implausible[0] + tally.implausible[1]).to_string(),
+            r1,
+            r2,
+            r3,
+            summary.episodes.of_cylinder(number).to_string(),
+        ]
+    };
+    (1..).zip(summary.tallies).map(row).collect()
+}
+
+/// A line; empty where no counter jumped.
+pub fn counter_jumps(summary: &Summary<'_>) -> String {
+    let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
+    if jumps == 0 {
+        return String::new();
+    }
+    format!("alive counters jumped {jumps} times\n")
+}
+
+/// How many there were, by detector.
+pub fn warnings(episodes: &Episodes) -> String {
+    let total: u64 = episodes.raised().iter().sum();
+    if total == 0 {
+        return "No warnings.".to_owned();
+    }
+    let by_detector = Detector::ALL
+        .iter()
+        .zip(episodes.raised())
+        .filter(|(_, raised)| **raised > 0)
+        .map(|(detector, raised)| format!("{} {raised}", label(*detector)));
+    let by_detector = by_detector.collect::<Vec<_>>().join(", ");
+    format!("{total} warnings: {by_detector}")
+}
+
+/// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
+pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
+    let finding = &episode.finding;
+    let fault = if episode.first_fault == finding.fault {
+        words(finding.fault.name())
+    } else {
+        format!("{} → {}", words(episode.first_fault.name()), words(finding.fault.name()))
+    };
+    let lasted = match episode.cleared {
+        Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
+        None => "still raised".to_owned(),
+    };
+    let millimetres = |value: Option<f64>| value.map_or("–".to_owned(), millimetres);
+    [
+        clock(episode.raised.since(first).as_seconds()),
+        log_time(episode.raised),
+        episode.cylinder.to_string(),
+        label(episode.detector).to_owned(),
+        fault,
+        suspect(finding.suspect).to_owned(),
+        finding.level.name().to_owned(),
+        millimetres(finding.residual),
+        millimetres(finding.threshold),
+        lasted,
+    ]
+}
+
+/// When, and what.
+pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
+    let (at, what) = match *notice {
+        Notice::Gap { at, length } => {
+            (at, format!("cycles again after {:.2} s without any", length.as_seconds()))
+        }
+        Notice::TimeJump { at, by } => {
+            (at, format!("time stamps jumped by {:+.3} s", by.as_seconds()))
+        }
+        Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
+        Notice::Restart { at, cylinder, detector, reason } => {
+            let (label, reason) = (label(detector), words(restart_name(reason)));
+            (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
+        }
+    };
+    [clock(at.since(first).as_seconds()), what]
+}
+
+pub fn label(detector: Detector) -> &'static str {
+    match detector {
+        Detector::Fde1 => "FDE1",
+        Detector::Fde2 => "FDE2",
+        Detector::Fde3 => "FDE3",
+        other => other.name(),
+    }
+}
+
+fn suspect(suspect: Suspect) -> &'static str {
+    match suspect {
+        Suspect::C1 => "C1",
+        Suspect::C2 => "C2",
+        other => other.name(),
+    }
+}
+
+fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+fn millimetres(metres: f64) -> String {
+    format!("{:.2} mm", metres * 1e3)
+}
+
+/// As candump writes it, so that the place is found in the log with a search.
+fn log_time(at: Timestamp) -> String {
+    let micros = at.as_nanos().div_euclid(1000);
+    format!("{}.{:06}", micros.div_euclid(1_000_000), micros.rem_euclid(1_000_000))
+}
+
+/// Hours, minutes and seconds, as few as there are.
+pub fn clock(seconds: f64) -> String {
+    let sign = if seconds < 0.0 { "-" } else { "" };
+    let millis = (seconds.abs() * 1e3).round() as u64;
+    let (hours, minutes) = (millis / 3_600_000, millis / 60_000 % 60);
+    let (seconds, millis) = (millis / 1000 % 60, millis % 1000);
+    match hours {
+        0 => format!("{sign}{minutes}:{seconds:02}.{millis:03}"),
+        _ => format!("{sign}{hours}:{minutes:02}:{seconds:02}.{millis:03}"),
+    }
+}
