@@ -1,38 +1,42 @@
 //! A calibration as a page for people, and as tables that the configuration reads.
 
 use super::provenance::{self, four_digits, one_line};
+use super::sheet::{Section, Sheet};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, Tried};
-use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
 /// The page.
 pub fn page(result: &Calibration) -> String {
-    let Calibration { fitted, tried, .. } = result;
-    let mut text = format!(
-        "{}: {}\nfitted on {:.1} s to {:.1} s, tried on {:.1} s to {:.1} s\n\n",
-        result.machine, result.inputs, fitted.from, fitted.to, tried.from, tried.to
-    );
-    text += &lines(result);
-    text += &bands(result);
+    let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, parts(result));
+    for section in [lines(result), bands(result)].map(|section| section.text()) {
+        if !section.is_empty() {
+            text += &section;
+            text += "\n";
+        }
+    }
     text += &bound(result);
-    text += &remarks(result);
+    let remarks = remarks(result);
+    if !remarks.is_empty() {
+        text += "\n";
+        text += &remarks;
+    }
     text
 }
 
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    table
+/// Which parts of the recording it was made from.
+pub fn parts(result: &Calibration) -> String {
+    let Calibration { fitted, tried, .. } = result;
+    let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
+    format!("fitted on {from:.1} s to {middle:.1} s, tried on {begin:.1} s to {to:.1} s")
 }
 
 fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
     result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
 }
 
-fn lines(result: &Calibration) -> String {
-    let mut table = table(&["cylinder", "a", "b", "RMS of the fit", "samples", "left out"]);
+/// a and b of each cylinder.
+pub fn lines(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "a", "b", "RMS of the fit", "samples", "left out"]);
     for (cylinder, fitted) in fits(result) {
         table.add_row([
             cylinder.number.to_string(),
@@ -43,14 +47,12 @@ fn lines(result: &Calibration) -> String {
             format!("{} beyond {:.2} mm", fitted.trimmed, fitted.limit * 1e3),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!("C1 = a·C2 + b (5-20), least squares without the samples left out\n{table}\n\n")
+    table.about("C1 = a·C2 + b (5-20), least squares without the samples left out")
 }
 
-fn bands(result: &Calibration) -> String {
-    let mut table = table(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
+/// The band of each cylinder.
+pub fn bands(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
     for cylinder in &result.cylinders {
         let Some(tried) = cylinder.tried.as_ref().filter(|tried| tried.after.count > 0) else {
             continue;
@@ -65,12 +67,7 @@ fn bands(result: &Calibration) -> String {
             faulty(tried),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
-        "the difference before (Figure 5-14) and after (Figure 5-15), on the second part\n{table}\n\n"
-    )
+    table.about("the difference before (Figure 5-14) and after (Figure 5-15), on the second part")
 }
 
 fn faulty(tried: &Tried) -> String {
@@ -84,7 +81,8 @@ fn faulty(tried: &Tried) -> String {
     }
 }
 
-fn bound(result: &Calibration) -> String {
+/// The bound that is proposed, or why none is.
+pub fn bound(result: &Calibration) -> String {
     match &result.bound {
         Some(bound) => format!(
             "proposed bound of R3: {:.3} mm\n  {}\n",
@@ -116,7 +114,8 @@ fn meaning(bound: &Bound) -> Vec<String> {
     lines
 }
 
-fn remarks(result: &Calibration) -> String {
+/// A line for each.
+pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();
     for cylinder in &result.cylinders {
@@ -139,7 +138,7 @@ fn remarks(result: &Calibration) -> String {
     for remark in &result.remarks {
         _ = writeln!(text, "{remark}");
     }
-    if text.is_empty() { text } else { format!("\n{text}") }
+    text
 }
 
 /// The tables, with what they were made from; `None` where no cylinder has a calibration.
