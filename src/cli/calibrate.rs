@@ -1,6 +1,7 @@
 //! `tertius calibrate`: the correction of C2 from a healthy recording.
 
 use super::Failure;
+use super::page::PageFile;
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::calibrate::{
@@ -8,6 +9,7 @@ use crate::calibrate::{
     Trying,
 };
 use crate::report::calibration;
+use crate::report::page::{self, Differences};
 use crate::sequential;
 use crate::tune::sequential::Watch;
 use clap::Args;
@@ -26,6 +28,9 @@ pub struct Calibrate {
     /// Writes the tables [comparator] and [[cylinder]] for the configuration
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
+    /// Writes a page with figures, in one file; the recording is read once more for it
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// The part of the time at the end on which the fit is tried, %
     #[arg(long, value_name = "PERCENT", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=90))]
     held_back: u8,
@@ -42,11 +47,15 @@ impl Calibrate {
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let output = self.output.as_deref();
-        tables::refuse_overwriting(output, &self.field, &surveyed)?;
+        tables::refuse_overwriting(&[output, self.report.as_deref()], &self.field, &surveyed)?;
+        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         let result = self.calibration(&surveyed)?;
         let page = calibration::page(&result);
         let written = calibration::tables(&result, env!("CARGO_PKG_VERSION"));
         tables::publish(&page, output, written.as_deref())?;
+        if let Some(report) = report {
+            report.write(&figures(&surveyed, &result)?)?;
+        }
         surveyed.damage()?;
         conclude(&result)
     }
@@ -141,6 +150,14 @@ impl Calibrate {
             remarks,
         })
     }
+}
+
+/// The page of HTML.
+fn figures(surveyed: &Surveyed, result: &Calibration) -> Result<String, Failure> {
+    let settings = &surveyed.machine.loaded.settings;
+    let mut differences = Differences::new(result, settings.machine.sample_time);
+    surveyed.read(surveyed.window, &mut differences)?;
+    Ok(page::calibration::page(result, &differences, settings.comparator.bound))
 }
 
 /// A cylinder without a calibration is a failure, though the others have theirs.

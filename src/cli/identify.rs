@@ -1,7 +1,9 @@
 //! `tertius identify`: a model from a healthy recording.
 
 use super::Failure;
+use super::page::PageFile;
 use super::survey::{Field, Surveyed};
+use super::tables;
 use crate::config::Settings;
 use crate::identify::assess::{self, Weights};
 use crate::identify::flow::{FlowFit, FlowSources, Scout};
@@ -9,12 +11,12 @@ use crate::identify::friction::Stretches;
 use crate::identify::nonlinear::Nonlinear;
 use crate::identify::shaper::WIDEST;
 use crate::identify::{Census, Expectations, OffsetRule, Outcome, Shaping};
-use crate::report::{identification, model_tables};
+use crate::report::{identification, model_tables, page};
 use crate::survey::Window;
 use clap::{Args, ValueEnum};
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Identifies the model (4-1) of every cylinder on a healthy recording, and tries it on a part
 /// that was held back.
@@ -29,6 +31,9 @@ pub struct Identify {
     /// Writes the tables [model] and [[cylinder]] for the configuration
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
+    /// Writes a page with figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Cycles of the centred moving average of velocity and load pressure; odd, 1 is none
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = window)]
     window: usize,
@@ -95,33 +100,20 @@ impl Identify {
                 "--model-of {n}: the machine has cylinders 1 to {cylinders}"
             )));
         }
-        self.refuse_overwriting(&surveyed)?;
+        let outputs = [self.output.as_deref(), self.report.as_deref()];
+        tables::refuse_overwriting(&outputs, &self.field, &surveyed)?;
+        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         let outcome = self.outcome(&surveyed)?;
-        let page = identification::page(&outcome);
+        let text = identification::page(&outcome);
         std::io::stdout()
-            .write_all(page.as_bytes())
+            .write_all(text.as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
         self.write(&outcome)?;
+        if let Some(report) = report {
+            report.write(&page::identification::page(&outcome))?;
+        }
         surveyed.damage()?;
         self.conclude(&outcome)
-    }
-
-    fn refuse_overwriting(&self, surveyed: &Surveyed) -> Result<(), Failure> {
-        let Some(output) = &self.output else { return Ok(()) };
-        let canonical = |path: &Path| fs::canonicalize(path).ok();
-        let machine = [&self.field.config, &surveyed.machine.loaded.dbc_path];
-        let mut inputs = self.field.logs.iter().chain(machine);
-        let same = |input: &&PathBuf| {
-            *input == output || canonical(input).is_some_and(|it| canonical(output) == Some(it))
-        };
-        match inputs.find(same) {
-            None => Ok(()),
-            Some(input) => Err(Failure::Wrong(format!(
-                "{} would be written over the input {}; name another file",
-                output.display(),
-                input.display()
-            ))),
-        }
     }
 
     /// Reads the recording three times: what is in it, the fit, the validation.
@@ -185,8 +177,8 @@ impl Identify {
         let mut fit = FlowFit::new(&scout);
         let mut stretches = Stretches::new(machine.cylinders, area_ratio);
         surveyed.read(fitted, (&mut fit, &mut stretches))?;
-        let (flow, friction) = (fit.curves(), stretches.curves());
-        Ok(Nonlinear { sources, flow, friction })
+        let (flow, points, friction) = (fit.curves(), fit.samples(), stretches.curves());
+        Ok(Nonlinear { sources, flow, points, friction })
     }
 
     fn write(&self, outcome: &Outcome) -> Result<(), Failure> {

@@ -177,6 +177,4 @@ impl Simulate {
         let given = self.duration;
         Err(Failure::Wrong(format!("--duration is {given}, expected seconds, up to {LONGEST}")))
     }
-
-    }
 }

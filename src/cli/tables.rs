@@ -4,32 +4,41 @@ use super::Failure;
 use super::survey::{Field, Surveyed};
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Refuses an `output` that is one of the inputs.
+/// Refuses `outputs` of which one is an input, or another one.
 ///
 /// # Errors
 /// It is.
 pub fn refuse_overwriting(
-    output: Option<&Path>,
+    outputs: &[Option<&Path>],
     field: &Field,
     surveyed: &Surveyed,
 ) -> Result<(), Failure> {
-    let Some(output) = output else { return Ok(()) };
-    let canonical = |path: &Path| fs::canonicalize(path).ok();
     let machine = [&field.config, &surveyed.machine.loaded.dbc_path];
-    let mut inputs = field.logs.iter().chain(machine);
-    let same = |input: &&PathBuf| {
-        *input == output || canonical(input).is_some_and(|it| canonical(output) == Some(it))
-    };
-    match inputs.find(same) {
-        None => Ok(()),
-        Some(input) => Err(Failure::Wrong(format!(
-            "{} would be written over the input {}; name another file",
-            output.display(),
-            input.display()
-        ))),
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (place, output) in outputs.iter().enumerate() {
+        let mut inputs = field.logs.iter().chain(machine);
+        if let Some(input) = inputs.find(|input| is_same(input, output)) {
+            return Err(Failure::Wrong(format!(
+                "{} would be written over the input {}; name another file",
+                output.display(),
+                input.display()
+            )));
+        }
+        if outputs[..place].iter().any(|other| is_same(other, output)) {
+            return Err(Failure::Wrong(format!(
+                "{} is to hold two outputs; name a file for each",
+                output.display()
+            )));
+        }
     }
+    Ok(())
+}
+
+fn is_same(one: &Path, other: &Path) -> bool {
+    let canonical = |path: &Path| fs::canonicalize(path).ok();
+    one == other || canonical(one).is_some_and(|it| canonical(other) == Some(it))
 }
 
 /// Shows `page` and writes `tables`, where both are there, to `output`.

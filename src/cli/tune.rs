@@ -1,16 +1,17 @@
 //! `tertius tune`: the observer's weights and the thresholds from a healthy recording.
 
 use super::Failure;
+use super::page::PageFile;
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::config::Settings;
 use crate::extremes::{Tail, common_level, per_second};
 use crate::observe::model::Model;
-use crate::report::tuning;
+use crate::report::{page, tuning};
 use crate::tune::sequential::Watch;
 use crate::tune::{
     Criterion, CylinderModel, Detector, Evidence, Search, Store, Thresholds, Tuning, Weights,
-    designs, search, sensitivity,
+    designs, response, search, sensitivity,
 };
 use clap::Args;
 use std::path::PathBuf;
@@ -29,6 +30,9 @@ pub struct Tune {
     /// Writes the tables [observer] and [fde] for the configuration
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
+    /// Writes a page with figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// False alarms of FDE1 and FDE2, all cylinders together, that a year of monitoring may bring
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
     false_alarms_per_year: f64,
@@ -45,6 +49,9 @@ const IN_TIME: f64 = 0.1;
 
 /// Noise has to be found within this time, s.
 const NOISE_IN_TIME: f64 = 1.0;
+
+/// Cycles of the response to a step that are shown.
+const RESPONSE: usize = 25;
 
 /// δ_l is at most this part of δ_h, as in section 5-4-1.
 const HYSTERESIS: f64 = 0.75;
@@ -65,11 +72,15 @@ impl Tune {
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let output = self.output.as_deref();
-        tables::refuse_overwriting(output, &self.field, &surveyed)?;
+        tables::refuse_overwriting(&[output, self.report.as_deref()], &self.field, &surveyed)?;
+        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         let result = self.tuning(&surveyed)?;
         let usable = usable(&result, &surveyed.machine.loaded.settings);
         let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));
         tables::publish(&tuning::page(&result), output, written.as_deref())?;
+        if let Some(report) = report {
+            report.write(&page::tuning::page(&result))?;
+        }
         surveyed.damage()?;
         usable
     }
@@ -106,6 +117,7 @@ impl Tune {
             let (index, i) = (usize::from(detector.cylinder) - 1, detector.transducer);
             let (design, high) = (&designs[index][i], thresholds.high);
             detector.step = sensitivity::step(&store, index, i, design, high, criterion.horizon);
+            detector.response = response::step(design, RESPONSE);
             detector.noise = sensitivity::noise(design, high, noise_horizon);
         }
         let level = |per_year: f64| (per_year, common_level(&tails, per_second(per_year)));

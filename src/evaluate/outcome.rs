@@ -170,6 +170,7 @@ mod tests {
             level: Level::Yellow,
             residual: None,
             threshold: None,
+            evidence: None,
         };
         Warning {
             timestamp: Timestamp::from_nanos(at),

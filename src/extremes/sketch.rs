@@ -43,6 +43,20 @@ impl Sketch {
         self.largest
     }
 
+    /// Bins that are not empty, `group` of them taken together: lower and upper end, and the count.
+    pub fn bins(&self, group: usize) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
+        let group = group.max(1);
+        let end = move |bin: usize| LEAST * RATIO.powi(bin as i32);
+        let groups = self.bins.chunks(group).enumerate();
+        groups
+            .map(move |(k, bins)| {
+                // What is below the first bin is in it, too.
+                let low = if k == 0 { 0.0 } else { end(k * group) };
+                (low, end((k + 1) * group), bins.iter().sum())
+            })
+            .filter(|(_, _, count)| *count > 0)
+    }
+
     /// A magnitude that the share `part` (0 to 1) of all is not above, at most 0.5 % too large;
     /// `None` of nothing.
     pub fn quantile(&self, part: f64) -> Option<f64> {
@@ -81,6 +95,17 @@ mod tests {
             assert!((exact..exact * 1.0051).contains(&found), "{part}: {found}");
         }
         assert_eq!(sketch.quantile(1.0), Some(1e-3));
+    }
+
+    #[test]
+    fn bins_hold_what_they_counted() {
+        let mut sketch = Sketch::new();
+        [0.0, 1e-4, 1.001e-4, -2e-3].into_iter().for_each(|value| sketch.add(value));
+        let bins: Vec<_> = sketch.bins(8).collect();
+        assert_eq!(bins.iter().map(|(_, _, count)| count).sum::<u64>(), 4);
+        for value in [0.0, 1e-4, 2e-3] {
+            assert!(bins.iter().any(|(low, high, _)| *low <= value && value < *high), "{value}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! It is a line from node to node, so that an s_j that few rows speak of is not told at all.
 
 use super::qr::{NoRegression, Triangle};
+use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
 use thiserror::Error;
 
@@ -15,6 +16,9 @@ const COLUMNS: usize = MEMBERSHIPS + 1;
 
 /// Cycles, weighted by their membership, of which a singleton is known: a second at 50 Hz.
 pub const FEWEST: f64 = 50.0;
+
+/// Samples of each cylinder that are kept for a figure.
+const SAMPLES: usize = 800;
 
 /// Which way the oil goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,6 +182,7 @@ impl Reach {
 pub struct FlowFit {
     sources: FlowSources,
     cylinders: Vec<(Reach, [Fit; 2])>,
+    samples: Vec<Thinned<(f64, f64)>>,
 }
 
 #[derive(Clone, Debug)]
@@ -190,8 +195,16 @@ impl FlowFit {
     /// Over the reach that `scout` found.
     pub fn new(scout: &Scout) -> Self {
         let fit = || Fit { triangle: Triangle::new(), coverage: [0.0; MEMBERSHIPS] };
-        let cylinders = scout.cylinders.iter().map(|reach| (*reach, [fit(), fit()])).collect();
-        Self { sources: scout.sources, cylinders }
+        let cylinders: Vec<_> =
+            scout.cylinders.iter().map(|reach| (*reach, [fit(), fit()])).collect();
+        let samples = vec![Thinned::new(SAMPLES); cylinders.len()];
+        Self { sources: scout.sources, cylinders, samples }
+    }
+
+    /// Some of what the curves are from, spread evenly over the recording: x_m and f_NL over A_p,
+    /// m/s/√bar, for each cylinder.
+    pub fn samples(&self) -> Vec<Vec<(f64, f64)>> {
+        self.samples.iter().map(|samples| samples.samples().to_vec()).collect()
     }
 
     /// Out and in, for each cylinder.
@@ -215,6 +228,7 @@ impl Surveyor for FlowFit {
         if let Ok(Some((x, value))) = point(row, &self.sources) {
             let direction = direction(x) as usize;
             fits[direction].add(x.abs() / reach.largest[direction], value);
+            self.samples[place].add((x, value));
         }
     }
 

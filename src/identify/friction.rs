@@ -188,6 +188,15 @@ impl Gathering {
     }
 }
 
+impl FrictionCurve {
+    /// F_fr/A_p at `velocity`, m/s, bar; 0 at standstill, where (3-10) has static friction.
+    pub fn at(&self, velocity: f64) -> f64 {
+        let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
+        let slow = self.stribeck.map_or(0.0, |(force, c)| force * (-velocity.abs() / c).exp());
+        self.viscous * velocity + sign * (self.coulomb + slow)
+    }
+}
+
 /// The curve through `found`.
 ///
 /// # Errors

@@ -9,5 +9,7 @@ pub struct Nonlinear {
     pub sources: FlowSources,
     /// Out and in.
     pub flow: Vec<[Result<FlowCurve, NoFlow>; 2]>,
+    /// Samples of what the flow curves are from, x_m and f_NL over A_p, m/s/√bar, for figures.
+    pub points: Vec<Vec<(f64, f64)>>,
     pub friction: Vec<Result<FrictionCurve, NoFriction>>,
 }

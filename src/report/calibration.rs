@@ -1,42 +1,47 @@
 //! A calibration as a page for people, and as tables that the configuration reads.
 
 use super::provenance::{self, four_digits, one_line};
+use super::sheet::{Section, Sheet};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, Tried};
 use crate::calibrate::{Profile, Scatter};
 use crate::sequential::{Drive, Reference};
 use crate::tune::sequential::Level;
-use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
 /// The page.
 pub fn page(result: &Calibration) -> String {
-    let Calibration { fitted, tried, .. } = result;
-    let mut text = format!(
-        "{}: {}\nfitted on {:.1} s to {:.1} s, tried on {:.1} s to {:.1} s\n\n",
-        result.machine, result.inputs, fitted.from, fitted.to, tried.from, tried.to
-    );
-    text += &lines(result);
-    text += &bands(result);
-    text += &sequential(result);
+    let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, parts(result));
+    for section in [lines(result), bands(result), sequential(result)] {
+        let section = section.text();
+        if !section.is_empty() {
+            text += &section;
+            text += "\n";
+        }
+    }
+    text += &level(result);
     text += &bound(result);
-    text += &remarks(result);
+    let remarks = remarks(result);
+    if !remarks.is_empty() {
+        text += "\n";
+        text += &remarks;
+    }
     text
 }
 
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    table
+/// Which parts of the recording it was made from.
+pub fn parts(result: &Calibration) -> String {
+    let Calibration { fitted, tried, .. } = result;
+    let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
+    format!("fitted on {from:.1} s to {middle:.1} s, tried on {begin:.1} s to {to:.1} s")
 }
 
 fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
     result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
 }
 
-fn lines(result: &Calibration) -> String {
-    let mut table = table(&["cylinder", "a", "b", "RMS of the fit", "samples", "left out"]);
+/// a and b of each cylinder.
+pub fn lines(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "a", "b", "RMS of the fit", "samples", "left out"]);
     for (cylinder, fitted) in fits(result) {
         table.add_row([
             cylinder.number.to_string(),
@@ -47,14 +52,12 @@ fn lines(result: &Calibration) -> String {
             format!("{} beyond {:.2} mm", fitted.trimmed, fitted.limit * 1e3),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!("C1 = a·C2 + b (5-20), least squares without the samples left out\n{table}\n\n")
+    table.about("C1 = a·C2 + b (5-20), least squares without the samples left out")
 }
 
-fn bands(result: &Calibration) -> String {
-    let mut table = table(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
+/// The band of each cylinder.
+pub fn bands(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
     for cylinder in &result.cylinders {
         let Some(tried) = cylinder.tried.as_ref().filter(|tried| tried.after.count > 0) else {
             continue;
@@ -69,18 +72,13 @@ fn bands(result: &Calibration) -> String {
             faulty(tried),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
-        "the difference before (Figure 5-14) and after (Figure 5-15), on the second part\n{table}\n\n"
-    )
+    table.about("the difference before (Figure 5-14) and after (Figure 5-15), on the second part")
 }
 
-/// What the sequential detector starts from.
-fn sequential(result: &Calibration) -> String {
+/// What the sequential detectors start from.
+pub fn sequential(result: &Calibration) -> Section {
     let mut table =
-        table(&["cylinder", "covered", "deviation", "largest", "by velocity", "command"]);
+        Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command"]);
     for cylinder in &result.cylinders {
         let Some((profile, scatter)) = &cylinder.sequential else { continue };
         let Reference { spacing, covered, velocity, .. } = &profile.reference;
@@ -94,17 +92,18 @@ fn sequential(result: &Calibration) -> String {
             scatter.prediction.map_or("none".to_owned(), |p| format!("{:.4} mm", p * 1e3)),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    let level = match &result.level {
-        Some(level) => format!("h {:.2} nats\n  {}\n", level.nats, bursts(level)),
-        None => String::new(),
-    };
-    format!(
-        "for the sequential detector: stroke covered, C1 − C2 beyond hat functions and velocity \
-         (second part), and what a cycle differs by from the command's prediction\n{table}\n{level}\n"
+    table.about(
+        "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
+         (second part), and what a cycle differs by from the command's prediction",
     )
+}
+
+/// Their level, where the wanted rate alone does not make it.
+pub fn level(result: &Calibration) -> String {
+    match &result.level {
+        Some(level) => format!("h {:.2} nats\n  {}\n\n", level.nats, bursts(level)),
+        None => String::new(),
+    }
 }
 
 /// Why the wanted rate alone does not make the level.
@@ -127,7 +126,8 @@ fn faulty(tried: &Tried) -> String {
     }
 }
 
-fn bound(result: &Calibration) -> String {
+/// The bound that is proposed, or why none is.
+pub fn bound(result: &Calibration) -> String {
     match &result.bound {
         Some(bound) => format!(
             "proposed bound of R3: {:.3} mm\n  {}\n",
@@ -159,7 +159,8 @@ fn meaning(bound: &Bound) -> Vec<String> {
     lines
 }
 
-fn remarks(result: &Calibration) -> String {
+/// A line for each.
+pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();
     for cylinder in &result.cylinders {
@@ -182,7 +183,7 @@ fn remarks(result: &Calibration) -> String {
     for remark in &result.remarks {
         _ = writeln!(text, "{remark}");
     }
-    if text.is_empty() { text } else { format!("\n{text}") }
+    text
 }
 
 /// The tables, with what they were made from; `None` where no cylinder has a calibration.

@@ -1,25 +1,43 @@
 //! An identification as a page for people.
 
+use super::sheet::{Section, Sheet};
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::validate::Score;
-use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
 /// The page.
 pub fn page(outcome: &Outcome) -> String {
-    let mut text = heading(outcome);
-    text += &parameters(outcome);
-    text += &character(outcome);
-    text += &cross_validation(outcome);
-    text += &own_scores(outcome);
-    text += &residual_tests(outcome);
+    let mut text = format!("{}: {}\n{}\n", outcome.machine, outcome.inputs, parts(outcome));
+    for section in [parameters(outcome), character(outcome), cross_validation(outcome)] {
+        text += &spaced(&section.text());
+    }
+    text += &spaced(&taken(outcome));
+    text += &spaced(&own_scores(outcome).text());
+    let tests = residual_tests(outcome).text();
+    if !tests.is_empty() {
+        text += &format!("{tests}\n{CLOSED_LOOP}\n");
+    }
     text += &outcome.nonlinear.as_ref().map_or(String::new(), super::nonlinear::section);
-    text += &remarks(outcome);
+    let remarks = remarks(outcome);
+    if !remarks.is_empty() {
+        text += &format!("\n{remarks}");
+    }
     text
 }
 
-fn heading(outcome: &Outcome) -> String {
+/// What a correlation of a residual with the command is worth.
+pub const CLOSED_LOOP: &str = "the loop was closed when this was recorded: the command depends on \
+                               past positions, so a correlation with it is no proof against the \
+                               model";
+
+/// With an empty line behind it; nothing where it is empty.
+fn spaced(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("{text}\n") }
+}
+
+/// Which parts of the recording it was made from, and how.
+pub fn parts(outcome: &Outcome) -> String {
     let Outcome { fitted, validated, shaping, .. } = outcome;
     let held_back = if fitted == validated {
         "nothing was held back: the scores below are on the data of the fit".to_owned()
@@ -27,27 +45,20 @@ fn heading(outcome: &Outcome) -> String {
         format!("validated on {:.1} s to {:.1} s", validated.from, validated.to)
     };
     format!(
-        "{}: {}\nfitted on {:.1} s to {:.1} s, {held_back}; monitored states only\nmoving average \
-         of velocity and load pressure over {} cycles\n\n",
-        outcome.machine, outcome.inputs, fitted.from, fitted.to, shaping.window
+        "fitted on {:.1} s to {:.1} s, {held_back}; monitored states only\nmoving average \
+         of velocity and load pressure over {} cycles\n",
+        fitted.from, fitted.to, shaping.window
     )
-}
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    table
 }
 
 fn identified(outcome: &Outcome) -> impl Iterator<Item = (&CylinderOutcome, &Identified)> {
     outcome.cylinders.iter().filter_map(|c| c.result.as_ref().ok().map(|own| (c, own)))
 }
 
-fn parameters(outcome: &Outcome) -> String {
+/// θ and γ of each cylinder, with their errors.
+pub fn parameters(outcome: &Outcome) -> Section {
     let header = ["cylinder", "θ1", "θ2", "θ3", "θ4", "θ5", "γ1", "γ2", "offset", "rows"];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     for (cylinder, own) in identified(outcome) {
         let estimate = &own.estimate;
         let values = estimate.theta.iter().chain(&estimate.gamma);
@@ -61,17 +72,13 @@ fn parameters(outcome: &Outcome) -> String {
         row.extend(errors.map(|error| format!("{error:.1e}")));
         table.add_row(row);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
-        "parameters of (4-1), with standard errors (lower bounds: residuals are not white)\n{table}\n\n"
-    )
+    table.about("parameters of (4-1), with standard errors (lower bounds: residuals are not white)")
 }
 
-fn character(outcome: &Outcome) -> String {
+/// What the models are like.
+pub fn character(outcome: &Outcome) -> Section {
     let header = ["cylinder", "poles", "gain u→l̇", "observable", "(4-7)", "(4-8)"];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     for (cylinder, own) in identified(outcome) {
         let poles = own.poles.map_or("not finite".to_owned(), |poles| {
             let one = |pole: nalgebra::Complex<f64>| match pole.im {
@@ -95,27 +102,24 @@ fn character(outcome: &Outcome) -> String {
             pressure.map_or("–".to_owned(), |row| format!("{:.0}", row.condition)),
         ]);
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
-        "poles, gain, observability from the position, condition numbers of the regressors\n{table}\n\n"
-    )
+    table.about("poles, gain, observability from the position, condition numbers of the regressors")
 }
 
 /// Figure 4-3 as a table.
-fn cross_validation(outcome: &Outcome) -> String {
+pub fn cross_validation(outcome: &Outcome) -> Section {
     let tried: Vec<u8> = outcome
         .cylinders
         .iter()
         .filter(|cylinder| cylinder.trials.is_some())
         .map(|cylinder| cylinder.number)
         .collect();
-    let Some(choice) = outcome.choice else { return String::new() };
+    if outcome.choice.is_none() {
+        return Section::default();
+    }
     let mut header = vec!["model of".to_owned()];
     header.extend(tried.iter().map(|on| format!("on {on}")));
     header.push("worst".to_owned());
-    let mut table = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = Sheet::new(&header);
     for (cylinder, _) in identified(outcome) {
         let of = cylinder.number;
         let mut row = vec![of.to_string()];
@@ -125,22 +129,25 @@ fn cross_validation(outcome: &Outcome) -> String {
         row.push(outcome.worst(of).map_or("–".to_owned(), |worst| format!("{worst:.2}")));
         table.add_row(row);
     }
+    table.about("position VAF in %, simulated open loop (Figure 4-3)")
+}
+
+/// Whose model is taken, and why; empty where there is none.
+pub fn taken(outcome: &Outcome) -> String {
+    let Some(choice) = outcome.choice else { return String::new() };
     let why = if choice.asked { "as asked for" } else { "its worst is the best" };
-    format!(
-        "position VAF in %, simulated open loop (Figure 4-3)\n{table}\n\nthe model of cylinder {} \
-         is taken: {why}, {:.2} %\n\n",
-        choice.of, choice.worst
-    )
+    format!("the model of cylinder {} is taken: {why}, {:.2} %\n", choice.of, choice.worst)
 }
 
 fn percent(score: &Score) -> String {
     format!("{:.2}", score.vaf())
 }
 
-fn own_scores(outcome: &Outcome) -> String {
-    let Some(choice) = outcome.choice else { return String::new() };
+/// How the taken model does on each cylinder.
+pub fn own_scores(outcome: &Outcome) -> Section {
+    let Some(choice) = outcome.choice else { return Section::default() };
     let header = ["cylinder", "", "VAF l", "RMS l", "worst l", "VAF l̇", "RMS l̇", "worst l̇"];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     for cylinder in &outcome.cylinders {
         let Some(tried) = outcome.tried(choice.of, cylinder.number) else { continue };
         for (name, fit) in [("simulated", &tried.simulated), ("predicted", &tried.predicted)] {
@@ -160,18 +167,18 @@ fn own_scores(outcome: &Outcome) -> String {
             ]);
         }
     }
-    format!(
+    table.about(
         "the taken model on every cylinder: simulated open loop, and predicted by the observer from \
-         one cycle to the next\n{table}\n\n"
+         one cycle to the next",
     )
 }
 
 /// Figure 4-9 as a table.
-fn residual_tests(outcome: &Outcome) -> String {
-    let Some(choice) = outcome.choice else { return String::new() };
+pub fn residual_tests(outcome: &Outcome) -> Section {
+    let Some(choice) = outcome.choice else { return Section::default() };
     let header =
         ["cylinder", "residual", "r(1)", "auto beyond", "with u beyond", "Ljung-Box Q", "p", ""];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     for cylinder in &outcome.cylinders {
         let Some(tried) = outcome.tried(choice.of, cylinder.number) else { continue };
         for (name, whiteness) in ["l", "l̇"].into_iter().zip(&tried.whiteness) {
@@ -179,16 +186,11 @@ fn residual_tests(outcome: &Outcome) -> String {
             table.add_row(tests_of(cylinder.number, name, whiteness));
         }
     }
-    if table.is_empty() {
-        return String::new();
-    }
-    format!(
+    table.about(format!(
         "residuals of the prediction (Figure 4-9): correlations beyond the 99 % bounds, of {LAGS} \
-         lags with themselves and {} with the command\n{table}\n\nthe loop was closed when this was \
-         recorded: the command depends on past positions, so a correlation with it is no proof \
-         against the model\n",
+         lags with themselves and {} with the command",
         LAGS + 1
-    )
+    ))
 }
 
 fn tests_of(number: u8, name: &str, whiteness: &Whiteness) -> [String; 8] {
@@ -204,7 +206,8 @@ fn tests_of(number: u8, name: &str, whiteness: &Whiteness) -> [String; 8] {
     ]
 }
 
-fn remarks(outcome: &Outcome) -> String {
+/// A line for each.
+pub fn remarks(outcome: &Outcome) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<u8>)> = Vec::new();
     for cylinder in &outcome.cylinders {
@@ -227,5 +230,5 @@ fn remarks(outcome: &Outcome) -> String {
     for remark in &outcome.remarks {
         _ = writeln!(text, "{remark}");
     }
-    if text.is_empty() { text } else { format!("\n{text}") }
+    text
 }

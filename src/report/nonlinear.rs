@@ -1,9 +1,9 @@
 //! Flow and friction curves (section 3-3-1) as text.
 
+use super::sheet::Sheet;
 use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
 use crate::identify::friction::{FrictionCurve, NoFriction};
 use crate::identify::nonlinear::Nonlinear;
-use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
 /// The section of the page.
@@ -13,7 +13,8 @@ pub fn section(nonlinear: &Nonlinear) -> String {
     text
 }
 
-fn heading(nonlinear: &Nonlinear) -> String {
+/// What the flow curves are, and what they are from.
+pub fn sources(nonlinear: &Nonlinear) -> String {
     let sources = &nonlinear.sources;
     let opening = if sources.spool {
         "x is the recorded spool position, in its unit of the DBC".to_owned()
@@ -26,35 +27,71 @@ fn heading(nonlinear: &Nonlinear) -> String {
         format!("P_S taken as constant at {bar} bar, which it is not")
     });
     format!(
-        "\nflow curves f_NL (3-17), (3-18), over the piston area A_p, in mm/s/√bar: {MEMBERSHIPS} \
+        "flow curves f_NL (3-17), (3-18), over the piston area A_p, in mm/s/√bar: {MEMBERSHIPS} \
          triangular membership functions each way\n{opening}; {supply}; without leakage and \
-         compression, as (3-17)\n? is not known: fewer than {FEWEST:.0} cycles speak of it; ± is a \
-         lower bound, the residuals are not white\n"
+         compression, as (3-17)\n"
     )
 }
+
+fn heading(nonlinear: &Nonlinear) -> String {
+    format!(
+        "\n{}? is not known: fewer than {FEWEST:.0} cycles speak of it; ± is a lower bound, the \
+         residuals are not white\n",
+        sources(nonlinear)
+    )
+}
+
+const WAYS: [&str; 2] = ["extending", "retracting"];
 
 fn flow(nonlinear: &Nonlinear) -> String {
     let mut text = heading(nonlinear);
     for (number, curves) in (1..).zip(&nonlinear.flow) {
-        if let [Err(out), Err(back)] = curves
-            && out == back
-        {
-            _ = writeln!(text, "\ncylinder {number}: no flow curve: {out}");
+        if let Some(why) = no_flow_at_all(number, curves) {
+            _ = write!(text, "\n{why}\n");
             continue;
         }
-        for (way, curve) in ["extending", "retracting"].into_iter().zip(curves) {
-            text += &one(number, way, curve);
+        for (way, curve) in WAYS.into_iter().zip(curves) {
+            text += &match curve {
+                Ok(curve) => one(number, way, curve),
+                Err(why) => format!("\ncylinder {number}, {way}: no flow curve: {why}\n"),
+            };
         }
     }
     text
 }
 
-fn one(number: usize, way: &str, curve: &Result<FlowCurve, NoFlow>) -> String {
-    let curve = match curve {
-        Ok(curve) => curve,
-        Err(why) => return format!("\ncylinder {number}, {way}: no flow curve: {why}\n"),
-    };
-    let mut table = table(&["x", "f_NL", "±", "cycles"]);
+/// Why there is none either way, if it is the same.
+fn no_flow_at_all(number: usize, curves: &[Result<FlowCurve, NoFlow>; 2]) -> Option<String> {
+    let [Err(out), Err(back)] = curves else { return None };
+    (out == back).then(|| format!("cylinder {number}: no flow curve: {out}"))
+}
+
+/// A line for each cylinder and direction without a flow curve.
+pub fn no_flow(nonlinear: &Nonlinear) -> String {
+    let mut text = String::new();
+    for (number, curves) in (1..).zip(&nonlinear.flow) {
+        if let Some(why) = no_flow_at_all(number, curves) {
+            _ = writeln!(text, "{why}");
+            continue;
+        }
+        for (way, curve) in WAYS.into_iter().zip(curves) {
+            if let Err(why) = curve {
+                _ = writeln!(text, "cylinder {number}, {way}: no flow curve: {why}");
+            }
+        }
+    }
+    text
+}
+
+/// A line for each cylinder without a friction curve.
+pub fn no_friction(nonlinear: &Nonlinear) -> String {
+    let without =
+        (1..).zip(&nonlinear.friction).filter_map(|(n, it)| Some((n, it.as_ref().err()?)));
+    without.map(|(number, why)| none(number, why)).collect()
+}
+
+fn one(number: usize, way: &str, curve: &FlowCurve) -> String {
+    let mut table = Sheet::new(&["x", "f_NL", "±", "cycles"]);
     for singleton in &curve.singletons {
         let number = |value: Option<f64>, places: usize| {
             value.map_or("?".to_owned(), |value| format!("{:.places$}", 1e3 * value))
@@ -93,7 +130,7 @@ fn none(number: usize, why: &NoFriction) -> String {
 }
 
 fn stribeck(number: usize, curve: &FrictionCurve) -> String {
-    let mut table = table(&["speed mm/s", "friction bar", "deviation", "stretches"]);
+    let mut table = Sheet::new(&["speed mm/s", "friction bar", "deviation", "stretches"]);
     for point in &curve.points {
         table.add_row([
             format!("{:.2}", 1e3 * point.velocity),
@@ -102,22 +139,18 @@ fn stribeck(number: usize, curve: &FrictionCurve) -> String {
             point.stretches.to_string(),
         ]);
     }
+    format!("\ncylinder {number}: {}\n{table}\n", stribeck_line(curve))
+}
+
+/// The parameters of (3-13).
+pub fn stribeck_line(curve: &FrictionCurve) -> String {
     let stiction = curve
         .stribeck
         .map_or("no static friction shows at these speeds".to_owned(), |(force, speed)| {
             format!("F_s0 {force:.3} bar, c_s {:.2} mm/s", 1e3 * speed)
         });
     format!(
-        "\ncylinder {number}: μ_v {:.3} bar s/m, F_c0 {:.3} bar, {stiction}; {} stretches, RMS {:.3} \
-         bar\n{table}\n",
+        "μ_v {:.3} bar s/m, F_c0 {:.3} bar, {stiction}; {} stretches, RMS {:.3} bar",
         curve.viscous, curve.coulomb, curve.stretches, curve.rms
     )
-}
-
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    table
 }

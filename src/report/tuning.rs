@@ -1,23 +1,18 @@
 //! A tuning as a page for people, and as tables that the configuration reads.
 
 use super::provenance::{self, four_digits};
+use super::sheet::{Section, Sheet};
 use crate::extremes::{HOURS_PER_YEAR, per_second};
 use crate::tune::sequential::Level;
 use crate::tune::{Detector, Score, Search, Thresholds, Tuning, Weights};
-use comfy_table::{Table, presets};
 use std::fmt::Write as _;
 
 /// The page.
 pub fn page(result: &Tuning) -> String {
-    let mut text = format!(
-        "{}: {}\ntuned on {:.1} s to {:.1} s; monitored states only\n\n",
-        result.machine, result.inputs, result.window.from, result.window.to
-    );
-    text += &search(&result.search);
-    text += &tails(result);
-    text += &ladder(result);
-    text += &thresholds(result);
-    text += &sensitivity(result);
+    let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, part(result));
+    text += &format!("{}{}\n\n", search(&result.search).text(), tried(&result.search));
+    text += &format!("{}\n{}\n", tails(result).text(), ladder(result).text());
+    text += &format!("{}\n{}", thresholds(result), sensitivity(result).text());
     text += &sequential(result);
     for (place, remark) in result.remarks.iter().enumerate() {
         _ = writeln!(text, "{}{remark}", if place == 0 { "\n" } else { "" });
@@ -25,17 +20,16 @@ pub fn page(result: &Tuning) -> String {
     text
 }
 
-fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::NOTHING);
-    table.force_no_tty();
-    table.set_header(header.iter().copied());
-    table
+/// Which part of the recording it was made from.
+pub fn part(result: &Tuning) -> String {
+    let (from, to) = (result.window.from, result.window.to);
+    format!("tuned on {from:.1} s to {to:.1} s; monitored states only")
 }
 
-fn search(search: &Search) -> String {
+/// The weights before and after.
+pub fn search(search: &Search) -> Section {
     let header = ["", "q", "r", "threshold", "peak", "over after", "criterion"];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     for (name, weights, score) in
         [("configured", &search.begun, &search.before), ("taken", &search.weights, &search.score)]
     {
@@ -55,19 +49,24 @@ fn search(search: &Search) -> String {
             },
         ]);
     }
-    format!(
+    table.about(
         "weights: the criterion is the threshold at the wanted rate (by exponential tails) divided \
          by the peak of the residual after a unit step, where nine tenths of the step are over within \
-         alarm.coincidence\n{table}\n{} sets of weights tried on {} stored cycles\n\n",
-        search.tried, search.cycles
+         alarm.coincidence",
     )
+}
+
+/// How much was tried.
+pub fn tried(search: &Search) -> String {
+    format!("{} sets of weights tried on {} stored cycles", search.tried, search.cycles)
 }
 
 fn name(detector: &Detector) -> [String; 2] {
     [detector.cylinder.to_string(), format!("R{}", detector.transducer + 1)]
 }
 
-fn tails(result: &Tuning) -> String {
+/// The tail of each residual.
+pub fn tails(result: &Tuning) -> Section {
     let header = [
         "cylinder",
         "",
@@ -83,7 +82,7 @@ fn tails(result: &Tuning) -> String {
         "taken",
         "level alone",
     ];
-    let mut table = table(&header);
+    let mut table = Sheet::new(&header);
     let rate = per_second(result.thresholds.per_year) / result.detectors.len() as f64;
     for detector in &result.detectors {
         let Some(tail) = &detector.tail else { continue };
@@ -104,16 +103,18 @@ fn tails(result: &Tuning) -> String {
             format!("{:.3} ± {:.3} mm", tail.level(rate) * 1e3, tail.error(rate) * 1e3),
         ]);
     }
-    format!(
+    table.about(
         "healthy residuals, and the tail of the largest of each second (of alarm.clear): a \
          generalised Pareto where it is heavier than an exponential beyond chance (5 %); level \
          alone: at the detector's equal share of the wanted rate, ± the error from the number of \
-         peaks\n{table}\n\n"
+         peaks",
     )
 }
 
-fn ladder(result: &Tuning) -> String {
-    let mut table = table(&["false alarms a year", "one in", "threshold", "beyond the evidence"]);
+/// Thresholds at other rates.
+pub fn ladder(result: &Tuning) -> Section {
+    let mut table =
+        Sheet::new(&["false alarms a year", "one in", "threshold", "beyond the evidence"]);
     let hours = result.thresholds.hours;
     let wanted = (result.thresholds.per_year, result.thresholds.high);
     let mut rows = result.ladder.clone();
@@ -130,7 +131,7 @@ fn ladder(result: &Tuning) -> String {
             format!("{:.3e} times", HOURS_PER_YEAR / rate / hours),
         ]);
     }
-    format!("the extrapolation, of all detectors together\n{table}\n\n")
+    table.about("the extrapolation, of all detectors together")
 }
 
 fn period(hours: f64) -> String {
@@ -141,14 +142,16 @@ fn period(hours: f64) -> String {
     }
 }
 
-fn length(metres: f64) -> String {
+/// In millimetres, or in metres where it is no threshold any more.
+pub fn length(metres: f64) -> String {
     if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
 }
 
-fn thresholds(result: &Tuning) -> String {
+/// Both thresholds, and what they mean.
+pub fn thresholds(result: &Tuning) -> String {
     let Thresholds { low, high, .. } = result.thresholds;
     format!(
-        "δ_l {}, δ_h {}\n  {}\n\n",
+        "δ_l {}, δ_h {}\n  {}\n",
         length(four_digits(low)),
         length(four_digits(high)),
         meaning(result).join("\n  ")
@@ -176,8 +179,9 @@ fn meaning(result: &Tuning) -> Vec<String> {
     ]
 }
 
-fn sensitivity(result: &Tuning) -> String {
-    let mut table = table(&["cylinder", "", "smallest step", "smallest noise", "n of n·σ"]);
+/// The smallest faults that are found.
+pub fn sensitivity(result: &Tuning) -> Section {
+    let mut table = Sheet::new(&["cylinder", "", "smallest step", "smallest noise", "n of n·σ"]);
     for detector in &result.detectors {
         let [number, _] = name(detector);
         let amplitude = detector.noise.map_or("–".to_owned(), length);
@@ -190,14 +194,15 @@ fn sensitivity(result: &Tuning) -> String {
             times,
         ]);
     }
-    format!(
+    table.about(format!(
         "what is found: steps within 0.1 s in 95 % of the stored places, noise (5-17) within 1 s in \
-         95 % of trials; σ = {:.3} mm\n{table}\n",
+         95 % of trials; σ = {:.3} mm",
         result.sigma * 1e3
-    )
+    ))
 }
 
-fn sequential(result: &Tuning) -> String {
+/// The level of the sequential detectors, where there are any.
+pub fn sequential(result: &Tuning) -> String {
     let Some(level) = &result.sequential else { return String::new() };
     format!(
         "\nsequential detectors: h {:.2} nats\n  {}\n",

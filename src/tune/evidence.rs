@@ -25,6 +25,10 @@ pub struct Detector {
     pub transducer: usize,
     pub residuals: Spread,
     pub magnitudes: Sketch,
+    /// The largest magnitudes of the blocks, the largest first: a thousand, or all.
+    pub peaks: Vec<f64>,
+    /// The residual after a unit step of the reading, cycle by cycle.
+    pub response: Vec<f64>,
     /// The level below which nineteen of twenty seconds or so stay, m.
     pub calm: f64,
     /// `None` where too little was judged.
@@ -69,6 +73,8 @@ impl Evidence {
                     transducer,
                     residuals: witness.residuals,
                     magnitudes: witness.magnitudes.clone(),
+                    peaks: witness.maxima.largest(),
+                    response: Vec::new(),
                     calm: witness.maxima.quantile(0.95).unwrap_or(0.0),
                     tail: Tail::fit(&witness.maxima, sample_time),
                     step: None,

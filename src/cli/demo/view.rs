@@ -161,6 +161,7 @@ mod tests {
                 estimates: [None; 2],
                 residuals: [Some(-3.5), Some(0.09999), Some(0.0)],
                 gated: false,
+                judged: [true; 2],
                 monitored: true,
             });
         }

@@ -16,9 +16,10 @@ use plotters::prelude::{
 /// Units of a CSS pixel.
 const FINE: u32 = 2;
 
-/// Around a plot, CSS pixels: ticks and label of y, of x, room for flags above, and for half a
-/// tick's text at the right.
-const LEFT: u32 = 76;
+/// Around a plot, CSS pixels: room for accents of the label of y; ticks and label of y, of x; room
+/// for flags above, and for half a tick's text at the right.
+const MARGIN: u32 = 5;
+const LEFT: u32 = 71;
 const BELOW: u32 = 42;
 const ABOVE: u32 = 10;
 const RIGHT: u32 = 22;
@@ -66,6 +67,7 @@ fn draw(figure: &Figure, text: &mut String, size: (u32, u32)) -> Drawn {
 
 fn draw_panel(area: &Area, root: &Area, x: &Axis, panel: &Panel, last: bool) -> Drawn {
     let mut chart = ChartBuilder::on(area)
+        .margin_left(FINE * MARGIN)
         .margin_top(FINE * ABOVE)
         .margin_right(FINE * RIGHT)
         .margin_bottom(FINE * BETWEEN)

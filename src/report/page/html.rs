@@ -5,6 +5,9 @@ use crate::report::sheet::Section;
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
+/// Tables of more columns are written smaller.
+const WIDE: usize = 10;
+
 /// Loads nothing, runs nothing, whatever a name in it says.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
 
@@ -24,6 +27,8 @@ th, td { padding: .15rem .7rem .15rem 0; text-align: left; white-space: nowrap; 
 thead { border-bottom: 1px solid #999; }
 tbody tr + tr { border-top: 1px solid #eee; }
 .n { text-align: right; }
+.wide { font-size: 12px; }
+.wide th, .wide td { padding-right: .5rem; }
 figure { margin: .6rem 0 1.2rem; break-inside: avoid; }
 figure svg { display: block; max-width: 100%; height: auto; }
 figure .title { margin: 0 0 .1rem; font-weight: 600; }
@@ -46,7 +51,7 @@ footer { margin-top: 2.5rem; color: #666; font-size: 12px; }
   h2, h3 { break-after: avoid; }
   tr { break-inside: avoid; }
   .scroll { overflow: visible; }
-  table { font-size: 8pt; }
+  table, .wide { font-size: 7.5pt; }
   .pair figure { width: 48%; }
 }
 ";
@@ -112,7 +117,8 @@ impl Page {
                 line
             }) + "</tr>\n"
         };
-        self.body += "<div class=\"scroll\"><table>\n<thead>";
+        let wide = if header.len() > WIDE { " class=\"wide\"" } else { "" };
+        _ = write!(self.body, "<div class=\"scroll\"><table{wide}>\n<thead>");
         self.body += &row("th", &mut header.iter().map(AsRef::as_ref));
         self.body += "</thead>\n<tbody>\n";
         for cells in rows {

@@ -77,14 +77,14 @@ fn mm(metres: f64) -> f64 {
 fn residuals(number: u8, cylinder: &Gathered, recorded: &Recorded) -> Option<(Figure, String)> {
     let mut caption = format!("Cylinder {number}: residuals");
     let mut panels = Vec::new();
-    for i in 0..3 {
+    for (i, name) in RESIDUALS.into_iter().enumerate() {
         match cylinder.residuals.extremes(i) {
             Some(extremes) => {
                 let (panel, beyond) = residual(i, number, cylinder, extremes, recorded);
                 caption += &beyond;
                 panels.push(panel);
             }
-            None => caption += &format!("\n{} was never judged.", RESIDUALS[i]),
+            None => caption += &format!("\n{name} was never judged."),
         }
     }
     let end = recorded.end();
