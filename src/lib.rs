@@ -32,7 +32,9 @@
 //!   the smallest faults that follow.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
-//! - [`config`]: the one table per machine. [`report`]: what people and scripts read.
+//! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
+//! - [`config`]: the one table per machine. [`report`]: what people and scripts read: text, lines of
+//!   JSON, pages of HTML with figures.
 //!   [`cli`]: the commands.
 //!
 //! Everything from `decode` to `monitor` is pure: time comes with the frames as integers of
