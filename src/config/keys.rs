@@ -1,8 +1,9 @@
 //! Every key of the configuration file: what it is for, its type and its limits.
 
+mod fitted;
+
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::text::TextRule;
-use crate::sequential::drive::FEATURES;
 
 /// Fd_Status has two state bits for each transducer of six cylinders.
 pub(super) const MOST_CYLINDERS: u8 = 6;
@@ -48,7 +49,7 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("fde", Kind::Table(&FDE), "", "thresholds of R1 and R2, m"),
     Key::optional("comparator", Kind::Table(&COMPARATOR), "", "thresholds of R3, m"),
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
-    Key::optional("sequential", Kind::Table(&SEQUENTIAL), "",
+    Key::optional("sequential", Kind::Table(&fitted::SEQUENTIAL), "",
         "the sequential detectors, of cylinders that are calibrated for it"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
     Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
@@ -212,19 +213,6 @@ static LEVELS: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
-static SEQUENTIAL: Table = Table { keys: &[
-    Key::optional("false_alarms_per_year",
-        number(Limits::above(0.0, "a rate of the whole machine, in a year of monitoring").most(1e6)),
-        "1.0", "the false alarms that a year of monitoring may bring, all cylinders together"),
-    Key::optional("level",
-        number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
-        "20.0", "the level h, nats; absent: by false_alarms_per_year"),
-    Key::optional("stop_states",
-        Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
-        "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
-] };
-
-#[rustfmt::skip]
 static GATEWAY: Table = Table { keys: &[
     Key::optional("node", whole(1, 127, "CANopen has nodes 1 to 127"), "81",
         "the gateway's CANopen node; Fd_Status is 0x180 + node"),
@@ -266,38 +254,8 @@ static CYLINDER: Table = Table { keys: &[
         "gamma of (4-1) for this cylinder"),
     Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
         "the command at which this cylinder rests, m/s"),
-    Key::optional("sequential", Kind::Table(&CYLINDER_SEQUENTIAL), "",
+    Key::optional("sequential", Kind::Table(&fitted::CYLINDER_SEQUENTIAL), "",
         "what `calibrate` has fitted for the sequential detector"),
-] };
-
-const FITTED: &str = "`tertius calibrate` writes it";
-
-const fn fitted(least: usize, most: usize) -> Kind {
-    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
-}
-
-#[rustfmt::skip]
-static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
-    Key::required("first", number(Limits::finite(FITTED)), "-1.5",
-        "where on the stroke the first node is, m"),
-    Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",
-        "from node to node, m"),
-    Key::required("nodes", fitted(2, 1001), "[0.001, 0.0012]", "C1 - C2 at each node, m"),
-    Key::required("samples",
-        Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) }, "[5000]",
-        "samples that the calibration had between each two nodes"),
-    Key::required("velocity", number(Limits::finite(FITTED)), "0.0001",
-        "what C1 - C2 grows by with the velocity, s"),
-    Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
-        "the standard deviation of the residual, m"),
-    Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
-        "from value to value of the rate function, m"),
-    Key::required("rate", fitted(2, 1001), "[0.0, 0.5]", "the rate function, nats"),
-    Key::optional("drive", fitted(FEATURES, FEATURES),
-        "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]",
-        "the velocity by the commands"),
-    Key::optional("prediction", number(Limits::least(0.0, FITTED)), "0.0001",
-        "the deviation of the readings from it, m"),
 ] };
 
 #[cfg(test)]

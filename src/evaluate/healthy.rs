@@ -33,7 +33,7 @@ pub struct Healthy {
 const CYLINDERS: usize = crate::plant::CYLINDERS;
 
 impl Stand<'_> {
-    /// Watches the healthy machine of `seed` for [`STRETCH`] seconds.
+    /// Watches the healthy machine of `seed` for a stretch of its time.
     ///
     /// # Errors
     /// If there is no such machine.

@@ -1,19 +1,19 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
+mod findings;
+
 use super::gate::Opening;
 use super::implausible::Implausible;
 use super::sink::Record;
-use crate::alarm::register::PLACES;
-use crate::alarm::status::Health;
-use crate::alarm::{Evidence, Finding, Level};
 use crate::compare::Comparator;
 use crate::config::settings::Levels;
+use crate::decode::Value;
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Dwell, Moved, Sequential};
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Bank, BankDesign, Fault, Residuals, Suspect, Verdict, bank::Detection};
+use crate::verdict::{Bank, BankDesign, Residuals, Verdict};
 
 /// What one cylinder is monitored by.
 #[derive(Clone, Debug)]
@@ -142,6 +142,29 @@ impl Cylinder {
     /// Times that an alive counter of C1 and C2 jumped.
     pub fn counter_jumps(&self) -> [u64; 2] {
         [self.plausibility[0].counter_jumps(), self.plausibility[1].counter_jumps()]
+    }
+
+    /// Puts a decoded value into its place; `false` if it is not a finite number there.
+    pub fn put(&mut self, field: Field, value: Value) -> bool {
+        let inputs = &mut self.inputs;
+        match field {
+            Field::Position(transducer) => {
+                inputs.position(transducer, value.physical, value.raw.as_i64());
+                true
+            }
+            Field::Velocity(transducer) => inputs.velocity(transducer, value.physical),
+            Field::Status(transducer) => {
+                inputs.status(transducer, bits(value));
+                true
+            }
+            Field::Counter(transducer) => {
+                inputs.counter(transducer, bits(value));
+                true
+            }
+            Field::Command => inputs.command(value.physical),
+            Field::Pressure(pressure) => inputs.pressure(pressure, value.physical),
+            Field::Spool => inputs.spool(value.physical),
+        }
     }
 
     /// Nothing is waited for any more in this cycle.
@@ -343,122 +366,9 @@ impl Cylinder {
             monitored: now.gate == Opening::Open,
         }
     }
-
-    /// Whether any detector finds anything now.
-    #[inline]
-    pub fn finds_anything(&self) -> bool {
-        self.bank.any_found()
-            || self.implausible.iter().any(Implausible::raised)
-            || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
-    }
-
-    /// What the detectors find now, in the places of the [`crate::alarm::Register`].
-    pub fn findings(&self) -> [Option<Finding>; PLACES] {
-        let [fde1, fde2, fde3] = self.bank.detections();
-        let levels = &self.design.levels;
-        let mut findings = [
-            fde1.map(|detection| self.observer_finding(detection)),
-            fde2.map(|detection| self.observer_finding(detection)),
-            fde3.map(|detection| self.difference_finding(detection)),
-            self.implausible_finding(0, Suspect::C1),
-            self.implausible_finding(1, Suspect::C2),
-            self.implausible_finding(2, Suspect::Process),
-            self.sequential_finding(),
-        ];
-        let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
-        if blames(Suspect::C1) && blames(Suspect::C2) {
-            for finding in findings.iter_mut().flatten() {
-                if matches!(finding.suspect, Suspect::C1 | Suspect::C2) {
-                    finding.level = finding.level.max(levels.both);
-                }
-            }
-        }
-        findings
-    }
-
-    fn observer_finding(&self, detection: Detection) -> Finding {
-        finding(detection, self.level(detection.suspect), detection.threshold)
-    }
-
-    const fn level(&self, suspect: Suspect) -> Level {
-        let levels = &self.design.levels;
-        match suspect {
-            Suspect::C1 | Suspect::C2 => levels.located,
-            Suspect::Process => levels.process,
-            Suspect::Undecided => levels.undecided,
-        }
-    }
-
-    fn sequential_finding(&self) -> Option<Finding> {
-        let alarm = self.sequential.as_ref()?.alarm()?;
-        let back = self.sample_time.as_nanos().saturating_mul(i64::from(alarm.since));
-        Some(Finding {
-            fault: alarm.fault,
-            suspect: alarm.suspect,
-            level: self.level(alarm.suspect),
-            residual: Some(alarm.size),
-            threshold: None,
-            evidence: Some(Evidence {
-                fault: alarm.peak.nats,
-                location: alarm.evidence,
-                onset: self.evaluated.after(Span::from_nanos(-back)),
-            }),
-        })
-    }
-
-    fn difference_finding(&self, detection: Detection) -> Finding {
-        if self.was_critical {
-            return finding(detection, self.design.levels.critical, self.design.critical);
-        }
-        self.observer_finding(detection)
-    }
-
-    fn implausible_finding(&self, i: usize, suspect: Suspect) -> Option<Finding> {
-        let implausible = self.implausible.get(i).filter(|implausible| implausible.raised())?;
-        let frozen =
-            |i: usize| self.implausible[i].raised() && self.implausible[i].fault == Fault::Frozen;
-        // Two transducers do not freeze at once: it is the cylinder that does not follow.
-        let suspect = if i < 2 && frozen(0) && frozen(1) { Suspect::Process } else { suspect };
-        let out_of_range = implausible.fault == Fault::OutOfRange;
-        Some(Finding {
-            fault: implausible.fault,
-            suspect,
-            level: self.design.levels.implausible,
-            residual: out_of_range.then_some(implausible.beyond),
-            threshold: out_of_range.then_some(0.0),
-            evidence: None,
-        })
-    }
-
-    /// The state of each transducer, given the `findings` that stand for this cylinder.
-    pub fn health(&self, findings: &[Option<Finding>; PLACES]) -> [Health; 2] {
-        let stands = |suspect| findings.iter().flatten().any(|finding| finding.suspect == suspect);
-        let verdicts = self.bank.verdicts();
-        std::array::from_fn(|i| {
-            let blamed = [Suspect::C1, Suspect::C2][i];
-            if !self.has(TRANSDUCERS[i]) {
-                Health::Unknown
-            } else if stands(blamed) {
-                Health::Faulty
-            } else if stands(Suspect::Undecided) {
-                Health::Suspect
-            } else if self.judged[i] && verdicts[i] == Verdict::Healthy && !stands(Suspect::Process)
-            {
-                Health::Healthy
-            } else {
-                Health::Unknown
-            }
-        })
-    }
 }
 
-fn finding(detection: Detection, level: Level, threshold: f64) -> Finding {
-    Finding {
-        fault: detection.fault,
-        suspect: detection.suspect,
-        level,
-        residual: Some(detection.residual),
-        threshold: Some(threshold),
-        evidence: None,
-    }
+/// The raw bits of an integer signal; a float has none, and its whole part is taken.
+fn bits(value: Value) -> u64 {
+    value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
 }

@@ -19,7 +19,6 @@ use crate::alarm::{Detector, Encoder, OwnFrame, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
-use crate::sample::Field;
 use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
 use crate::sequential::Sequential;
 use crate::time::{Span, Timestamp};
@@ -224,7 +223,7 @@ impl Monitor {
                 Target::State => gate.state(at, state_number(value)),
                 Target::Cylinder(index, field) => {
                     touched |= 1 << index;
-                    let taken = put(&mut cylinders[usize::from(index)], field, value);
+                    let taken = cylinders[usize::from(index)].put(field, value);
                     counts.bad_signals += u64::from(!taken);
                 }
             }
@@ -375,34 +374,6 @@ impl Monitor {
         let (level, active_warnings) = (self.register.level(), self.register.standing());
         Status { transducers, level, mode, active_warnings }
     }
-}
-
-/// Puts a decoded value into its place; `false` if it is not a finite number there.
-fn put(cylinder: &mut Cylinder, field: Field, value: Value) -> bool {
-    let inputs = &mut cylinder.inputs;
-    match field {
-        Field::Position(transducer) => {
-            inputs.position(transducer, value.physical, value.raw.as_i64());
-            true
-        }
-        Field::Velocity(transducer) => inputs.velocity(transducer, value.physical),
-        Field::Status(transducer) => {
-            inputs.status(transducer, bits(value));
-            true
-        }
-        Field::Counter(transducer) => {
-            inputs.counter(transducer, bits(value));
-            true
-        }
-        Field::Command => inputs.command(value.physical),
-        Field::Pressure(pressure) => inputs.pressure(pressure, value.physical),
-        Field::Spool => inputs.spool(value.physical),
-    }
-}
-
-/// The raw bits of an integer signal; a float has none, and its whole part is taken.
-fn bits(value: Value) -> u64 {
-    value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
 }
 
 fn state_number(value: Value) -> i64 {

@@ -1,5 +1,6 @@
 //! The sequential detector of one cylinder.
 
+use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
@@ -46,9 +47,6 @@ const FOLLOWED: f64 = 5e-3;
 /// A transducer has this much more of the innovations' energy to be blamed for a noise.
 const NOISIER: f64 = 0.25;
 
-/// A clearing alarm is looked at over at least so many samples.
-const LEAST_WATCHED: usize = 48;
-
 /// What one detector runs on.
 #[derive(Clone, Debug)]
 pub struct Design {
@@ -81,37 +79,6 @@ pub struct Input {
     pub at: Timestamp,
     /// The rods stand on their mechanical stops.
     pub at_stop: bool,
-}
-
-/// Why there is an alarm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    Mean,
-    Variance,
-    /// The mean of a minute, without the baseline.
-    Slow,
-    /// A reading on the stop that has moved since the first ones.
-    Dwell,
-}
-
-/// An alarm that stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Alarm {
-    pub cause: Cause,
-    /// The statistic as it rose.
-    pub peak: Peak,
-    pub fault: Fault,
-    pub suspect: Suspect,
-    /// For C1 if positive, for C2 if negative, nats; `None` where nothing was compared.
-    pub evidence: Option<f64>,
-    /// m; of noise its root mean square.
-    pub size: f64,
-    /// Cycles since it began, as far as the residuals show it.
-    pub since: u32,
-    /// Cycles since the alarm.
-    pub age: u32,
-    /// Cycles without evidence.
-    calm: u32,
 }
 
 /// The detector.
@@ -313,7 +280,7 @@ impl Sequential {
         let moving = self.motion.step([c2 + residual, c2]);
         let Design { rate, deviation, .. } = &self.design;
         self.history.push(residual, *deviation, rate.farthest(), moving);
-        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| watched(&alarm));
+        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
         let Design { rate, level, .. } = &self.design;
         self.peaks = peaks(&self.history, rate, DEAD_BAND, self.spread_band, widest);
         let [mean, variance] = self.peaks;
@@ -421,9 +388,4 @@ impl Sequential {
             _ => Suspect::Undecided,
         };
     }
-}
-
-/// How far back one looks whether the alarm is over: as far as it took to find it.
-fn watched(alarm: &Alarm) -> usize {
-    alarm.peak.width.max(LEAST_WATCHED)
 }

@@ -12,6 +12,7 @@
 //! by the command ([`pair`]); a slow drift stays undecided, because in the closed loop the machine
 //! follows it. Memory is bounded, and a step allocates nothing.
 
+pub mod alarm;
 pub mod baseline;
 pub mod detector;
 pub mod drive;
@@ -25,7 +26,8 @@ pub mod reference;
 pub mod statistic;
 pub mod windows;
 
-pub use detector::{Alarm, Design, Input, Sequential};
+pub use alarm::{Alarm, Cause};
+pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
 pub use dwell::Dwell;
 pub use history::{Blame, DwellHistory, Moved, Trend};

@@ -1,0 +1,50 @@
+//! The sequential detectors: what all have in common, and what `tertius calibrate` has fitted for that
+//! of one cylinder.
+
+use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
+use super::super::text::TextRule;
+use super::number;
+use crate::sequential::drive::FEATURES;
+
+#[rustfmt::skip]
+pub(super) static SEQUENTIAL: Table = Table { keys: &[
+    Key::optional("false_alarms_per_year",
+        number(Limits::above(0.0, "a rate of the whole machine, in a year of monitoring").most(1e6)),
+        "1.0", "the false alarms that a year of monitoring may bring, all cylinders together"),
+    Key::optional("level",
+        number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
+        "20.0", "the level h, nats; absent: by false_alarms_per_year"),
+    Key::optional("stop_states",
+        Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
+        "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
+] };
+
+const FITTED: &str = "`tertius calibrate` writes it";
+
+const fn fitted(least: usize, most: usize) -> Kind {
+    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
+}
+
+#[rustfmt::skip]
+pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
+    Key::required("first", number(Limits::finite(FITTED)), "-1.5",
+        "where on the stroke the first node is, m"),
+    Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",
+        "from node to node, m"),
+    Key::required("nodes", fitted(2, 1001), "[0.001, 0.0012]", "C1 - C2 at each node, m"),
+    Key::required("samples",
+        Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) }, "[5000]",
+        "samples that the calibration had between each two nodes"),
+    Key::required("velocity", number(Limits::finite(FITTED)), "0.0001",
+        "what C1 - C2 grows by with the velocity, s"),
+    Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
+        "the standard deviation of the residual, m"),
+    Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
+        "from value to value of the rate function, m"),
+    Key::required("rate", fitted(2, 1001), "[0.0, 0.5]", "the rate function, nats"),
+    Key::optional("drive", fitted(FEATURES, FEATURES),
+        "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]",
+        "the velocity by the commands"),
+    Key::optional("prediction", number(Limits::least(0.0, FITTED)), "0.0001",
+        "the deviation of the readings from it, m"),
+] };

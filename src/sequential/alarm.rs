@@ -1,0 +1,45 @@
+//! What a sequential detector has found.
+
+use super::statistic::Peak;
+use crate::verdict::{Fault, Suspect};
+
+/// A clearing alarm is looked at over at least so many samples.
+const LEAST_WATCHED: usize = 48;
+
+/// Why there is an alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    Mean,
+    Variance,
+    /// The mean of a minute, without the baseline.
+    Slow,
+    /// A reading on the stop that has moved since the first ones.
+    Dwell,
+}
+
+/// An alarm that stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alarm {
+    pub cause: Cause,
+    /// The statistic as it rose.
+    pub peak: Peak,
+    pub fault: Fault,
+    pub suspect: Suspect,
+    /// For C1 if positive, for C2 if negative, nats; `None` where nothing was compared.
+    pub evidence: Option<f64>,
+    /// m; of noise its root mean square.
+    pub size: f64,
+    /// Cycles since it began, as far as the residuals show it.
+    pub since: u32,
+    /// Cycles since the alarm.
+    pub age: u32,
+    /// Cycles without evidence.
+    pub calm: u32,
+}
+
+impl Alarm {
+    /// How far back one looks whether it is over: as far as it took to find it.
+    pub fn watched(&self) -> usize {
+        self.peak.width.max(LEAST_WATCHED)
+    }
+}
