@@ -210,6 +210,21 @@ fn half_a_millimetre_is_found_and_the_right_transducer_blamed() {
     }
 }
 
+/// Ten millimetres are in the variance, too, and sooner than in the mean.
+#[test]
+fn a_large_step_is_no_noise() {
+    for size in ["0.003", "-0.025"] {
+        let (faults, truth) = one_each(&format!("step,size={size}"));
+        let heard = setup().run(45.0, false, &faults);
+        for (cylinder, suspect, at) in truth {
+            let (delay, last) = heard.of(cylinder, at).expect("it is found");
+            assert!((0.0..0.2).contains(&delay), "{cylinder}: {delay}");
+            let told = (last.finding.suspect, last.finding.fault);
+            assert_eq!(told, (suspect, Kind::Abrupt), "{size} {cylinder}\n{}", heard.told());
+        }
+    }
+}
+
 #[test]
 fn noise_is_told_from_a_step_and_its_transducer_blamed() {
     let (faults, truth) = one_each("noise,size=0.000868");

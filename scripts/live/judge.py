@@ -31,6 +31,10 @@ JAMMED = round(0.2 * SECOND)
 FOUND = round(0.3 * SECOND)
 # A warning of a fault comes with its step or its end, or so much later.
 AFTER_FAULT = round(0.5 * SECOND)
+# So long (alarm.clear) a warning stands after its residual has gone, and is repeated.
+STANDS = round(1.1 * SECOND)
+# What takes frames of the gateway away.
+TAKERS = {"jam", "link down", "deleted", "bus off"}
 # A warning of missing frames comes within this of what took them away.
 AFTER_DISTURBANCE = SECOND
 # One of the model comes within this of a cycle that the player of the machine lost or spread over
@@ -259,7 +263,14 @@ class Judge:
     def account(self, at, warning, takers):
         for fault in self.run.faults:
             cylinder = int(fault.what.split()[1])
-            if cylinder == warning["Cylinder"] and fault.has(at, AFTER_FAULT):
+            if cylinder != warning["Cylinder"]:
+                continue
+            if fault.has(at, AFTER_FAULT):
+                return "by a fault"
+            # Where its raise was lost with other frames, what is seen first is a repetition.
+            lost = any(span.what in TAKERS and span.begin < at and span.end > fault.begin
+                       for span in self.run.disturbances)
+            if lost and fault.has(at, AFTER_FAULT + STANDS):
                 return "by a fault"
         if warning["Fault"] == STALE:
             for span in takers:

@@ -32,8 +32,9 @@ const CALM: f64 = 0.5;
 /// Cycles after an alarm at which the readings are compared, …
 const COMPARE: u32 = 10;
 
-/// … and at which noise is told from a step, and its transducer.
-const NOISE: u32 = 25;
+/// … and at which noise is told from a step, and its transducer; twice, as a few draws of noise may
+/// have a mean.
+const NOISE: [u32; 2] = [25, 50];
 
 /// Evidence for one of the transducers that decides, nats.
 const DECIDED: f64 = 5.0;
@@ -337,8 +338,8 @@ impl Sequential {
         alarm.since = alarm.since.saturating_add(1);
         alarm.calm = if calm { alarm.calm + 1 } else { 0 };
         match alarm.age {
-            COMPARE if alarm.cause == Cause::Mean => self.compare(&mut alarm),
-            NOISE if matches!(alarm.cause, Cause::Mean | Cause::Variance) => {
+            COMPARE if self.may_have_stepped(&alarm) => self.compare(&mut alarm),
+            age if NOISE.contains(&age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) => {
                 self.tell_noise(&mut alarm);
             }
             _ => {}
@@ -348,6 +349,15 @@ impl Sequential {
             self.alarm = None;
             self.history.clear();
             self.slow.reset();
+        }
+    }
+
+    /// A large step is in the variance, too, and sooner.
+    fn may_have_stepped(&self, alarm: &Alarm) -> bool {
+        match alarm.cause {
+            Cause::Mean => true,
+            Cause::Variance => kind::noise(&self.history, COMPARE as usize).is_none(),
+            Cause::Slow | Cause::Dwell => false,
         }
     }
 
@@ -373,13 +383,8 @@ impl Sequential {
 
     /// Noise has no onset to compare; its innovations go on.
     fn tell_noise(&self, alarm: &mut Alarm) {
-        let span = NOISE as usize;
-        let size = match (kind::noise(&self.history, span), alarm.cause) {
-            (Some(size), _) => size,
-            // Of a rod at rest there are too few samples in motion to look at.
-            (None, Cause::Variance) => alarm.size,
-            (None, _) => return,
-        };
+        let span = alarm.age as usize;
+        let Some(size) = kind::noise(&self.history, span) else { return };
         (alarm.fault, alarm.size) = (Fault::Noise, size);
         let share = self.pair.as_ref().and_then(|pair| pair.energy(span));
         alarm.suspect = match share {

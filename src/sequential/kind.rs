@@ -58,7 +58,7 @@ pub fn shape(history: &History) -> Shape {
 
 /// Whether the newest `span` samples are noise about no mean; then their root mean square, m.
 pub fn noise(history: &History, span: usize) -> Option<f64> {
-    let [_, _, sum, squares] = history.moving.over(span)?;
+    let [_, _, sum, squares] = history.all.over(span)?;
     let (square, mean) = (squares / span as f64, sum / span as f64);
     (mean * mean < NOISY * square).then(|| square.sqrt())
 }

@@ -22,6 +22,9 @@ impl Peak {
 /// the count does not change and one sample says what the one before has said.
 pub const AT_REST: usize = 4;
 
+/// Of all samples, in motion or not, so many are held.
+const NEWEST: usize = 64;
+
 /// z² is not counted beyond this: one wild sample is not noise.
 pub const CAP: f64 = 36.0;
 
@@ -29,7 +32,7 @@ pub const CAP: f64 = 36.0;
 /// over all samples and over those in motion.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    pub all: Sums<{ AT_REST + 1 }>,
+    pub all: Sums<{ NEWEST + 1 }>,
     pub moving: Sums<1025>,
 }
 
