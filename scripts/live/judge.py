@@ -267,10 +267,11 @@ class Judge:
                 continue
             if fault.has(at, AFTER_FAULT):
                 return "by a fault"
-            # Where its raise was lost with other frames, what is seen first is a repetition.
-            lost = any(span.what in TAKERS and span.begin < at and span.end > fault.begin
-                       for span in self.run.disturbances)
-            if lost and fault.has(at, AFTER_FAULT + STANDS):
+            # Where its raise was lost with other frames, what is seen first is a repetition; and a
+            # gateway that hears nothing learns of its end when it hears again.
+            ends = [span.end for span in self.run.disturbances if span.what in TAKERS
+                    and span.begin < at and fault.begin < span.end and span.begin < fault.end]
+            if ends and fault.begin <= at <= max(*ends, fault.end) + AFTER_FAULT + STANDS:
                 return "by a fault"
         if warning["Fault"] == STALE:
             for span in takers:
