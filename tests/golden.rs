@@ -15,6 +15,9 @@ use support::{E_TYPE, HANGING_LOAD, Run, recording, replay, top};
 /// After a fault has gone its warnings clear, and its going is a step that the observers see, s.
 const AFTERMATH: f64 = 5.0;
 
+/// e-type.toml with the tables of `tertius calibrate` for the sequential detectors.
+const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
+
 fn replayed(name: &str, config: &str) -> Run {
     replay(&[&recording(name)], config, &[]).ok()
 }
@@ -187,6 +190,16 @@ fn faults() {
     let truth = truth("e-type-faults.truth.csv");
     assert_eq!(truth.len(), 14);
     golden("e-type-faults.txt", &beside_the_truth(&truth, &run.warnings()));
+}
+
+/// The same with the sequential detectors beside the thresholds; calibrated on the healthy recording.
+#[test]
+fn faults_by_evidence() {
+    let run = replayed("e-type-faults.log.zst", SEQUENTIAL);
+    let truth = truth("e-type-faults.truth.csv");
+    golden("e-type-faults.sequential.txt", &beside_the_truth(&truth, &run.warnings()));
+    let healthy = replayed("e-type-healthy.log.zst", SEQUENTIAL);
+    assert_eq!(healthy.lines().len(), 1, "nothing but a summary: {}", healthy.stdout);
 }
 
 #[test]
