@@ -115,7 +115,7 @@ fn jam(interface: &str) {
     let release = std::fs::read_to_string("/proc/sys/kernel/osrelease").expect("it is Linux");
     let module = format!("/usr/lib/uml/modules/{}/kernel/net/sched/sch_tbf.ko", release.trim());
     if Path::new(&module).exists() {
-        run("insmod", &[&module]);
+        run("busybox", &["insmod", &module]);
     }
     run("tc", &arguments);
 }

@@ -126,7 +126,7 @@ fn queue(interface: &str, kind: &str, settings: &[&str]) {
     let folder = format!("/usr/lib/uml/modules/{}/kernel/net/sched", release.trim());
     let module = format!("{folder}/sch_{kind}.ko");
     if Path::new(&module).exists() {
-        run("insmod", &[&module]);
+        run("busybox", &["insmod", &module]);
     }
     run("tc", &arguments);
 }
