@@ -6,6 +6,7 @@ use super::line::Line;
 use crate::identify::qr::Triangle;
 use crate::sequential::Reference;
 use crate::sequential::drive::{Commands, Drive, FEATURES};
+use crate::sequential::velocity::Velocity;
 use crate::survey::{Row, Surveyor};
 use nalgebra::{DMatrix, DVector};
 
@@ -50,14 +51,13 @@ pub struct Profiling {
 struct Gathered {
     line: Line,
     limit: f64,
-    sample_time: f64,
     first: f64,
     /// Of each node: itself squared, with the next one, with the velocity, with the difference.
     nodes: Vec<[f64; 4]>,
     samples: Vec<u64>,
     /// The velocity squared, and with the difference.
     velocity: [f64; 2],
-    before: Option<f64>,
+    speed: Velocity,
     drives: Box<Drives>,
 }
 
@@ -73,12 +73,11 @@ impl Profiling {
         let gathered = |fitted: &Fitted| Gathered {
             line: fitted.line,
             limit: fitted.limit,
-            sample_time,
             first,
             nodes: vec![[0.0; 4]; cells + 1],
             samples: vec![0; cells],
             velocity: [0.0; 2],
-            before: None,
+            speed: Velocity::new(sample_time),
             drives: Box::new(Drives::new(sample_time)),
         };
         Self { cylinders: fits.into_iter().map(|fitted| fitted.map(gathered)).collect() }
@@ -99,7 +98,7 @@ impl Surveyor for Profiling {
 
     fn gap(&mut self, cylinder: u8) {
         if let Some(gathered) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
-            gathered.before = None;
+            gathered.speed.reset();
             gathered.drives.clear();
         }
     }
@@ -107,13 +106,11 @@ impl Surveyor for Profiling {
 
 impl Gathered {
     fn take(&mut self, row: &Row) {
-        let before = std::mem::replace(&mut self.before, row.c2);
+        let speed = self.speed.step(row.c2, row.v2);
         let near = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
         let pair = row.c1.zip(row.c2).filter(|_| row.monitored).filter(near);
         self.drives.step(pair.map(|(c1, c2)| 0.5 * (c1 + c2)), row.u);
-        let Some((c1, c2)) = pair else { return };
-        let derived = || before.map(|before| (c2 - before) / self.sample_time);
-        let Some(velocity) = row.v2.or_else(derived) else { return };
+        let Some(((c1, c2), velocity)) = pair.zip(speed) else { return };
         let count = self.nodes.len();
         let Some(place) = Reference::place(self.first, SPACING, count, c2) else { return };
         let difference = c1 - c2;

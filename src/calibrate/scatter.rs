@@ -7,6 +7,7 @@ use super::profile::Profile;
 use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
 use crate::sequential::motion::Motion;
+use crate::sequential::velocity::Velocity;
 use crate::sequential::{Design, Magnitudes, Pair, PairDesign, Rate, Reference};
 use crate::survey::{Row, Surveyor};
 
@@ -63,8 +64,7 @@ struct Judged {
     line: Line,
     limit: f64,
     reference: Reference,
-    sample_time: f64,
-    before: Option<f64>,
+    velocity: Velocity,
     baseline: Baseline,
     motion: Motion,
     pair: Option<Pair>,
@@ -85,8 +85,7 @@ impl Scattering {
                 line: fitted.line,
                 limit: FAULTY * fitted.limit,
                 reference: profile.reference.clone(),
-                sample_time,
-                before: None,
+                velocity: Velocity::new(sample_time),
                 baseline: Baseline::new(sample_time, deviation),
                 motion: Motion::new(sample_time),
                 pair: profile.drive.and_then(design).map(Pair::new),
@@ -129,7 +128,7 @@ impl Surveyor for Scattering {
 
 impl Judged {
     fn interrupt(&mut self) {
-        self.before = None;
+        self.velocity.reset();
         self.baseline.reset();
         self.motion.reset();
         if let Some(pair) = &mut self.pair {
@@ -141,13 +140,12 @@ impl Judged {
         if !row.monitored {
             return self.interrupt();
         }
-        let before = std::mem::replace(&mut self.before, row.c2);
+        let velocity = self.velocity.step(row.c2, row.v2);
         let healthy = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
         let both = row.c1.zip(row.c2).filter(healthy);
-        let residual = both.and_then(|(c1, c2)| {
-            let derived = || before.map(|before| (c2 - before) / self.sample_time);
-            self.reference.residual(c1, c2, row.v2.or_else(derived)?)
-        });
+        let residual = both
+            .zip(velocity)
+            .and_then(|((c1, c2), velocity)| self.reference.residual(c1, c2, velocity));
         let baseline = self.baseline.value();
         if let Some(pair) = &mut self.pair {
             let beyond = residual.zip(baseline).map(|(residual, baseline)| residual - baseline);

@@ -89,13 +89,10 @@ pub struct Cylinder {
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
-    sample_time: Span,
     was_critical: bool,
     command_missing: u32,
     moving: bool,
     judged: [bool; 2],
-    /// The opening of the newest cycle that the sequential detector took.
-    evaluated: Timestamp,
     tally: Tally,
 }
 
@@ -110,16 +107,11 @@ impl Cylinder {
             implausible: std::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
-            sample_time: design
-                .sequential
-                .as_ref()
-                .map_or(Span::ZERO, |sequential| Span::from_seconds(sequential.sample_time)),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             was_critical: false,
             command_missing: 0,
             moving: false,
             judged: [false; 2],
-            evaluated: Timestamp::default(),
             tally: Tally::default(),
             design,
         }
@@ -321,7 +313,6 @@ impl Cylinder {
             at: now.opened,
             at_stop: now.at_stop,
         });
-        self.evaluated = now.opened;
     }
 
     fn count(&mut self, residuals: &Residuals) {

@@ -1,6 +1,7 @@
 //! What a sequential detector has found.
 
 use super::statistic::Peak;
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
 /// A clearing alarm is looked at over at least so many samples.
@@ -29,8 +30,8 @@ pub struct Alarm {
     pub evidence: Option<f64>,
     /// m; of noise its root mean square.
     pub size: f64,
-    /// Cycles since it began, as far as the residuals show it.
-    pub since: u32,
+    /// When it began, as far as the residuals show it.
+    pub onset: Timestamp,
     /// Cycles since the alarm.
     pub age: u32,
     /// Cycles without evidence.

@@ -10,8 +10,9 @@ use super::pair::{Form, Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
 use super::statistic::{History, Peak, peaks};
+use super::velocity::Velocity;
 use super::windows::WIDTHS;
-use crate::time::Timestamp;
+use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
 
 /// What is below this is no fault but a temperature or a bend that the calibration has left, m.
@@ -92,8 +93,7 @@ pub struct Sequential {
     motion: Motion,
     history: History,
     pair: Option<Pair>,
-    /// C2 of the cycle before, m.
-    before: Option<f64>,
+    velocity: Velocity,
     was_monitored: bool,
     verdict: Verdict,
     peaks: [Peak; 2],
@@ -114,7 +114,7 @@ impl Sequential {
             motion: Motion::new(design.sample_time),
             history: History::default(),
             pair: design.pair.clone().map(Pair::new),
-            before: None,
+            velocity: Velocity::new(design.sample_time),
             was_monitored: false,
             verdict: Verdict::Unknown,
             peaks: [Peak::default(); 2],
@@ -146,11 +146,6 @@ impl Sequential {
         &self.dwells
     }
 
-    /// Goes on with a history of before.
-    pub fn remember(&mut self, dwells: DwellHistory) {
-        self.dwells = dwells;
-    }
-
     /// What was read on the stop in the newest cycle, once.
     pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
         self.dwelt.take()
@@ -174,7 +169,7 @@ impl Sequential {
             let moved = self.dwells.add(dwell);
             self.dwelt = Some((dwell, moved));
             if let Some(moved) = moved {
-                self.judge_dwell(&moved);
+                self.judge_dwell(input.at, &moved);
             }
         }
         if !input.monitored {
@@ -185,10 +180,16 @@ impl Sequential {
             return;
         }
         self.was_monitored = true;
-        let residual = self.residual(input);
+        let velocity = self.velocity.step(input.lengths[1], input.velocity);
+        let [c1, c2] = input.lengths;
+        let lengths = c1.zip(c2);
+        let reference = &self.design.reference;
+        let residual = lengths
+            .zip(velocity)
+            .and_then(|((c1, c2), velocity)| reference.residual(c1, c2, velocity));
         let baseline = self.baseline.value();
         self.follow(input, residual.zip(baseline));
-        let Some(residual) = residual else {
+        let Some((residual, (c1, c2))) = residual.zip(lengths) else {
             self.verdict = self.without_evidence();
             return;
         };
@@ -200,7 +201,8 @@ impl Sequential {
             self.verdict = self.without_evidence();
             return;
         };
-        self.judge(residual - baseline);
+        let moving = self.motion.step([c1, c2]);
+        self.judge(input.at, residual - baseline, moving);
     }
 
     /// What is learnt of a state is void in another one. What was found stands, and its baseline
@@ -208,7 +210,7 @@ impl Sequential {
     fn leave(&mut self) {
         self.history.clear();
         self.motion.reset();
-        self.before = None;
+        self.velocity.reset();
         self.peaks = [Peak::default(); 2];
         self.verdict = Verdict::Unknown;
         if let Some(pair) = &mut self.pair {
@@ -222,14 +224,16 @@ impl Sequential {
 
     /// The stop tells which reading has drifted, also where nothing else could: while the machine
     /// moves, its controller follows a drifting C1.
-    fn judge_dwell(&mut self, moved: &Moved) {
+    fn judge_dwell(&mut self, at: Timestamp, moved: &Moved) {
         let [one, two] = moved.by;
         let (suspect, size) = match moved.blame() {
             Blame::C1 => (Suspect::C1, one),
             Blame::C2 => (Suspect::C2, two),
             Blame::Neither | Blame::Stop => {
                 // What the stop found is over when the stop says so.
-                self.alarm = self.alarm.filter(|alarm| alarm.cause != Cause::Dwell);
+                if self.alarm.is_some_and(|alarm| alarm.cause == Cause::Dwell) {
+                    self.end();
+                }
                 return;
             }
             Blame::Both => return,
@@ -245,7 +249,7 @@ impl Sequential {
                     suspect,
                     evidence: None,
                     size,
-                    since: 0,
+                    onset: at,
                     age: 0,
                     calm: 0,
                 });
@@ -258,14 +262,6 @@ impl Sequential {
         if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Unknown }
     }
 
-    fn residual(&mut self, input: &Input) -> Option<f64> {
-        let before = std::mem::replace(&mut self.before, input.lengths[1]);
-        let (c1, c2) = input.lengths[0].zip(input.lengths[1])?;
-        let derived = || before.map(|before| (c2 - before) / self.design.sample_time);
-        let velocity = input.velocity.or_else(derived)?;
-        self.design.reference.residual(c1, c2, velocity)
-    }
-
     /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
     fn follow(&mut self, input: &Input, difference: Option<(f64, f64)>) {
         let Some(pair) = &mut self.pair else { return };
@@ -275,31 +271,27 @@ impl Sequential {
         pair.step(lengths, input.command);
     }
 
-    fn judge(&mut self, residual: f64) {
-        // `before` holds C2 of this cycle by now; the residual is there, so it is, too.
-        let c2 = self.before.unwrap_or_default();
-        let moving = self.motion.step([c2 + residual, c2]);
-        let Design { rate, deviation, .. } = &self.design;
+    fn judge(&mut self, at: Timestamp, residual: f64, moving: bool) {
+        let Design { rate, deviation, level, .. } = &self.design;
         self.history.push(residual, *deviation, rate.farthest(), moving);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
-        let Design { rate, level, .. } = &self.design;
         self.peaks = peaks(&self.history, rate, DEAD_BAND, self.spread_band, widest);
         let [mean, variance] = self.peaks;
         let level = *level;
         if self.alarm.is_some() {
             self.go_on(mean.nats.max(variance.nats) < CALM * level);
         } else if mean.nats > level {
-            self.raise(Cause::Mean, mean);
+            self.raise(at, Cause::Mean, mean);
         } else if variance.nats > level {
-            self.raise(Cause::Variance, variance);
+            self.raise(at, Cause::Variance, variance);
         } else if self.slow.mean().is_some_and(|mean| mean.abs() > SLOW) {
-            self.raise(Cause::Slow, Peak::default());
+            self.raise(at, Cause::Slow, Peak::default());
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
     }
 
-    fn raise(&mut self, cause: Cause, peak: Peak) {
-        let (fault, size, since) = match cause {
+    fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
+        let (fault, size, cycles) = match cause {
             Cause::Mean => {
                 let shape = kind::shape(&self.history);
                 (shape.fault, shape.size, shape.onset)
@@ -316,7 +308,7 @@ impl Sequential {
             suspect: Suspect::Undecided,
             evidence: None,
             size,
-            since: since as u32,
+            onset: at.after(Span::from_seconds(-(cycles as f64) * self.design.sample_time)),
             age: 0,
             calm: 0,
         });
@@ -331,11 +323,11 @@ impl Sequential {
         let Some(mut alarm) = self.alarm else { return };
         let calm = match alarm.cause {
             Cause::Dwell => false,
-            Cause::Slow => calm && self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
+            // The baseline had followed the fault: only the mean without it tells.
+            Cause::Slow => self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
             _ => calm,
         };
         alarm.age = alarm.age.saturating_add(1);
-        alarm.since = alarm.since.saturating_add(1);
         alarm.calm = if calm { alarm.calm + 1 } else { 0 };
         match alarm.age {
             COMPARE if self.may_have_stepped(&alarm) => self.compare(&mut alarm),
@@ -346,9 +338,17 @@ impl Sequential {
         }
         self.alarm = Some(alarm);
         if alarm.calm >= self.design.clear {
-            self.alarm = None;
-            self.history.clear();
-            self.slow.reset();
+            self.end();
+        }
+    }
+
+    /// The alarm is over. A baseline that may have followed the fault begins anew.
+    fn end(&mut self) {
+        let ended = self.alarm.take();
+        self.history.clear();
+        self.slow.reset();
+        if ended.is_some_and(|alarm| matches!(alarm.cause, Cause::Slow | Cause::Dwell)) {
+            self.baseline.reset();
         }
     }
 
@@ -372,8 +372,7 @@ impl Sequential {
             return;
         }
         let age = COMPARE as usize;
-        let evidence = pair.compare(form, age, age + alarm.peak.width + 1);
-        alarm.evidence = evidence.map(|evidence| evidence.nats);
+        alarm.evidence = pair.compare(form, age, age + alarm.peak.width + 1);
         alarm.suspect = match alarm.evidence {
             Some(nats) if nats > DECIDED => Suspect::C1,
             Some(nats) if nats < -DECIDED => Suspect::C2,
@@ -394,3 +393,6 @@ impl Sequential {
         };
     }
 }
+
+#[cfg(test)]
+mod tests;

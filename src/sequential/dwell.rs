@@ -2,7 +2,6 @@
 //! reading repeats from dwell to dwell, and the one that moved is the one that drifted.
 
 use crate::time::{Span, Timestamp};
-use serde::{Deserialize, Serialize};
 
 /// A rod rests while its readings stay within this, m …
 const STILL: f64 = 1.5e-3;
@@ -11,27 +10,12 @@ const STILL: f64 = 1.5e-3;
 const REST: f64 = 3.0;
 
 /// What one dwell read.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dwell {
     /// When it was read.
-    #[serde(with = "nanos")]
     pub at: Timestamp,
     /// The means of C1 and C2, m.
     pub readings: [f64; 2],
-}
-
-/// Nanoseconds since 1970, as in a file.
-mod nanos {
-    use super::Timestamp;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    pub fn serialize<S: Serializer>(at: &Timestamp, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_i64(at.as_nanos())
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Timestamp, D::Error> {
-        i64::deserialize(from).map(Timestamp::from_nanos)
-    }
 }
 
 /// Waits for a rod to rest on its stop, and reads it once each time.
@@ -127,12 +111,5 @@ mod tests {
             let length = 0.2 * (k as f64 * 0.01).sin();
             assert_eq!(dwelling.step(at(k), true, [Some(length); 2]), None, "{k}");
         }
-    }
-
-    #[test]
-    fn a_dwell_comes_back_from_its_file() {
-        let dwell = Dwell { at: at(7), readings: [-1.4, 0.1 + 0.2] };
-        let text = serde_json::to_string(&dwell).expect("it can be written");
-        assert_eq!(serde_json::from_str::<Dwell>(&text).expect("it can be read"), dwell);
     }
 }

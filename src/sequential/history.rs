@@ -1,7 +1,6 @@
 //! The dwells of one cylinder so far: which transducer has moved, and where it is going.
 
 use super::dwell::Dwell;
-use serde::{Deserialize, Serialize};
 
 /// Dwells that are kept: beyond that every other of the older half is let go, so that the span of
 /// time stays.
@@ -26,7 +25,7 @@ const ALIKE: f64 = 0.5;
 const MONTH: f64 = 30.4375 * 86_400.0;
 
 /// Dwells in the order of time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DwellHistory {
     dwells: Vec<Dwell>,
     /// So many of the first are anchors: those before anything had moved.
@@ -117,9 +116,8 @@ impl DwellHistory {
         moved
     }
 
-    /// A file may hold any number.
     fn anchors(&self) -> &[Dwell] {
-        &self.dwells[..self.anchors.min(ANCHORS).min(self.dwells.len())]
+        &self.dwells[..self.anchors]
     }
 
     fn compare(&self, dwell: &Dwell) -> Option<Moved> {

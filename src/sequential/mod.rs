@@ -24,8 +24,10 @@ pub mod pair;
 pub mod rate;
 pub mod reference;
 pub mod statistic;
+pub mod velocity;
 pub mod windows;
 
+use crate::extremes::per_second;
 pub use alarm::{Alarm, Cause};
 pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
@@ -35,9 +37,6 @@ pub use pair::{Pair, PairDesign};
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
 
-/// Samples of a year.
-const YEAR: f64 = 365.25 * 86_400.0;
-
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
 /// seconds and always judged has `per_year` false alarms a year at the most.
 ///
@@ -45,5 +44,5 @@ const YEAR: f64 = 365.25 * 86_400.0;
 /// (Chernoff); neighbouring windows and samples say nearly the same, so that this many are not
 /// added up. What a recording shows is by a few nats better.
 pub fn level(per_year: f64, cylinders: u8, sample_time: f64) -> f64 {
-    (f64::from(cylinders) * YEAR / sample_time / per_year).ln()
+    (f64::from(cylinders) / sample_time / per_second(per_year)).ln()
 }

@@ -74,13 +74,6 @@ pub enum Form {
     Ramp,
 }
 
-/// Which transducer it is, by the innovations.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Evidence {
-    /// The log-likelihood of C1 less that of C2, nats.
-    pub nats: f64,
-}
-
 /// The filter's state and newest innovations.
 #[derive(Clone, Debug)]
 pub struct Pair {
@@ -152,18 +145,18 @@ impl Pair {
         self.innovations[(self.next + KEPT - 1 - cycles) % KEPT]
     }
 
-    /// A step or a ramp that began between `latest` and `earliest` cycles ago: C1's or C2's? `None` if
-    /// the filter has not followed for so long.
+    /// A step or a ramp that began between `latest` and `earliest` cycles ago: C1's or C2's? The log-
+    /// likelihood of C1 less that of C2, nats; `None` if the filter has not followed for so long.
     ///
     /// Each transducer's log-likelihood ratio is (gᵀ S⁻¹ ν)² / 2 gᵀ S⁻¹ g, at its best onset.
-    pub fn compare(&self, form: Form, latest: usize, earliest: usize) -> Option<Evidence> {
+    pub fn compare(&self, form: Form, latest: usize, earliest: usize) -> Option<f64> {
         if earliest >= self.held {
             return None;
         }
         let best = |which: usize| {
             (latest..=earliest).map(|onset| self.likelihood(form, which, onset)).fold(0.0, f64::max)
         };
-        Some(Evidence { nats: best(0) - best(1) })
+        Some(best(0) - best(1))
     }
 
     fn likelihood(&self, form: Form, which: usize, onset: usize) -> f64 {
@@ -243,11 +236,11 @@ mod tests {
                 let one = follow(seed, |_, _| [size, 0.0])
                     .compare(Form::Step, 10, 13)
                     .expect("it follows");
-                assert!(one.nats > 5.0, "{seed}: {one:?}");
+                assert!(one > 5.0, "{seed}: {one:?}");
                 let two = follow(seed, |_, _| [0.0, size])
                     .compare(Form::Step, 10, 13)
                     .expect("it follows");
-                assert!(two.nats < -5.0, "{seed}: {two:?}");
+                assert!(two < -5.0, "{seed}: {two:?}");
             }
         }
     }
@@ -266,7 +259,7 @@ mod tests {
     fn a_rod_that_moves_by_itself_blames_neither() {
         let evidence =
             follow(3, |_, _| [2e-3, 2e-3]).compare(Form::Step, 10, 13).expect("it follows");
-        assert!(evidence.nats.abs() < 5.0, "{evidence:?}");
+        assert!(evidence.abs() < 5.0, "{evidence:?}");
     }
 
     #[test]

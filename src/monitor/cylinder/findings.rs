@@ -4,7 +4,6 @@ use super::{Cylinder, Implausible, TRANSDUCERS};
 use crate::alarm::register::PLACES;
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
-use crate::time::Span;
 use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -55,7 +54,6 @@ impl Cylinder {
 
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
-        let back = self.sample_time.as_nanos().saturating_mul(i64::from(alarm.since));
         Some(Finding {
             fault: alarm.fault,
             suspect: alarm.suspect,
@@ -65,7 +63,7 @@ impl Cylinder {
             evidence: Some(Evidence {
                 fault: alarm.peak.nats,
                 location: alarm.evidence,
-                onset: self.evaluated.after(Span::from_nanos(-back)),
+                onset: alarm.onset,
             }),
         })
     }

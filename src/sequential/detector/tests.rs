@@ -1,0 +1,92 @@
+use super::*;
+use crate::sequential::history::Moved;
+
+const SAMPLE_TIME: f64 = 0.02;
+
+/// Of readings that are equal on a healthy cylinder, to 0.1 mm.
+fn detector() -> Sequential {
+    Sequential::new(Design {
+        reference: Reference {
+            first: -1.0,
+            spacing: 1.0,
+            nodes: vec![0.0; 3],
+            covered: vec![true; 2],
+            velocity: 0.0,
+        },
+        rate: Rate { spacing: 1e-5, values: (0..=50).map(|i| f64::from(i * i) / 200.0).collect() },
+        deviation: 1e-4,
+        pair: None,
+        level: 23.0,
+        sample_time: SAMPLE_TIME,
+        clear: 50,
+    })
+}
+
+/// Lets a rod go up and down from `begin` for so many `seconds`, C1 off by `fault` of the time, m.
+fn go(detector: &mut Sequential, begin: f64, seconds: f64, fault: impl Fn(f64) -> f64) -> f64 {
+    for k in 0..(seconds / SAMPLE_TIME) as u32 {
+        let t = begin + SAMPLE_TIME * f64::from(k);
+        let length = 0.4 * (0.8 * t).sin();
+        detector.step(&Input {
+            lengths: [Some(length + fault(t)), Some(length)],
+            velocity: Some(0.0),
+            command: None,
+            monitored: true,
+            at: Timestamp::default().after(Span::from_seconds(t)),
+            at_stop: false,
+        });
+    }
+    begin + seconds
+}
+
+/// A micrometre a second vanishes into the baseline; its mean over a minute does not.
+#[test]
+fn what_the_baseline_has_followed_is_found_and_ends_with_its_fault() {
+    let mut detector = detector();
+    let t = go(&mut detector, 0.0, 600.0, |t| 1e-6 * t);
+    assert_eq!(detector.alarm(), None, "half a millimetre is not beyond the slow limit");
+    let t = go(&mut detector, t, 120.0, |t| 1e-6 * t);
+    let alarm = detector.alarm().expect("0.6 mm are");
+    assert_eq!((alarm.cause, alarm.fault), (Cause::Slow, Fault::Incipient));
+    assert_eq!(alarm.suspect, Suspect::Undecided);
+    go(&mut detector, t, 90.0, |_| 0.0);
+    assert_eq!((detector.alarm(), detector.verdict()), (None, Verdict::Healthy));
+}
+
+#[test]
+fn an_onset_stays_where_it_was_found() {
+    let mut detector = detector();
+    let fault = |t| if t < 20.0 { 0.0 } else { 4e-4 };
+    let t = go(&mut detector, 0.0, 21.0, fault);
+    let onset = detector.alarm().expect("it is found").onset;
+    assert!((onset.since(Timestamp::default()).as_seconds() - 20.0).abs() < 0.05, "{onset:?}");
+    go(&mut detector, t, 5.0, fault);
+    assert_eq!(detector.alarm().map(|alarm| alarm.onset), Some(onset));
+}
+
+#[test]
+fn the_stop_ends_what_the_stop_has_found() {
+    let mut detector = detector();
+    go(&mut detector, 0.0, 10.0, |_| 0.0);
+    let moved = |by| Moved { by: [by, 0.0], least: [3e-4; 2] };
+    detector.judge_dwell(Timestamp::default(), &moved(1e-3));
+    let suspect = detector.alarm().map(|alarm| (alarm.cause, alarm.suspect));
+    assert_eq!(suspect, Some((Cause::Dwell, Suspect::C1)));
+    let t = go(&mut detector, 10.0, 60.0, |_| 0.0);
+    assert!(detector.alarm().is_some(), "motion says nothing about it");
+    detector.judge_dwell(Timestamp::default(), &moved(0.0));
+    assert_eq!(detector.alarm(), None);
+    go(&mut detector, t, 20.0, |_| 0.0);
+    assert_eq!(detector.verdict(), Verdict::Healthy);
+}
+
+/// The bus was lost, and what moved meanwhile is not known.
+#[test]
+fn a_side_does_not_outlast_a_lost_bus() {
+    let mut detector = detector();
+    let fault = |t| if t < 20.0 { 0.0 } else { 4e-4 };
+    go(&mut detector, 0.0, 21.0, fault);
+    detector.alarm.as_mut().expect("it is found").suspect = Suspect::C1;
+    detector.interrupt();
+    assert_eq!(detector.alarm().map(|alarm| alarm.suspect), Some(Suspect::Undecided));
+}

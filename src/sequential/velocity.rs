@@ -1,0 +1,47 @@
+//! How fast the rod moves, by C2.
+
+/// The velocity as it is measured, or else from one reading to the next.
+#[derive(Clone, Debug)]
+pub struct Velocity {
+    sample_time: f64,
+    /// C2 of the cycle before, m.
+    before: Option<f64>,
+}
+
+impl Velocity {
+    /// For samples every `sample_time` seconds.
+    pub const fn new(sample_time: f64) -> Self {
+        Self { sample_time, before: None }
+    }
+
+    pub fn reset(&mut self) {
+        self.before = None;
+    }
+
+    /// Takes a cycle: C2, m, and its velocity where it is `measured`, m/s.
+    pub fn step(&mut self, c2: Option<f64>, measured: Option<f64>) -> Option<f64> {
+        let before = std::mem::replace(&mut self.before, c2);
+        let derived = || Some((c2? - before?) / self.sample_time);
+        measured.or_else(derived)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_measured_velocity_it_is_that_of_neighbouring_readings() {
+        let mut velocity = Velocity::new(0.5);
+        let steps = [
+            (Some(1.0), None, None),
+            (Some(1.25), None, Some(0.5)),
+            (Some(1.5), Some(7.0), Some(7.0)),
+            (None, None, None),
+            (Some(9.0), None, None),
+        ];
+        for (c2, measured, expected) in steps {
+            assert_eq!(velocity.step(c2, measured), expected);
+        }
+    }
+}
