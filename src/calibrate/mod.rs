@@ -1,12 +1,13 @@
 //! The calibration of C2: a and b of Ĉ2 = a·C2 + b (5-20) on the first part of a recording, and the
 //! band that R3 then keeps on the second, as in Figures 5-14 and 5-15.
 //!
-//! Three readings of the recording, with memory that does not grow: [`Gathering`] looks at what is
+//! A [`Course`] reads the recording as often as that needs, with memory that does not grow: [`Gathering`] looks at what is
 //! there and finds a line that a few faulty samples do not move, on samples thinned to a bounded
 //! number; [`Fitting`] is the least squares of all samples near that line; [`Trying`] is the band.
 //! For the sequential detector [`Profiling`] fits, in one reading more, what the difference is along
 //! the stroke, and [`Scattering`] sees, together with the band, how it scatters.
 
+mod course;
 mod fitting;
 mod gathering;
 mod line;
@@ -15,6 +16,7 @@ mod refusal;
 mod scatter;
 mod trying;
 
+pub use course::{Calibrated, Course, Recording};
 pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};

@@ -4,14 +4,9 @@ use super::Failure;
 use super::page::PageFile;
 use super::survey::{Field, Surveyed};
 use super::tables;
-use crate::calibrate::{
-    Calibration, CylinderCalibration, Fitting, Gathering, Profile, Profiling, Refusal, Scattering,
-    Trying,
-};
+use crate::calibrate::{Calibrated, Calibration, Course};
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
-use crate::sequential;
-use crate::tune::sequential::Watch;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -60,75 +55,18 @@ impl Calibrate {
         conclude(&result)
     }
 
-    /// Reads the recording five times: what is in it, the line, what bends along it, the trial, and the
-    /// detectors that follow.
     fn calibration(&self, surveyed: &Surveyed) -> Result<Calibration, Failure> {
         let settings = &surveyed.machine.loaded.settings;
         let part = 1.0 - f64::from(self.held_back) / 100.0;
         let [fitted, tried] = surveyed.window.split(part);
-        let [low, high] = settings.machine.stroke;
-        let configured = |n| {
-            let calibration = settings.comparator_of(n);
-            (calibration != (1.0, 0.0)).then_some(calibration)
+        let course = Course {
+            settings,
+            fitted,
+            tried,
+            per_year: self.false_alarms_per_year,
+            block: tables::block(settings),
         };
-        let numbers = 1..=settings.machine.cylinders;
-        let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
-        surveyed.read(fitted, &mut gathering)?;
-        let second = settings.signals.cylinder.c2.is_some();
-        let judge = |n: u8| {
-            if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
-        };
-        let lines: Vec<_> = numbers.clone().map(judge).collect();
-        let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
-        surveyed.read(fitted, &mut fitting)?;
-        let results: Vec<_> = lines
-            .into_iter()
-            .enumerate()
-            .map(|(i, line)| {
-                fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
-            })
-            .collect();
-        let fits = || results.iter().map(|result| result.as_ref().ok());
-        let sample_time = settings.machine.sample_time;
-        let mut profiling = Profiling::new(settings.machine.stroke, sample_time, fits());
-        surveyed.read(fitted, &mut profiling)?;
-        let profiles: Vec<Option<Profile>> =
-            (0..results.len()).map(|i| profiling.result(i)).collect();
-        let known = fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
-        let mut scattering = Scattering::new(sample_time, known);
-        let mut trying = Trying::new(fits(), tables::block(settings));
-        surveyed.read(tried, (&mut trying, &mut scattering))?;
-        let bound = trying.bound(self.false_alarms_per_year, sample_time);
-        let sequential = profiles
-            .into_iter()
-            .enumerate()
-            .map(|(i, profile)| profile.zip(scattering.result(i)))
-            .collect::<Vec<_>>();
-        let designs: Vec<_> = sequential
-            .iter()
-            .map(|both| {
-                both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
-            })
-            .collect();
-        let mut watch = Watch::new(designs.iter().map(Option::as_ref), tables::block(settings));
-        surveyed.read(tried, &mut watch)?;
-        let per_year = self.false_alarms_per_year;
-        let by_rate = sequential::level(per_year, settings.machine.cylinders, sample_time);
-        let level = watch.level(per_year, sample_time).filter(|level| level.nats > by_rate);
-        let cylinders = numbers.zip(results).zip(trying.into_cylinders()).zip(sequential);
-        let cylinder = |(((number, result), tried), sequential): (((u8, Result<_, _>), _), _)| {
-            CylinderCalibration {
-                number,
-                sequential,
-                remarks: if result.is_ok() {
-                    gathering.remarks(usize::from(number) - 1)
-                } else {
-                    vec![]
-                },
-                result,
-                tried,
-            }
-        };
+        let Calibrated { cylinders, bound, level } = course.run(surveyed)?;
         let mut remarks = surveyed.remarks();
         remarks.extend(bound.filter(|b| b.level >= settings.comparator.critical).map(|b| {
             format!(
@@ -144,7 +82,7 @@ impl Calibrate {
             first: surveyed.first,
             fitted,
             tried,
-            cylinders: cylinders.map(cylinder).collect(),
+            cylinders,
             bound,
             level,
             remarks,

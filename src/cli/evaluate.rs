@@ -5,7 +5,10 @@ use super::machine::Machine;
 use super::page::PageFile;
 use super::plant;
 use super::progress::Bar;
-use crate::evaluate::{Evaluation, Extent, Gathering, Job, Plan, Product, Stand, Study};
+use crate::evaluate::contest::Contest;
+use crate::evaluate::{
+    Evaluation, Extent, Gathering, Job, Learnt, Lessons, Plan, Product, Stand, StandError, Study,
+};
 use crate::report::{evaluation, page};
 use crate::simulator::Options;
 use clap::{Args, ValueEnum};
@@ -91,6 +94,8 @@ enum Studied {
     Chance,
     /// Faults of C1 that the controller reads, beside those that it does not
     Loop,
+    /// Thresholds and sequential detectors on the same faults and hours
+    Contest,
     /// False alarms
     Healthy,
 }
@@ -106,6 +111,7 @@ impl Studied {
             Self::Data => Study::Data,
             Self::Chance => Study::Chance,
             Self::Loop => Study::Loop,
+            Self::Contest => Study::Contest,
             Self::Healthy => return None,
         })
     }
@@ -113,6 +119,10 @@ impl Studied {
 
 /// The sea of the plant's table is in the middle.
 const SEAS: [[f64; 2]; 3] = [[2.5, 8.0], [1.5, 7.0], [3.0, 10.0]];
+
+/// What the detectors of the contest learn from, hours in each sea.
+const LESSONS: Lessons = Lessons { calibration: 1.0, level: 4.0 };
+const QUICK_LESSONS: Lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
 
 /// Products that wait to be gathered.
 const WAITING: usize = 64;
@@ -128,11 +138,14 @@ impl Evaluate {
         let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load(&self.config)?;
         let settings = &machine.loaded.settings;
-        let stand = Stand::new(&tables, settings, &machine.database, &machine.design);
+        let mut stand = Stand::new(&tables, settings, &machine.database, &machine.design);
         // Whatever the call asks for that cannot be, before anything is done.
         for cell in &plan.cells {
             let options = Options { sea: Some(cell.sea), ..Options::default() };
             stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
+        if let Some(contest) = &plan.contest {
+            stand.monitors = learn(contest, &stand, plan.extent.lessons)?;
         }
         // And where it cannot be written, before minutes have been spent on it.
         let prepare = |path: &Option<PathBuf>| path.as_deref().map(PageFile::prepare).transpose();
@@ -172,7 +185,9 @@ impl Evaluate {
             trials: self.trials.unwrap_or(if self.quick { 48 } else { 600 }),
             hours: if healthy { hours } else { 0.0 },
             seas,
+            contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),
+            lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
         })
     }
 
@@ -202,11 +217,23 @@ impl Evaluate {
             Ok(())
         });
         bar.finish();
-        gathered.map(|()| gathering.finish(&stand.settings.machine.name))
+        gathered.map(|()| gathering.finish(&stand.settings.machine.name, &stand.monitors))
     }
 }
 
-type Brought = (Job, Result<Product, crate::evaluate::StandError>);
+/// What the detectors of all grades know, each grade on a core of its own.
+fn learn(contest: &Contest, stand: &Stand, lessons: Lessons) -> Result<Vec<Learnt>, Failure> {
+    let of = |grade| stand.learn(grade, &contest.seas, contest.lessons(), lessons);
+    let learnt: Vec<_> = std::thread::scope(|scope| {
+        let started: Vec<_> =
+            contest.grades.iter().map(|grade| scope.spawn(move || of(*grade))).collect();
+        started.into_iter().map(|it| it.join().expect("learning does not panic")).collect()
+    });
+    let wrong = |error: StandError| Failure::Wrong(error.to_string());
+    learnt.into_iter().map(|learnt| learnt.map_err(wrong)).collect()
+}
+
+type Brought = (Job, Result<Product, StandError>);
 
 /// Does the next job until there is none, or nobody takes what it brings.
 fn work(

@@ -185,6 +185,14 @@ impl Surveyed {
     }
 }
 
+impl crate::calibrate::Recording for Surveyed {
+    type Error = Failure;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Failure> {
+        Self::read(self, window, surveyor).map(drop)
+    }
+}
+
 impl FromStr for Place {
     type Err = String;
 

@@ -135,13 +135,15 @@ impl Figures {
 }
 
 impl DetectorFigures {
-    fn of(delays: Vec<Option<f64>>) -> Self {
+    /// Of the delays, `None` where it was not found, s.
+    pub(super) fn of(delays: Vec<Option<f64>>) -> Self {
         Self { found: Proportion::counting(&delays, Option::is_some), delay: Delay::of(delays) }
     }
 }
 
 impl Delay {
-    fn of(delays: Vec<Option<f64>>) -> Self {
+    /// Of the delays, `None` where it was not found, s.
+    pub(super) fn of(delays: Vec<Option<f64>>) -> Self {
         let all: Vec<f64> = delays.iter().map(|delay| delay.unwrap_or(f64::INFINITY)).collect();
         let sorted = sorted(all);
         let at = |share| quantile(&sorted, share).filter(|delay| delay.is_finite());
@@ -157,7 +159,7 @@ impl Delay {
 }
 
 impl SuspectFigures {
-    fn of(blames: impl Iterator<Item = Option<Blame>>) -> Self {
+    pub(super) fn of(blames: impl Iterator<Item = Option<Blame>>) -> Self {
         let mut figures = Self::default();
         for blame in blames.flatten() {
             *match blame {

@@ -1,8 +1,10 @@
 //! Puts together what the jobs bring, in whatever order they do.
 
 use super::claim::Judged;
+use super::contest;
 use super::figures::Figures;
 use super::healthy::Healthy;
+use super::learning::Learnt;
 use super::outcome::Outcome;
 use super::plan::{Cell, Job, Plan, Product};
 use super::proportion::Proportion;
@@ -19,6 +21,9 @@ pub struct Evaluation {
     pub seed: u64,
     pub rows: Vec<RowResult>,
     pub healthy: Vec<HealthyCell>,
+    /// The detectors against each other, by grade.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contest: Vec<contest::GradeResult>,
 }
 
 /// A row with its figures.
@@ -69,6 +74,7 @@ pub struct Gathering<'a> {
     sample_time: f64,
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
+    contest: Option<contest::Gathering<'a>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -85,6 +91,7 @@ impl<'a> Gathering<'a> {
             sample_time,
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
+            contest: plan.contest.as_ref().map(contest::Gathering::new),
         }
     }
 
@@ -101,16 +108,23 @@ impl<'a> Gathering<'a> {
                 }
             }
             (Job::Healthy { cell, .. }, Product::Healthy(more)) => self.healthy[cell].add(&more),
+            (Job::Contest(job), Product::Contest(product)) => {
+                if let Some(contest) = &mut self.contest {
+                    contest.take(job, product);
+                }
+            }
             // A job brings what it is.
-            (Job::Trial { .. } | Job::Healthy { .. }, _) => {}
+            (Job::Trial { .. } | Job::Healthy { .. } | Job::Contest(_), _) => {}
         }
     }
 
-    /// The result, of the rows that are complete.
-    pub fn finish(self, machine: &str) -> Evaluation {
+    /// The result, of the rows that are complete; `learnt` is what the contest's detectors knew.
+    pub fn finish(self, machine: &str, learnt: &[Learnt]) -> Evaluation {
         let cells = self.plan.cells.iter().zip(&self.healthy);
         let healthy = cells.filter(|(_, healthy)| healthy.judged[0] > 0);
+        let contest = self.contest.map(|contest| contest.finish(learnt, self.sample_time));
         Evaluation {
+            contest: contest.unwrap_or_default(),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

@@ -10,16 +10,21 @@
 //! number. So jobs can run in any order and on any number of cores: the [`Gathering`] puts what they
 //! bring in its place, and the same seed gives the same [`Evaluation`].
 //!
+//! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; what they know
+//! of the machine they learn from it first ([`Stand::learn`]).
+//!
 //! A fault begins on a machine that is engaged, with observers that have settled; its delay counts
 //! from the Sync at which the first faulty reading was sampled. Where it is *in the loop* the
 //! machine's controller reads it, too: the second recommendation of the thesis's chapter 6.
 
 mod claim;
+pub mod contest;
 mod figures;
 mod gathering;
 mod grade;
 mod healthy;
 mod interval;
+mod learning;
 mod outcome;
 mod plan;
 mod proportion;
@@ -34,6 +39,7 @@ pub use gathering::{Evaluation, Gathering, HealthyCell, RowResult};
 pub use grade::Grade;
 pub use healthy::Healthy;
 pub use interval::{CONFIDENCE, clopper_pearson, poisson_upper};
+pub use learning::{Learnt, Lessons};
 pub use outcome::{Blame, DETECTORS, First, Outcome};
 pub use plan::{Cell, Extent, Job, Plan, PlanError, Product};
 pub use proportion::Proportion;

@@ -1,7 +1,9 @@
 //! What is to be tried, as jobs that do not depend on each other.
 
+use super::contest::{self, Contest};
 use super::grade::Grade;
 use super::healthy::{Healthy, STRETCH};
+use super::learning::Lessons;
 use super::outcome::Outcome;
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
@@ -30,6 +32,10 @@ pub struct Extent {
     /// studied.
     pub seas: Vec<[f64; 2]>,
     pub studies: Vec<Study>,
+    /// Hours of a healthy machine of each grade in each sea for the contest, and what its detectors
+    /// learn from.
+    pub contest_hours: f64,
+    pub lessons: Lessons,
 }
 
 /// Why there is no plan.
@@ -54,6 +60,8 @@ pub enum Job {
     Trial { row: usize, number: u32 },
     /// A stretch of a cell without faults.
     Healthy { cell: usize, number: u32 },
+    /// One of the contest.
+    Contest(contest::Job),
 }
 
 /// What a job brings.
@@ -61,6 +69,7 @@ pub enum Job {
 pub enum Product {
     Trial(Vec<Outcome>),
     Healthy(Box<Healthy>),
+    Contest(contest::Product),
 }
 
 /// Everything that is to be tried.
@@ -70,6 +79,8 @@ pub struct Plan {
     pub extent: Extent,
     pub rows: Vec<Row>,
     pub cells: Vec<Cell>,
+    /// The detectors against each other, if that is asked for.
+    pub contest: Option<Contest>,
 }
 
 /// Above every stream of a row.
@@ -87,14 +98,20 @@ impl Plan {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
         }
-        if !(0.0..=MOST_HOURS).contains(&extent.hours) {
-            return Err(PlanError::Hours { given: extent.hours });
+        for given in [extent.hours, extent.contest_hours] {
+            if !(0.0..=MOST_HOURS).contains(&given) {
+                return Err(PlanError::Hours { given });
+            }
         }
         let in_seas = |grade| extent.seas.iter().map(move |sea| Cell { grade, sea: *sea });
         let cells: Vec<Cell> = Grade::ALL.into_iter().flat_map(in_seas).collect();
         let mut rows = rows(&cells);
         rows.retain(|row| extent.studies.contains(&row.study));
-        Ok(Self { seed, extent, rows, cells })
+        let contest = extent.studies.contains(&Study::Contest).then(|| {
+            let hours = extent.contest_hours * extent.seas.len() as f64;
+            Contest::new(seed, &extent.seas, extent.trials, hours)
+        });
+        Ok(Self { seed, extent, rows, cells, contest })
     }
 
     /// The machines of a row.
@@ -116,7 +133,8 @@ impl Plan {
         let healthy = (0..self.cells.len()).flat_map(|cell| {
             (0..self.stretches()).map(move |number| Job::Healthy { cell, number })
         });
-        trials.chain(healthy).collect()
+        let contest = self.contest.iter().flat_map(Contest::jobs).map(Job::Contest);
+        contest.chain(trials).chain(healthy).collect()
     }
 
     /// Does one job on `stand`.
@@ -131,6 +149,10 @@ impl Plan {
                 let settle = stand.settings.observer.settle;
                 let one = Try::draw(row, number, settle, &mut rng);
                 Product::Trial(stand.trial(row, &one)?)
+            }
+            Job::Contest(job) => {
+                let contest = self.contest.as_ref().expect("its jobs are of its own plan");
+                Product::Contest(contest.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -1,6 +1,7 @@
 //! Where trials are made: the simulated machine and the monitor that watches it.
 
 use super::grade::Grade;
+use super::learning::Learnt;
 use super::plan::Cell;
 use crate::config::settings::Settings;
 use crate::decode::Database;
@@ -15,6 +16,8 @@ pub enum StandError {
     Simulator(#[from] SimulatorError),
     #[error(transparent)]
     Place(#[from] PlaceError),
+    #[error("the sequential detectors cannot be calibrated to the simulated machine: {0}")]
+    Untaught(String),
 }
 
 /// A test stand; many trials can be made on it at once.
@@ -23,7 +26,11 @@ pub struct Stand<'a> {
     pub settings: &'a Settings,
     pub database: &'a Database,
     pub design: &'a MonitorDesign,
+    /// Monitors with sequential detectors, of the grades that were learnt.
+    pub monitors: Vec<Learnt>,
     tables: [(Grade, Tables); Grade::ALL.len()],
+    /// Without the fluctuations of Figure 5-9.
+    steady: [(Grade, Tables); Grade::ALL.len()],
 }
 
 impl<'a> Stand<'a> {
@@ -35,8 +42,20 @@ impl<'a> Stand<'a> {
         database: &'a Database,
         design: &'a MonitorDesign,
     ) -> Self {
-        let tables = Grade::ALL.map(|grade| (grade, grade.apply(tables)));
-        Self { settings, database, design, tables }
+        let graded = |tables: &Tables| Grade::ALL.map(|grade| (grade, grade.apply(tables)));
+        let mut still = *tables;
+        still.transducer.fluctuation_probability = 0.0;
+        let (tables, steady) = (graded(tables), graded(&still));
+        Self { settings, database, design, monitors: Vec::new(), tables, steady }
+    }
+
+    /// What was learnt of `grade`.
+    ///
+    /// # Errors
+    /// If nothing was.
+    pub fn learnt(&self, grade: Grade) -> Result<&Learnt, StandError> {
+        let learnt = self.monitors.iter().find(|learnt| learnt.grade == grade);
+        learnt.ok_or_else(|| StandError::Untaught(format!("{} was not learnt", grade.name())))
     }
 
     /// The machine of `cell`.
@@ -44,7 +63,24 @@ impl<'a> Stand<'a> {
     /// # Errors
     /// If the configuration's machine cannot be simulated, or not in that sea.
     pub fn simulator(&self, cell: Cell, options: &Options) -> Result<Simulator, StandError> {
-        let of_grade = self.tables.iter().find(|(grade, _)| *grade == cell.grade);
+        self.simulate(&self.tables, cell.grade, options)
+    }
+
+    /// The machine with transducers of `grade` that do not fluctuate.
+    ///
+    /// # Errors
+    /// As [`Self::simulator`].
+    pub fn steady(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
+        self.simulate(&self.steady, grade, options)
+    }
+
+    fn simulate(
+        &self,
+        tables: &[(Grade, Tables)],
+        grade: Grade,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        let of_grade = tables.iter().find(|(known, _)| *known == grade);
         let (_, tables) = of_grade.expect("there are tables for every grade");
         Ok(Simulator::new(tables, self.settings, self.database, options)?)
     }

@@ -177,7 +177,7 @@ impl Stand<'_> {
             .collect())
     }
 
-    fn placed(&self, one: &Try) -> Result<Vec<Placed>, StandError> {
+    pub(super) fn placed(&self, one: &Try) -> Result<Vec<Placed>, StandError> {
         let wanted = one.faults.iter().filter_map(|tried| Some((tried, tried.wanted?)));
         let placed = wanted.map(|(tried, wanted)| {
             let window = Window { from: Span::from_seconds(tried.at), until: None };

@@ -96,6 +96,8 @@ pub struct Sequential {
     velocity: Velocity,
     was_monitored: bool,
     verdict: Verdict,
+    /// Of the newest cycle, beyond the baseline, m.
+    residual: Option<f64>,
     peaks: [Peak; 2],
     alarm: Option<Alarm>,
     dwelling: Dwelling,
@@ -117,6 +119,7 @@ impl Sequential {
             velocity: Velocity::new(design.sample_time),
             was_monitored: false,
             verdict: Verdict::Unknown,
+            residual: None,
             peaks: [Peak::default(); 2],
             alarm: None,
             dwelling: Dwelling::default(),
@@ -126,9 +129,19 @@ impl Sequential {
         }
     }
 
+    /// What it runs on.
+    pub const fn design(&self) -> &Design {
+        &self.design
+    }
+
     /// What is known after the newest cycle.
     pub const fn verdict(&self) -> Verdict {
         self.verdict
+    }
+
+    /// The residual of the newest cycle beyond its baseline, m, where it was judged.
+    pub const fn residual(&self) -> Option<f64> {
+        self.residual
     }
 
     /// The statistics of mean and variance in the newest cycle.
@@ -172,6 +185,7 @@ impl Sequential {
                 self.judge_dwell(input.at, &moved);
             }
         }
+        self.residual = None;
         if !input.monitored {
             if std::mem::take(&mut self.was_monitored) {
                 self.leave();
@@ -202,6 +216,7 @@ impl Sequential {
             return;
         };
         let moving = self.motion.step([c1, c2]);
+        self.residual = Some(residual - baseline);
         self.judge(input.at, residual - baseline, moving);
     }
 

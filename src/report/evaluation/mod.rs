@@ -1,5 +1,7 @@
 //! An evaluation as text for a terminal and as JSON. The page of HTML is made of the same tables.
 
+mod contest;
+
 use super::sheet::{Section, Sheet};
 use crate::evaluate::{
     CONFIDENCE, Cell, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study, SuspectFigures,
@@ -40,6 +42,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     let mut sections = vec![thesis(evaluation)];
     sections.extend(plan.cells.iter().map(|cell| detection(*cell, evaluation)));
     sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
+    sections.extend(contest::sections(&evaluation.contest));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }
