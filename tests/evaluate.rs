@@ -10,8 +10,8 @@ use tertius::alarm::Detector;
 use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
 use tertius::evaluate::{
-    Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Outcome, Plan, Product, Row, Stand,
-    Study,
+    Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Lessons, Outcome, Plan, Product, Row,
+    Stand, Study,
 };
 use tertius::inject::{Shape, Wanted};
 use tertius::monitor::MonitorDesign;
@@ -47,14 +47,16 @@ impl Bench {
         products
             .flat_map(|product| match product {
                 Product::Trial(outcomes) => outcomes,
-                Product::Healthy(_) => panic!("a trial was asked for"),
+                _ => panic!("a trial was asked for"),
             })
             .collect()
     }
 }
 
 fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
-    let extent = Extent { trials, hours, seas: vec![SEA], studies: studies.to_vec() };
+    let lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
+    let studies = studies.to_vec();
+    let extent = Extent { trials, hours, seas: vec![SEA], studies, contest_hours: hours, lessons };
     Plan::new(4, extent).expect("it is not too much")
 }
 
@@ -124,7 +126,7 @@ fn evaluated(bench: &Bench, plan: &Plan, jobs: impl Iterator<Item = Job>) -> Eva
     for job in jobs {
         gathering.take(job, plan.run(&stand, job).expect("it can be simulated"));
     }
-    gathering.finish("a machine")
+    gathering.finish("a machine", &stand.monitors)
 }
 
 #[test]

@@ -147,8 +147,11 @@ impl CylinderCalibration {
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
                     deviation: scatter.deviation,
-                    rate_spacing: scatter.rate.spacing,
-                    rate: scatter.rate.values.clone(),
+                    rate_spacing: scatter.rate.spacing(),
+                    rate: scatter.rate.values(),
+                    square_rate: scatter.square_rate.values(),
+                    mean_dependence: scatter.dependence[0],
+                    square_dependence: scatter.dependence[1],
                     drive: profile.drive.map(|drive| drive.0),
                     prediction: scatter.prediction.unwrap_or_default(),
                 }

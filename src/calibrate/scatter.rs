@@ -6,7 +6,10 @@ use super::line::Line;
 use super::profile::Profile;
 use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
+use crate::sequential::dependence::Measuring;
 use crate::sequential::motion::Motion;
+use crate::sequential::rate::Of;
+use crate::sequential::statistic::{DEAD_BAND, Dependence, History, INDEPENDENT, Scales};
 use crate::sequential::velocity::Velocity;
 use crate::sequential::{Design, Magnitudes, Pair, PairDesign, Rate, Reference};
 use crate::survey::{Row, Surveyor};
@@ -23,7 +26,11 @@ const GUESS: f64 = 1e-4;
 /// What one cylinder's residuals were.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
+    /// Of the residual, and of its square.
     pub rate: Rate,
+    pub square_rate: Rate,
+    /// How much of a window of residuals is news.
+    pub dependence: Dependence,
     /// Standard deviation of the residual, m.
     pub deviation: f64,
     /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
@@ -44,6 +51,8 @@ impl Scatter {
         Design {
             reference: profile.reference.clone(),
             rate: self.rate.clone(),
+            square_rate: self.square_rate.clone(),
+            dependence: self.dependence,
             deviation: self.deviation,
             pair,
             level: f64::INFINITY,
@@ -69,6 +78,8 @@ struct Judged {
     motion: Motion,
     pair: Option<Pair>,
     magnitudes: Magnitudes,
+    history: History,
+    measuring: Measuring,
     sums: Magnitudes,
 }
 
@@ -90,6 +101,8 @@ impl Scattering {
                 motion: Motion::new(sample_time),
                 pair: profile.drive.and_then(design).map(Pair::new),
                 magnitudes: Magnitudes::new(BIN),
+                history: History::default(),
+                measuring: Measuring::default(),
                 sums: Magnitudes::new(BIN),
             }
         };
@@ -98,13 +111,20 @@ impl Scattering {
 
     /// What came of the cylinder of `index` (from 0); `None` where there was too little.
     pub fn result(&self, index: usize) -> Option<Scatter> {
-        let Judged { magnitudes, sums, pair, .. } = self.cylinders[index].as_ref()?;
+        let Judged { magnitudes, sums, pair, measuring, .. } = self.cylinders[index].as_ref()?;
         if magnitudes.total() < LEAST_SAMPLES {
             return None;
         }
+        let rate = Rate::of(magnitudes, Of::Mean)?;
+        let square_rate = Rate::of(magnitudes, Of::Square)?;
+        let deviation = magnitudes.deviation();
+        let scales =
+            Scales::new(rate.clone(), square_rate.clone(), INDEPENDENT, deviation, DEAD_BAND);
         Some(Scatter {
-            rate: Rate::of(magnitudes)?,
-            deviation: magnitudes.deviation(),
+            rate,
+            square_rate,
+            dependence: measuring.dependence(&scales),
+            deviation,
             prediction: pair.as_ref().filter(|_| sums.total() > 0).map(|_| sums.deviation()),
             samples: magnitudes.total(),
             largest: magnitudes.largest(),
@@ -131,6 +151,7 @@ impl Judged {
         self.velocity.reset();
         self.baseline.reset();
         self.motion.reset();
+        self.history.clear();
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
@@ -157,8 +178,12 @@ impl Judged {
         let (Some((c1, c2)), Some(residual)) = (both, residual) else { return };
         self.baseline.follow(residual);
         let moving = self.motion.step([c1, c2]);
-        if let Some(baseline) = baseline.filter(|_| moving) {
+        let Some(baseline) = baseline else { return };
+        // Nothing is clipped: what is beyond all others was left out above.
+        self.history.push(residual - baseline, f64::INFINITY, moving);
+        if moving {
             self.magnitudes.add(residual - baseline);
+            self.measuring.take(&self.history);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::alarm::Level;
 use crate::sequential::drive::FEATURES;
+use crate::sequential::windows::WIDTHS;
 use serde::Deserialize;
 use std::net::SocketAddr;
 
@@ -377,9 +378,15 @@ pub struct CylinderSequential {
     pub velocity: f64,
     /// Standard deviation of the residual, m.
     pub deviation: f64,
-    /// The rate function, nats, from 0 in steps of `rate_spacing`, m.
+    /// The rate functions of the mean and of the root mean square, nats, from 0 in steps of
+    /// `rate_spacing`, m.
     pub rate_spacing: f64,
     pub rate: Vec<f64>,
+    pub square_rate: Vec<f64>,
+    /// Samples of mean and of mean square that say as much as one, for each of
+    /// [`WIDTHS`](crate::sequential::windows::WIDTHS).
+    pub mean_dependence: [f64; WIDTHS.len()],
+    pub square_dependence: [f64; WIDTHS.len()],
     /// The velocity by the commands; absent: nothing is located.
     pub drive: Option<[f64; FEATURES]>,
     /// What the readings differ by from it in a cycle, m.

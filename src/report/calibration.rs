@@ -226,20 +226,24 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
 
 fn sequential_table(profile: &Profile, scatter: &Scatter) -> String {
     let Profile { reference, samples, drive } = profile;
-    let Scatter { rate, deviation, prediction, .. } = scatter;
+    let Scatter { rate, square_rate, dependence, deviation, prediction, .. } = scatter;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
         format!("[{}]", texts.join(", "))
     };
     let mut text = format!(
         "\n[cylinder.sequential]\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
-         velocity = {:e}\ndeviation = {deviation:e}\nrate_spacing = {:e}\nrate = {}\n",
+         velocity = {:e}\ndeviation = {deviation:e}\nrate_spacing = {:e}\nrate = {}\n\
+         square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
         reference.first,
         reference.spacing,
         six(&reference.nodes),
         reference.velocity,
-        rate.spacing,
-        six(&rate.values),
+        rate.spacing(),
+        six(&rate.values()),
+        six(&square_rate.values()),
+        six(&dependence[0]),
+        six(&dependence[1]),
     );
     if let Some((Drive(coefficients), prediction)) = drive.zip(*prediction) {
         _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(&coefficients));

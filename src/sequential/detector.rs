@@ -4,22 +4,16 @@ use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
-use super::kind;
+use super::kind::{self, Looks};
 use super::motion::Motion;
 use super::pair::{Form, Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
-use super::statistic::{History, Peak, peaks};
+use super::statistic::{DEAD_BAND, Dependence, History, Peak, Scales};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
-
-/// What is below this is no fault but a temperature or a bend that the calibration has left, m.
-const DEAD_BAND: f64 = 1e-4;
-
-/// The least relative dead band of the variance.
-const LEAST_SPREAD_BAND: f64 = 0.25;
 
 /// The mean of a minute beyond this is a fault, whatever the baseline has followed, m …
 const SLOW: f64 = 6e-4;
@@ -30,15 +24,21 @@ const SLOW_OVER: f64 = 4e-4;
 /// The level at which an alarm ends, as a part of that at which it rises.
 const CALM: f64 = 0.5;
 
-/// Cycles after an alarm at which the readings are compared, …
-const COMPARE: u32 = 10;
+/// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
+/// can only tell a step's side while the filter has not followed, …
+const LOOKS: [u32; 8] = [5, 10, 16, 25, 50, 100, 200, 400];
 
-/// … and at which noise is told from a step, and its transducer; twice, as a few draws of noise may
-/// have a mean.
-const NOISE: [u32; 2] = [25, 50];
+/// … which is until so many cycles after the alarm.
+const LATEST: usize = 25;
+
+/// As far back as innovations, and residuals at rest, are kept.
+const LONGEST: usize = 50;
 
 /// Evidence for one of the transducers that decides, nats.
 const DECIDED: f64 = 5.0;
+
+/// So many nats a step must be better than a ramp to be compared as one: a slow drift is nobody's.
+const CLEARLY: f64 = 3.0;
 
 /// Alarms of longer windows come too late: the filter, and the machine, have followed.
 const LOCATED: usize = 16;
@@ -46,14 +46,14 @@ const LOCATED: usize = 16;
 /// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
 const FOLLOWED: f64 = 5e-3;
 
-/// A transducer has this much more of the innovations' energy to be blamed for a noise.
-const NOISIER: f64 = 0.25;
-
 /// What one detector runs on.
 #[derive(Clone, Debug)]
 pub struct Design {
     pub reference: Reference,
+    /// Of the residual, and of its square.
     pub rate: Rate,
+    pub square_rate: Rate,
+    pub dependence: Dependence,
     /// Standard deviation of the healthy residual, m.
     pub deviation: f64,
     /// `None` where the calibration has no drive: then nothing is located.
@@ -87,7 +87,7 @@ pub struct Input {
 #[derive(Clone, Debug)]
 pub struct Sequential {
     design: Design,
-    spread_band: f64,
+    scales: Scales,
     baseline: Baseline,
     slow: Slow,
     motion: Motion,
@@ -108,9 +108,11 @@ pub struct Sequential {
 
 impl Sequential {
     pub fn new(design: Design) -> Self {
-        let relative = DEAD_BAND / design.deviation;
+        let Design { rate, square_rate, dependence, deviation, .. } = &design;
+        let (rate, square_rate) = (rate.clone(), square_rate.clone());
+        let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND);
         Self {
-            spread_band: LEAST_SPREAD_BAND.max(relative * relative),
+            scales,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             motion: Motion::new(design.sample_time),
@@ -287,12 +289,11 @@ impl Sequential {
     }
 
     fn judge(&mut self, at: Timestamp, residual: f64, moving: bool) {
-        let Design { rate, deviation, level, .. } = &self.design;
-        self.history.push(residual, *deviation, rate.farthest(), moving);
+        self.history.push(residual, self.scales.farthest(), moving);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
-        self.peaks = peaks(&self.history, rate, DEAD_BAND, self.spread_band, widest);
+        self.peaks = self.scales.peaks(&self.history, widest);
         let [mean, variance] = self.peaks;
-        let level = *level;
+        let level = self.design.level;
         if self.alarm.is_some() {
             self.go_on(mean.nats.max(variance.nats) < CALM * level);
         } else if mean.nats > level {
@@ -306,12 +307,15 @@ impl Sequential {
     }
 
     fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
+        let noisy = match kind::looks(&self.history, peak.width) {
+            Some(Looks::Noisy(size)) => Some((Fault::Noise, size, peak.width)),
+            _ => None,
+        };
         let (fault, size, cycles) = match cause {
-            Cause::Mean => {
-                let shape = kind::shape(&self.history);
+            Cause::Mean | Cause::Variance => noisy.unwrap_or_else(|| {
+                let shape = kind::shape(&self.history, self.design.deviation);
                 (shape.fault, shape.size, shape.onset)
-            }
-            Cause::Variance => (Fault::Noise, self.spread(peak.width), peak.width),
+            }),
             Cause::Slow | Cause::Dwell => {
                 (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
             }
@@ -329,11 +333,6 @@ impl Sequential {
         });
     }
 
-    fn spread(&self, width: usize) -> f64 {
-        let squares = self.history.moving.over(width).or_else(|| self.history.all.over(width));
-        squares.map_or(0.0, |[_, _, _, squares]| (squares / width as f64).sqrt())
-    }
-
     fn go_on(&mut self, calm: bool) {
         let Some(mut alarm) = self.alarm else { return };
         let calm = match alarm.cause {
@@ -344,16 +343,66 @@ impl Sequential {
         };
         alarm.age = alarm.age.saturating_add(1);
         alarm.calm = if calm { alarm.calm + 1 } else { 0 };
-        match alarm.age {
-            COMPARE if self.may_have_stepped(&alarm) => self.compare(&mut alarm),
-            age if NOISE.contains(&age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) => {
-                self.tell_noise(&mut alarm);
-            }
-            _ => {}
+        if LOOKS.contains(&alarm.age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) {
+            self.look(&mut alarm);
         }
         self.alarm = Some(alarm);
         if alarm.calm >= self.design.clear {
             self.end();
+        }
+    }
+
+    /// What it is, and whose, by what has been read since.
+    fn look(&self, alarm: &mut Alarm) {
+        let age = alarm.age as usize;
+        match kind::looks(&self.history, age.min(LONGEST)) {
+            // A mean of many samples that stands out is no noise, however small it is beside them.
+            Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
+            Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
+            Some(Looks::Steady) => self.tell_shape(alarm),
+            Some(Looks::Neither) | None => {}
+        }
+    }
+
+    fn tell_shape(&self, alarm: &mut Alarm) {
+        let shape = kind::shape(&self.history, self.design.deviation);
+        if alarm.fault == Fault::Noise {
+            // Whoever was blamed for a noise was so by its innovations: a step has others.
+            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+        }
+        (alarm.fault, alarm.size) = (shape.fault, shape.size);
+        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
+        let form = match shape.fault {
+            Fault::Incipient if speed < FOLLOWED => {
+                // So slow a drift may be anybody's, and what seemed a step was its beginning.
+                if alarm.age <= LONGEST as u32 {
+                    (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+                }
+                return;
+            }
+            Fault::Incipient => Form::Ramp,
+            _ if shape.advantage < CLEARLY => return,
+            _ => Form::Step,
+        };
+        let age = alarm.age as usize;
+        let late = age > LATEST || alarm.peak.width > LOCATED || shape.onset > age + LOCATED;
+        if late || alarm.suspect != Suspect::Undecided {
+            return;
+        }
+        let pair = self.pair.as_ref();
+        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.peak.width + 1));
+        decide(alarm, evidence);
+    }
+
+    /// Noise has no onset to compare; its innovations go on.
+    fn tell_noise(&self, alarm: &mut Alarm, size: f64) {
+        if alarm.fault != Fault::Noise {
+            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+        }
+        (alarm.fault, alarm.size) = (Fault::Noise, size);
+        if alarm.suspect == Suspect::Undecided {
+            let span = (alarm.age as usize).min(LONGEST);
+            decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
         }
     }
 
@@ -366,47 +415,16 @@ impl Sequential {
             self.baseline.reset();
         }
     }
+}
 
-    /// A large step is in the variance, too, and sooner.
-    fn may_have_stepped(&self, alarm: &Alarm) -> bool {
-        match alarm.cause {
-            Cause::Mean => true,
-            Cause::Variance => kind::noise(&self.history, COMPARE as usize).is_none(),
-            Cause::Slow | Cause::Dwell => false,
-        }
-    }
-
-    /// Which of the readings has stepped.
-    fn compare(&self, alarm: &mut Alarm) {
-        let shape = kind::shape(&self.history);
-        (alarm.fault, alarm.size) = (shape.fault, shape.size);
-        let Some(pair) = &self.pair else { return };
-        let form = if shape.fault == Fault::Incipient { Form::Ramp } else { Form::Step };
-        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
-        if alarm.peak.width > LOCATED || (form == Form::Ramp && speed < FOLLOWED) {
-            return;
-        }
-        let age = COMPARE as usize;
-        alarm.evidence = pair.compare(form, age, age + alarm.peak.width + 1);
-        alarm.suspect = match alarm.evidence {
-            Some(nats) if nats > DECIDED => Suspect::C1,
-            Some(nats) if nats < -DECIDED => Suspect::C2,
-            _ => Suspect::Undecided,
-        };
-    }
-
-    /// Noise has no onset to compare; its innovations go on.
-    fn tell_noise(&self, alarm: &mut Alarm) {
-        let span = alarm.age as usize;
-        let Some(size) = kind::noise(&self.history, span) else { return };
-        (alarm.fault, alarm.size) = (Fault::Noise, size);
-        let share = self.pair.as_ref().and_then(|pair| pair.energy(span));
-        alarm.suspect = match share {
-            Some(share) if share > NOISIER => Suspect::C1,
-            Some(share) if share < -NOISIER => Suspect::C2,
-            _ => Suspect::Undecided,
-        };
-    }
+/// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
+fn decide(alarm: &mut Alarm, evidence: Option<f64>) {
+    alarm.evidence = evidence;
+    alarm.suspect = match evidence {
+        Some(nats) if nats > DECIDED => Suspect::C1,
+        Some(nats) if nats < -DECIDED => Suspect::C2,
+        _ => Suspect::Undecided,
+    };
 }
 
 #[cfg(test)]

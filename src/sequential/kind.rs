@@ -3,14 +3,17 @@
 use super::statistic::History;
 use crate::verdict::Fault;
 
-/// A ramp must explain this much more than a step: one sample alone fits both.
-const RAMP_ADVANTAGE: f64 = 1.02;
+/// A ramp must explain this much more than a step, nats: one sample alone fits both.
+const RAMP_ADVANTAGE: f64 = 1.0;
 
 /// Of fewer samples a ramp cannot be told.
 const SHORTEST_RAMP: usize = 12;
 
-/// The square of the mean by the mean square below which it is noise, and about no step.
+/// The square of the mean by the mean square below which it is noise, and about no step, …
 const NOISY: f64 = 0.3;
+
+/// … and above which it is no noise: of ten draws of (5-17) one or two in a hundred are so alike.
+const STEADY: f64 = 0.6;
 
 /// A fault as its residuals show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,10 +24,13 @@ pub struct Shape {
     pub size: f64,
     /// Cycles ago.
     pub onset: usize,
+    /// What the better of step and ramp explains more than the other, nats.
+    pub advantage: f64,
 }
 
-/// The step or the ramp that explains the most of the samples that are held.
-pub fn shape(history: &History) -> Shape {
+/// The step or the ramp that explains the most of the samples that are held, healthy ones of this
+/// `deviation`, m.
+pub fn shape(history: &History, deviation: f64) -> Shape {
     let span = history.moving.held();
     let mut best = [(0.0, 0.0, 0); 2];
     let (mut sum, mut aged, mut newer) = (0.0, 0.0, 0.0);
@@ -48,19 +54,30 @@ pub fn shape(history: &History) -> Shape {
         }
     }
     let [step, ramp] = best;
-    let (fault, (_, size, onset)) = if ramp.0 > RAMP_ADVANTAGE * step.0 {
-        (Fault::Incipient, ramp)
-    } else {
-        (Fault::Abrupt, step)
-    };
-    Shape { fault, size, onset }
+    let more = (ramp.0 - step.0) / (2.0 * deviation * deviation);
+    let (fault, (_, size, onset)) =
+        if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
+    Shape { fault, size, onset, advantage: more.abs() }
 }
 
-/// Whether the newest `span` samples are noise about no mean; then their root mean square, m.
-pub fn noise(history: &History, span: usize) -> Option<f64> {
+/// What some samples are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Looks {
+    /// About no mean, with this root mean square, m.
+    Noisy(f64),
+    Steady,
+    Neither,
+}
+
+/// What the newest `span` samples are; `None` if there are not so many.
+pub fn looks(history: &History, span: usize) -> Option<Looks> {
     let [_, _, sum, squares] = history.all.over(span)?;
     let (square, mean) = (squares / span as f64, sum / span as f64);
-    (mean * mean < NOISY * square).then(|| square.sqrt())
+    Some(match mean * mean / square {
+        part if part < NOISY => Looks::Noisy(square.sqrt()),
+        part if part > STEADY => Looks::Steady,
+        _ => Looks::Neither,
+    })
 }
 
 #[cfg(test)]
@@ -71,17 +88,17 @@ mod tests {
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(healthy + residual(k), 1e-4, 5e-4, true);
+            history.push(healthy + residual(k), 5e-4, true);
         }
         history
     }
 
     #[test]
     fn a_step_and_a_ramp_are_told_apart() {
-        let step = shape(&history(|k| if k < 260 { 0.0 } else { -5e-4 }));
+        let step = shape(&history(|k| if k < 260 { 0.0 } else { -5e-4 }), 5e-5);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 40));
         assert!((step.size + 5e-4).abs() < 2e-5, "{step:?}");
-        let ramp = shape(&history(|k| 4e-6 * (k as f64 - 200.0).max(0.0)));
+        let ramp = shape(&history(|k| 4e-6 * (k as f64 - 200.0).max(0.0)), 5e-5);
         assert_eq!(ramp.fault, Fault::Incipient);
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
     }
@@ -89,7 +106,9 @@ mod tests {
     #[test]
     fn noise_has_no_mean() {
         let noisy = history(|k| if k % 2 == 0 { 4e-4 } else { -4e-4 });
-        assert!(noise(&noisy, 25).is_some_and(|rms| (rms - 4e-4).abs() < 2e-5));
-        assert_eq!(noise(&history(|_| 4e-4), 25), None);
+        let Some(Looks::Noisy(rms)) = looks(&noisy, 25) else { panic!("{:?}", looks(&noisy, 25)) };
+        assert!((rms - 4e-4).abs() < 2e-5, "{rms}");
+        assert_eq!(looks(&history(|_| 4e-4), 25), Some(Looks::Steady));
+        assert_eq!(looks(&history(|_| 4e-4), 65), None);
     }
 }

@@ -14,6 +14,7 @@
 
 pub mod alarm;
 pub mod baseline;
+pub mod dependence;
 pub mod detector;
 pub mod drive;
 pub mod dwell;

@@ -176,18 +176,25 @@ impl Pair {
         dot * dot / (2.0 * norm)
     }
 
-    /// Whose innovations of the newest `cycles` carry the energy of a noise: near 1 it is C1's, near
-    /// −1 C2's; `None` if the filter has not followed for so long.
+    /// Whose noise the innovations of the newest `cycles` are: the log-likelihood of C1 less that of
+    /// C2, nats; `None` if the filter has not followed for so long.
+    ///
+    /// The innocent one's innovations have their healthy variance, or where the rod itself is moved by
+    /// what no command tells, as much as they show; of the noisy one's nothing is known.
     pub fn energy(&self, cycles: usize) -> Option<f64> {
         if cycles > self.held {
             return None;
         }
-        let (mut more, mut all) = (0.0, 0.0);
-        for [n1, n2] in (0..cycles).map(|age| self.ago(age)) {
-            more += n1 * n1 - n2 * n2;
-            all += (n1 - n2) * (n1 - n2);
+        let mut energies = [0.0; 2];
+        for innovation in (0..cycles).map(|age| self.ago(age)) {
+            for (energy, value) in energies.iter_mut().zip(innovation) {
+                *energy += value * value;
+            }
         }
-        (all > 0.0).then_some(more / all)
+        let [sum, difference] = self.design.weights;
+        let healthy = 0.5 * (1.0 / sum + 1.0 / difference);
+        let innocent = energies[0].min(energies[1]) / cycles as f64;
+        Some((energies[0] - energies[1]) / (2.0 * healthy.max(innocent)))
     }
 }
 

@@ -45,6 +45,12 @@ impl Magnitudes {
         self.largest = self.largest.max(magnitude);
     }
 
+    /// The bins that are not empty, in order: the middle, m, and the count.
+    pub fn bins(&self) -> impl DoubleEndedIterator<Item = (f64, u64)> + '_ {
+        let filled = self.counts.iter().enumerate().filter(|(_, count)| **count > 0);
+        filled.map(|(i, count)| ((i as f64 + 0.5) * self.width, *count))
+    }
+
     pub const fn total(&self) -> u64 {
         self.total
     }
@@ -60,24 +66,38 @@ impl Magnitudes {
     }
 }
 
-/// Chernoff's rate function I of the healthy residual: the mean of w independent ones is beyond x
-/// with a probability of at most exp(−w I(x)).
+/// Chernoff's rate function I of the healthy residual, or of its square: the mean of w independent ones
+/// is beyond x with a probability of at most exp(−w I(x)).
 ///
-/// It is that of the residuals which a calibration has seen, made symmetrical, and of one more at
-/// 1.25 times the largest, because nobody has seen the largest. No Gaussian is assumed: readings
-/// that move in counts have none. It is a table from 0 in steps of `spacing`, and beyond it the
-/// last value: a single sample, however far off, is no more evidence than the calibration is long.
+/// It is that of the residuals which a calibration has seen, and of one more at 1.25 times the
+/// largest, because nobody has seen the largest. No Gaussian is assumed: readings that move in counts
+/// have none. It is a table from 0 in steps of `spacing`, and beyond it the last value: a single
+/// sample, however far off, is no more evidence than the calibration is long.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
-    /// m.
-    pub spacing: f64,
-    /// Nats; begins with 0 and never falls.
-    pub values: Vec<f64>,
+    spacing: f64,
+    /// √I: between two nodes it is nearly straight, as that of a normal distribution is.
+    roots: Vec<f64>,
+}
+
+/// What is averaged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// The residual, whose distribution is taken for symmetrical. x is the magnitude of the mean, m.
+    Mean,
+    /// Its square. x is the root of the mean square, m.
+    Square,
 }
 
 impl Rate {
+    /// The table that begins with I(0) and has a value each `spacing`, m; nats, at least 2 of them and
+    /// none negative.
+    pub fn new(spacing: f64, values: &[f64]) -> Self {
+        Self { spacing, roots: values.iter().map(|value| value.max(0.0).sqrt()).collect() }
+    }
+
     /// The rate function of `magnitudes`; `None` where there are none or all are zero.
-    pub fn of(magnitudes: &Magnitudes) -> Option<Self> {
+    pub fn of(magnitudes: &Magnitudes, what: Of) -> Option<Self> {
         let farthest = 1.25 * magnitudes.largest;
         if magnitudes.total == 0 || farthest <= 0.0 {
             return None;
@@ -94,46 +114,61 @@ impl Rate {
         let farthest = farthest.max(points.last()?.0);
         points.push((farthest, 1.0 / all));
         let spacing = farthest / NODES as f64;
-        let mut values: Vec<f64> =
-            (0..=NODES).map(|i| conjugate(&points, i as f64 * spacing, farthest)).collect();
+        let at = |x: f64| match what {
+            Of::Mean => conjugate(&points, x / farthest, farthest, |tilt, r| {
+                0.5 * ((tilt * (r - 1.0)).exp() + (-tilt * (r + 1.0)).exp())
+            }),
+            Of::Square => conjugate(&points, (x / farthest).powi(2), farthest, |tilt, r| {
+                (tilt * (r * r - 1.0)).exp()
+            }),
+        };
+        let mut values: Vec<f64> = (0..=NODES).map(|i| at(i as f64 * spacing)).collect();
         values[0] = 0.0;
         for i in 1..values.len() {
             values[i] = values[i].max(values[i - 1]);
         }
-        Some(Self { spacing, values })
+        Some(Self::new(spacing, &values))
+    }
+
+    /// From value to value, m.
+    pub const fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// The table, nats; begins with 0 and never falls.
+    pub fn values(&self) -> Vec<f64> {
+        self.roots.iter().map(|root| root * root).collect()
     }
 
     /// Beyond this one sample is no more evidence, m.
     pub fn farthest(&self) -> f64 {
-        self.spacing * (self.values.len() - 1) as f64
+        self.spacing * (self.roots.len() - 1) as f64
     }
 
-    /// I(x), nats, for a mean of magnitude `x`, m, at least 0.
+    /// I(x), nats, at least 0; `x` in m, at least 0.
     pub fn at(&self, x: f64) -> f64 {
         let along = x / self.spacing;
-        let last = self.values.len() - 1;
+        let last = self.roots.len() - 1;
         if along >= last as f64 {
-            return self.values[last];
+            return self.roots[last] * self.roots[last];
         }
         let i = along as usize;
-        self.values[i] + (along - i as f64) * (self.values[i + 1] - self.values[i])
+        let root = self.roots[i] + (along - i as f64) * (self.roots[i + 1] - self.roots[i]);
+        root * root
     }
 }
 
-/// sup over λ of λx − ln E cosh(λ r), by golden section: the function is concave.
-fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64) -> f64 {
+/// sup over λ > 0 of λx − ln E exp(λ …), by golden section: the function is concave. All is in units of
+/// the farthest value or of its square; `grown` is the exponential less exp(λ).
+fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64, grown: impl Fn(f64, f64) -> f64) -> f64 {
     let value = |tilt: f64| {
-        // ln Σ p cosh(λ r), without overflow.
-        let top = tilt * farthest;
-        let sum: f64 = points
-            .iter()
-            .map(|(r, p)| p * 0.5 * ((tilt * r - top).exp() + (-tilt * r - top).exp()))
-            .sum();
-        tilt * x - top - sum.ln()
+        // Without overflow: exp(λ) is taken out of the sum.
+        let sum: f64 = points.iter().map(|(r, p)| p * grown(tilt, r / farthest)).sum();
+        tilt * x - tilt - sum.ln()
     };
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     // The tilt that matters can be small against the tail: search its logarithm.
-    let (mut low, mut high) = ((1e-4 / farthest).ln(), (STEEPEST / farthest).ln());
+    let (mut low, mut high) = (1e-4_f64.ln(), STEEPEST.ln());
     for _ in 0..80 {
         let inner = [high - golden * (high - low), low + golden * (high - low)];
         if value(inner[0].exp()) < value(inner[1].exp()) {
@@ -167,16 +202,28 @@ mod tests {
     /// Of a normal distribution it is x²/2σ².
     #[test]
     fn of_a_normal_distribution_it_is_a_parabola() {
-        let rate = Rate::of(&normal(200_000)).expect("there are samples");
+        let rate = Rate::of(&normal(200_000), Of::Mean).expect("there are samples");
         for z in [0.3_f64, 0.5, 1.0, 1.5, 2.0] {
             let (found, expected) = (rate.at(z * SIGMA), z * z / 2.0);
             assert!((found / expected - 1.0).abs() < 0.08, "{z}: {found} for {expected}");
         }
     }
 
+    /// Of a normal distribution it is (ρ − 1 − ln ρ)/2 with ρ = mean square/σ², and nothing below 1.
+    #[test]
+    fn of_a_normal_distributions_square_it_is_that_of_its_variance() {
+        let rate = Rate::of(&normal(200_000), Of::Square).expect("there are samples");
+        assert!(rate.at(0.97 * SIGMA) < 1e-3, "{}", rate.at(0.97 * SIGMA));
+        for rho in [1.5_f64, 2.0, 3.0, 5.0] {
+            let (found, expected) = (rate.at(rho.sqrt() * SIGMA), 0.5 * (rho - 1.0 - rho.ln()));
+            // The one that nobody has seen takes some of the farther ones away.
+            assert!((0.75..1.02).contains(&(found / expected)), "{rho}: {found} for {expected}");
+        }
+    }
+
     #[test]
     fn one_sample_is_no_more_evidence_than_the_calibration_is_long() {
-        let rate = Rate::of(&normal(10_000)).expect("there are samples");
+        let rate = Rate::of(&normal(10_000), Of::Mean).expect("there are samples");
         let most = (2.0 * 10_001_f64).ln();
         for x in [1e-3, 1.0, f64::INFINITY] {
             assert!((rate.at(x) - most).abs() < 0.1, "{} for {most}", rate.at(x));
@@ -188,7 +235,7 @@ mod tests {
     fn of_two_values_it_is_that_of_a_coin() {
         let mut magnitudes = Magnitudes::new(1e-6);
         (0..100_000).for_each(|_| magnitudes.add(1e-3 - 1e-9));
-        let rate = Rate::of(&magnitudes).expect("there are samples");
+        let rate = Rate::of(&magnitudes, Of::Mean).expect("there are samples");
         let coin = |p: f64| p * (2.0 * p).ln() + (1.0 - p) * (2.0 * (1.0 - p)).ln();
         for x in [0.2, 0.5, 0.8] {
             let (found, expected) = (rate.at(x * 1e-3), coin(0.5 * (1.0 + x)));
@@ -198,9 +245,9 @@ mod tests {
 
     #[test]
     fn it_never_falls_and_nothing_gives_nothing() {
-        let rate = Rate::of(&normal(1000)).expect("there are samples");
-        assert!(rate.values.is_sorted() && rate.values[0] == 0.0);
-        assert_eq!(Rate::of(&Magnitudes::new(1e-6)), None);
+        let rate = Rate::of(&normal(1000), Of::Mean).expect("there are samples");
+        assert!(rate.values().is_sorted() && rate.values()[0] == 0.0);
+        assert_eq!(Rate::of(&Magnitudes::new(1e-6), Of::Mean), None);
     }
 
     #[test]

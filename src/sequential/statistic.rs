@@ -25,11 +25,8 @@ pub const AT_REST: usize = 4;
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
 
-/// z² is not counted beyond this: one wild sample is not noise.
-pub const CAP: f64 = 36.0;
-
-/// The sums of the clipped residual, m, of its capped z², of the residual, m, and of its square, m²,
-/// over all samples and over those in motion.
+/// The sums of the clipped residual, m, of its square, m², of the residual itself, m, and of its
+/// square, m², over all samples and over those in motion.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     pub all: Sums<{ NEWEST + 1 }>,
@@ -37,12 +34,11 @@ pub struct History {
 }
 
 impl History {
-    /// Takes a residual, m, of a healthy `deviation`; clipped to `farthest`, as far as one sample is
-    /// evidence: a wild one must not be a mean of many.
-    pub fn push(&mut self, residual: f64, deviation: f64, farthest: f64, moving: bool) {
-        let z = residual / deviation;
+    /// Takes a residual, m; clipped to `farthest`, as far as one sample is evidence: a wild one must
+    /// not be a mean of many.
+    pub fn push(&mut self, residual: f64, farthest: f64, moving: bool) {
         let clipped = residual.clamp(-farthest, farthest);
-        let values = [clipped, (z * z).min(CAP), residual, residual * residual];
+        let values = [clipped, clipped * clipped, residual, residual * residual];
         self.all.push(values);
         if moving {
             self.moving.push(values);
@@ -54,72 +50,146 @@ impl History {
         self.moving.clear();
     }
 
-    fn over(&self, width: usize) -> Option<[f64; VALUES]> {
+    /// The sums over the newest `width` samples that count; `None` if there are not so many.
+    pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
         if width <= AT_REST { self.all.over(width) } else { self.moving.over(width) }
     }
 }
 
-/// Of both statistics, the largest over the windows of at most `widest` samples.
-///
-/// The mean's is w I(max(|mean| − ε, 0)), with the dead band ε in m. That of the variance is
-/// w/2 (s − 1 − ln s) with s = mean z² / (1 + δ) where s is above 1.
-pub fn peaks(
-    history: &History,
-    rate: &Rate,
-    dead_band: f64,
+/// What is weighed against what.
+#[derive(Clone, Debug)]
+pub struct Scales {
+    mean: Rate,
+    square: Rate,
+    /// Of the mean, m, for each of [`WIDTHS`].
+    dead_bands: [f64; WIDTHS.len()],
+    /// Samples of mean and of mean square that say as much as one, for each of [`WIDTHS`].
+    dependence: Dependence,
+    /// Of the mean square, m².
     spread_band: f64,
-    widest: usize,
-) -> [Peak; 2] {
-    let mut peaks = [Peak::default(); 2];
-    for width in WIDTHS.into_iter().take_while(|width| *width <= widest) {
-        let Some([sum, squares, ..]) = history.over(width) else { continue };
-        let count = width as f64;
-        let beyond = (sum / count).abs() - dead_band;
-        if beyond > 0.0 {
-            peaks[0] = peaks[0].or(count * rate.at(beyond), width);
-        }
-        let ratio = squares / (count * (1.0 + spread_band));
-        if ratio > 1.0 {
-            peaks[1] = peaks[1].or(0.5 * count * (ratio - 1.0 - ratio.ln()), width);
-        }
+}
+
+/// So many samples of a window say as much as one, 1 at least: of the mean and of the mean square, for
+/// each of [`WIDTHS`] ([`super::dependence`]).
+pub type Dependence = [[f64; WIDTHS.len()]; 2];
+
+/// Every sample is news.
+pub const INDEPENDENT: Dependence = [[1.0; WIDTHS.len()]; 2];
+
+/// What is below this is no fault but a temperature or a bend that the calibration has left, m.
+pub const DEAD_BAND: f64 = 1e-4;
+
+/// What a displacement of the dead band may add to the evidence of any window, nats.
+const BY_DEAD_BAND: f64 = 1.0;
+
+/// The least dead band of the mean square, in healthy ones.
+const LEAST_SPREAD_BAND: f64 = 0.25;
+
+impl Scales {
+    /// By the rate functions of the mean and of the mean square of residuals with this `deviation`,
+    /// m. A displacement of `dead_band`, m, is no fault.
+    ///
+    /// In a short window a displacement of ε is hardly evidence, and the healthy residuals of the
+    /// rate function have been displaced, too; so the dead band grows with the window, ε w/(w + w₀),
+    /// with w₀ so that a window of samples that are all ε has [`BY_DEAD_BAND`] at the most.
+    pub fn new(
+        mean: Rate,
+        square: Rate,
+        dependence: Dependence,
+        deviation: f64,
+        dead_band: f64,
+    ) -> Self {
+        let grown = 8.0 * BY_DEAD_BAND * (deviation / dead_band).powi(2);
+        let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
+        let spread_band = (dead_band * dead_band).max(LEAST_SPREAD_BAND * deviation * deviation);
+        Self { mean, square, dead_bands: WIDTHS.map(of), dependence, spread_band }
     }
-    peaks
+
+    /// As far as one sample is evidence, m.
+    pub fn farthest(&self) -> f64 {
+        self.mean.farthest()
+    }
+
+    /// Of both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| − ε_w),
+    /// and w/κ₂ I₂(mean square − δ), where these are above 0.
+    pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
+        let mut peaks = [Peak::default(); 2];
+        for (index, width) in WIDTHS.into_iter().take_while(|width| *width <= widest).enumerate() {
+            let Some([sum, squares, ..]) = history.over(width) else { continue };
+            let count = width as f64;
+            peaks[0] = peaks[0].or(self.by_mean(index, sum / count), width);
+            peaks[1] = peaks[1].or(self.by_square(index, squares / count), width);
+        }
+        peaks
+    }
+
+    /// The evidence of a `mean`, m, of as many samples as the window of `index` has, nats.
+    pub fn by_mean(&self, index: usize, mean: f64) -> f64 {
+        let beyond = mean.abs() - self.dead_bands[index];
+        if beyond <= 0.0 {
+            return 0.0;
+        }
+        WIDTHS[index] as f64 / self.dependence[0][index] * self.mean.at(beyond)
+    }
+
+    /// The same of a mean `square`, m².
+    pub fn by_square(&self, index: usize, square: f64) -> f64 {
+        let beyond = square - self.spread_band;
+        if beyond <= 0.0 {
+            return 0.0;
+        }
+        WIDTHS[index] as f64 / self.dependence[1][index] * self.square.at(beyond.sqrt())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn rate() -> Rate {
-        // 0.1 mm of deviation, up to 0.5 mm.
-        let values = (0..=50).map(|i| f64::from(i * i) / 200.0).collect();
-        Rate { spacing: 1e-5, values }
+    const DEVIATION: f64 = 1e-4;
+
+    /// Of a normal distribution of 0.1 mm, up to 0.5 mm.
+    fn scales(dead_band: f64) -> Scales {
+        let mean: Vec<f64> = (0..=50).map(|i| f64::from(i * i) / 200.0).collect();
+        let square = |i: i32| match f64::from(i * i) / 100.0 {
+            rho if rho > 1.0 => 0.5 * (rho - 1.0 - rho.ln()),
+            _ => 0.0,
+        };
+        let square: Vec<f64> = (0..=50).map(square).collect();
+        let [mean, square] = [mean, square].map(|values| Rate::new(1e-5, &values));
+        Scales::new(mean, square, INDEPENDENT, DEVIATION, dead_band)
     }
 
     fn after(residuals: impl IntoIterator<Item = f64>, moving: bool) -> [Peak; 2] {
-        let mut history = History::default();
-        residuals.into_iter().for_each(|r| history.push(r, 1e-4, 5e-4, moving));
-        peaks(&history, &rate(), 1e-4, 0.25, 1024)
+        let (mut history, scales) = (History::default(), scales(1e-4));
+        residuals.into_iter().for_each(|r| history.push(r, scales.farthest(), moving));
+        scales.peaks(&history, 1024)
     }
 
     #[test]
     fn a_step_has_the_window_that_it_fills() {
-        let [mean, _] = after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), true);
+        let [mean, variance] = after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), true);
         assert_eq!(mean.width, 12);
-        // Twice the deviation beyond the dead band: 12 × 2.
-        assert!((mean.nats - 24.0).abs() < 1e-9, "{mean:?}");
+        // ε is 0.1 mm · 12/(12 + 8): 12 samples of 2.4 deviations.
+        assert!((mean.nats - 12.0 * 2.4 * 2.4 / 2.0).abs() < 1e-9, "{mean:?}");
+        // The mean square is 9 healthy ones, less the band of one.
+        let expected = 12.0 * 0.5 * (8.0 - 1.0 - 8.0_f64.ln());
+        assert!((variance.nats / expected - 1.0).abs() < 1e-3, "{variance:?} {expected}");
     }
 
     #[test]
     fn one_wild_sample_is_no_mean_of_many() {
-        let [mean, _] = after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), true);
-        assert!(mean.nats < 1.0, "{mean:?}");
+        let [mean, variance] = after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), true);
+        assert!(mean.nats < 1.0 && variance.nats < 5.0, "{mean:?} {variance:?}");
     }
 
     #[test]
-    fn within_the_dead_band_nothing_stands_out() {
-        let [mean, variance] = after((0..2000).map(|_| 0.9999e-4), true);
-        assert_eq!((mean, variance), (Peak::default(), Peak::default()));
+    fn a_displacement_of_the_dead_band_is_no_evidence() {
+        for length in [1, 5, 20, 80, 300, 2000] {
+            let [mean, variance] = after((0..length).map(|_| 1e-4), true);
+            assert!(mean.nats < BY_DEAD_BAND + 1e-9, "{length}: {mean:?}");
+            assert_eq!(variance, Peak::default(), "{length}");
+        }
     }
 
     #[test]
@@ -129,11 +199,12 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_twice_the_deviation_is_in_the_variance() {
+    fn noise_of_twice_the_deviation_is_in_the_mean_square() {
         let [mean, variance] = after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), true);
         assert!(mean.nats < 5.0, "{mean:?}");
-        let s: f64 = 4.0 / 1.25;
+        let s: f64 = 4.0 - 1.0;
         assert_eq!(variance.width, 64);
-        assert!((variance.nats - 32.0 * (s - 1.0 - s.ln())).abs() < 1e-9, "{variance:?}");
+        let expected = 32.0 * (s - 1.0 - s.ln());
+        assert!((variance.nats / expected - 1.0).abs() < 1e-3, "{variance:?} {expected}");
     }
 }

@@ -5,6 +5,7 @@ use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
 use super::number;
 use crate::sequential::drive::FEATURES;
+use crate::sequential::windows::WIDTHS;
 
 #[rustfmt::skip]
 pub(super) static SEQUENTIAL: Table = Table { keys: &[
@@ -25,6 +26,11 @@ const fn fitted(least: usize, most: usize) -> Kind {
     Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
 }
 
+const fn dependence() -> Kind {
+    let one = Limits::least(1.0, "how many samples say as much as one");
+    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
+}
+
 #[rustfmt::skip]
 pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::required("first", number(Limits::finite(FITTED)), "-1.5",
@@ -40,8 +46,17 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
         "the standard deviation of the residual, m"),
     Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
-        "from value to value of the rate function, m"),
-    Key::required("rate", fitted(2, 1001), "[0.0, 0.5]", "the rate function, nats"),
+        "from value to value of the rate functions, m"),
+    Key::required("rate", fitted(2, 1001), "[0.0, 0.5]",
+        "the rate function of the residual's mean, nats"),
+    Key::required("square_rate", fitted(2, 1001), "[0.0, 0.5]",
+        "the rate function of its root mean square, nats"),
+    Key::required("mean_dependence", dependence(),
+        "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+        "samples of the mean that say as much as one, by the width of the window"),
+    Key::required("square_dependence", dependence(),
+        "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+        "samples of the mean square that say as much as one, by the width of the window"),
     Key::optional("drive", fitted(FEATURES, FEATURES),
         "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]",
         "the velocity by the commands"),

@@ -21,7 +21,9 @@ impl Wirer<'_> {
         let sample_time = settings.machine.sample_time;
         Some(Design {
             reference: reference(fitted),
-            rate: Rate { spacing: fitted.rate_spacing, values: fitted.rate.clone() },
+            rate: Rate::new(fitted.rate_spacing, &fitted.rate),
+            square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
+            dependence: [fitted.mean_dependence, fitted.square_dependence],
             deviation: fitted.deviation,
             pair: self.pair(n, fitted),
             level: settings.sequential_level(),

@@ -1,7 +1,14 @@
 use super::*;
 use crate::sequential::history::Moved;
+use crate::sequential::statistic::INDEPENDENT;
 
 const SAMPLE_TIME: f64 = 0.02;
+
+/// Of residuals of 0.1 mm, up to 0.5 mm; `nats` of deviations.
+fn rate(nats: impl Fn(f64) -> f64) -> Rate {
+    let values: Vec<f64> = (0..=50).map(|i| nats(f64::from(i) / 10.0)).collect();
+    Rate::new(1e-5, &values)
+}
 
 /// Of readings that are equal on a healthy cylinder, to 0.1 mm.
 fn detector() -> Sequential {
@@ -13,7 +20,9 @@ fn detector() -> Sequential {
             covered: vec![true; 2],
             velocity: 0.0,
         },
-        rate: Rate { spacing: 1e-5, values: (0..=50).map(|i| f64::from(i * i) / 200.0).collect() },
+        rate: rate(|z| 0.5 * z * z),
+        square_rate: rate(|z| if z > 1.0 { 0.5 * (z * z - 1.0 - (z * z).ln()) } else { 0.0 }),
+        dependence: INDEPENDENT,
         deviation: 1e-4,
         pair: None,
         level: 23.0,
