@@ -2,6 +2,7 @@
 
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
+use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
 use super::kind;
@@ -88,6 +89,7 @@ pub struct Input {
 pub struct Sequential {
     design: Design,
     spread_band: f64,
+    clip: Clip,
     baseline: Baseline,
     slow: Slow,
     motion: Motion,
@@ -107,8 +109,10 @@ pub struct Sequential {
 impl Sequential {
     pub fn new(design: Design) -> Self {
         let relative = DEAD_BAND / design.deviation;
+        let spread_band = LEAST_SPREAD_BAND.max(relative * relative);
         Self {
-            spread_band: LEAST_SPREAD_BAND.max(relative * relative),
+            spread_band,
+            clip: Clip::new(&design.rate, design.level, DEAD_BAND, spread_band),
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             motion: Motion::new(design.sample_time),
@@ -273,7 +277,7 @@ impl Sequential {
 
     fn judge(&mut self, at: Timestamp, residual: f64, moving: bool) {
         let Design { rate, deviation, level, .. } = &self.design;
-        self.history.push(residual, *deviation, rate.farthest(), moving);
+        self.history.push(residual, *deviation, &self.clip, moving);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
         self.peaks = peaks(&self.history, rate, DEAD_BAND, self.spread_band, widest);
         let [mean, variance] = self.peaks;

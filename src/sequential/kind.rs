@@ -66,12 +66,14 @@ pub fn noise(history: &History, span: usize) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequential::clip::Clip;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
+        let clip = Clip { farthest: 5e-4, square: 36.0 };
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(healthy + residual(k), 1e-4, 5e-4, true);
+            history.push(healthy + residual(k), 1e-4, &clip, true);
         }
         history
     }

@@ -14,6 +14,7 @@
 
 pub mod alarm;
 pub mod baseline;
+pub mod clip;
 pub mod detector;
 pub mod drive;
 pub mod dwell;

@@ -1,5 +1,6 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
+use super::clip::Clip;
 use super::rate::Rate;
 use super::windows::{Sums, VALUES, WIDTHS};
 
@@ -37,12 +38,12 @@ pub struct History {
 }
 
 impl History {
-    /// Takes a residual, m, of a healthy `deviation`; clipped to `farthest`, as far as one sample is
-    /// evidence: a wild one must not be a mean of many.
-    pub fn push(&mut self, residual: f64, deviation: f64, farthest: f64, moving: bool) {
+    /// Takes a residual, m, of a healthy `deviation`, as far as `clip` lets it count: a wild one must
+    /// not be a mean of many.
+    pub fn push(&mut self, residual: f64, deviation: f64, clip: &Clip, moving: bool) {
         let z = residual / deviation;
-        let clipped = residual.clamp(-farthest, farthest);
-        let values = [clipped, (z * z).min(CAP), residual, residual * residual];
+        let clipped = residual.clamp(-clip.farthest, clip.farthest);
+        let values = [clipped, (z * z).min(clip.square), residual, residual * residual];
         self.all.push(values);
         if moving {
             self.moving.push(values);
@@ -90,6 +91,8 @@ pub fn peaks(
 mod tests {
     use super::*;
 
+    const CLIP: Clip = Clip { farthest: 5e-4, square: CAP };
+
     fn rate() -> Rate {
         // 0.1 mm of deviation, up to 0.5 mm.
         let values = (0..=50).map(|i| f64::from(i * i) / 200.0).collect();
@@ -98,7 +101,7 @@ mod tests {
 
     fn after(residuals: impl IntoIterator<Item = f64>, moving: bool) -> [Peak; 2] {
         let mut history = History::default();
-        residuals.into_iter().for_each(|r| history.push(r, 1e-4, 5e-4, moving));
+        residuals.into_iter().for_each(|r| history.push(r, 1e-4, &CLIP, moving));
         peaks(&history, &rate(), 1e-4, 0.25, 1024)
     }
 
