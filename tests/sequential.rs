@@ -4,9 +4,8 @@
 #[path = "sequential_support/mod.rs"]
 mod support;
 
-use support::{Heard, SAMPLE_TIME, one_each, setup};
+use support::{Bench, one_each, setup};
 use tertius::controller::State;
-use tertius::inject::{Fault, place};
 use tertius::sequential::Blame;
 use tertius::simulator::{EPOCH, Options};
 use tertius::verdict::{Fault as Kind, Suspect};
@@ -98,23 +97,18 @@ fn single_wild_samples_and_lost_frames_are_let_pass() {
 #[test]
 fn the_stop_tells_which_transducer_has_drifted() {
     let setup = setup();
-    let fault = "drift,rate=0.00001,cylinder=3,sensor=c1,at=400";
-    let fault = Fault::parse(fault).expect("a fault");
-    let placed = place(&fault, &setup.settings, &setup.database).expect("it has a place");
-    let options =
-        Options { seed: 9, start: State::Safe, faults: vec![placed], ..Options::default() };
-    let mut simulator = setup.simulator(&options);
-    let mut monitor = setup.monitor();
-    let mut heard = Heard::default();
+    let faults = ["drift,rate=0.00001,cylinder=3,sensor=c1,at=400".to_owned()];
+    let options = Options { start: State::Safe, ..setup.options(9, &faults) };
+    let (mut simulator, mut bench) = (setup.simulator(&options), Bench::new(setup));
     for round in 0..10 {
-        for (state, seconds) in [(State::Engaged, 60.0), (State::Safe, 60.0)] {
+        for state in [State::Engaged, State::Safe] {
             simulator.request(state);
-            for _ in 0..(seconds / SAMPLE_TIME) as u64 {
-                simulator.step(&mut |frame| monitor.take(frame, &mut heard));
-            }
+            bench.run(&mut simulator, 60.0);
         }
+        let heard = &bench.heard;
         assert!(round < 3 || heard.dwells.len() >= 6 * 3, "{round}: {}", heard.dwells.len());
     }
+    let Bench { monitor, heard } = bench;
     let (_, last) = heard.of(3, 400.0).expect("the drift is found");
     assert_eq!(last.finding.suspect, Suspect::C1, "{}", heard.told());
     assert!(heard.warnings.iter().all(|warning| warning.cylinder == 3), "{}", heard.told());

@@ -8,6 +8,7 @@ use tertius::calibrate::{Fitting, Gathering, Profiling, Scattering};
 use tertius::config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius::controller::State;
 use tertius::decode::{Database, text};
+use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
 use tertius::monitor::{Monitor, MonitorDesign, Sink};
 use tertius::sequential::{Dwell, Moved};
@@ -45,8 +46,8 @@ pub fn setup() -> &'static Setup {
     static SETUP: OnceLock<Setup> = OnceLock::new();
     SETUP.get_or_init(|| {
         let top = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let loaded = tertius::config::load(&top.join("config/e-type-simulated.toml"))
-            .expect("it is sound");
+        let loaded =
+            tertius::config::load(&top.join("config/e-type-simulated.toml")).expect("it is sound");
         let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
         let mut setup = Setup { tables: fine(&[], ""), settings: loaded.settings, database };
         setup.settings.sequential.stop_states = Some(vec!["safe".to_owned()]);
@@ -134,13 +135,9 @@ impl Setup {
 
     /// What they say of the machine of `options`, for so many seconds.
     pub fn play(&self, seconds: f64, options: &Options) -> Heard {
-        let mut simulator = self.simulator(options);
-        let mut monitor = self.monitor();
-        let mut heard = Heard::default();
-        for _ in 0..(seconds / SAMPLE_TIME) as u64 {
-            simulator.step(&mut |frame| monitor.take(frame, &mut heard));
-        }
-        heard
+        let (mut simulator, mut bench) = (self.simulator(options), Bench::new(self));
+        bench.run(&mut simulator, seconds);
+        bench.heard
     }
 
     /// The machine of that seed with these faults.
@@ -154,6 +151,36 @@ impl Setup {
 
     pub fn monitor(&self) -> Monitor {
         Monitor::new(MonitorDesign::new(&self.settings, &self.database).expect("they fit"))
+    }
+}
+
+/// A monitor beside a simulator.
+pub struct Bench {
+    pub monitor: Monitor,
+    pub heard: Heard,
+}
+
+impl Bench {
+    pub fn new(setup: &Setup) -> Self {
+        Self { monitor: setup.monitor(), heard: Heard::default() }
+    }
+
+    pub fn run(&mut self, simulator: &mut Simulator, seconds: f64) {
+        self.run_through(simulator, seconds, |_, frame, pass| pass(frame));
+    }
+
+    /// Lets `passing` decide which frames of which cycle, from 0, reach the monitor, and when.
+    pub fn run_through(
+        &mut self,
+        simulator: &mut Simulator,
+        seconds: f64,
+        mut passing: impl FnMut(u64, &Frame, &mut dyn FnMut(&Frame)),
+    ) {
+        for cycle in 0..(seconds / SAMPLE_TIME) as u64 {
+            simulator.step(&mut |frame| {
+                passing(cycle, frame, &mut |frame| self.monitor.take(frame, &mut self.heard));
+            });
+        }
     }
 }
 
@@ -210,4 +237,3 @@ pub fn one_each(fault: &str) -> (Vec<String>, Vec<(u8, Suspect, f64)>) {
         })
         .unzip()
 }
-
