@@ -170,7 +170,8 @@ fn line(warning: &Value, begin: f64) -> String {
         millimetres("residual"),
         millimetres("threshold"),
     );
-    text + "\n"
+    let scale = |percent: f64| format!("  scale {percent:+.2} %");
+    text + &warning["gain_percent"].as_f64().map_or(String::new(), scale) + "\n"
 }
 
 /// A summary, one field a line, so that a difference is seen.

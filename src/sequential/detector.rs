@@ -1,19 +1,21 @@
 //! The sequential detector of one cylinder.
 
+mod alarmed;
+
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
-use super::kind;
 use super::motion::Motion;
-use super::pair::{Form, Pair, PairDesign};
+use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
+use super::scale::Proportion;
 use super::statistic::{History, Peak, peaks};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
 
 /// What is below this is no fault but a temperature or a bend that the calibration has left, m.
@@ -22,33 +24,11 @@ const DEAD_BAND: f64 = 1e-4;
 /// The least relative dead band of the variance.
 const LEAST_SPREAD_BAND: f64 = 0.25;
 
-/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m …
+/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
 const SLOW: f64 = 6e-4;
-
-/// … and it is over below this, m.
-const SLOW_OVER: f64 = 4e-4;
 
 /// The level at which an alarm ends, as a part of that at which it rises.
 const CALM: f64 = 0.5;
-
-/// Cycles after an alarm at which the readings are compared, …
-const COMPARE: u32 = 10;
-
-/// … and at which noise is told from a step, and its transducer; twice, as a few draws of noise may
-/// have a mean.
-const NOISE: [u32; 2] = [25, 50];
-
-/// Evidence for one of the transducers that decides, nats.
-const DECIDED: f64 = 5.0;
-
-/// Alarms of longer windows come too late: the filter, and the machine, have followed.
-const LOCATED: usize = 16;
-
-/// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
-const FOLLOWED: f64 = 5e-3;
-
-/// A transducer has this much more of the innovations' energy to be blamed for a noise.
-const NOISIER: f64 = 0.25;
 
 /// What one detector runs on.
 #[derive(Clone, Debug)]
@@ -94,6 +74,7 @@ pub struct Sequential {
     slow: Slow,
     motion: Motion,
     history: History,
+    proportion: Proportion,
     pair: Option<Pair>,
     velocity: Velocity,
     was_monitored: bool,
@@ -117,6 +98,7 @@ impl Sequential {
             slow: Slow::new(design.sample_time),
             motion: Motion::new(design.sample_time),
             history: History::default(),
+            proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
             velocity: Velocity::new(design.sample_time),
             was_monitored: false,
@@ -206,6 +188,9 @@ impl Sequential {
             return;
         };
         let moving = self.motion.step([c1, c2]);
+        if let Some(alarm) = self.alarm.filter(|_| moving) {
+            self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
+        }
         self.judge(input.at, residual - baseline, moving);
     }
 
@@ -253,6 +238,7 @@ impl Sequential {
                     suspect,
                     evidence: None,
                     size,
+                    scale: None,
                     onset: at,
                     age: 0,
                     calm: 0,
@@ -292,109 +278,6 @@ impl Sequential {
             self.raise(at, Cause::Slow, Peak::default());
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
-    }
-
-    fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
-        let (fault, size, cycles) = match cause {
-            Cause::Mean => {
-                let shape = kind::shape(&self.history);
-                (shape.fault, shape.size, shape.onset)
-            }
-            Cause::Variance => (Fault::Noise, self.spread(peak.width), peak.width),
-            Cause::Slow | Cause::Dwell => {
-                (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
-            }
-        };
-        self.alarm = Some(Alarm {
-            cause,
-            peak,
-            fault,
-            suspect: Suspect::Undecided,
-            evidence: None,
-            size,
-            onset: at.after(Span::from_seconds(-(cycles as f64) * self.design.sample_time)),
-            age: 0,
-            calm: 0,
-        });
-    }
-
-    fn spread(&self, width: usize) -> f64 {
-        let squares = self.history.moving.over(width).or_else(|| self.history.all.over(width));
-        squares.map_or(0.0, |[_, _, _, squares]| (squares / width as f64).sqrt())
-    }
-
-    fn go_on(&mut self, calm: bool) {
-        let Some(mut alarm) = self.alarm else { return };
-        let calm = match alarm.cause {
-            Cause::Dwell => false,
-            // The baseline had followed the fault: only the mean without it tells.
-            Cause::Slow => self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
-            _ => calm,
-        };
-        alarm.age = alarm.age.saturating_add(1);
-        alarm.calm = if calm { alarm.calm + 1 } else { 0 };
-        match alarm.age {
-            COMPARE if self.may_have_stepped(&alarm) => self.compare(&mut alarm),
-            age if NOISE.contains(&age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) => {
-                self.tell_noise(&mut alarm);
-            }
-            _ => {}
-        }
-        self.alarm = Some(alarm);
-        if alarm.calm >= self.design.clear {
-            self.end();
-        }
-    }
-
-    /// The alarm is over. A baseline that may have followed the fault begins anew.
-    fn end(&mut self) {
-        let ended = self.alarm.take();
-        self.history.clear();
-        self.slow.reset();
-        if ended.is_some_and(|alarm| matches!(alarm.cause, Cause::Slow | Cause::Dwell)) {
-            self.baseline.reset();
-        }
-    }
-
-    /// A large step is in the variance, too, and sooner.
-    fn may_have_stepped(&self, alarm: &Alarm) -> bool {
-        match alarm.cause {
-            Cause::Mean => true,
-            Cause::Variance => kind::noise(&self.history, COMPARE as usize).is_none(),
-            Cause::Slow | Cause::Dwell => false,
-        }
-    }
-
-    /// Which of the readings has stepped.
-    fn compare(&self, alarm: &mut Alarm) {
-        let shape = kind::shape(&self.history);
-        (alarm.fault, alarm.size) = (shape.fault, shape.size);
-        let Some(pair) = &self.pair else { return };
-        let form = if shape.fault == Fault::Incipient { Form::Ramp } else { Form::Step };
-        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
-        if alarm.peak.width > LOCATED || (form == Form::Ramp && speed < FOLLOWED) {
-            return;
-        }
-        let age = COMPARE as usize;
-        alarm.evidence = pair.compare(form, age, age + alarm.peak.width + 1);
-        alarm.suspect = match alarm.evidence {
-            Some(nats) if nats > DECIDED => Suspect::C1,
-            Some(nats) if nats < -DECIDED => Suspect::C2,
-            _ => Suspect::Undecided,
-        };
-    }
-
-    /// Noise has no onset to compare; its innovations go on.
-    fn tell_noise(&self, alarm: &mut Alarm) {
-        let span = alarm.age as usize;
-        let Some(size) = kind::noise(&self.history, span) else { return };
-        (alarm.fault, alarm.size) = (Fault::Noise, size);
-        let share = self.pair.as_ref().and_then(|pair| pair.energy(span));
-        alarm.suspect = match share {
-            Some(share) if share > NOISIER => Suspect::C1,
-            Some(share) if share < -NOISIER => Suspect::C2,
-            _ => Suspect::Undecided,
-        };
     }
 }
 

@@ -55,7 +55,7 @@ impl Cylinder {
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
         Some(Finding {
-            fault: alarm.fault,
+            fault: if alarm.scale.is_some() { Fault::Unclassified } else { alarm.fault },
             suspect: alarm.suspect,
             level: self.level(alarm.suspect),
             residual: Some(alarm.size),
@@ -64,6 +64,7 @@ impl Cylinder {
                 fault: alarm.peak.nats,
                 location: alarm.evidence,
                 onset: alarm.onset,
+                gain: alarm.scale.map(|scale| scale.gain),
             }),
         })
     }

@@ -1,5 +1,6 @@
 use super::*;
 use crate::sequential::history::Moved;
+use crate::time::Span;
 
 const SAMPLE_TIME: f64 = 0.02;
 
