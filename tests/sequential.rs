@@ -5,6 +5,7 @@
 mod support;
 
 use support::{Bench, one_each, setup};
+use tertius::alarm::Detector;
 use tertius::controller::State;
 use tertius::sequential::Blame;
 use tertius::simulator::{EPOCH, Options};
@@ -80,6 +81,40 @@ fn a_slow_drift_is_found_and_nobody_is_blamed_for_it() {
             }
         }
     }
+}
+
+/// That the readings agree is said where they do: a fault of a reading is in C1 − C2 as soon as in its
+/// observer's innovation.
+#[test]
+fn a_transducers_fault_is_not_taken_for_the_process() {
+    let mut told = 0;
+    for in_loop in [false, true] {
+        for fault in [
+            "step,size=0.00125",
+            "step,size=-0.003",
+            "step,size=0.02",
+            "noise,size=0.000868",
+            "noise,size=0.002",
+            "incipient,size=0.07",
+            "drift,rate=0.02",
+            "spike,size=0.005,probability=0.02",
+        ] {
+            let (faults, truth) = one_each(fault);
+            let heard = setup().run(45.0, in_loop, &faults);
+            for (cylinder, suspect, at) in truth {
+                let own = heard.others.iter().filter(|warning| warning.cylinder == cylinder);
+                let since = own.filter(|w| w.timestamp.since(EPOCH).as_seconds() < at + 5.0);
+                let observers =
+                    since.filter(|w| matches!(w.detector, Detector::Fde1 | Detector::Fde2));
+                for warning in observers {
+                    told += u32::from(warning.finding.suspect == suspect);
+                    let what = (fault, in_loop, cylinder, warning);
+                    assert_ne!(warning.finding.suspect, Suspect::Process, "{what:?}");
+                }
+            }
+        }
+    }
+    assert!(told > 100, "{told}");
 }
 
 /// Spikes of single samples and lost frames are no faults of a transducer's length.

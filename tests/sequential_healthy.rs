@@ -4,12 +4,12 @@
 mod support;
 
 use support::{Bench, Heard, Setup, fine, setup};
-use tertius::alarm::{State as Said, Warning};
+use tertius::alarm::State as Said;
 use tertius::controller::State;
 use tertius::frame::Frame;
 use tertius::simulator::Tables;
 use tertius::time::Span;
-use tertius::verdict::Suspect;
+use tertius::verdict::{Suspect, Verdict};
 
 /// As `tune` writes it from half an hour of a good machine, nats.
 const LOW_LEVEL: f64 = 12.0;
@@ -163,25 +163,37 @@ fn befallen() -> Vec<(&'static str, Tables)> {
     ]
 }
 
-/// The process is another one: not a word from what was calibrated on the old one. What the observers
-/// say on their fixed model is printed beside it.
+/// The process is another one: not a word from what was calibrated on the old one. And where the
+/// calibration has been, what the observers say on their fixed model is the process's fault: the
+/// readings agree. Beyond the stroke that it covered the observers' word stands, and is printed.
 #[test]
 fn load_supply_and_valve() {
-    println!(
-        "the process: warnings of sequential; of FDE1 and FDE2 against C1, C2, the process, nobody"
-    );
+    println!("the process: sequential; FDE1, FDE2 against C1 or C2, process, nobody; not covered");
     for (what, tables) in befallen() {
         let setup = setup().with(tables);
-        let heard = setup.play(180.0, &setup.options(8, &[]));
-        let raised = |suspect: Suspect| {
-            let blamed = |warning: &&Warning| warning.finding.suspect == suspect;
-            let raised = |warning: &&Warning| warning.state == Said::Raised;
-            heard.others.iter().filter(raised).filter(blamed).count()
-        };
-        let [c1, c2, process, nobody] =
-            [Suspect::C1, Suspect::C2, Suspect::Process, Suspect::Undecided].map(raised);
-        let count = heard.warnings.len();
-        println!("{what:<40} {count:>5} {c1:>8} {c2:>5} {process:>5} {nobody:>5}");
-        nothing(&heard, what);
+        let mut simulator = setup.simulator(&setup.options(8, &[]));
+        let mut bench = Bench::new(&setup);
+        let (mut blamed, mut process, mut nobody, mut uncovered) = (0, 0, 0, 0);
+        for _ in 0..9000 {
+            let before = bench.heard.others.len();
+            bench.step(&mut simulator);
+            let new = bench.heard.others[before..].iter();
+            for warning in new.filter(|warning| warning.state == Said::Raised) {
+                let detectors = bench.monitor.sequential();
+                let known = detectors.filter(|(n, _)| *n == warning.cylinder);
+                let known =
+                    known.map(|(_, detector)| detector.verdict() == Verdict::Healthy).next();
+                match warning.finding.suspect {
+                    Suspect::C1 | Suspect::C2 if known == Some(true) => blamed += 1,
+                    Suspect::C1 | Suspect::C2 => uncovered += 1,
+                    Suspect::Process => process += 1,
+                    Suspect::Undecided => nobody += 1,
+                }
+            }
+        }
+        let count = bench.heard.warnings.len();
+        println!("{what:<40} {count:>5} {blamed:>8} {process:>5} {nobody:>5} {uncovered:>8}");
+        nothing(&bench.heard, what);
+        assert_eq!(blamed, 0, "{what}: a transducer is blamed for the process");
     }
 }

@@ -122,6 +122,13 @@ impl Sequential {
         self.peaks
     }
 
+    /// How far the readings have been apart in the newest cycles, m, beside what is healthy; `None`
+    /// where that is not known, or not healthy.
+    pub fn apart(&self) -> Option<f64> {
+        let [.., squares] = self.history.newest().filter(|_| self.verdict == Verdict::Healthy)?;
+        Some(squares.max(0.0).sqrt())
+    }
+
     /// The alarm that stands.
     pub const fn alarm(&self) -> Option<&Alarm> {
         self.alarm.as_ref()

@@ -55,6 +55,11 @@ impl History {
         self.moving.clear();
     }
 
+    /// The sums over the newest few samples, in motion or not.
+    pub fn newest(&self) -> Option<[f64; VALUES]> {
+        self.all.over(AT_REST)
+    }
+
     fn over(&self, width: usize) -> Option<[f64; VALUES]> {
         if width <= AT_REST { self.all.over(width) } else { self.moving.over(width) }
     }

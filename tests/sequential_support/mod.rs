@@ -166,7 +166,12 @@ impl Bench {
     }
 
     pub fn run(&mut self, simulator: &mut Simulator, seconds: f64) {
-        self.run_through(simulator, seconds, |_, frame, pass| pass(frame));
+        (0..(seconds / SAMPLE_TIME) as u64).for_each(|_| self.step(simulator));
+    }
+
+    /// One cycle.
+    pub fn step(&mut self, simulator: &mut Simulator) {
+        simulator.step(&mut |frame| self.monitor.take(frame, &mut self.heard));
     }
 
     /// Lets `passing` decide which frames of which cycle, from 0, reach the monitor, and when.
