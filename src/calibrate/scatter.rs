@@ -110,6 +110,18 @@ impl Scattering {
             largest: magnitudes.largest(),
         })
     }
+
+    /// Why there is no result for the cylinder of `index` (from 0), for a person; `None` where there is
+    /// one, or nothing to make it from.
+    pub fn remark(&self, index: usize) -> Option<String> {
+        let samples = self.cylinders[index].as_ref()?.magnitudes.total();
+        (samples < LEAST_SAMPLES).then(|| {
+            format!(
+                "no tables for the sequential detector: where the first part has been, the second \
+                 has {samples} samples in motion, and it takes {LEAST_SAMPLES}; record more motion"
+            )
+        })
+    }
 }
 
 impl Surveyor for Scattering {

@@ -121,7 +121,10 @@ impl Calibrate {
                 number,
                 sequential,
                 remarks: if result.is_ok() {
-                    gathering.remarks(usize::from(number) - 1)
+                    let index = usize::from(number) - 1;
+                    let mut remarks = gathering.remarks(index);
+                    remarks.extend(scattering.remark(index));
+                    remarks
                 } else {
                     vec![]
                 },
