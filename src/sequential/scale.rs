@@ -138,15 +138,16 @@ mod tests {
 
     #[test]
     fn what_time_noise_or_another_fault_explains_is_no_gain() {
-        let frozen = |_: f64, length: f64, _: f64| 0.3 - length;
-        let faults: [(&str, &dyn Fn(f64, f64, f64) -> f64); 7] = [
-            ("step", &|_, _, _| 3e-3),
-            ("drift", &|t, _, _| 1e-3 * t),
-            ("incipient", &|t, _, _| 0.07 * (1.0 - 2_f64.powf(-t))),
-            ("noise", &|_, _, wild| 2e-3 * wild),
-            ("a step that goes", &|t, _, _| if t < 3.0 { 2e-3 } else { 0.0 }),
-            ("frozen", &frozen),
-            ("what the calibration has left", &|_, length, _| 2e-4 * length + 3e-3),
+        /// Of time, s, length, m, and a normal random number.
+        type Residual = fn(f64, f64, f64) -> f64;
+        let faults: [(&str, Residual); 7] = [
+            ("step", |_, _, _| 3e-3),
+            ("drift", |t, _, _| 1e-3 * t),
+            ("incipient", |t, _, _| 0.07 * (1.0 - 2_f64.powf(-t))),
+            ("noise", |_, _, wild| 2e-3 * wild),
+            ("a step that goes", |t, _, _| if t < 3.0 { 2e-3 } else { 0.0 }),
+            ("frozen", |_, length, _| 0.3 - length),
+            ("what the calibration has left", |_, length, _| 2e-4 * length + 3e-3),
         ];
         for (what, fault) in faults {
             for seconds in [0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 60.0] {
