@@ -170,7 +170,8 @@ fn line(warning: &Value, begin: f64) -> String {
         millimetres("residual"),
         millimetres("threshold"),
     );
-    text + "\n"
+    let scale = |percent: f64| format!("  scale {percent:+.2} %");
+    text + &warning["gain_percent"].as_f64().map_or(String::new(), scale) + "\n"
 }
 
 /// A summary, one field a line, so that a difference is seen.
@@ -198,6 +199,22 @@ fn faults_by_evidence() {
     let run = replayed("e-type-faults.log.zst", SEQUENTIAL);
     let truth = truth("e-type-faults.truth.csv");
     golden("e-type-faults.sequential.txt", &beside_the_truth(&truth, &run.warnings()));
+    // Every word of theirs has its size and its onset; of a gain it says how large it is, and that of
+    // the truth is 1 %.
+    let (mut scales, warnings) = (0, run.warnings());
+    for warning in warnings.iter().filter(|w| w["detector"] == "sequential") {
+        assert_eq!(warning["size"], warning["residual"], "{warning}");
+        assert!(warning["onset"].as_f64() <= warning["t"].as_f64(), "{warning}");
+        let Some(percent) = warning["gain_percent"].as_f64() else {
+            assert_eq!(warning.get("shape"), None, "{warning}");
+            continue;
+        };
+        let named = (&warning["shape"], &warning["fault"]);
+        assert_eq!(named, (&"scale".into(), &"unclassified".into()), "{warning}");
+        assert!((percent - 1.0).abs() < 0.05, "{warning}");
+        scales += 1;
+    }
+    assert_eq!(scales, 2, "changed and cleared");
     let healthy = replayed("e-type-healthy.log.zst", SEQUENTIAL);
     assert_eq!(healthy.lines().len(), 1, "nothing but a summary: {}", healthy.stdout);
 }

@@ -274,6 +274,23 @@ fn a_rate_that_the_recording_does_not_carry_is_refused_with_one_that_it_does() {
     assert!(!output.exists());
 }
 
+/// The rig goes to a place and rests there: a rate function has nothing to be made of, and it is said.
+#[test]
+fn a_recording_that_mostly_rests_calibrates_no_sequential_detector() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("calibrated.toml").display().to_string();
+    let log = "tests/recordings/hanging-load.log.gz";
+    let run = tertius(&["calibrate", log, "--config", HANGING_LOAD, "--output", &output], b"").ok();
+    let told = "cylinder 1: no tables for the sequential detector";
+    assert!(run.stdout.contains(told) && run.stdout.contains("it takes 3000"), "{}", run.stdout);
+    let tables: Table = fs::read_to_string(&output).expect("it was written").parse().expect("TOML");
+    assert!(tables["cylinder"][0].get("sequential").is_none(), "{tables}");
+    // The simulated machine moves all the time.
+    let log = "tests/recordings/e-type-healthy.log.zst";
+    let run = tertius(&["calibrate", log, "--config", E_TYPE], b"").ok();
+    assert!(!run.stdout.contains("no tables"), "{}", run.stdout);
+}
+
 #[test]
 fn what_cannot_be_learnt_from_is_told() {
     let still = |seconds: f64| -> PathBuf {

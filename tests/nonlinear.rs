@@ -27,7 +27,7 @@ fn balanced() -> (Plant, Inputs) {
     for (leg, load) in loads.into_iter().enumerate() {
         plant.states_mut()[leg].pressure = plant.cylinders()[leg].balance(0.0, load, GRAVITY);
     }
-    (plant, Inputs { spools: [0.0; 6], loads, accelerations: [GRAVITY; 6] })
+    (plant, Inputs { spools: [0.0; 6], loads, accelerations: [GRAVITY; 6], pump_lost: 0.0 })
 }
 
 /// Cylinder `leg` + 1 of `plant`, as faultless transducers have it.

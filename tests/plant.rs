@@ -17,8 +17,12 @@ fn parameters() -> Parameters {
 /// All cylinders in the middle of their stroke, carrying their load.
 fn balanced(parameters: &Parameters, sub_steps: u32) -> (Plant, Inputs) {
     let mut plant = Plant::new(parameters, SAMPLE_TIME / f64::from(sub_steps), 0.0);
-    let inputs =
-        Inputs { spools: [0.0; 6], loads: parameters.spread.load, accelerations: [GRAVITY; 6] };
+    let inputs = Inputs {
+        spools: [0.0; 6],
+        loads: parameters.spread.load,
+        accelerations: [GRAVITY; 6],
+        pump_lost: 0.0,
+    };
     for leg in 0..6 {
         let pressure = plant.cylinders()[leg].balance(0.0, inputs.loads[leg], GRAVITY);
         plant.states_mut()[leg].pressure = pressure;
@@ -208,7 +212,7 @@ fn the_supply_sags_under_flow_and_recovers() {
     let sag = |gas_volume: f64| {
         let mut supply = Supply::new(&tertius::plant::SupplyTable { gas_volume, ..table });
         // Twice what the pump can give, for two seconds.
-        (0..1000).for_each(|_| supply.step(2.0 * table.pump_flow, 2e-3));
+        (0..1000).for_each(|_| supply.step(2.0 * table.pump_flow, 0.0, 2e-3));
         supply
     };
     let mut supply = sag(table.gas_volume);
@@ -217,10 +221,13 @@ fn the_supply_sags_under_flow_and_recovers() {
     assert!(sag(4.0 * table.gas_volume).pressure() > low, "more gas holds it up");
     // The gas of an accumulator without a pump: P V is constant, so 1/P grows with what is taken.
     let mut alone = Supply::new(&tertius::plant::SupplyTable { pump_gain: 0.0, ..table });
-    (0..1000).for_each(|_| alone.step(0.03, 2e-3));
+    (0..1000).for_each(|_| alone.step(0.03, 0.0, 2e-3));
+    let mut failed = Supply::new(&table);
+    (0..1000).for_each(|_| failed.step(0.03, 1.0, 2e-3));
+    assert_eq!(failed.pressure(), alone.pressure(), "a pump that is lost is none");
     let expected = table.pressure * table.gas_volume / (table.gas_volume + 0.03 * 2.0);
     assert!((alone.pressure() - expected).abs() < 0.1, "{} of {expected} bar", alone.pressure());
-    (0..30_000).for_each(|_| supply.step(0.0, 2e-3));
+    (0..30_000).for_each(|_| supply.step(0.0, 0.0, 2e-3));
     assert!((supply.pressure() - table.pressure).abs() < 0.5, "{} bar", supply.pressure());
 }
 

@@ -1,191 +1,15 @@
 //! The sequential detectors on a simulated machine that they were calibrated to: what they find, how
 //! soon, whom they blame, and what they let pass.
 
+#[path = "sequential_support/mod.rs"]
 mod support;
 
-use std::sync::OnceLock;
-use tertius::alarm::{Detector, State as Said, Warning};
-use tertius::calibrate::{Fitting, Gathering, Profiling, Scattering};
-use tertius::config::settings::{Cylinder, CylinderSequential, Settings};
+use support::{Bench, one_each, setup};
+use tertius::alarm::Detector;
 use tertius::controller::State;
-use tertius::decode::{Database, text};
-use tertius::inject::{Fault, place};
-use tertius::monitor::{Monitor, MonitorDesign, Sink};
-use tertius::sequential::{Blame, Dwell, Moved};
-use tertius::simulator::{EPOCH, Options, Simulator, Tables};
-use tertius::survey::{Survey, Surveyor, Window};
+use tertius::sequential::Blame;
+use tertius::simulator::{EPOCH, Options};
 use tertius::verdict::{Fault as Kind, Suspect};
-
-const SAMPLE_TIME: f64 = 0.02;
-
-const PLANT: &str = include_str!("../config/e-type-plant.toml");
-
-/// Transducers that are read to one count, without the fluctuations of Figure 5-9.
-fn fine() -> Tables {
-    let plain = "fluctuation_probability = 5.0e-4";
-    assert!(PLANT.contains(plain), "the plant's table has changed");
-    Tables::parse(&PLANT.replace(plain, "fluctuation_probability = 0.0")).expect("it is sound")
-}
-
-/// s of fault-free machine that the detectors are calibrated on, half to fit and half to try.
-const LENGTH: f64 = 1200.0;
-
-struct Setup {
-    tables: Tables,
-    settings: Settings,
-    database: Database,
-}
-
-/// The machine, calibrated once.
-fn setup() -> &'static Setup {
-    static SETUP: OnceLock<Setup> = OnceLock::new();
-    SETUP.get_or_init(|| {
-        let loaded = tertius::config::load(&support::top().join("config/e-type-simulated.toml"))
-            .expect("it is sound");
-        let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
-        let mut setup = Setup { tables: fine(), settings: loaded.settings, database };
-        setup.settings.sequential.stop_states = Some(vec!["safe".to_owned()]);
-        setup.calibrate();
-        setup
-    })
-}
-
-impl Setup {
-    fn simulator(&self, options: &Options) -> Simulator {
-        let simulator = Simulator::new(&self.tables, &self.settings, &self.database, options);
-        let mut simulator = simulator.expect("the default machine can be simulated");
-        simulator.request(State::Engaged);
-        simulator
-    }
-
-    /// The same machine and sea each time.
-    fn survey(&self, window: Window, surveyor: impl Surveyor) {
-        let design = MonitorDesign::surveying(&self.settings, &self.database).expect("they fit");
-        let mut monitor = Monitor::new(design);
-        let mut survey = Survey::new(EPOCH, window, surveyor);
-        let mut simulator = self.simulator(&Options { seed: 77, ..Options::default() });
-        for _ in 0..(window.to / SAMPLE_TIME) as u64 {
-            simulator.step(&mut |frame| monitor.take(frame, &mut survey));
-        }
-    }
-
-    fn calibrate(&mut self) {
-        let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
-        let mut gathering = Gathering::new(3.0, vec![None; 6]);
-        self.survey(fitted, &mut gathering);
-        let lines = (0..6).map(|i| Some(gathering.judge(i).expect("it is healthy")));
-        let mut fitting = Fitting::new(lines);
-        self.survey(fitted, &mut fitting);
-        let fits: Vec<_> = (0..6).map(|i| fitting.result(i).unwrap().expect("a line")).collect();
-        let mut profiling =
-            Profiling::new(self.settings.machine.stroke, SAMPLE_TIME, fits.iter().map(Some));
-        self.survey(fitted, &mut profiling);
-        let profiles: Vec<_> = (0..6).map(|i| profiling.result(i).expect("a profile")).collect();
-        let mut scattering = Scattering::new(SAMPLE_TIME, fits.iter().zip(&profiles).map(Some));
-        self.survey(tried, &mut scattering);
-        self.settings.cylinder = (0..6)
-            .map(|i| {
-                let (profile, scatter) = (&profiles[i], scattering.result(i).expect("a scatter"));
-                Cylinder {
-                    n: i as u8 + 1,
-                    c2_gain: fits[i].line.gain,
-                    c2_offset: fits[i].line.offset,
-                    theta: None,
-                    gamma: None,
-                    command_offset: None,
-                    sequential: Some(CylinderSequential {
-                        first: profile.reference.first,
-                        spacing: profile.reference.spacing,
-                        nodes: profile.reference.nodes.clone(),
-                        samples: profile.samples.clone(),
-                        velocity: profile.reference.velocity,
-                        deviation: scatter.deviation,
-                        rate_spacing: scatter.rate.spacing(),
-                        rate: scatter.rate.values(),
-                        square_rate: scatter.square_rate.values(),
-                        mean_dependence: scatter.dependence[0],
-                        square_dependence: scatter.dependence[1],
-                        drive: profile.drive.map(|drive| drive.0),
-                        prediction: scatter.prediction.expect("there is a drive"),
-                    }),
-                }
-            })
-            .collect();
-    }
-
-    /// What the detectors say of a machine with these faults, for so many seconds.
-    fn run(&self, seconds: f64, in_loop: bool, faults: &[String]) -> Heard {
-        let placed = faults.iter().map(|fault| {
-            let fault = Fault::parse(fault).expect("a fault");
-            place(&fault, &self.settings, &self.database).expect("it has a place")
-        });
-        let faults = placed.collect();
-        let options = Options { seed: 4, in_loop, faults, ..Options::default() };
-        let mut simulator = self.simulator(&options);
-        let mut monitor = self.monitor();
-        let mut heard = Heard::default();
-        for _ in 0..(seconds / SAMPLE_TIME) as u64 {
-            simulator.step(&mut |frame| monitor.take(frame, &mut heard));
-        }
-        heard
-    }
-
-    fn monitor(&self) -> Monitor {
-        Monitor::new(MonitorDesign::new(&self.settings, &self.database).expect("they fit"))
-    }
-}
-
-/// The warnings of the sequential detectors.
-#[derive(Default)]
-struct Heard {
-    warnings: Vec<Warning>,
-    dwells: Vec<(u8, Dwell, Option<Moved>)>,
-}
-
-impl Sink for Heard {
-    fn warning(&mut self, warning: &Warning) {
-        if warning.detector == Detector::Sequential {
-            self.warnings.push(*warning);
-        }
-    }
-
-    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
-        self.dwells.push((cylinder, *dwell, moved.copied()));
-    }
-}
-
-impl Heard {
-    /// For a person.
-    fn told(&self) -> String {
-        let line = |w: &Warning| {
-            let (at, finding) = (w.timestamp.since(EPOCH).as_seconds(), &w.finding);
-            let (fault, suspect) = (finding.fault.name(), finding.suspect.name());
-            format!("{at:.2} s {}: {} {fault} {suspect}\n", w.cylinder, w.state.name())
-        };
-        self.warnings.iter().take(20).map(line).collect()
-    }
-
-    /// Of a cylinder: s from `at` to the first raise, and the last word on it before it was cleared.
-    fn of(&self, cylinder: u8, at: f64) -> Option<(f64, Warning)> {
-        let own = || self.warnings.iter().filter(|warning| warning.cylinder == cylinder);
-        let first = own().find(|warning| warning.state == Said::Raised)?;
-        let last = own().take_while(|warning| warning.state != Said::Cleared).last()?;
-        Some((first.timestamp.since(EPOCH).as_seconds() - at, *last))
-    }
-}
-
-/// One fault on each cylinder, C1 of the odd ones, 5 s apart.
-fn one_each(fault: &str) -> (Vec<String>, Vec<(u8, Suspect, f64)>) {
-    (1..=6_u8)
-        .map(|cylinder| {
-            let (sensor, suspect) =
-                if cylinder % 2 == 1 { ("c1", Suspect::C1) } else { ("c2", Suspect::C2) };
-            let at = 10.0 + 5.0 * f64::from(cylinder);
-            let text = format!("{fault},cylinder={cylinder},sensor={sensor},at={at}");
-            (text, (cylinder, suspect, at))
-        })
-        .unzip()
-}
 
 #[test]
 fn a_healthy_machine_is_left_alone() {
@@ -259,6 +83,40 @@ fn a_slow_drift_is_found_and_nobody_is_blamed_for_it() {
     }
 }
 
+/// That the readings agree is said where they do: a fault of a reading is in C1 − C2 as soon as in its
+/// observer's innovation.
+#[test]
+fn a_transducers_fault_is_not_taken_for_the_process() {
+    let mut told = 0;
+    for in_loop in [false, true] {
+        for fault in [
+            "step,size=0.00125",
+            "step,size=-0.003",
+            "step,size=0.02",
+            "noise,size=0.000868",
+            "noise,size=0.002",
+            "incipient,size=0.07",
+            "drift,rate=0.02",
+            "spike,size=0.005,probability=0.02",
+        ] {
+            let (faults, truth) = one_each(fault);
+            let heard = setup().run(45.0, in_loop, &faults);
+            for (cylinder, suspect, at) in truth {
+                let own = heard.others.iter().filter(|warning| warning.cylinder == cylinder);
+                let since = own.filter(|w| w.timestamp.since(EPOCH).as_seconds() < at + 5.0);
+                let observers =
+                    since.filter(|w| matches!(w.detector, Detector::Fde1 | Detector::Fde2));
+                for warning in observers {
+                    told += u32::from(warning.finding.suspect == suspect);
+                    let what = (fault, in_loop, cylinder, warning);
+                    assert_ne!(warning.finding.suspect, Suspect::Process, "{what:?}");
+                }
+            }
+        }
+    }
+    assert!(told > 100, "{told}");
+}
+
 /// Spikes of single samples and lost frames are no faults of a transducer's length.
 #[test]
 fn single_wild_samples_and_lost_frames_are_let_pass() {
@@ -274,23 +132,18 @@ fn single_wild_samples_and_lost_frames_are_let_pass() {
 #[test]
 fn the_stop_tells_which_transducer_has_drifted() {
     let setup = setup();
-    let fault = "drift,rate=0.00001,cylinder=3,sensor=c1,at=400";
-    let fault = Fault::parse(fault).expect("a fault");
-    let placed = place(&fault, &setup.settings, &setup.database).expect("it has a place");
-    let options =
-        Options { seed: 9, start: State::Safe, faults: vec![placed], ..Options::default() };
-    let mut simulator = setup.simulator(&options);
-    let mut monitor = setup.monitor();
-    let mut heard = Heard::default();
+    let faults = ["drift,rate=0.00001,cylinder=3,sensor=c1,at=400".to_owned()];
+    let options = Options { start: State::Safe, ..setup.options(9, &faults) };
+    let (mut simulator, mut bench) = (setup.simulator(&options), Bench::new(setup));
     for round in 0..10 {
-        for (state, seconds) in [(State::Engaged, 60.0), (State::Safe, 60.0)] {
+        for state in [State::Engaged, State::Safe] {
             simulator.request(state);
-            for _ in 0..(seconds / SAMPLE_TIME) as u64 {
-                simulator.step(&mut |frame| monitor.take(frame, &mut heard));
-            }
+            bench.run(&mut simulator, 60.0);
         }
+        let heard = &bench.heard;
         assert!(round < 3 || heard.dwells.len() >= 6 * 3, "{round}: {}", heard.dwells.len());
     }
+    let Bench { monitor, heard } = bench;
     let (_, last) = heard.of(3, 400.0).expect("the drift is found");
     assert_eq!(last.finding.suspect, Suspect::C1, "{}", heard.told());
     assert!(heard.warnings.iter().all(|warning| warning.cylinder == 3), "{}", heard.told());

@@ -463,6 +463,38 @@ fn a_truth_reads_back_as_the_faults_that_it_was_made_from() {
     assert_eq!(inject::SENSORS.len(), 11, "a new sensor needs its own line here");
 }
 
+/// The loads, the pump, the spools and the valves, each for itself, and only in its time.
+#[test]
+fn what_befalls_the_process_moves_the_machine_and_not_before() {
+    let plain = setup();
+    let valve = PLANT.split("\n\n").find(|table| table.starts_with("[valve]")).expect("a table");
+    let valve = valve.replace("[valve]", "[disturbance.valve]");
+    let options = Options { seed: 3, ..Options::default() };
+    let with = |more: &str| {
+        let tables = Tables::parse(&format!("{PLANT}\n{more}\n")).expect("it is sound");
+        Simulator::new(&tables, &plain.settings, &plain.database, &options).expect("a machine")
+    };
+    for (more, from) in [
+        ("[disturbance]\nload = { time = [20.0, 30.0], part = 1.3 }", 20.0),
+        ("[disturbance]\npump = { time = [20.0, 30.0], part = 0.0 }", 20.0),
+        ("[disturbance]\nsticking = { time = [20.0, 30.0], band = 0.02 }", 20.0),
+        (&valve.replace("overlap = 0.01", "overlap = 0.02"), 0.0),
+        (&valve, 30.0),
+    ] {
+        let (mut one, mut two) = (plain.simulator(&options), with(more));
+        let mut first = None;
+        for cycle in 0..1500 {
+            if one.machine().states() != two.machine().states() {
+                first.get_or_insert(f64::from(cycle) * 0.02);
+            }
+            one.step(&mut |_| {});
+            two.step(&mut |_| {});
+        }
+        let at = first.unwrap_or(30.0);
+        assert!((from..from + 0.1).contains(&at), "{more}: at {at} s");
+    }
+}
+
 #[test]
 fn tables_are_refused_for_what_is_wrong_with_them() {
     assert_eq!(Tables::parse(PLANT), Ok(Tables::default()));
@@ -477,6 +509,13 @@ fn tables_are_refused_for_what_is_wrong_with_them() {
     assert!(error.to_string().contains("cylinder.load_mass is NaN"), "{error}");
     let error = changed("ends = [-1.48, 1.48]", "ends = [1.0, -1.0]").expect_err("turned round");
     assert!(matches!(error, TableError::Order { key: "cylinder.ends", .. }), "{error}");
+    let befallen = |more: &str| Tables::parse(&format!("{PLANT}\n[disturbance]\n{more}\n"));
+    let error = befallen("load = { time = [1.0, 2.0], part = 20.0 }").expect_err("too much");
+    assert!(error.to_string().contains("disturbance.load.part is 20"), "{error}");
+    let error = befallen("pump = { time = [2.0, 1.0], part = 0.0 }").expect_err("turned round");
+    assert!(matches!(error, TableError::Order { key: "disturbance.pump.time", .. }), "{error}");
+    let Err(TableError::Form(message)) = befallen("wind = 1.0") else { panic!("an unknown key") };
+    assert!(message.contains("wind"), "{message}");
 }
 
 #[test]

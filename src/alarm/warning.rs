@@ -78,12 +78,21 @@ pub struct Evidence {
     pub location: Option<f64>,
     /// When the fault began, as far as it shows.
     pub onset: Timestamp,
+    /// Where the fault is a gain that is off: by how much more C1 grows with the length than C2 does,
+    /// m per m. Fd_Warning has no code for it, and the fault is unclassified.
+    pub gain: Option<f64>,
 }
 
 impl Finding {
+    /// The [`Evidence::gain`] of a fault that is one.
+    pub fn gain(&self) -> Option<f64> {
+        self.evidence?.gain
+    }
+
     /// Whether `other` says the same to a person; the residual moves all the time.
     pub fn says_as(&self, other: &Self) -> bool {
-        (self.fault, self.suspect, self.level) == (other.fault, other.suspect, other.level)
+        (self.fault, self.suspect, self.level, self.gain().is_some())
+            == (other.fault, other.suspect, other.level, other.gain().is_some())
     }
 }
 

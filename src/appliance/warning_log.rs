@@ -37,6 +37,7 @@ fn write(warning: &Warning) {
     let finding = &warning.finding;
     let state = warning.state.name();
     let residual = finding.residual.map(|residual| residual * 1e3);
+    let gain = finding.gain().map(|gain| gain * 100.0);
     macro_rules! tell {
         ($say:ident) => {
             $say!(
@@ -46,6 +47,7 @@ fn write(warning: &Warning) {
                 suspect = finding.suspect.name(),
                 level = finding.level.name(),
                 residual_mm = residual,
+                gain_percent = gain,
                 timestamp = warning.timestamp.as_seconds(),
                 "{state}"
             )

@@ -69,9 +69,12 @@ impl Course<'_> {
         let level = self.level(recording, &sequential)?;
         let learnt = (1..).zip(results).zip(trying.into_cylinders()).zip(sequential);
         let cylinder = |(((number, result), tried), sequential): (((u8, Result<_, _>), _), _)| {
-            let sound = result.is_ok();
-            let remarks =
-                if sound { gathering.remarks(usize::from(number) - 1) } else { Vec::new() };
+            let index = usize::from(number) - 1;
+            let mut remarks = Vec::new();
+            if result.is_ok() {
+                remarks.extend(gathering.remarks(index));
+                remarks.extend(scattering.remark(index));
+            }
             CylinderCalibration { number, result, tried, sequential, remarks }
         };
         Ok(Calibrated { cylinders: learnt.map(cylinder).collect(), bound, level })

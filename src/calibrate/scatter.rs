@@ -6,6 +6,7 @@ use super::line::Line;
 use super::profile::Profile;
 use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
+use crate::sequential::clip::Clip;
 use crate::sequential::dependence::Measuring;
 use crate::sequential::motion::Motion;
 use crate::sequential::rate::Of;
@@ -130,6 +131,18 @@ impl Scattering {
             largest: magnitudes.largest(),
         })
     }
+
+    /// Why there is no result for the cylinder of `index` (from 0), for a person; `None` where there is
+    /// one, or nothing to make it from.
+    pub fn remark(&self, index: usize) -> Option<String> {
+        let samples = self.cylinders[index].as_ref()?.magnitudes.total();
+        (samples < LEAST_SAMPLES).then(|| {
+            format!(
+                "no tables for the sequential detector: where the first part has been, the second \
+                 has {samples} samples in motion, and it takes {LEAST_SAMPLES}; record more motion"
+            )
+        })
+    }
 }
 
 impl Surveyor for Scattering {
@@ -180,7 +193,7 @@ impl Judged {
         let moving = self.motion.step([c1, c2]);
         let Some(baseline) = baseline else { return };
         // Nothing is clipped: what is beyond all others was left out above.
-        self.history.push(residual - baseline, f64::INFINITY, moving);
+        self.history.push(residual - baseline, &Clip::NONE, moving);
         if moving {
             self.magnitudes.add(residual - baseline);
             self.measuring.take(&self.history);

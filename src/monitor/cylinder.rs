@@ -1,5 +1,6 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
+mod agreement;
 mod findings;
 
 use super::gate::Opening;
@@ -14,6 +15,7 @@ use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Dwell, Moved, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Verdict};
+use agreement::Agreement;
 
 /// What one cylinder is monitored by.
 #[derive(Clone, Debug)]
@@ -89,6 +91,7 @@ pub struct Cylinder {
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
+    agreement: Agreement,
     was_critical: bool,
     command_missing: u32,
     moving: bool,
@@ -108,6 +111,7 @@ impl Cylinder {
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
+            agreement: Agreement::default(),
             was_critical: false,
             command_missing: 0,
             moving: false,
@@ -218,7 +222,7 @@ impl Cylinder {
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
-        self.judge_sequentially(now, good);
+        self.judge_sequentially(now, good, &residuals);
         self.count(&residuals);
         let record = self.record(now, readings, innovations, difference);
         self.inputs.clear();
@@ -301,7 +305,12 @@ impl Cylinder {
         residuals
     }
 
-    fn judge_sequentially(&mut self, now: Evaluation, good: [Option<Reading>; 2]) {
+    fn judge_sequentially(
+        &mut self,
+        now: Evaluation,
+        good: [Option<Reading>; 2],
+        residuals: &Residuals,
+    ) {
         let Some(sequential) = &mut self.sequential else { return };
         let [c1, c2] = good;
         sequential.step(&sequential::Input {
@@ -313,6 +322,11 @@ impl Cylinder {
             at: now.opened,
             at_stop: now.at_stop,
         });
+        let [fde1, fde2, _] = self.bank.verdicts();
+        let [r1, r2, _] = residuals.r;
+        let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
+        let alarm = sequential.alarm().is_some();
+        self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
     }
 
     fn count(&mut self, residuals: &Residuals) {

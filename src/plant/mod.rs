@@ -35,6 +35,8 @@ pub struct Inputs {
     pub loads: [f64; CYLINDERS],
     /// How the frame that a cylinder stands on accelerates along it, gravity included, m/s².
     pub accelerations: [f64; CYLINDERS],
+    /// What of the pump's flow is missing, 0 to 1.
+    pub pump_lost: f64,
 }
 
 /// Six cylinders and their supply.
@@ -96,7 +98,7 @@ impl Plant {
                 };
                 flow += cylinder.step(&mut self.states[index], &drive);
             }
-            self.supply.step(flow, self.sub_step);
+            self.supply.step(flow, inputs.pump_lost, self.sub_step);
         }
     }
 }

@@ -31,10 +31,11 @@ impl Supply {
     }
 
     /// `flow`, m³/s, is taken out for `time` seconds. The pump gives more the further the pressure
-    /// is below its set point, up to its limit; the accumulator gives the rest, and its gas expands:
-    /// Ṗ = P²/(P V)₀ · (Q_pump − Q).
-    pub fn step(&mut self, flow: f64, time: f64) {
-        let pump = (self.pump_gain * (self.set_point - self.pressure)).clamp(0.0, self.pump_flow);
+    /// is below its set point, up to its limit, less the part of it that is `lost`; the accumulator
+    /// gives the rest, and its gas expands: Ṗ = P²/(P V)₀ · (Q_pump − Q).
+    pub fn step(&mut self, flow: f64, lost: f64, time: f64) {
+        let whole = (self.pump_gain * (self.set_point - self.pressure)).clamp(0.0, self.pump_flow);
+        let pump = (1.0 - lost) * whole;
         let rise = self.pressure * self.pressure / self.gas * (pump - flow);
         self.pressure = (self.pressure + rise * time).max(1.0);
     }

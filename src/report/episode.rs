@@ -18,7 +18,7 @@ pub struct Episode {
     pub cleared: Option<Timestamp>,
     /// The fault first named, which later residuals may have corrected.
     pub first_fault: Fault,
-    /// As raised, with the fault, suspect and level as last changed.
+    /// As raised, with the fault, suspect, level and evidence as last changed.
     pub finding: Finding,
 }
 
@@ -92,8 +92,8 @@ impl Episodes {
     fn follow(&mut self, warning: &Warning) {
         let Some(index) = self.cylinder(warning).standing[warning.place] else { return };
         let episode = &mut self.kept[index];
-        let Finding { fault, suspect, level, .. } = warning.finding;
-        episode.finding = Finding { fault, suspect, level, ..episode.finding };
+        let Finding { fault, suspect, level, evidence, .. } = warning.finding;
+        episode.finding = Finding { fault, suspect, level, evidence, ..episode.finding };
         if warning.state == State::Cleared {
             episode.cleared = Some(warning.timestamp);
             self.cylinder(warning).standing[warning.place] = None;

@@ -32,6 +32,11 @@ struct EvidenceFields {
     evidence: f64,
     location_evidence: Option<f64>,
     onset: f64,
+    size: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shape: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gain_percent: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -119,6 +124,9 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
                 evidence: evidence.fault,
                 location_evidence: evidence.location,
                 onset: evidence.onset.since(first).as_seconds(),
+                size: finding.residual,
+                shape: evidence.gain.map(|_| "scale"),
+                gain_percent: evidence.gain.map(|gain| 100.0 * gain),
             }),
         },
     )

@@ -73,10 +73,11 @@ pub fn warnings(episodes: &Episodes) -> String {
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
 pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     let finding = &episode.finding;
-    let fault = if episode.first_fault == finding.fault {
-        words(finding.fault.name())
-    } else {
-        format!("{} → {}", words(episode.first_fault.name()), words(finding.fault.name()))
+    let first_fault = words(episode.first_fault.name());
+    let fault = match finding.gain() {
+        Some(gain) => format!("{first_fault} → scale {:+.2} %", 100.0 * gain),
+        None if episode.first_fault == finding.fault => first_fault,
+        None => format!("{first_fault} → {}", words(finding.fault.name())),
     };
     let lasted = match episode.cleared {
         Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),

@@ -1,5 +1,6 @@
 //! What a sequential detector has found.
 
+use super::scale::Scale;
 use super::statistic::Peak;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
@@ -30,6 +31,8 @@ pub struct Alarm {
     pub evidence: Option<f64>,
     /// m; of noise its root mean square.
     pub size: f64,
+    /// It is a gain that is off, whatever `fault` took its first samples for.
+    pub scale: Option<Scale>,
     /// When it began, as far as the residuals show it.
     pub onset: Timestamp,
     /// Cycles since the alarm.

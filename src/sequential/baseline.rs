@@ -9,6 +9,9 @@ const BEGIN: f64 = 5.0;
 /// It follows a residual by at most so many deviations.
 const CLIP: f64 = 3.0;
 
+/// No temperature does more than this, m: a sample beyond is wild, and a mean must not follow it.
+const WILD: f64 = 2e-3;
+
 /// A slow mean of the residual.
 #[derive(Clone, Debug)]
 pub struct Baseline {
@@ -45,7 +48,7 @@ impl Baseline {
     pub fn follow(&mut self, residual: f64) {
         if self.seen < self.begin {
             self.seen += 1;
-            self.value += (residual - self.value) / f64::from(self.seen);
+            self.value += (residual - self.value).clamp(-WILD, WILD) / f64::from(self.seen);
         } else {
             self.value += self.gain * (residual - self.value).clamp(-self.clip, self.clip);
         }
@@ -78,7 +81,7 @@ impl Slow {
     }
 
     pub fn push(&mut self, residual: f64) {
-        self.sum += residual;
+        self.sum += residual.clamp(-WILD, WILD);
         self.count += 1;
         if self.count == self.second {
             self.means[self.next] = self.sum / f64::from(self.count);
@@ -112,11 +115,24 @@ mod tests {
     }
 
     #[test]
+    fn neither_follows_a_wild_sample() {
+        let (mut baseline, mut slow) = (Baseline::new(0.02, 1e-4), Slow::new(0.02));
+        for k in 0..3000 {
+            let residual = if k % 200 == 100 { 0.5 } else { 0.0 };
+            baseline.follow(residual);
+            slow.push(residual);
+            assert!(baseline.value().is_none_or(|value| value < 2e-5), "{k}: {baseline:?}");
+        }
+        assert!(slow.mean().is_some_and(|mean| mean < 2e-5), "{slow:?}");
+    }
+
+    #[test]
     fn the_slow_mean_is_that_of_a_minute() {
         let mut slow = Slow::new(0.02);
-        (0..3000).for_each(|_| slow.push(5.0));
-        (0..2999).for_each(|k| slow.push(f64::from(k)));
-        assert_eq!(slow.mean(), Some((5.0 * 50.0 + (0..2950).sum::<i32>() as f64) / 3000.0));
+        (0..3000).for_each(|_| slow.push(1e-3));
+        (0..2999).for_each(|k| slow.push(1e-7 * f64::from(k)));
+        let expected = (1e-3 * 50.0 + 1e-7 * (0..2950).sum::<i32>() as f64) / 3000.0;
+        assert!(slow.mean().is_some_and(|mean| (mean - expected).abs() < 1e-15));
         slow.reset();
         assert_eq!(slow.mean(), None);
     }

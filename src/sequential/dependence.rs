@@ -78,6 +78,7 @@ fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -
 
 #[cfg(test)]
 mod tests {
+    use super::super::clip::Clip;
     use super::super::rate::{Of, Rate};
     use super::*;
     use rand::SeedableRng;
@@ -95,7 +96,7 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut rng);
             for _ in 0..hold {
                 magnitudes.add(DEVIATION * normal);
-                history.push(DEVIATION * normal, 1.0, true);
+                history.push(DEVIATION * normal, &Clip::NONE, true);
                 measuring.take(&history);
             }
         }

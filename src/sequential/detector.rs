@@ -1,50 +1,28 @@
 //! The sequential detector of one cylinder.
 
+mod alarmed;
+
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
+use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
-use super::kind::{self, Looks};
 use super::motion::Motion;
-use super::pair::{Form, Pair, PairDesign};
+use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
+use super::scale::Proportion;
 use super::statistic::{DEAD_BAND, Dependence, History, Peak, Scales};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
 
-/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m …
+/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
 const SLOW: f64 = 6e-4;
-
-/// … and it is over below this, m.
-const SLOW_OVER: f64 = 4e-4;
 
 /// The level at which an alarm ends, as a part of that at which it rises.
 const CALM: f64 = 0.5;
-
-/// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
-/// can only tell a step's side while the filter has not followed, …
-const LOOKS: [u32; 8] = [5, 10, 16, 25, 50, 100, 200, 400];
-
-/// … which is until so many cycles after the alarm.
-const LATEST: usize = 25;
-
-/// As far back as innovations, and residuals at rest, are kept.
-const LONGEST: usize = 50;
-
-/// Evidence for one of the transducers that decides, nats.
-const DECIDED: f64 = 5.0;
-
-/// So many nats a step must be better than a ramp to be compared as one: a slow drift is nobody's.
-const CLEARLY: f64 = 3.0;
-
-/// Alarms of longer windows come too late: the filter, and the machine, have followed.
-const LOCATED: usize = 16;
-
-/// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
-const FOLLOWED: f64 = 5e-3;
 
 /// What one detector runs on.
 #[derive(Clone, Debug)]
@@ -88,10 +66,12 @@ pub struct Input {
 pub struct Sequential {
     design: Design,
     scales: Scales,
+    clip: Clip,
     baseline: Baseline,
     slow: Slow,
     motion: Motion,
     history: History,
+    proportion: Proportion,
     pair: Option<Pair>,
     velocity: Velocity,
     was_monitored: bool,
@@ -112,11 +92,13 @@ impl Sequential {
         let (rate, square_rate) = (rate.clone(), square_rate.clone());
         let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND);
         Self {
+            clip: Clip::new(&scales, design.level),
             scales,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             motion: Motion::new(design.sample_time),
             history: History::default(),
+            proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
             velocity: Velocity::new(design.sample_time),
             was_monitored: false,
@@ -149,6 +131,13 @@ impl Sequential {
     /// The statistics of mean and variance in the newest cycle.
     pub const fn peaks(&self) -> [Peak; 2] {
         self.peaks
+    }
+
+    /// How far the readings have been apart in the newest cycles, m, beside what is healthy; `None`
+    /// where that is not known, or not healthy.
+    pub fn apart(&self) -> Option<f64> {
+        let [.., squares] = self.history.newest().filter(|_| self.verdict == Verdict::Healthy)?;
+        Some(squares.max(0.0).sqrt())
     }
 
     /// The alarm that stands.
@@ -218,6 +207,9 @@ impl Sequential {
             return;
         };
         let moving = self.motion.step([c1, c2]);
+        if let Some(alarm) = self.alarm.filter(|_| moving) {
+            self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
+        }
         self.residual = Some(residual - baseline);
         self.judge(input.at, residual - baseline, moving);
     }
@@ -266,6 +258,7 @@ impl Sequential {
                     suspect,
                     evidence: None,
                     size,
+                    scale: None,
                     onset: at,
                     age: 0,
                     calm: 0,
@@ -289,7 +282,7 @@ impl Sequential {
     }
 
     fn judge(&mut self, at: Timestamp, residual: f64, moving: bool) {
-        self.history.push(residual, self.scales.farthest(), moving);
+        self.history.push(residual, &self.clip, moving);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
         self.peaks = self.scales.peaks(&self.history, widest);
         let [mean, variance] = self.peaks;
@@ -305,126 +298,6 @@ impl Sequential {
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
     }
-
-    fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
-        let noisy = match kind::looks(&self.history, peak.width) {
-            Some(Looks::Noisy(size)) => Some((Fault::Noise, size, peak.width)),
-            _ => None,
-        };
-        let (fault, size, cycles) = match cause {
-            Cause::Mean | Cause::Variance => noisy.unwrap_or_else(|| {
-                let shape = kind::shape(&self.history, self.design.deviation);
-                (shape.fault, shape.size, shape.onset)
-            }),
-            Cause::Slow | Cause::Dwell => {
-                (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
-            }
-        };
-        self.alarm = Some(Alarm {
-            cause,
-            peak,
-            fault,
-            suspect: Suspect::Undecided,
-            evidence: None,
-            size,
-            onset: at.after(Span::from_seconds(-(cycles as f64) * self.design.sample_time)),
-            age: 0,
-            calm: 0,
-        });
-    }
-
-    fn go_on(&mut self, calm: bool) {
-        let Some(mut alarm) = self.alarm else { return };
-        let calm = match alarm.cause {
-            Cause::Dwell => false,
-            // The baseline had followed the fault: only the mean without it tells.
-            Cause::Slow => self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
-            _ => calm,
-        };
-        alarm.age = alarm.age.saturating_add(1);
-        alarm.calm = if calm { alarm.calm + 1 } else { 0 };
-        if LOOKS.contains(&alarm.age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) {
-            self.look(&mut alarm);
-        }
-        self.alarm = Some(alarm);
-        if alarm.calm >= self.design.clear {
-            self.end();
-        }
-    }
-
-    /// What it is, and whose, by what has been read since.
-    fn look(&self, alarm: &mut Alarm) {
-        let age = alarm.age as usize;
-        match kind::looks(&self.history, age.min(LONGEST)) {
-            // A mean of many samples that stands out is no noise, however small it is beside them.
-            Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
-            Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
-            Some(Looks::Steady) => self.tell_shape(alarm),
-            Some(Looks::Neither) | None => {}
-        }
-    }
-
-    fn tell_shape(&self, alarm: &mut Alarm) {
-        let shape = kind::shape(&self.history, self.design.deviation);
-        if alarm.fault == Fault::Noise {
-            // Whoever was blamed for a noise was so by its innovations: a step has others.
-            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
-        }
-        (alarm.fault, alarm.size) = (shape.fault, shape.size);
-        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
-        let form = match shape.fault {
-            Fault::Incipient if speed < FOLLOWED => {
-                // So slow a drift may be anybody's, and what seemed a step was its beginning.
-                if alarm.age <= LONGEST as u32 {
-                    (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
-                }
-                return;
-            }
-            Fault::Incipient => Form::Ramp,
-            _ if shape.advantage < CLEARLY => return,
-            _ => Form::Step,
-        };
-        let age = alarm.age as usize;
-        let late = age > LATEST || alarm.peak.width > LOCATED || shape.onset > age + LOCATED;
-        if late || alarm.suspect != Suspect::Undecided {
-            return;
-        }
-        let pair = self.pair.as_ref();
-        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.peak.width + 1));
-        decide(alarm, evidence);
-    }
-
-    /// Noise has no onset to compare; its innovations go on.
-    fn tell_noise(&self, alarm: &mut Alarm, size: f64) {
-        if alarm.fault != Fault::Noise {
-            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
-        }
-        (alarm.fault, alarm.size) = (Fault::Noise, size);
-        if alarm.suspect == Suspect::Undecided {
-            let span = (alarm.age as usize).min(LONGEST);
-            decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
-        }
-    }
-
-    /// The alarm is over. A baseline that may have followed the fault begins anew.
-    fn end(&mut self) {
-        let ended = self.alarm.take();
-        self.history.clear();
-        self.slow.reset();
-        if ended.is_some_and(|alarm| matches!(alarm.cause, Cause::Slow | Cause::Dwell)) {
-            self.baseline.reset();
-        }
-    }
-}
-
-/// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
-fn decide(alarm: &mut Alarm, evidence: Option<f64>) {
-    alarm.evidence = evidence;
-    alarm.suspect = match evidence {
-        Some(nats) if nats > DECIDED => Suspect::C1,
-        Some(nats) if nats < -DECIDED => Suspect::C2,
-        _ => Suspect::Undecided,
-    };
 }
 
 #[cfg(test)]

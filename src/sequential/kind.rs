@@ -1,6 +1,7 @@
 //! Of what kind a fault is, how large and since when, from the residuals since.
 
 use super::statistic::History;
+use super::windows::Sums;
 use crate::verdict::Fault;
 
 /// A ramp must explain this much more than a step, nats: one sample alone fits both.
@@ -14,6 +15,9 @@ const NOISY: f64 = 0.3;
 
 /// … and above which it is no noise: of ten draws of (5-17) one or two in a hundred are so alike.
 const STEADY: f64 = 0.6;
+
+/// The mean square of the changes by the variance above which it is noise.
+const WILD: f64 = 1.0;
 
 /// A fault as its residuals show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,15 +33,16 @@ pub struct Shape {
 }
 
 /// The step or the ramp that explains the most of the samples that are held, healthy ones of this
-/// `deviation`, m.
+/// `deviation`, m: of the newest ones, or where it began before these, of those in motion.
 pub fn shape(history: &History, deviation: f64) -> Shape {
-    let span = history.moving.held();
+    let newest = fit(&history.all, deviation);
+    if newest.onset < history.all.held() { newest } else { fit(&history.moving, deviation) }
+}
+
+fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> Shape {
     let mut best = [(0.0, 0.0, 0); 2];
-    let (mut sum, mut aged, mut newer) = (0.0, 0.0, 0.0);
-    for count in 1..=span {
-        let Some([_, _, total, _]) = history.moving.over(count) else { break };
-        let value = total - newer;
-        newer = total;
+    let (mut sum, mut aged) = (0.0, 0.0);
+    for (count, value) in (1..).zip(newest(samples, samples.held())) {
         let n = count as f64;
         sum += value;
         aged += value * (n - 1.0);
@@ -60,10 +65,20 @@ pub fn shape(history: &History, deviation: f64) -> Shape {
     Shape { fault, size, onset, advantage: more.abs() }
 }
 
+/// The newest `span` residuals, the newest first, m.
+fn newest<const N: usize>(samples: &Sums<N>, span: usize) -> impl Iterator<Item = f64> + '_ {
+    let mut newer = 0.0;
+    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, total, _]| {
+        let value = total - newer;
+        newer = total;
+        value
+    })
+}
+
 /// What some samples are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Looks {
-    /// About no mean, with this root mean square, m.
+    /// Each another one, about no mean, with this root mean square, m.
     Noisy(f64),
     Steady,
     Neither,
@@ -72,23 +87,33 @@ pub enum Looks {
 /// What the newest `span` samples are; `None` if there are not so many.
 pub fn looks(history: &History, span: usize) -> Option<Looks> {
     let [_, _, sum, squares] = history.all.over(span)?;
-    let (square, mean) = (squares / span as f64, sum / span as f64);
-    Some(match mean * mean / square {
-        part if part < NOISY => Looks::Noisy(square.sqrt()),
-        part if part > STEADY => Looks::Steady,
-        _ => Looks::Neither,
-    })
+    let count = span as f64;
+    let (square, mean) = (squares / count, sum / count);
+    if mean * mean > STEADY * square {
+        return Some(Looks::Steady);
+    }
+    let mut before = None;
+    let changes = newest(&history.all, span).map(|value| {
+        let change = before.map_or(0.0, |before: f64| value - before);
+        before = Some(value);
+        change * change
+    });
+    // Of white noise this is 2 (von Neumann), of what goes up and down slowly nearly 0.
+    let wildness = changes.sum::<f64>() / (count * (square - mean * mean));
+    let noisy = mean * mean < NOISY * square && wildness > WILD;
+    Some(if noisy { Looks::Noisy(square.sqrt()) } else { Looks::Neither })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequential::clip::Clip;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(healthy + residual(k), 5e-4, true);
+            history.push(healthy + residual(k), &Clip::NONE, true);
         }
         history
     }
@@ -110,5 +135,7 @@ mod tests {
         assert!((rms - 4e-4).abs() < 2e-5, "{rms}");
         assert_eq!(looks(&history(|_| 4e-4), 25), Some(Looks::Steady));
         assert_eq!(looks(&history(|_| 4e-4), 65), None);
+        let wave = history(|k| 4e-4 * (k as f64 * 0.25).sin());
+        assert_eq!(looks(&wave, 50), Some(Looks::Neither));
     }
 }

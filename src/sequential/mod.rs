@@ -10,10 +10,12 @@
 //! moved ([`statistic`]), or a spread that grew. The level h is one number, from the wanted rate of
 //! false alarms. Which transducer it is, is told only where the evidence is there: steps and noise
 //! by the command ([`pair`]); a slow drift stays undecided, because in the closed loop the machine
-//! follows it. Memory is bounded, and a step allocates nothing.
+//! follows it. A gain that is off is told by its going with the length ([`scale`]). Memory is
+//! bounded, and a step allocates nothing.
 
 pub mod alarm;
 pub mod baseline;
+pub mod clip;
 pub mod dependence;
 pub mod detector;
 pub mod drive;
@@ -24,6 +26,7 @@ pub mod motion;
 pub mod pair;
 pub mod rate;
 pub mod reference;
+pub mod scale;
 pub mod statistic;
 pub mod velocity;
 pub mod windows;
@@ -37,6 +40,7 @@ pub use history::{Blame, DwellHistory, Moved, Trend};
 pub use pair::{Pair, PairDesign};
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
+pub use scale::Scale;
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
 /// seconds and always judged has `per_year` false alarms a year at the most.

@@ -176,25 +176,28 @@ impl Pair {
         dot * dot / (2.0 * norm)
     }
 
-    /// Whose noise the innovations of the newest `cycles` are: the log-likelihood of C1 less that of
+    /// Whose noise the innovations ν of the newest `cycles` are: the log-likelihood of C1 less that of
     /// C2, nats; `None` if the filter has not followed for so long.
     ///
-    /// The innocent one's innovations have their healthy variance, or where the rod itself is moved by
-    /// what no command tells, as much as they show; of the noisy one's nothing is known.
+    /// Of the difference d = ν1 − ν2 a part f is the fault, the rest healthy. If C1 is noisy, the sum
+    /// s = ν1 + ν2 goes with f d, and with −f d if it is C2; around these it varies as much as healthy
+    /// ones do, or where the rod itself is moved by what no command tells, as the innocent one shows.
     pub fn energy(&self, cycles: usize) -> Option<f64> {
         if cycles > self.held {
             return None;
         }
-        let mut energies = [0.0; 2];
-        for innovation in (0..cycles).map(|age| self.ago(age)) {
-            for (energy, value) in energies.iter_mut().zip(innovation) {
-                *energy += value * value;
-            }
+        let (mut energies, mut differences) = ([0.0; 2], 0.0);
+        for [n1, n2] in (0..cycles).map(|age| self.ago(age)) {
+            energies = [energies[0] + n1 * n1, energies[1] + n2 * n2];
+            differences += (n1 - n2) * (n1 - n2);
         }
-        let [sum, difference] = self.design.weights;
-        let healthy = 0.5 * (1.0 / sum + 1.0 / difference);
-        let innocent = energies[0].min(energies[1]) / cycles as f64;
-        Some((energies[0] - energies[1]) / (2.0 * healthy.max(innocent)))
+        // Healthy variances of s and of d.
+        let [sum, difference] = self.design.weights.map(|weight| 2.0 / weight);
+        let count = cycles as f64;
+        let part = (1.0 - count * difference / differences.max(f64::MIN_POSITIVE)).max(0.0);
+        let innocent = 4.0 * energies[0].min(energies[1]) / count;
+        let around = (sum + part * difference).max(innocent);
+        Some(2.0 * part * (energies[0] - energies[1]) / around)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
+use super::clip::Clip;
 use super::rate::Rate;
 use super::windows::{Sums, VALUES, WIDTHS};
 
@@ -25,7 +26,7 @@ pub const AT_REST: usize = 4;
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
 
-/// The sums of the clipped residual, m, of its square, m², of the residual itself, m, and of its
+/// The sums of the clipped residual, m, of its clipped square, m², of the residual itself, m, and of its
 /// square, m², over all samples and over those in motion.
 #[derive(Clone, Debug, Default)]
 pub struct History {
@@ -34,11 +35,11 @@ pub struct History {
 }
 
 impl History {
-    /// Takes a residual, m; clipped to `farthest`, as far as one sample is evidence: a wild one must
-    /// not be a mean of many.
-    pub fn push(&mut self, residual: f64, farthest: f64, moving: bool) {
-        let clipped = residual.clamp(-farthest, farthest);
-        let values = [clipped, clipped * clipped, residual, residual * residual];
+    /// Takes a residual, m, as far as `clip` lets it count: a wild one must not be a mean of many.
+    pub fn push(&mut self, residual: f64, clip: &Clip, moving: bool) {
+        let square = residual * residual;
+        let clipped = residual.clamp(-clip.farthest, clip.farthest);
+        let values = [clipped, square.min(clip.square), residual, square];
         self.all.push(values);
         if moving {
             self.moving.push(values);
@@ -48,6 +49,11 @@ impl History {
     pub fn clear(&mut self) {
         self.all.clear();
         self.moving.clear();
+    }
+
+    /// The sums over the newest few samples, in motion or not.
+    pub fn newest(&self) -> Option<[f64; VALUES]> {
+        self.all.over(AT_REST)
     }
 
     /// The sums over the newest `width` samples that count; `None` if there are not so many.
@@ -162,7 +168,8 @@ mod tests {
 
     fn after(residuals: impl IntoIterator<Item = f64>, moving: bool) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
-        residuals.into_iter().for_each(|r| history.push(r, scales.farthest(), moving));
+        let clip = Clip::new(&scales, f64::INFINITY);
+        residuals.into_iter().for_each(|r| history.push(r, &clip, moving));
         scales.peaks(&history, 1024)
     }
 

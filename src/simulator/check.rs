@@ -1,7 +1,9 @@
 //! Which numbers a machine can have. Beyond them the integration would not follow, or there would
 //! be no machine.
 
+use super::disturbance::Disturbance;
 use super::tables::{TableError, Tables};
+use crate::plant::ValveTable;
 use crate::sea::Response;
 use crate::transducer::Errors;
 
@@ -16,6 +18,7 @@ pub fn ranges(tables: &Tables) -> Result<(), TableError> {
     hexapod(tables)?;
     sea(tables)?;
     plant(tables)?;
+    disturbance(&tables.disturbance)?;
     controller(tables)?;
     transducers(tables)
 }
@@ -36,7 +39,11 @@ fn each_within(key: &str, values: &[f64], range: [f64; 2]) -> Result<(), TableEr
 }
 
 fn ordered(key: &'static str, value: [f64; 2]) -> Result<(), TableError> {
-    each_within(key, &value, [-100.0, 100.0])?;
+    ordered_within(key, value, [-100.0, 100.0])
+}
+
+fn ordered_within(key: &'static str, value: [f64; 2], range: [f64; 2]) -> Result<(), TableError> {
+    each_within(key, &value, range)?;
     if value[0] < value[1] { Ok(()) } else { Err(TableError::Order { key, value }) }
 }
 
@@ -79,7 +86,7 @@ fn response(key: &str, it: &Response) -> Result<(), TableError> {
 
 fn plant(tables: &Tables) -> Result<(), TableError> {
     let (cylinder, friction) = (&tables.cylinder, &tables.friction);
-    let (valve, supply, spread) = (&tables.valve, &tables.supply, &tables.spread);
+    let (supply, spread) = (&tables.supply, &tables.spread);
     ordered("cylinder.ends", cylinder.ends)?;
     all_within(&[
         ("cylinder.piston_area", cylinder.piston_area, [1e-4, 1.0]),
@@ -92,20 +99,41 @@ fn plant(tables: &Tables) -> Result<(), TableError> {
         ("friction.coulomb", friction.coulomb, [0.0, 1e6]),
         ("friction.stiction", friction.stiction, [0.0, 1e6]),
         ("friction.stribeck_speed", friction.stribeck_speed, [1e-3, 10.0]),
-        ("valve.lag", valve.lag, [1e-3, 10.0]),
-        ("valve.overlap", valve.overlap, [1e-6, 0.5]),
-        ("valve.progression", valve.progression, [0.0, 1.0]),
-        ("valve.leakage", valve.leakage, [0.0, 0.5]),
-        ("valve.extend_speed", valve.extend_speed, [0.01, 100.0]),
-        ("valve.retract_speed", valve.retract_speed, [0.01, 100.0]),
         ("supply.pressure", supply.pressure, [10.0, 1000.0]),
         ("supply.pump_gain", supply.pump_gain, [0.0, 1.0]),
         ("supply.pump_flow", supply.pump_flow, [0.0, 10.0]),
         ("supply.gas_volume", supply.gas_volume, [0.01, 1000.0]),
     ])?;
+    valve("valve", &tables.valve)?;
     each_within("spread.extend", &spread.extend, [0.1, 10.0])?;
     each_within("spread.retract", &spread.retract, [0.1, 10.0])?;
     each_within("spread.load", &spread.load, [0.1, 10.0])
+}
+
+fn valve(key: &str, it: &ValveTable) -> Result<(), TableError> {
+    within(&format!("{key}.lag"), it.lag, [1e-3, 10.0])?;
+    within(&format!("{key}.overlap"), it.overlap, [1e-6, 0.5])?;
+    within(&format!("{key}.progression"), it.progression, [0.0, 1.0])?;
+    within(&format!("{key}.leakage"), it.leakage, [0.0, 0.5])?;
+    within(&format!("{key}.extend_speed"), it.extend_speed, [0.01, 100.0])?;
+    within(&format!("{key}.retract_speed"), it.retract_speed, [0.01, 100.0])
+}
+
+fn disturbance(it: &Disturbance) -> Result<(), TableError> {
+    let time = [0.0, MUCH];
+    if let Some(load) = &it.load {
+        ordered_within("disturbance.load.time", load.time, time)?;
+        within("disturbance.load.part", load.part, [0.1, 10.0])?;
+    }
+    if let Some(pump) = &it.pump {
+        ordered_within("disturbance.pump.time", pump.time, time)?;
+        within("disturbance.pump.part", pump.part, [0.0, 1.0])?;
+    }
+    if let Some(sticking) = &it.sticking {
+        ordered_within("disturbance.sticking.time", sticking.time, time)?;
+        within("disturbance.sticking.band", sticking.band, [0.0, 0.5])?;
+    }
+    it.valve.as_ref().map_or(Ok(()), |table| valve("disturbance.valve", table))
 }
 
 fn controller(tables: &Tables) -> Result<(), TableError> {

@@ -1,10 +1,11 @@
 //! The machine without its bus.
 
 use super::Options;
+use super::disturbance::Disturbance;
 use super::tables::{Gangway, SensorTable, Tables};
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
 use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
-use crate::plant::{CYLINDERS, CylinderState, Inputs, Plant};
+use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
 use nalgebra::Vector3;
@@ -57,6 +58,7 @@ pub struct Machine {
     area_ratio: f64,
     loads: [f64; CYLINDERS],
     gangway: Gangway,
+    disturbance: Disturbance,
     motion: Motion,
     /// Spool positions of the cycle before and of this one.
     spools: [[f64; CYLINDERS]; 2],
@@ -88,14 +90,15 @@ impl Machine {
         let late = ((tables.controller.latency / sub_step).round() as u32).min(sub_steps);
         let parameters = tables.plant();
         let retracted = parameters.cylinder.ends[0];
-        let plant = Plant::new(&parameters, sub_step, retracted);
+        let built = tables.disturbance.valve.unwrap_or(parameters.valve);
+        let plant = Plant::new(&Parameters { valve: built, ..parameters }, sub_step, retracted);
         let weights = weights(&hexapod);
         let loads = parameters.spread.load;
         let look_ups = std::array::from_fn(|leg| {
-            let cylinder = &plant.cylinders()[leg];
-            let pressure = cylinder.balance(0.0, loads[leg], weights[leg]);
+            let measured = Cylinder::new(&parameters, leg, sub_step);
+            let pressure = measured.balance(0.0, loads[leg], weights[leg]);
             LookUp::of(
-                cylinder,
+                &measured,
                 tables.controller.speed_limit,
                 pressure,
                 parameters.supply.pressure,
@@ -122,6 +125,7 @@ impl Machine {
             area_ratio: parameters.cylinder.area_ratio,
             loads,
             gangway: tables.gangway,
+            disturbance: tables.disturbance,
             spools: [[0.0; CYLINDERS]; 2],
             sub_steps: [late, sub_steps - late],
             rng: random(SENSOR_STREAM),
@@ -208,7 +212,8 @@ impl Machine {
     /// What the controller makes of its readings. It acts from [`Machine::advance`] on.
     pub fn command(&mut self, readings: &Readings) -> Commands {
         let commands = self.controller.step(readings);
-        self.spools = [self.spools[1], commands.spools];
+        let before = self.spools[1];
+        self.spools = [before, self.disturbance.spools(self.time(), &before, &commands)];
         commands
     }
 
@@ -223,22 +228,29 @@ impl Machine {
         self.sample += 1;
     }
 
+    /// Since the first cycle, s.
+    fn time(&self) -> f64 {
+        self.sample as f64 * self.sample_time
+    }
+
     /// What acts on the cylinders now. Each stands on the vessel: its own frame accelerates.
     fn inputs(&self, spools: [f64; CYLINDERS]) -> Inputs {
         let Motion { pose, acceleration, .. } = &self.motion;
         let legs = Legs::new(&self.hexapod, pose, &self.hexapod.neutral());
         let lift = acceleration.translation + Vector3::new(0.0, 0.0, GRAVITY);
         let turn = pose.angular_velocity(acceleration);
-        let phase = self.sample as f64 * self.sample_time * TAU / self.gangway.period;
+        let phase = self.time() * TAU / self.gangway.period;
+        let load = self.disturbance.load(self.time());
         Inputs {
             spools,
             loads: std::array::from_fn(|leg| {
                 let bearing = leg as f64 * TAU / CYLINDERS as f64;
-                self.loads[leg] * (1.0 + self.gangway.load * (phase - bearing).cos())
+                load * self.loads[leg] * (1.0 + self.gangway.load * (phase - bearing).cos())
             }),
             accelerations: std::array::from_fn(|leg| {
                 legs.directions[leg].dot(&(lift + turn.cross(&legs.base_arms[leg])))
             }),
+            pump_lost: self.disturbance.pump_lost(self.time()),
         }
     }
 }

@@ -12,12 +12,14 @@
 
 mod arrivals;
 mod check;
+mod disturbance;
 mod layout;
 mod machine;
 mod tables;
 pub mod truth;
 mod values;
 
+pub use disturbance::{Change, Disturbance, Sticking};
 pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
 pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};

@@ -1,6 +1,7 @@
 //! The tables that describe a simulated machine: `config/e-type-plant.toml`.
 
 use super::check;
+use super::disturbance::Disturbance;
 use crate::controller::ControllerTable;
 use crate::hexapod::Geometry;
 use crate::plant::{CylinderTable, Friction, Parameters, Spread, SupplyTable, ValveTable};
@@ -32,6 +33,8 @@ pub struct Tables {
     pub c1: Errors,
     pub c2: Errors,
     pub sensors: SensorTable,
+    #[serde(default)]
+    pub disturbance: Disturbance,
 }
 
 /// The sea, if nothing else is asked for.
@@ -81,7 +84,7 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key has to be there.
+    /// Reads tables from TOML; every key has to be there, but `[disturbance]`.
     ///
     /// # Errors
     /// The first thing wrong with them.
@@ -95,7 +98,7 @@ impl Tables {
         Ok(tables)
     }
 
-    /// The tables of the plant.
+    /// The tables of the plant that the controller was made for.
     pub fn plant(&self) -> Parameters {
         Parameters {
             cylinder: self.cylinder,

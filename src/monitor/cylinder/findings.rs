@@ -20,8 +20,8 @@ impl Cylinder {
         let [fde1, fde2, fde3] = self.bank.detections();
         let levels = &self.design.levels;
         let mut findings = [
-            fde1.map(|detection| self.observer_finding(detection)),
-            fde2.map(|detection| self.observer_finding(detection)),
+            fde1.map(|detection| self.observer_finding(self.agreed(0, detection))),
+            fde2.map(|detection| self.observer_finding(self.agreed(1, detection))),
             fde3.map(|detection| self.difference_finding(detection)),
             self.implausible_finding(0, Suspect::C1),
             self.implausible_finding(1, Suspect::C2),
@@ -37,6 +37,14 @@ impl Cylinder {
             }
         }
         findings
+    }
+
+    /// The observer's detection, less the blame where the readings agree.
+    const fn agreed(&self, i: usize, detection: Detection) -> Detection {
+        if self.agreement.is_process(i) {
+            return Detection { suspect: Suspect::Process, ..detection };
+        }
+        detection
     }
 
     fn observer_finding(&self, detection: Detection) -> Finding {
@@ -55,7 +63,7 @@ impl Cylinder {
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
         Some(Finding {
-            fault: alarm.fault,
+            fault: if alarm.scale.is_some() { Fault::Unclassified } else { alarm.fault },
             suspect: alarm.suspect,
             level: self.level(alarm.suspect),
             residual: Some(alarm.size),
@@ -64,6 +72,7 @@ impl Cylinder {
                 fault: alarm.peak.nats,
                 location: alarm.evidence,
                 onset: alarm.onset,
+                gain: alarm.scale.map(|scale| scale.gain),
             }),
         })
     }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::sequential::history::Moved;
 use crate::sequential::statistic::INDEPENDENT;
+use crate::time::Span;
 
 const SAMPLE_TIME: f64 = 0.02;
 

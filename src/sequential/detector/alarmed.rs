@@ -1,0 +1,168 @@
+//! What becomes of an alarm: of what kind it is, which transducer, and when it is over.
+
+use super::Sequential;
+use crate::sequential::alarm::{Alarm, Cause};
+use crate::sequential::kind::{self, Looks};
+use crate::sequential::pair::Form;
+use crate::sequential::statistic::Peak;
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Suspect};
+
+/// A slow alarm is over below this mean of a minute, m.
+const SLOW_OVER: f64 = 4e-4;
+
+/// So often it is looked at whether the fault is a gain, cycles.
+const SCALE: u32 = 20;
+
+/// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
+/// can only tell a step's side while the filter has not followed, …
+const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
+
+/// … which is until so many cycles after the alarm.
+const LATEST: usize = 25;
+
+/// As far back as innovations, and residuals at rest, are kept.
+const LONGEST: usize = 50;
+
+/// Evidence for one of the transducers that decides, nats.
+const DECIDED: f64 = 6.0;
+
+/// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
+/// and to be compared as one: a slow drift is nobody's.
+const CLEARLY: f64 = 3.0;
+
+/// Alarms of longer windows come too late: the filter, and the machine, have followed.
+const LOCATED: usize = 16;
+
+/// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
+const FOLLOWED: f64 = 5e-3;
+
+impl Sequential {
+    pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
+        let noisy = match kind::looks(&self.history, peak.width) {
+            Some(Looks::Noisy(size)) => Some((Fault::Noise, size, peak.width)),
+            _ => None,
+        };
+        let (fault, size, cycles) = match cause {
+            Cause::Mean | Cause::Variance => noisy.unwrap_or_else(|| {
+                let shape = kind::shape(&self.history, self.design.deviation);
+                (shape.fault, shape.size, shape.onset)
+            }),
+            Cause::Slow | Cause::Dwell => {
+                (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
+            }
+        };
+        self.proportion.begin();
+        self.alarm = Some(Alarm {
+            cause,
+            peak,
+            fault,
+            suspect: Suspect::Undecided,
+            evidence: None,
+            size,
+            scale: None,
+            onset: at.after(Span::from_seconds(-(cycles as f64) * self.design.sample_time)),
+            age: 0,
+            calm: 0,
+        });
+    }
+
+    pub(super) fn go_on(&mut self, calm: bool) {
+        let Some(mut alarm) = self.alarm else { return };
+        let calm = match alarm.cause {
+            Cause::Dwell => false,
+            // The baseline had followed the fault: only the mean without it tells.
+            Cause::Slow => self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
+            _ => calm,
+        };
+        alarm.age = alarm.age.saturating_add(1);
+        alarm.calm = if calm { alarm.calm + 1 } else { 0 };
+        if LOOKS.contains(&alarm.age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) {
+            self.look(&mut alarm);
+        }
+        if alarm.age.is_multiple_of(SCALE) {
+            alarm.scale = self.proportion.scale(alarm.scale.is_some());
+        }
+        self.alarm = Some(alarm);
+        if alarm.calm >= self.design.clear {
+            self.end();
+        }
+    }
+
+    /// What it is, and whose, by what has been read since.
+    fn look(&self, alarm: &mut Alarm) {
+        let age = alarm.age as usize;
+        match kind::looks(&self.history, age.min(LONGEST)) {
+            // A mean of many samples that stands out is no noise, however small it is beside them.
+            Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
+            Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
+            Some(Looks::Steady) => self.tell_shape(alarm),
+            Some(Looks::Neither) | None => {}
+        }
+    }
+
+    fn tell_shape(&self, alarm: &mut Alarm) {
+        let shape = kind::shape(&self.history, self.design.deviation);
+        if alarm.fault == Fault::Noise {
+            // Whoever was blamed for a noise was so by its innovations: a step has others.
+            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+        }
+        if alarm.fault == Fault::Noise || shape.advantage > CLEARLY {
+            alarm.fault = shape.fault;
+        }
+        alarm.size = shape.size;
+        let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
+        let form = match shape.fault {
+            Fault::Incipient if speed < FOLLOWED => {
+                // So slow a drift may be anybody's, and what seemed a step was its beginning.
+                if alarm.age <= LONGEST as u32 {
+                    (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+                }
+                return;
+            }
+            Fault::Incipient => Form::Ramp,
+            _ if shape.advantage < CLEARLY => return,
+            _ => Form::Step,
+        };
+        let age = alarm.age as usize;
+        let late = age > LATEST || alarm.peak.width > LOCATED || shape.onset > age + LOCATED;
+        if late || alarm.suspect != Suspect::Undecided {
+            return;
+        }
+        let pair = self.pair.as_ref();
+        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.peak.width + 1));
+        decide(alarm, evidence);
+    }
+
+    /// Noise has no onset to compare; its innovations go on.
+    fn tell_noise(&self, alarm: &mut Alarm, size: f64) {
+        if alarm.fault != Fault::Noise {
+            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+        }
+        (alarm.fault, alarm.size) = (Fault::Noise, size);
+        if alarm.suspect == Suspect::Undecided {
+            let span = (alarm.age as usize).min(LONGEST);
+            decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
+        }
+    }
+
+    /// The alarm is over. A baseline that may have followed the fault begins anew.
+    pub(super) fn end(&mut self) {
+        let ended = self.alarm.take();
+        self.history.clear();
+        self.slow.reset();
+        if ended.is_some_and(|alarm| matches!(alarm.cause, Cause::Slow | Cause::Dwell)) {
+            self.baseline.reset();
+        }
+    }
+}
+
+/// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
+fn decide(alarm: &mut Alarm, evidence: Option<f64>) {
+    alarm.evidence = evidence;
+    alarm.suspect = match evidence {
+        Some(nats) if nats > DECIDED => Suspect::C1,
+        Some(nats) if nats < -DECIDED => Suspect::C2,
+        _ => Suspect::Undecided,
+    };
+}
