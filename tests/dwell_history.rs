@@ -12,6 +12,7 @@ use support::{Scratch, changed, replay, tertius};
 use tertius::appliance::history::{HistoryFile, Keeper, Kept};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::appliance::telemetry::exposition::exposition;
 use tertius::config;
 use tertius::decode::{Database, text};
 use tertius::monitor::{Monitor, MonitorDesign, Sink};
@@ -152,7 +153,7 @@ fn a_reload_keeps_the_history() {
     let scratch = Scratch::new();
     let (config, log) = stage(&scratch, 0..12);
     let (file, said_by) = (scratch.path("kept.dwells"), scratch.path("run.txt"));
-    let arguments = ["run", "--config", &config, "--play", &log, "--speed", "20"];
+    let arguments = ["run", "--config", &config, "--play", &log, "--speed", "10"];
     let mut gateway = Running::start(process::TERTIUS, &arguments, Path::new(&said_by));
     let read = || {
         let bytes = fs::read(&file).unwrap_or_default();
@@ -284,6 +285,49 @@ fn a_configuration_that_is_read_again_loses_nothing_of_its_machine() {
         assert_eq!(scratch.read(name), known.to_text(), "{name}");
     }
     assert!(!Path::new(&two).exists(), "of the other machine nothing was read");
+}
+
+#[test]
+fn what_found_no_room_or_no_disk_is_written_with_the_next() {
+    let scratch = Scratch::new();
+    let recorder = Recorder::new(Arc::new(SystemClock::new()));
+    let telemetry = recorder.telemetry();
+    let mut keeper = Keeper::new(telemetry);
+    let mut gateway = monitor();
+    let file = scratch.path("later/kept.dwells");
+    keeper.open(keep(NAME, Some(&file)), None);
+    play(&mut gateway, 0..3);
+    keeper.dwelt();
+    keeper.turned(&gateway);
+    let failed = || {
+        let text = exposition(telemetry, &SystemClock::new()).expect("text takes it");
+        text.contains("tertius_history_failures_total 1\n")
+    };
+    wait_for("the disk's refusal", failed);
+    fs::create_dir(scratch.path("later")).expect("the folder is ours");
+    // Nobody hands it on any more: the gateway stops.
+    play(&mut gateway, 3..4);
+    keeper.finish(&gateway);
+    assert_eq!(scratch.read("later/kept.dwells"), kept(&gateway).to_text());
+}
+
+/// Without the tables of a calibration nothing is read, and nothing that was is lost.
+#[test]
+fn a_cylinder_that_reads_nothing_keeps_what_it_had() {
+    let mut before = monitor();
+    play(&mut before, 0..3);
+    let known = kept(&before);
+    let loaded = config::load(&top().join("tests/recordings/e-type.toml")).expect("it ships");
+    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
+    let design = MonitorDesign::new(&loaded.settings, &database).expect("they fit");
+    let mut without = Monitor::new(design);
+    let scratch = Scratch::new();
+    let file = scratch.write("kept.dwells", known.to_text());
+    let mut keeper = keeper();
+    without.inherit(keeper.open(keep(NAME, Some(&file)), None));
+    play(&mut without, 3..5);
+    keeper.finish(&without);
+    assert_eq!(scratch.read("kept.dwells"), known.to_text());
 }
 
 #[test]
