@@ -17,13 +17,14 @@
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
 //! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
-//!   transducer it is, and the end stop as a reference.
+//!   transducer it is, and the end stop as a reference, whose history outlives the program.
 //! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
 //!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box
-//!   around it: signals, the service manager, the log, its health and metrics over HTTP.
+//!   around it: signals, the service manager, the log, the history of the stops on disk, its health
+//!   and metrics over HTTP.
 //! - [`inject`]: faults put into frames, to see that they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held

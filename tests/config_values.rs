@@ -298,6 +298,12 @@ fn values_that_contradict_each_other_are_refused() {
             "trips",
         ),
         (
+            "critical = 0.05\n",
+            "critical = 0.05\n[sequential]\nmaintenance = 0.05\n",
+            "41:15: `sequential.maintenance` is 0.05, but must be below `comparator.critical`, 0.05",
+            "without the key",
+        ),
+        (
             "bound = 1.5e-3\ncritical = 0.05",
             "critical = 1e-3",
             "38:12: `comparator.bound` is 0.0015 (the default), but",

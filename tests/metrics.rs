@@ -436,7 +436,7 @@ impl Surroundings for Flapping {
 
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {}
 
-    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
+    fn reload(&mut self, _: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         None
     }
 }

@@ -6,12 +6,16 @@
 
 #[path = "support/mod.rs"]
 mod support;
+#[path = "visits/mod.rs"]
+mod visits;
 
 use serde_json::Value;
 use std::env;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use support::{E_TYPE, HANGING_LOAD, Scratch, recording, tertius};
+use tertius::bus::LogWriter;
+use visits::{CONFIG, visits};
 
 const SCRIPT: &str = include_str!("rendering/measure.js");
 
@@ -68,6 +72,17 @@ fn the_page_of_a_replay_looks_right() {
     assert_looks_right(&["replay", &faults, "--config", E_TYPE], 6 + 27 + 3);
     let hanging = recording("hanging-load.log.gz");
     assert_looks_right(&["replay", &hanging, "--config", HANGING_LOAD], 1 + 40 + 3);
+}
+
+/// On the stops, R3 over time (R1 and R2 are not judged there), around the warnings, how large R3 was.
+#[test]
+fn a_drift_on_the_stops_looks_right() {
+    let scratch = Scratch::new();
+    let mut log = LogWriter::new(Vec::new(), "can0");
+    visits(0..40).iter().for_each(|frame| log.write(frame).expect("memory takes it"));
+    let log = scratch.write("visits.log", log.into_inner());
+    let config = format!("{}/{CONFIG}", env!("CARGO_MANIFEST_DIR"));
+    assert_looks_right(&["replay", &log, "--config", &config], 6 + 6 + 2 + 1);
 }
 
 #[test]

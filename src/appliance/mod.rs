@@ -3,6 +3,7 @@
 
 mod activity;
 pub mod doctor;
+pub mod history;
 pub mod http;
 mod journald;
 pub mod link_watch;

@@ -1,6 +1,7 @@
 //! What surrounds the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
+use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
 use super::site::Site;
@@ -18,6 +19,7 @@ use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Surroundings, Wish};
 use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
+use crate::sequential::{Dwell, Moved};
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -44,6 +46,8 @@ pub struct Prepared {
     pub listen: Option<SocketAddr>,
     /// Only as the gateway starts.
     pub realtime: Realtime,
+    /// What outlives the gateway.
+    pub kept: Kept,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
@@ -60,6 +64,7 @@ pub struct Appliance {
     site: Site,
     links: Option<LinkWatch>,
     quota: Quota,
+    keeper: Keeper,
 }
 
 impl Appliance {
@@ -84,6 +89,7 @@ impl Appliance {
         let links = links.ok();
         let (warnings, site, quota) =
             (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
+        let keeper = Keeper::new(recorder.telemetry());
         Ok(Self {
             stop,
             reload,
@@ -95,6 +101,7 @@ impl Appliance {
             site,
             links,
             quota,
+            keeper,
         })
     }
 
@@ -117,8 +124,15 @@ impl Appliance {
         }
     }
 
-    pub fn stopped(&self) {
+    /// `gateway` starts with what was kept.
+    pub fn remind(&mut self, gateway: &mut Gateway, kept: Kept) {
+        gateway.inherit(self.keeper.open(kept, None));
+    }
+
+    /// `gateway` has stopped.
+    pub fn stopped(&mut self, gateway: &Gateway) {
         tell(&[NotifyState::Stopping]);
+        self.keeper.finish(gateway.monitor());
         info!("stopped");
     }
 }
@@ -131,6 +145,10 @@ impl Journal for Appliance {
     fn warning(&mut self, warning: &Warning) {
         self.recorder.warning(warning);
         self.warnings.take(warning);
+    }
+
+    fn dwell(&mut self, _: u8, _: &Dwell, _: Option<&Moved>) {
+        self.keeper.dwelt();
     }
 
     fn notice(&mut self, notice: &Notice) {
@@ -221,12 +239,14 @@ impl Surroundings for Appliance {
         self.warnings.write();
         self.watchdog.feed();
         self.recorder.turned(gateway, port);
+        self.keeper.turned(gateway.monitor());
         self.activity.look(gateway, port);
     }
 
-    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
+    fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(Prepared { gateway, opener, interface, listen, realtime: _ }) => {
+            Ok(Prepared { mut gateway, opener, interface, listen, realtime: _, kept }) => {
+                gateway.inherit(self.keeper.open(kept, Some(before.monitor())));
                 info!("the configuration was read again; everything is judged anew");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);

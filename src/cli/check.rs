@@ -1,9 +1,11 @@
 //! `tertius check`: validates a configuration and its DBC.
 
 use super::Failure;
+use super::history;
 use super::machine::Machine;
 use crate::monitor::wiring::{Line, Target};
 use crate::observe::model::Model;
+use crate::report::stops::millimetres;
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
@@ -66,8 +68,30 @@ fn describe(machine: &Machine) -> String {
             cylinder.comparator.gain, cylinder.comparator.offset
         );
     }
+    text += &stops(machine);
     text += &findings(machine);
     text
+}
+
+/// What is read on the stops, and where it is kept; nothing where nobody asked for it.
+fn stops(machine: &Machine) -> String {
+    let settings = &machine.loaded.settings;
+    let states = settings.sequential.stop_states.as_deref().unwrap_or_default();
+    let kept = match &machine.loaded.history_path {
+        Some(path) => format!("the history is kept in {}", path.display()),
+        None => "the history is kept in memory only".to_owned(),
+    };
+    match history::lack(machine) {
+        None => {
+            let limit = millimetres(settings.drift_limits().maintenance);
+            let states = states.join(" or ");
+            format!("\nend stops   read when {states}; due after {limit}; {kept}\n")
+        }
+        Some(lack) if machine.loaded.history_path.is_some() => {
+            format!("\nend stops   not read: {lack}\n")
+        }
+        Some(_) => String::new(),
+    }
 }
 
 fn describe_model(model: &Model) -> String {

@@ -37,7 +37,8 @@ impl Machine {
         let (settings, document): (Settings, Document) =
             config::parse("config/e-type-simulated.toml", SIMULATED)?;
         let dbc_path = PathBuf::from("dbc/e-type.dbc");
-        Self::new(Loaded { settings, document, dbc_path, dbc_text: DBC.to_vec() })
+        let dbc_text = DBC.to_vec();
+        Self::new(Loaded { settings, document, dbc_path, dbc_text, history_path: None })
     }
 
     fn new(loaded: Loaded) -> Result<Self, Failure> {

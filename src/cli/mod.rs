@@ -8,6 +8,7 @@ mod doctor;
 mod evaluate;
 mod failure;
 mod faults;
+mod history;
 mod identify;
 mod inject;
 mod log_file;

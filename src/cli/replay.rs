@@ -1,6 +1,7 @@
 //! `tertius replay`: a recording through the monitor.
 
 use super::Failure;
+use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
 use super::page::PageFile;
@@ -9,7 +10,7 @@ use crate::bus::{Options, Recording, Source, TimeStamps};
 use crate::monitor::Monitor;
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, Recorder};
-use crate::report::{Summary, jsonl};
+use crate::report::{Stops, Summary, jsonl};
 use clap::{Args, ValueEnum};
 use std::fs;
 use std::io::{IsTerminal, Write};
@@ -38,6 +39,10 @@ pub struct Replay {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Goes on with what earlier recordings read on the stops, if the file is there, and writes it
+    /// with this one's at the end; recordings in the order of time. `run` goes on with the same file
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
     /// Takes only the frames of this interface [default: of all]
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
@@ -98,14 +103,24 @@ impl Replay {
         let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
         let mut monitor = Monitor::new(machine.design.clone());
+        let history =
+            self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
+        if let Some(history) = &history {
+            monitor.inherit(history.archive());
+        }
         let duration = feed(&mut recording, &mut monitor, &mut output)?;
+        let whole = !output.failed();
         self.conclude(&machine, &recording, &monitor, duration, report, output)?;
+        if let Some(history) = history.filter(|_| whole) {
+            history.write(&monitor)?;
+        }
         damage(&recording)
     }
 
     /// A file that is read here would be emptied before it is read.
     fn refuse_overwriting(&self, machine: &Machine) -> Result<(), Failure> {
-        let outputs = [&self.residuals, &self.warnings, &self.report].map(Option::as_deref);
+        let outputs = [&self.residuals, &self.warnings, &self.report, &self.history];
+        let outputs = outputs.map(Option::as_deref);
         let inputs = self.logs.iter().chain([&self.config, &machine.loaded.dbc_path]);
         for (index, output) in outputs.iter().enumerate() {
             let Some(output) = output else { continue };
@@ -138,7 +153,12 @@ impl Replay {
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let episodes = std::mem::take(&mut output.episodes);
+        let stops = Stops {
+            histories: monitor.sequential().map(|(n, it)| (n, it.dwells())).collect(),
+            limits: machine.loaded.settings.drift_limits(),
+        };
         let summary = Summary {
+            stops: &stops,
             duration,
             statistics: recording.statistics(),
             counts: monitor.counts(),

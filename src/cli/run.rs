@@ -4,6 +4,7 @@ use super::Failure;
 use super::machine::Machine;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
+use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, Prepared};
@@ -46,7 +47,7 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let Prepared { gateway, opener, listen, interface, realtime } =
+        let Prepared { mut gateway, opener, listen, interface, realtime, kept } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -54,12 +55,13 @@ impl Run {
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config, listen, interface.as_deref());
+        appliance.remind(&mut gateway, kept);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
         realtime::apply(realtime);
-        supervisor::run(gateway, opener, &mut appliance);
-        appliance.stopped();
+        let gateway = supervisor::run(gateway, opener, &mut appliance);
+        appliance.stopped(&gateway);
         stage.map_or(Ok(()), |stage| stage.finish())
     }
 }
@@ -102,7 +104,13 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Fa
         None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
     let (listen, realtime) = (settings.http.address(), settings.realtime);
-    Ok(Prepared { gateway: gateway(machine), opener, listen, interface, realtime })
+    let kept = Kept {
+        machine: settings.machine.name.clone(),
+        cylinders: settings.machine.cylinders,
+        limits: settings.drift_limits(),
+        file: machine.loaded.history_path.clone().map(HistoryFile::new),
+    };
+    Ok(Prepared { gateway: gateway(machine), opener, listen, interface, realtime, kept })
 }
 
 /// A SocketCAN interface by name.

@@ -1,6 +1,6 @@
 //! The configuration from the file system: the only place of this room that reads files.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -19,9 +19,11 @@ pub struct Loaded {
     pub dbc_path: PathBuf,
     /// The DBC as it is on disk; its encoding is for the DBC reader to judge.
     pub dbc_text: Vec<u8>,
+    /// Where the gateway keeps what was read on the stops; it need not be there.
+    pub history_path: Option<PathBuf>,
 }
 
-/// Reads a configuration and its DBC; the DBC's path is relative to the configuration's folder.
+/// Reads a configuration and its DBC; the paths in it are relative to its folder.
 ///
 /// # Errors
 /// A file that cannot be read, is too long or is not UTF-8, and all that [`parse`] refuses.
@@ -37,9 +39,32 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
     };
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
     let (settings, document) = parse(&name, &text)?;
-    let dbc_path = path.parent().unwrap_or(Path::new("")).join(&settings.bus.dbc);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let dbc_path = folder.join(&settings.bus.dbc);
     let dbc_text = read_dbc(&dbc_path, &document)?;
-    Ok(Loaded { settings, document, dbc_path, dbc_text })
+    let history_path = settings.sequential.history.as_ref().map(|history| folder.join(history));
+    if let Some(history) = &history_path {
+        refuse_overwriting(history, &[path, &dbc_path], &document)?;
+    }
+    Ok(Loaded { settings, document, dbc_path, dbc_text, history_path })
+}
+
+/// A history that is no history is set aside, and the gateway writes it anew: not these.
+fn refuse_overwriting(
+    history: &Path,
+    inputs: &[&Path],
+    document: &Document,
+) -> Result<(), ConfigError> {
+    let real = fs::canonicalize(history);
+    let same = |input: &&&Path| match (&real, fs::canonicalize(input)) {
+        (Ok(history), Ok(input)) => *history == input,
+        _ => false,
+    };
+    let Some(input) = inputs.iter().find(same) else { return Ok(()) };
+    let message = format!("`sequential.history` would be written over {}", input.display());
+    let help = "name a file of its own, for example \"/var/lib/tertius/e-type.dwells\"";
+    let problem = document.problem("sequential.history", message, help);
+    Err(document.refuse([problem]).expect("one problem is a refusal"))
 }
 
 fn read_dbc(path: &Path, document: &Document) -> Result<Vec<u8>, ConfigError> {

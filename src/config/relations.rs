@@ -119,6 +119,17 @@ impl Relations<'_> {
             ),
             "the monitor is there to warn before the machine itself trips at `critical`",
         );
+        let maintenance = settings.drift_limits().maintenance;
+        self.require(
+            maintenance < critical,
+            &["sequential.maintenance", "comparator.critical"],
+            format!(
+                "`sequential.maintenance` is {maintenance:?}, but must be below \
+                 `comparator.critical`, {critical:?}{critical_default}"
+            ),
+            "a transducer is due before the machine itself trips; without the key it is a tenth of \
+             that",
+        );
     }
 
     fn signals(&mut self, settings: &Settings) {

@@ -1,7 +1,7 @@
 //! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
 
 use super::settings::{Cylinder, CylinderSequential, CylinderSignals, PLACEHOLDER, Settings};
-use crate::sequential;
+use crate::sequential::{self, Limits};
 
 /// However many false alarms are allowed, less evidence than this is none, nats.
 const LEAST_LEVEL: f64 = 5.0;
@@ -47,6 +47,14 @@ impl Settings {
         let by_rate =
             sequential::level(budget.false_alarms_per_year, machine.cylinders, machine.sample_time);
         budget.level.unwrap_or(by_rate.max(LEAST_LEVEL))
+    }
+
+    /// How far a reading on the stop may move.
+    pub fn drift_limits(&self) -> Limits {
+        let critical = self.comparator.critical;
+        // As it is reached, nine times the time that it took is left, and each detector works as ever.
+        let maintenance = self.sequential.maintenance.unwrap_or(critical / 10.0);
+        Limits { maintenance, critical }
     }
 
     fn own(&self, n: u8) -> Option<&Cylinder> {

@@ -1,9 +1,10 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
 //! seconds, speeds metres per second. What is absent in the file has its default here.
 
+mod sequential;
+
 use crate::alarm::Level;
-use crate::sequential::drive::FEATURES;
-use crate::sequential::windows::WIDTHS;
+pub use sequential::{CylinderSequential, Sequential};
 use serde::Deserialize;
 use std::net::SocketAddr;
 
@@ -272,25 +273,6 @@ impl Default for Levels {
     }
 }
 
-/// The sequential detectors of all cylinders that have a calibration for it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Sequential {
-    /// Of the whole machine, in a year of monitoring.
-    pub false_alarms_per_year: f64,
-    /// h, nats; absent: by [`crate::sequential::level`].
-    pub level: Option<f64>,
-    /// Platform states in which the rods stand on their mechanical stops, named as
-    /// [`Machine::monitored_states`]; absent: none is known.
-    pub stop_states: Option<Vec<String>>,
-}
-
-impl Default for Sequential {
-    fn default() -> Self {
-        Self { false_alarms_per_year: 1.0, level: None, stop_states: None }
-    }
-}
-
 /// The gateway's own place on the bus.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -361,37 +343,6 @@ pub struct Cylinder {
     pub command_offset: Option<f64>,
     /// What `calibrate` has fitted; absent: no sequential detector.
     pub sequential: Option<CylinderSequential>,
-}
-
-/// What the sequential detector of one cylinder knows of its healthy readings.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CylinderSequential {
-    /// The first node on the stroke and the distance to the next, m.
-    pub first: f64,
-    pub spacing: f64,
-    /// C1 − C2 at each node, m.
-    pub nodes: Vec<f64>,
-    /// Samples that the calibration had of each cell between two nodes.
-    pub samples: Vec<u64>,
-    /// What C1 − C2 grows by with the velocity, s.
-    pub velocity: f64,
-    /// Standard deviation of the residual, m.
-    pub deviation: f64,
-    /// The rate functions of the mean and of the root mean square, nats, from 0 in steps of
-    /// `rate_spacing`, m.
-    pub rate_spacing: f64,
-    pub rate: Vec<f64>,
-    pub square_rate: Vec<f64>,
-    /// Samples of mean and of mean square that say as much as one, for each of
-    /// [`WIDTHS`](crate::sequential::windows::WIDTHS).
-    pub mean_dependence: [f64; WIDTHS.len()],
-    pub square_dependence: [f64; WIDTHS.len()],
-    /// The velocity by the commands; absent: nothing is located.
-    pub drive: Option<[f64; FEATURES]>,
-    /// What the readings differ by from it in a cycle, m.
-    #[serde(default)]
-    pub prediction: f64,
 }
 
 fn unit_gain() -> f64 {

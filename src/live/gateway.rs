@@ -6,6 +6,7 @@ use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
 use crate::error_frame::ErrorFrame;
 use crate::monitor::{Monitor, Notice, Record, Sink};
+use crate::sequential::{Archive, Dwell, Moved};
 use crate::time::{Span, Timestamp};
 use std::time::Duration;
 
@@ -18,6 +19,11 @@ pub trait Journal {
 
     fn warning(&mut self, warning: &Warning) {
         _ = warning;
+    }
+
+    /// A rod was read on its stop.
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
+        _ = (cylinder, dwell, moved);
     }
 
     fn notice(&mut self, notice: &Notice) {
@@ -70,6 +76,11 @@ impl Gateway {
 
     pub const fn monitor(&self) -> &Monitor {
         &self.monitor
+    }
+
+    /// Goes on with what an earlier gateway of the same machine has read on the stops.
+    pub fn inherit(&mut self, archive: &Archive) {
+        self.monitor.inherit(archive);
     }
 
     pub const fn outbox(&self) -> &Outbox {
@@ -181,6 +192,10 @@ impl<J: Journal> Sink for Outlet<'_, J> {
 
     fn warning(&mut self, warning: &Warning) {
         self.journal.warning(warning);
+    }
+
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
+        self.journal.dwell(cylinder, dwell, moved);
     }
 
     fn transmit(&mut self, frame: &OwnFrame) {

@@ -45,24 +45,25 @@ pub trait Surroundings: Journal {
     }
     /// A turn was done, with a port that works: the proof of life.
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port);
-    /// A new gateway and a new way to open its port, after [`Wish::Reload`]; `None` to go on as
-    /// before, because the new configuration is refused.
-    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)>;
+    /// A new gateway in the place of `gateway` and a new way to open its port, after
+    /// [`Wish::Reload`]; `None` to go on as before, because the new configuration is refused.
+    fn reload(&mut self, gateway: &Gateway) -> Option<(Gateway, Box<dyn Opener>)>;
 }
 
-/// Runs `gateway` on the ports of `opener` until the surroundings wish to stop.
+/// Runs `gateway` on the ports of `opener` until the surroundings wish to stop, and gives the gateway
+/// that ran last.
 pub fn run(
     mut gateway: Gateway,
     mut opener: Box<dyn Opener>,
     surroundings: &mut impl Surroundings,
-) {
+) -> Gateway {
     let mut back_off = BackOff::default();
     loop {
         match opener.open() {
             Ok(mut port) => {
                 surroundings.opened(&*port);
                 match serve(&mut gateway, &mut *port, &mut back_off, surroundings) {
-                    End::Stop => return,
+                    End::Stop => return gateway,
                     End::Reloaded(new_gateway, new_opener) => {
                         (gateway, opener) = (*new_gateway, new_opener);
                         continue;
@@ -76,9 +77,9 @@ pub fn run(
             Err(reason) => back_off.lost(&reason, surroundings),
         }
         match surroundings.wish() {
-            Wish::Stop => return,
+            Wish::Stop => return gateway,
             Wish::Reload => {
-                if let Some(reloaded) = surroundings.reload() {
+                if let Some(reloaded) = surroundings.reload(&gateway) {
                     (gateway, opener) = reloaded;
                 }
             }
@@ -123,7 +124,7 @@ fn serve(
                 return End::Stop;
             }
             Wish::Reload => {
-                if let Some((new_gateway, opener)) = surroundings.reload() {
+                if let Some((new_gateway, opener)) = surroundings.reload(gateway) {
                     return End::Reloaded(Box::new(new_gateway), opener);
                 }
             }

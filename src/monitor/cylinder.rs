@@ -12,7 +12,7 @@ use crate::decode::Value;
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{self, Dwell, Moved, Sequential};
+use crate::sequential::{self, Dwell, DwellHistory, Moved, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Verdict};
 use agreement::Agreement;
@@ -133,6 +133,13 @@ impl Cylinder {
     /// Its number and its sequential detector, if it has one.
     pub fn sequential(&self) -> Option<(u8, &Sequential)> {
         Some((self.design.number, self.sequential.as_deref()?))
+    }
+
+    /// Goes on with the dwells of an earlier monitor, if it has a detector that reads them.
+    pub fn inherit(&mut self, dwells: &DwellHistory) {
+        if let Some(sequential) = &mut self.sequential {
+            sequential.inherit(dwells.clone());
+        }
     }
 
     /// Times that an alive counter of C1 and C2 jumped.

@@ -10,6 +10,7 @@ pub mod cylinder;
 pub mod design;
 pub mod gate;
 mod implausible;
+mod memory;
 mod passage;
 pub mod sink;
 pub mod wiring;

@@ -57,6 +57,7 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     page += &overview(summary);
     page += &cylinders(heading, summary);
     page += &what_happened(heading, summary);
+    page += &on_the_stops(heading, summary);
     page += &what_was_noticed(heading, notices);
     page += &what_was_bad(summary);
     page
@@ -147,6 +148,24 @@ fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
         _ = writeln!(text, "… and {left_out} more; --format jsonl gives them all");
     }
     text
+}
+
+fn on_the_stops(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
+    let stops = summary.stops;
+    if stops.is_empty() {
+        return String::new();
+    }
+    let columns = stops.columns();
+    let mut table = table(heading, &columns.iter().map(String::as_str).collect::<Vec<_>>());
+    for row in stops.rows() {
+        table.add_row(row);
+    }
+    for column in [0, 2, 4, 5] {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    format!("\n{}\n\n{}\n", stops.verdict(), table.trim_fmt())
 }
 
 fn row(heading: &Heading<'_>, episode: &Episode) -> Vec<Cell> {

@@ -1,6 +1,7 @@
 //! Lines of JSON for scripts, one object each.
 
 use super::Summary;
+use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
@@ -74,6 +75,8 @@ struct SummaryLine {
     duration: f64,
     warnings: BTreeMap<Position, u64>,
     cylinders: Vec<CylinderLine>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    trends: Vec<TrendLine>,
 }
 
 /// A detector as a key, in the order of the detectors and not of their names.
@@ -199,6 +202,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
                 warnings: episodes.of_cylinder(index + 1),
             })
             .collect(),
+        trends: summary.stops.lines(),
     };
     write_line(out, &line)
 }

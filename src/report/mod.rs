@@ -12,11 +12,13 @@ pub mod page;
 pub mod provenance;
 pub mod residuals;
 pub mod sheet;
+pub mod stops;
 pub mod tuning;
 mod wording;
 
 pub use episode::{Episode, Episodes};
 pub use residuals::ResidualTable;
+pub use stops::Stops;
 
 use crate::bus::Statistics;
 use crate::monitor::{Counts, cylinder::Tally};
@@ -32,6 +34,7 @@ pub struct Summary<'a> {
     /// Jumps of the alive counters of C1 and C2 of each cylinder.
     pub counter_jumps: &'a [[u64; 2]],
     pub episodes: &'a Episodes,
+    pub stops: &'a Stops<'a>,
 }
 
 impl Summary<'_> {

@@ -145,11 +145,6 @@ impl Sequential {
         self.alarm.as_ref()
     }
 
-    /// What was read on the stop so far.
-    pub const fn dwells(&self) -> &DwellHistory {
-        &self.dwells
-    }
-
     /// What was read on the stop in the newest cycle, once.
     pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
         self.dwelt.take()
@@ -300,5 +295,6 @@ impl Sequential {
     }
 }
 
+mod memory;
 #[cfg(test)]
 mod tests;

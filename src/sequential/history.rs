@@ -1,19 +1,24 @@
 //! The dwells of one cylinder so far: which transducer has moved, and where it is going.
 
 use super::dwell::Dwell;
+use super::trend::Trend;
+use thiserror::Error;
 
 /// Dwells that are kept: beyond that every other of the older half is let go, so that the span of
 /// time stays.
-const MOST: usize = 512;
+pub const MOST: usize = 512;
 
 /// At most so many of the first dwells are what later ones are compared with.
 const ANCHORS: usize = 10;
 
 /// Fewer are no history.
-const LEAST: usize = 3;
+pub const LEAST: usize = 3;
 
 /// A reading repeats to no better than this, m.
-const REPEATABILITY: f64 = 5e-5;
+pub(super) const REPEATABILITY: f64 = 5e-5;
+
+/// No cylinder is as long as this, m.
+const LONGEST: f64 = 1000.0;
 
 /// So many deviations are a move.
 const DEVIATIONS: f64 = 5.0;
@@ -21,15 +26,25 @@ const DEVIATIONS: f64 = 5.0;
 /// What both have moved alike is the stop or the temperature: within this part.
 const ALIKE: f64 = 0.5;
 
-/// Seconds of a mean month.
-const MONTH: f64 = 30.4375 * 86_400.0;
-
 /// Dwells in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DwellHistory {
     dwells: Vec<Dwell>,
     /// So many of the first are anchors: those before anything had moved.
     anchors: usize,
+}
+
+/// Why dwells are no history.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Flaw {
+    #[error("at most {MOST} dwells")]
+    TooMany,
+    #[error("no more anchors than dwells, and at most {ANCHORS}")]
+    Anchors,
+    #[error("readings within {LONGEST} m")]
+    Reading,
+    #[error("each dwell later than the one before")]
+    Order,
 }
 
 /// What a dwell says of the two readings.
@@ -69,42 +84,45 @@ impl Moved {
     }
 }
 
-/// A straight line through the readings of one transducer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trend {
-    /// m a month.
-    pub per_month: f64,
-    /// Its standard error.
-    pub error: f64,
-    /// What the newest dwell reads more than the first ones, m.
-    pub moved: f64,
-    /// Months of history.
-    pub months: f64,
-    pub dwells: usize,
-}
-
-impl Trend {
-    /// Months from the newest dwell until it has moved by `limit`, m; `None` if the trend, less
-    /// twice its error, does not go there.
-    pub fn months_until(&self, limit: f64) -> Option<f64> {
-        let surely = self.per_month.abs() - 2.0 * self.error;
-        let left = limit - self.moved * self.per_month.signum();
-        (surely > 0.0).then(|| (left / self.per_month.abs()).max(0.0))
-    }
-}
-
 impl DwellHistory {
     pub fn dwells(&self) -> &[Dwell] {
         &self.dwells
     }
 
+    /// How many of the first are anchors.
+    pub fn anchor_count(&self) -> usize {
+        self.anchors
+    }
+
+    /// The history of `dwells`, of which the first `anchors` are anchors, as it was kept.
+    ///
+    /// # Errors
+    /// If no history can be so.
+    pub fn restore(dwells: Vec<Dwell>, anchors: usize) -> Result<Self, Flaw> {
+        if dwells.len() > MOST {
+            Err(Flaw::TooMany)
+        } else if anchors > dwells.len().min(ANCHORS) {
+            Err(Flaw::Anchors)
+        } else if !dwells.iter().all(is_sound) {
+            Err(Flaw::Reading)
+        } else if !dwells.is_sorted_by(|one, next| one.at < next.at) {
+            Err(Flaw::Order)
+        } else {
+            Ok(Self { dwells, anchors })
+        }
+    }
+
     /// Takes a dwell, and says how the readings have moved since the first ones; `None` while there
-    /// is no history. A dwell that is older than the newest is not taken: the clock was set back.
+    /// is no history. A dwell that is not newer than the newest is judged and not kept: the clock
+    /// was set back, or it is the same one again.
     pub fn add(&mut self, dwell: Dwell) -> Option<Moved> {
-        if self.dwells.last().is_some_and(|newest| newest.at >= dwell.at) {
+        if !is_sound(&dwell) {
             return None;
         }
         let moved = self.compare(&dwell);
+        if self.dwells.last().is_some_and(|newest| newest.at >= dwell.at) {
+            return moved;
+        }
         let healthy = moved.is_none_or(|moved| moved.blame() == Blame::Neither);
         if healthy && self.anchors == self.dwells.len() && self.anchors < ANCHORS {
             self.anchors += 1;
@@ -146,37 +164,15 @@ impl DwellHistory {
         });
     }
 
-    /// The trend of C1 (`which` 0) or C2 (1); `None` with less than three dwells.
+    /// The trend of C1 (`which` 0) or C2 (1); `None` with fewer than three dwells.
     pub fn trend(&self, which: usize) -> Option<Trend> {
-        let newest = self.dwells.last().filter(|_| self.dwells.len() >= LEAST)?;
-        let first = self.dwells[0].at;
-        let months = |dwell: &Dwell| dwell.at.since(first).as_seconds() / MONTH;
-        let n = self.dwells.len() as f64;
-        let t0 = self.dwells.iter().map(months).sum::<f64>() / n;
-        let y0 = self.dwells.iter().map(|dwell| dwell.readings[which]).sum::<f64>() / n;
-        let (mut tt, mut ty) = (0.0, 0.0);
-        for dwell in &self.dwells {
-            let t = months(dwell) - t0;
-            tt += t * t;
-            ty += t * (dwell.readings[which] - y0);
-        }
-        let per_month = ty / tt;
-        let squares: f64 = self
-            .dwells
-            .iter()
-            .map(|dwell| dwell.readings[which] - y0 - per_month * (months(dwell) - t0))
-            .map(|residual| residual * residual)
-            .sum();
-        let deviation = (squares / (n - 2.0).max(1.0)).sqrt().max(REPEATABILITY);
-        let anchors = self.anchors().iter();
-        Some(Trend {
-            per_month,
-            error: deviation / tt.sqrt(),
-            moved: newest.readings[which] - median(anchors.map(|anchor| anchor.readings[which])),
-            months: months(newest),
-            dwells: self.dwells.len(),
-        })
+        let reference = median(self.anchors().iter().map(|anchor| anchor.readings[which]));
+        Trend::through(&self.dwells, which, reference)
     }
+}
+
+fn is_sound(dwell: &Dwell) -> bool {
+    dwell.readings.iter().all(|reading| reading.abs() <= LONGEST)
 }
 
 /// The middle of at most [`ANCHORS`] values.
@@ -243,9 +239,9 @@ mod tests {
         let expected = 5e-5 * 30.4375;
         assert!((one.per_month - expected).abs() < 0.05 * expected, "{one:?}");
         assert!(two.per_month.abs() < 3.0 * two.error, "{two:?}");
-        let months = one.months_until(0.05).expect("it goes there");
-        assert!((months - (0.05 - one.moved) / expected).abs() < 2.0, "{months}");
-        assert_eq!(two.months_until(0.05), None);
+        let left = one.until(0.05).expect("it goes there");
+        assert!((left.expected - (0.05 - one.moved) / expected).abs() < 2.0, "{left:?}");
+        assert_eq!(two.until(0.05), None);
     }
 
     #[test]
@@ -255,21 +251,52 @@ mod tests {
             let dwell = Dwell { at: day(f64::from(k)), readings: [0.0; 2] };
             assert_eq!(history.add(dwell), None);
         }
-        let old = Dwell { at: day(1.0), readings: [0.5; 2] };
-        assert_eq!(history.add(old), None, "the clock was set back");
         assert_eq!(history.dwells().len(), 3);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_hides_no_move() {
+        let mut history = history(|_| [0.0; 2]);
+        let before = history.clone();
+        let old = Dwell { at: day(1.0), readings: [-1.4, -1.389] };
+        assert_eq!(history.add(old).map(|moved| moved.blame()), Some(Blame::C2));
+        assert_eq!(history, before, "it is not kept");
+    }
+
+    #[test]
+    fn what_is_no_history_is_not_restored() {
+        let dwells = |readings: &[f64]| {
+            let dwell = |(k, reading): (usize, &f64)| Dwell {
+                at: day(k as f64),
+                readings: [*reading, -*reading],
+            };
+            readings.iter().enumerate().map(dwell).collect::<Vec<_>>()
+        };
+        let kept = history(|_| [0.0; 2]);
+        let again = DwellHistory::restore(kept.dwells().to_vec(), kept.anchor_count());
+        assert_eq!(again, Ok(kept));
+        let restore = DwellHistory::restore;
+        assert_eq!(restore(dwells(&[1.0; MOST + 1]), 3), Err(Flaw::TooMany));
+        assert_eq!(restore(dwells(&[1.0; 2]), 3), Err(Flaw::Anchors));
+        assert_eq!(restore(dwells(&[1.0; 20]), ANCHORS + 1), Err(Flaw::Anchors));
+        for wrong in [f64::NAN, f64::INFINITY, -1e4] {
+            assert_eq!(restore(dwells(&[1.0, wrong]), 1), Err(Flaw::Reading), "{wrong}");
+        }
+        let mut twice = dwells(&[1.0; 4]);
+        twice[2].at = twice[1].at;
+        assert_eq!(restore(twice, 3), Err(Flaw::Order));
     }
 
     #[test]
     fn a_history_of_years_keeps_its_beginning_and_its_end() {
         let mut history = DwellHistory::default();
         for k in 0..20_000 {
-            history.add(Dwell { at: day(f64::from(k)), readings: [f64::from(k), 0.0] });
+            history.add(Dwell { at: day(f64::from(k)), readings: [1e-3 * f64::from(k), 0.0] });
         }
         let dwells = history.dwells();
         assert!(dwells.len() <= MOST && dwells.len() > MOST / 2, "{}", dwells.len());
-        assert_eq!(dwells[..3].iter().map(|d| d.readings[0]).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
-        assert_eq!(dwells[dwells.len() - 1].readings[0], 19_999.0);
+        assert_eq!(dwells[..3].iter().map(|d| d.at).collect::<Vec<_>>(), [0.0, 1.0, 2.0].map(day));
+        assert_eq!(dwells[dwells.len() - 1].at, day(19_999.0));
         assert!(dwells.is_sorted_by_key(|dwell| dwell.at));
     }
 }

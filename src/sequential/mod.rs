@@ -14,6 +14,7 @@
 //! bounded, and a step allocates nothing.
 
 pub mod alarm;
+pub mod archive;
 pub mod baseline;
 pub mod clip;
 pub mod dependence;
@@ -28,19 +29,22 @@ pub mod rate;
 pub mod reference;
 pub mod scale;
 pub mod statistic;
+pub mod trend;
 pub mod velocity;
 pub mod windows;
 
 use crate::extremes::per_second;
 pub use alarm::{Alarm, Cause};
+pub use archive::Archive;
 pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
 pub use dwell::Dwell;
-pub use history::{Blame, DwellHistory, Moved, Trend};
+pub use history::{Blame, DwellHistory, Moved};
 pub use pair::{Pair, PairDesign};
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
 pub use scale::Scale;
+pub use trend::{Forecast, Limits, Trend};
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
 /// seconds and always judged has `per_year` false alarms a year at the most.

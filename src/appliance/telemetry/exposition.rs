@@ -2,6 +2,7 @@
 
 use super::cell::{Histogram, State, Total};
 use super::clock::Clock;
+use super::stops::Reading;
 use super::{Cylinder, Telemetry};
 use crate::alarm::register;
 use crate::alarm::{Detector, status::Health};
@@ -33,7 +34,18 @@ pub(super) const CONTROLLER_STATES: [&str; 6] =
 
 const CYLINDERS: [&str; 6] = ["1", "2", "3", "4", "5", "6"];
 const RESIDUALS: [&str; 3] = ["r1", "r2", "r3"];
-const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
+pub(super) const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
+
+/// In the order of the telemetry.
+const LEFT: [(&str, &str); 3] = [
+    (
+        "stop_months_until_maintenance",
+        "Months from the newest dwell until the reading will have drifted by \
+         sequential.maintenance. Absent where it does not drift.",
+    ),
+    ("stop_earliest_months_until_maintenance", "The fewest that the dwells allow."),
+    ("stop_latest_months_until_maintenance", "The most that the dwells allow."),
+];
 
 /// The whole of `telemetry` as it is now by `clock`.
 ///
@@ -66,6 +78,7 @@ impl Collector for View {
         self.bus(out)?;
         self.cylinders(out)?;
         self.verdicts(out)?;
+        self.stops(out)?;
         self.process(out)
     }
 }
@@ -168,6 +181,49 @@ impl View {
                 let labels = [("cylinder", number), ("transducer", name)];
                 let state = known.unwrap_or(Health::Unknown as u8);
                 one_of(&mut family, &labels, &TRANSDUCER_STATES, Some(state))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What was read on the stops. Without enough dwells nothing is claimed.
+    fn stops(&self, out: &mut Out<'_, '_>) -> fmt::Result {
+        let help = "Times that the rod was read on its stop, as many as are kept.";
+        let mut family = out.family("stop_dwells", help, None, MetricType::Gauge)?;
+        for (number, cylinder) in self.numbered() {
+            if let Some(dwells) = cylinder.stop.dwells.get() {
+                family.encode_family(&[("cylinder", number)])?.encode_gauge(&dwells)?;
+            }
+        }
+        let help = "What the newest dwell on the stop reads more than the first ones.";
+        let moved = |reading: &Reading| reading.moved.get();
+        self.readings(out, ("stop_moved", help, Some(Unit::Meters)), moved)?;
+        let help = "By how much the reading on the stop drifts in a month, metres.";
+        let drift = |reading: &Reading| reading.drift.get();
+        self.readings(out, ("stop_drift_meters_per_month", help, None), drift)?;
+        let help = "The standard error of that, metres.";
+        let error = |reading: &Reading| reading.error.get();
+        self.readings(out, ("stop_drift_error_meters_per_month", help, None), error)?;
+        for (i, (name, help)) in LEFT.into_iter().enumerate() {
+            self.readings(out, (name, help, None), |reading| reading.left[i].get())?;
+        }
+        Ok(())
+    }
+
+    /// A gauge of each transducer on its stop: name, help and unit.
+    fn readings(
+        &self,
+        out: &mut Out<'_, '_>,
+        (name, help, unit): (&'static str, &str, Option<Unit>),
+        value: impl Fn(&Reading) -> Option<f64>,
+    ) -> fmt::Result {
+        let mut family = out.family(name, help, unit, MetricType::Gauge)?;
+        for (number, cylinder) in self.numbered() {
+            for (transducer, reading) in TRANSDUCERS.iter().zip(&cylinder.stop.readings) {
+                if let Some(value) = value(reading) {
+                    let labels = [("cylinder", number), ("transducer", transducer)];
+                    family.encode_family(&labels)?.encode_gauge(&value)?;
+                }
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! Is all well? What the health endpoint says, from what is stored and the time that it is now.
 
 use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
+use super::stops::Drifting;
 use super::{EVIDENCE, Telemetry};
 use crate::alarm::status::{Health, Mode};
 use serde::Serialize;
@@ -39,6 +40,8 @@ pub struct HealthReport {
     pub seconds_since_turn: Option<f64>,
     /// Since the last frame of the machine; `null` if there was none since the bus was opened.
     pub seconds_since_frame: Option<f64>,
+    /// Transducers whose readings on the stops drift, beyond what chance makes of so many dwells.
+    pub drifting: Vec<Drifting>,
 }
 
 impl HealthReport {
@@ -63,6 +66,7 @@ impl Telemetry {
             warnings_standing: self.standing.load(Ordering::Relaxed),
             seconds_since_turn: self.since_turn(now).map(|time| time.as_secs_f64()),
             seconds_since_frame: self.since_frame(now).map(|time| time.as_secs_f64()),
+            drifting: self.drifting(),
         }
     }
 

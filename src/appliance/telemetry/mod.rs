@@ -10,6 +10,7 @@ pub mod clock;
 pub mod exposition;
 pub mod health;
 mod recorder;
+mod stops;
 mod totals;
 
 use crate::alarm::status::{Health, MAX_CYLINDERS, Status};
@@ -20,6 +21,7 @@ use clock::Clock;
 pub use recorder::Recorder;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
+use stops::Stop;
 use totals::Totals;
 
 /// Without a frame of the machine for this long nothing is known of its transducers, and without a
@@ -48,6 +50,7 @@ struct Cylinder {
     raised: [Total; DETECTORS],
     /// [`Health`] of C1 and C2.
     transducers: [State; 2],
+    stop: Stop,
 }
 
 impl Cylinder {
@@ -57,6 +60,7 @@ impl Cylinder {
             sizes: std::array::from_fn(|_| Histogram::new(&RESIDUAL_BOUNDS)),
             raised: Default::default(),
             transducers: Default::default(),
+            stop: Stop::default(),
         }
     }
 }

@@ -35,6 +35,10 @@ pub(super) struct Totals {
     pub reconnects: Total,
     pub reloads_accepted: Total,
     pub reloads_refused: Total,
+    /// By the thread that keeps the history, as is the next.
+    pub history_writes: Total,
+    pub history_failures: Total,
+    pub history_crowded: Total,
 }
 
 impl Totals {
@@ -77,7 +81,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Those that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 25] {
+    pub fn described(&self) -> [Described<'_>; 28] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor listens to.", &self.used),
@@ -104,6 +108,9 @@ impl Totals {
             ("port_opens", "Times that the interface was opened.", &self.opens),
             ("port_losses", "Times that the open interface was lost.", &self.losses),
             ("port_reconnects", "Times that the interface was opened after a loss.", &self.reconnects),
+            ("history_writes", "Times that the history of the stops was written to its file.", &self.history_writes),
+            ("history_failures", "Times that the history of the stops could not be written.", &self.history_failures),
+            ("history_crowded", "Times that the history of the stops was not handed on, as too much waited to be written; the next time has it.", &self.history_crowded),
         ]
     }
 }

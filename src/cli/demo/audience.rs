@@ -162,7 +162,7 @@ impl Surroundings for Audience {
         self.attend();
     }
 
-    fn reload(&mut self) -> Option<(Gateway, Box<dyn Opener>)> {
+    fn reload(&mut self, _: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         None
     }
 }

@@ -3,7 +3,7 @@
 
 use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
-use super::number;
+use super::{number, text};
 use crate::sequential::drive::FEATURES;
 use crate::sequential::windows::WIDTHS;
 
@@ -18,6 +18,13 @@ pub(super) static SEQUENTIAL: Table = Table { keys: &[
     Key::optional("stop_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
+    Key::optional("history", text(TextRule::Path), "\"/var/lib/tertius/e-type.dwells\"",
+        "the file in which the gateway keeps what was read on the stops, relative to this file; \
+         absent: in memory only"),
+    Key::optional("maintenance",
+        number(Limits::above(0.0, "how far a reading on the stop may move, in metres")),
+        "0.005", "a transducer that has drifted this far is due for maintenance, m; absent: a tenth of \
+         comparator.critical"),
 ] };
 
 const FITTED: &str = "`tertius calibrate` writes it";

@@ -19,6 +19,7 @@ pub mod identification;
 pub mod palette;
 pub mod recorder;
 pub mod replay;
+mod stops;
 pub mod traces;
 pub mod tuning;
 pub mod zoom;

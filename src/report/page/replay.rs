@@ -5,7 +5,7 @@ use super::figure::{Band, Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
 use super::palette;
 use super::recorder::{Bounds, Gathered, Raised, Recorded};
 use super::zoom::Zoom;
-use super::{Page, histogram::Histogram};
+use super::{Page, histogram::Histogram, stops};
 use crate::alarm::Detector;
 use crate::report::human::{self, Heading, Notices};
 use crate::report::{Summary, wording};
@@ -33,6 +33,7 @@ pub fn page(
         wording::cylinder_rows(summary).into_iter().map(Vec::from).collect();
     page.table(&wording::CYLINDER_COLUMNS, &rows);
     page.lines(&wording::counter_jumps(summary));
+    stops::section(&mut page, summary.stops);
     over_time(&mut page, recorded);
     around_warnings(&mut page, heading, summary, recorded);
     histograms(&mut page, recorded);

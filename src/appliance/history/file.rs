@@ -1,0 +1,192 @@
+//! The file of a machine's dwells: whole, or as it was before.
+
+use crate::sequential::Archive;
+use crate::sequential::archive::{MAX_SIZE, Refusal};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Files that are set aside at most; somebody should have looked by then.
+const ASIDE: usize = 8;
+
+/// Where the dwells of a machine are kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HistoryFile(PathBuf);
+
+/// Why there is no history to go on with.
+#[derive(Debug, Error)]
+pub enum ReadError {
+    #[error("it cannot be read: {0}")]
+    Io(#[from] io::Error),
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+impl HistoryFile {
+    pub const fn new(path: PathBuf) -> Self {
+        Self(path)
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// The archive of `machine` with so many cylinders; `None` where there is no file yet.
+    ///
+    /// # Errors
+    /// It cannot be read, or is none of this machine.
+    pub fn read(&self, machine: &str, cylinders: u8) -> Result<Option<Archive>, ReadError> {
+        let file = match File::open(&self.0) {
+            Ok(file) => file,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
+        let mut bytes = Vec::new();
+        file.take(MAX_SIZE as u64 + 1).read_to_end(&mut bytes)?;
+        Ok(Some(Archive::parse(&bytes, machine, cylinders)?))
+    }
+
+    /// Puts `archive` there at once: whenever the power fails, there is this one or the one before.
+    ///
+    /// # Errors
+    /// It cannot be written; then what was there still is.
+    pub fn write(&self, archive: &Archive) -> io::Result<()> {
+        let target = self.target();
+        // Always the same name, so that crashes do not heap them up.
+        let beside = beside(&target, ".new");
+        match fs::remove_file(&beside) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let written = put(&beside, archive).and_then(|()| fs::rename(&beside, &target));
+        if let Err(error) = written {
+            // What could not be written whole is of no use to anybody.
+            _ = fs::remove_file(&beside);
+            return Err(error);
+        }
+        File::open(folder(&target))?.sync_all()
+    }
+
+    /// Renames the file, so that what it holds can be looked at, and says to what.
+    ///
+    /// # Errors
+    /// It cannot be renamed, or many have been set aside already; it stays where it is then.
+    pub fn set_aside(&self) -> io::Result<PathBuf> {
+        let target = self.target();
+        let names = (1..=ASIDE).map(|n| beside(&target, &format!(".aside-{n}")));
+        let mut free = names.filter(|name| fs::symlink_metadata(name).is_err());
+        let Some(name) = free.next() else {
+            let told = format!("{ASIDE} are set aside already; look at them and remove them");
+            return Err(io::Error::new(ErrorKind::AlreadyExists, told));
+        };
+        fs::rename(&target, &name)?;
+        Ok(name)
+    }
+
+    /// What the path leads to; a link stays one.
+    fn target(&self) -> PathBuf {
+        fs::canonicalize(&self.0).unwrap_or_else(|_| self.0.clone())
+    }
+}
+
+fn put(path: &Path, archive: &Archive) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    file.write_all(archive.to_text().as_bytes())?;
+    file.sync_all()
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = OsString::from(path);
+    name.push(suffix);
+    name.into()
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequential::Dwell;
+    use crate::time::Timestamp;
+
+    const NAME: &str = "a machine";
+
+    fn archive(count: i64) -> Archive {
+        let mut archive = Archive::new(NAME, 2);
+        for k in 0..count {
+            let dwell = Dwell { at: Timestamp::from_nanos(k), readings: [0.1, 0.2] };
+            archive.cylinders[0].add(dwell);
+        }
+        archive
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("it is there");
+        let name = |entry: io::Result<fs::DirEntry>| entry.expect("it is there").file_name();
+        let mut names: Vec<_> =
+            entries.map(|entry| name(entry).into_string().expect("UTF-8")).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_crash_while_it_is_written_leaves_the_old_one() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let file = HistoryFile::new(folder.path().join("dwells"));
+        assert!(matches!(file.read(NAME, 2), Ok(None)));
+        file.write(&archive(3)).expect("the folder is ours");
+        // The power failed in the middle of the next one.
+        let half = &archive(9).to_text()[..100];
+        fs::write(folder.path().join("dwells.new"), half).expect("the folder is ours");
+        assert_eq!(file.read(NAME, 2).expect("it is whole"), Some(archive(3)));
+        file.write(&archive(4)).expect("the folder is ours");
+        assert_eq!(file.read(NAME, 2).expect("it is whole"), Some(archive(4)));
+        assert_eq!(names(folder.path()), ["dwells"]);
+    }
+
+    #[test]
+    fn what_cannot_be_written_harms_nothing() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let file = HistoryFile::new(folder.path().join("dwells"));
+        file.write(&archive(3)).expect("the folder is ours");
+        // Nothing can be put in the place of a folder that is not empty.
+        fs::create_dir_all(folder.path().join("dwells.new/kept")).expect("the folder is ours");
+        assert!(file.write(&archive(4)).is_err());
+        assert_eq!(file.read(NAME, 2).expect("it is whole"), Some(archive(3)));
+        assert!(HistoryFile::new(folder.path().join("no/dwells")).write(&archive(1)).is_err());
+        assert!(!folder.path().join("no").exists());
+    }
+
+    #[test]
+    fn a_link_to_it_stays_one() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let [real, link] = ["real", "link"].map(|name| folder.path().join(name));
+        let file = HistoryFile::new(link.clone());
+        fs::write(&real, "").expect("the folder is ours");
+        std::os::unix::fs::symlink(&real, &link).expect("the folder is ours");
+        file.write(&archive(3)).expect("the folder is ours");
+        assert!(link.is_symlink() && real.is_file());
+        assert_eq!(HistoryFile::new(real).read(NAME, 2).expect("whole"), Some(archive(3)));
+    }
+
+    #[test]
+    fn what_is_set_aside_is_kept_and_bounded() {
+        let folder = tempfile::tempdir().expect("there is room");
+        let file = HistoryFile::new(folder.path().join("dwells"));
+        for n in 1..=ASIDE {
+            fs::write(file.path(), format!("damage {n}")).expect("the folder is ours");
+            assert!(matches!(file.read(NAME, 2), Err(ReadError::Refused(_))));
+            let aside = file.set_aside().expect("there is room");
+            assert_eq!(fs::read_to_string(aside).expect("it is there"), format!("damage {n}"));
+        }
+        fs::write(file.path(), "damage").expect("the folder is ours");
+        let told = file.set_aside().expect_err("there are enough").to_string();
+        assert!(told.contains("8 are set aside already"), "{told}");
+        assert_eq!(fs::read_to_string(file.path()).expect("it is there"), "damage");
+        assert_eq!(names(folder.path()).len(), ASIDE + 1);
+    }
+}

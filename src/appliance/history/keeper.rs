@@ -1,0 +1,201 @@
+//! Keeps what was read on the stops over restarts and reloads.
+
+use super::file::{HistoryFile, ReadError};
+use super::worker::{self, Order};
+use crate::appliance::telemetry::Telemetry;
+use crate::monitor::Monitor;
+use crate::sequential::{Archive, Limits};
+use std::sync::Arc;
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::thread::JoinHandle;
+use tracing::{info, warn};
+
+/// Orders that may wait for the disk: all rods come to rest at nearly the same time. What does not
+/// fit is left to the next one, which has it, too.
+const WAITING: usize = 8;
+
+/// What is to be kept, and where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kept {
+    /// The machine's name.
+    pub machine: String,
+    pub cylinders: u8,
+    pub limits: Limits,
+    /// `None`: in memory only.
+    pub file: Option<HistoryFile>,
+}
+
+/// The data path's end of what is kept. Nothing here waits, but for the beginning and the end.
+#[derive(Debug)]
+pub struct Keeper {
+    /// As it was read; of cylinders of which nothing is read now it is all there is.
+    base: Archive,
+    limits: Limits,
+    /// Where it is written, unless that cannot be.
+    file: Option<HistoryFile>,
+    /// There is something that was not handed on yet.
+    news: bool,
+    orders: Option<SyncSender<Order>>,
+    worker: Option<JoinHandle<()>>,
+    telemetry: Arc<Telemetry>,
+}
+
+/// What a file gave.
+enum Loaded {
+    Archive(Archive),
+    /// It may be written.
+    Nothing,
+    /// It must not be written over.
+    Unusable,
+}
+
+impl Keeper {
+    /// Of nothing yet.
+    pub fn new(telemetry: &Arc<Telemetry>) -> Self {
+        let mut keeper = Self {
+            base: Archive::default(),
+            limits: Limits { maintenance: f64::INFINITY, critical: f64::INFINITY },
+            file: None,
+            news: false,
+            orders: None,
+            worker: None,
+            telemetry: Arc::clone(telemetry),
+        };
+        keeper.start();
+        keeper
+    }
+
+    /// Without a thread everything stays in memory.
+    fn start(&mut self) {
+        let (orders, ordered) = sync_channel(WAITING);
+        let told = Arc::clone(&self.telemetry);
+        let builder = std::thread::Builder::new().name("history".to_owned());
+        match builder.spawn(move || worker::work(&ordered, &told)) {
+            Ok(worker) => (self.orders, self.worker) = (Some(orders), Some(worker)),
+            Err(error) => warn!("what is read on the stops is kept in memory only: {error}"),
+        }
+    }
+
+    /// Keeps `kept` from now on, and gives what a monitor of it goes on with: what is in its file,
+    /// or what `before` knows, if that is of the same machine and the file is the same or is new.
+    pub fn open(&mut self, kept: Kept, before: Option<&Monitor>) -> &Archive {
+        let Kept { machine, cylinders, limits, file } = kept;
+        if let Some(monitor) = before {
+            self.turned(monitor);
+            monitor.bequeath(&mut self.base);
+        }
+        let size = self.base.cylinders.len();
+        let same = self.base.machine == machine && size == usize::from(cylinders);
+        let moved = self.file != file;
+        if before.is_some() && (moved || !same) {
+            // What was ordered is on the disk before anything is read from it.
+            self.join();
+            self.start();
+        }
+        let loaded = match &file {
+            Some(file) if moved || !same => load(file, &machine, cylinders),
+            _ => Loaded::Nothing,
+        };
+        // What is in memory alone is to be written to the new file.
+        self.news = same && moved && matches!(loaded, Loaded::Nothing);
+        self.file = file.filter(|_| !matches!(loaded, Loaded::Unusable));
+        self.limits = limits;
+        match loaded {
+            Loaded::Archive(archive) => self.base = archive,
+            _ if same => {}
+            _ => self.base = Archive::new(&machine, cylinders),
+        }
+        // Told at once; it is written as soon as there is something new.
+        self.order(Order { archive: self.base.clone(), limits, file: None });
+        &self.base
+    }
+
+    /// A rod was read on its stop.
+    pub const fn dwelt(&mut self) {
+        self.news = true;
+    }
+
+    /// The data path has done a turn: what was read in it is handed on. In a turn without a dwell that
+    /// is a comparison, in one with a dwell a copy of at most 75 kB; the machine stands still then.
+    pub fn turned(&mut self, monitor: &Monitor) {
+        if std::mem::take(&mut self.news) {
+            let order = self.snapshot(monitor);
+            self.order(order);
+        }
+    }
+
+    /// The gateway has stopped: waits until everything is written.
+    pub fn finish(&mut self, monitor: &Monitor) {
+        let order = self.snapshot(monitor);
+        if let Some(orders) = self.orders.take() {
+            // A worker that panicked writes nothing any more.
+            _ = orders.send(order);
+        }
+        self.join();
+    }
+
+    fn snapshot(&self, monitor: &Monitor) -> Order {
+        let mut archive = self.base.clone();
+        monitor.bequeath(&mut archive);
+        Order { archive, limits: self.limits, file: self.file.clone() }
+    }
+
+    fn order(&self, order: Order) {
+        let refused = self.orders.as_ref().map(|orders| orders.try_send(order));
+        if matches!(refused, Some(Err(TrySendError::Full(_)))) {
+            self.telemetry.history_crowded();
+        }
+    }
+
+    fn join(&mut self) {
+        self.orders = None;
+        if let Some(worker) = self.worker.take() {
+            // It may have panicked; the gateway stops either way.
+            _ = worker.join();
+        }
+    }
+}
+
+impl Drop for Keeper {
+    fn drop(&mut self) {
+        self.join();
+    }
+}
+
+/// What is in `file`, and the log hears of it. What is no history of this machine is set aside.
+fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
+    let path = file.path().display();
+    let refusal = match file.read(machine, cylinders) {
+        Ok(Some(archive)) => {
+            let dwells: usize = archive.cylinders.iter().map(|it| it.dwells().len()).sum();
+            info!(dwells, "goes on with the history of the stops in {path}");
+            return Loaded::Archive(archive);
+        }
+        Ok(None) => {
+            info!("there is no history of the stops in {path} yet");
+            return Loaded::Nothing;
+        }
+        Err(ReadError::Refused(refusal)) => refusal,
+        Err(ReadError::Io(error)) => {
+            warn!(
+                "{path} cannot be read: {error}. It stays as it is, and the history of the stops is \
+                 kept in memory only; give the gateway access to it, then reload"
+            );
+            return Loaded::Unusable;
+        }
+    };
+    match file.set_aside() {
+        Ok(aside) => {
+            let aside = aside.display();
+            warn!("{path}: {refusal}. It was set aside as {aside}; the history starts anew");
+            Loaded::Nothing
+        }
+        Err(error) => {
+            warn!(
+                "{path}: {refusal}. It cannot be set aside ({error}) and stays as it is; the history \
+                 starts anew and is kept in memory only"
+            );
+            Loaded::Unusable
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The history of the stops that a replay goes on with.
+
+use super::Failure;
+use super::machine::Machine;
+use crate::appliance::history::HistoryFile;
+use crate::monitor::Monitor;
+use crate::sequential::Archive;
+use std::path::Path;
+
+/// A history and the file that it is kept in.
+#[derive(Debug)]
+pub struct History {
+    file: HistoryFile,
+    archive: Archive,
+}
+
+impl History {
+    /// What `path` holds of `machine`, nothing yet if it is not there.
+    ///
+    /// # Errors
+    /// It is something else, which is left alone; or nothing is read on the stops of this machine.
+    pub fn read(path: &Path, machine: &Machine) -> Result<Self, Failure> {
+        if let Some(lack) = lack(machine) {
+            return Err(Failure::Wrong(format!("--history is of no use here: {lack}")));
+        }
+        let about = &machine.loaded.settings.machine;
+        let file = HistoryFile::new(path.to_owned());
+        let read = file.read(&about.name, about.cylinders).map_err(|error| {
+            let path = path.display();
+            Failure::Wrong(format!(
+                "{path}: {error}. Nothing was changed; name another file, or move this one away to \
+                 begin a new history"
+            ))
+        });
+        let archive = read?.unwrap_or_else(|| Archive::new(&about.name, about.cylinders));
+        Ok(Self { file, archive })
+    }
+
+    pub const fn archive(&self) -> &Archive {
+        &self.archive
+    }
+
+    /// Writes it with what `monitor` has read since.
+    ///
+    /// # Errors
+    /// It cannot be written; then what was there still is.
+    pub fn write(mut self, monitor: &Monitor) -> Result<(), Failure> {
+        monitor.bequeath(&mut self.archive);
+        let path = self.file.path().display().to_string();
+        self.file.write(&self.archive).map_err(|error| Failure::writing(&path, &error))
+    }
+}
+
+/// What the configuration lacks for anything to be read on the stops.
+pub fn lack(machine: &Machine) -> Option<&'static str> {
+    if machine.loaded.settings.sequential.stop_states.is_none() {
+        return Some("no `sequential.stop_states` say when the rods stand on their stops");
+    }
+    let calibrated = machine.design.cylinders.iter().any(|it| it.sequential.is_some());
+    (!calibrated).then_some("no cylinder has the tables of `tertius calibrate` (`sequential`)")
+}

@@ -1,0 +1,65 @@
+//! What was read on the stops, on the page of a replay.
+
+use super::Page;
+use super::axis::Axis;
+use super::figure::{Curve, Figure, HALF, Panel, Shape};
+use super::palette;
+use crate::report::stops::{self, Stops, TRANSDUCERS};
+use crate::sequential::{Dwell, DwellHistory};
+
+const DAY: f64 = 86_400.0;
+
+/// Histories of fewer days are drawn on a clock.
+const FEW_DAYS: f64 = 2.0;
+
+/// Scatter is drawn no larger than this lets it, mm: a reading repeats to no better.
+const LEAST: f64 = 0.05;
+
+/// The section; nothing where nothing was read.
+pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
+    if stops.is_empty() {
+        return;
+    }
+    page.heading("On the stops");
+    page.paragraph(&stops.verdict());
+    page.paragraph(
+        "Where the rods stand on their mechanical stops each transducer is compared with its own \
+         first dwells there. A drift is told where it is beyond what chance makes of so many dwells, \
+         and the time left with the earliest and the latest that they allow. What both transducers \
+         of a cylinder do alike is the stop or the temperature.",
+    );
+    page.table(&stops.columns(), &stops.rows());
+    let histories = stops.histories.iter();
+    let figures: Vec<(Figure, String)> =
+        histories.filter_map(|(n, history)| figure(*n, history, stops)).collect();
+    page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+}
+
+/// How the readings of one cylinder have moved; `None` with too few dwells.
+fn figure(number: u8, history: &DwellHistory, stops: &Stops<'_>) -> Option<(Figure, String)> {
+    let (first, newest) = (history.dwells().first()?.at, history.dwells().last()?);
+    let seconds = |dwell: &Dwell| dwell.at.since(first).as_seconds();
+    let days = seconds(newest) / DAY > FEW_DAYS;
+    let unit = if days { DAY } else { 1.0 };
+    let mut caption = format!("Cylinder {number}: readings on the stop");
+    let mut curves = Vec::new();
+    for (which, colour) in [palette::BLUE, palette::VERMILION].into_iter().enumerate() {
+        let (trend, name) = (history.trend(which)?, TRANSDUCERS[which]);
+        let reference = newest.readings[which] - trend.moved;
+        let point =
+            |dwell: &Dwell| (seconds(dwell) / unit, (dwell.readings[which] - reference) * 1e3);
+        let points: Vec<(f64, f64)> = history.dwells().iter().map(point).collect();
+        curves.push(Curve::line(name, colour, points.clone()).shaped(Shape::Hairline));
+        curves.push(Curve::dots(name, colour, points));
+        caption += &format!("\n{name}: {}", stops::sentence(&trend, stops.limits.maintenance));
+    }
+    let values = curves.iter().flat_map(Curve::values).chain([-LEAST, LEAST]);
+    let y = Axis::over("moved (mm)", values).with_ticks(5);
+    let end = seconds(newest) / unit;
+    let x = if days {
+        Axis::linear("days since the first dwell", 0.0, end)
+    } else {
+        Axis::clock("time since the first dwell", 0.0, end)
+    };
+    Some((Figure::single(HALF, x.with_ticks(5), Panel::new(130, y, curves)), caption))
+}

@@ -1,0 +1,243 @@
+//! What was read on the mechanical stops, and where it is going, in numbers and words.
+
+use crate::sequential::{DwellHistory, Forecast, Limits, Trend};
+use serde::Serialize;
+
+/// The histories of the cylinders that have one, with their numbers.
+#[derive(Clone, Debug)]
+pub struct Stops<'a> {
+    pub histories: Vec<(u8, &'a DwellHistory)>,
+    pub limits: Limits,
+}
+
+/// The columns of [`Stops::rows`], before those of the two limits.
+const COLUMNS: [&str; 6] = ["cylinder", "transducer", "dwells", "within", "moved", "drift a month"];
+
+/// By their place in a dwell.
+pub const TRANSDUCERS: [&str; 2] = ["C1", "C2"];
+
+const DAYS: f64 = 30.4375;
+
+/// A transducer in the summary for scripts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrendLine {
+    cylinder: u8,
+    transducer: &'static str,
+    dwells: usize,
+    months: f64,
+    moved_mm: f64,
+    mm_per_month: f64,
+    error_mm_per_month: f64,
+    months_until_maintenance: Option<Left>,
+    months_until_critical: Option<Left>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Left {
+    expected: f64,
+    earliest: f64,
+    latest: f64,
+}
+
+impl From<Forecast> for Left {
+    fn from(Forecast { expected, earliest, latest }: Forecast) -> Self {
+        Self { expected, earliest, latest }
+    }
+}
+
+impl Stops<'_> {
+    /// Histories with anything in them, with the trends of C1 and C2 where there are enough dwells.
+    fn known(&self) -> impl Iterator<Item = (u8, &DwellHistory, [Option<Trend>; 2])> {
+        let known = self.histories.iter().filter(|(_, history)| !history.dwells().is_empty());
+        known.map(|(n, history)| (*n, *history, [0, 1].map(|which| history.trend(which))))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.known().next().is_none()
+    }
+
+    pub fn columns(&self) -> Vec<String> {
+        let Limits { maintenance, critical } = self.limits;
+        let limits = [maintenance, critical].map(|limit| format!("until {}", millimetres(limit)));
+        COLUMNS.map(str::to_owned).into_iter().chain(limits).collect()
+    }
+
+    /// A row for each transducer that was read on its stop.
+    pub fn rows(&self) -> Vec<Vec<String>> {
+        let Limits { maintenance, critical } = self.limits;
+        let mut rows = Vec::new();
+        for (n, history, trends) in self.known() {
+            for (name, trend) in TRANSDUCERS.iter().zip(trends) {
+                let dwells = history.dwells().len().to_string();
+                let mut row = vec![n.to_string(), (*name).to_owned(), dwells];
+                row.extend(match trend {
+                    Some(trend) => [
+                        span(trend.months),
+                        signed(trend.moved),
+                        speed(&trend),
+                        left(&trend, maintenance),
+                        left(&trend, critical),
+                    ],
+                    None => ["–", "–", "–", "too few dwells", "–"].map(str::to_owned),
+                });
+                rows.push(row);
+            }
+        }
+        rows
+    }
+
+    /// What the newest of the histories says, for people.
+    pub fn verdict(&self) -> String {
+        let drifts = |(n, _, trends): (u8, &DwellHistory, [Option<Trend>; 2])| {
+            let trends = TRANSDUCERS.into_iter().zip(trends);
+            let drifting = trends.filter(|(_, trend)| trend.is_some_and(|trend| trend.is_drift()));
+            drifting.map(|(name, _)| format!("{name} of cylinder {n}")).collect::<Vec<_>>()
+        };
+        let drifting: Vec<String> = self.known().flat_map(drifts).collect();
+        match (drifting.is_empty(), self.known().any(|(.., [one, _])| one.is_some())) {
+            (false, _) => format!("On the stops a drift is seen: {}.", drifting.join(", ")),
+            (true, true) => "On the stops no drift is seen.".to_owned(),
+            (true, false) => "On the stops too little was read to tell a drift.".to_owned(),
+        }
+    }
+
+    /// For scripts; a transducer with too few dwells is left out.
+    pub fn lines(&self) -> Vec<TrendLine> {
+        let Limits { maintenance, critical } = self.limits;
+        let line = |cylinder, transducer, trend: Trend| TrendLine {
+            cylinder,
+            transducer,
+            dwells: trend.dwells,
+            months: trend.months,
+            moved_mm: trend.moved * 1e3,
+            mm_per_month: trend.per_month * 1e3,
+            error_mm_per_month: trend.error * 1e3,
+            months_until_maintenance: trend.until(maintenance).map(Left::from),
+            months_until_critical: trend.until(critical).map(Left::from),
+        };
+        let mut lines = Vec::new();
+        for (n, _, trends) in self.known() {
+            let named = ["c1", "c2"].into_iter().zip(trends);
+            lines.extend(named.filter_map(|(name, trend)| Some(line(n, name, trend?))));
+        }
+        lines
+    }
+}
+
+/// A trend in a sentence; `limit` is how far the reading may move, m.
+pub fn sentence(trend: &Trend, limit: f64) -> String {
+    match trend.until(limit) {
+        Some(_) => {
+            format!("{} a month; {} in {}", speed(trend), millimetres(limit), left(trend, limit))
+        }
+        None => format!("no drift seen ({} a month)", speed(trend)),
+    }
+}
+
+fn speed(trend: &Trend) -> String {
+    format!("{:+.3} ± {:.3} mm", unsigned_zero(trend.per_month, 1e6), trend.error * 1e3)
+}
+
+fn left(trend: &Trend, limit: f64) -> String {
+    match trend.until(limit) {
+        None => "no drift seen".to_owned(),
+        Some(Forecast { expected, .. }) if expected <= 0.0 => "reached".to_owned(),
+        Some(Forecast { expected, earliest, latest }) => {
+            let (unit, name) = unit(expected);
+            format!(
+                "{:.1} {name} ({:.1} to {:.1})",
+                expected / unit,
+                earliest / unit,
+                latest / unit
+            )
+        }
+    }
+}
+
+fn span(months: f64) -> String {
+    let (unit, name) = unit(months);
+    format!("{:.1} {name}", months / unit)
+}
+
+/// The unit for so many months, in months.
+fn unit(months: f64) -> (f64, &'static str) {
+    [(12.0, "years"), (1.0, "months"), (1.0 / DAYS, "days")]
+        .into_iter()
+        .find(|(unit, _)| months >= 2.0 * unit)
+        .unwrap_or((1.0 / (24.0 * DAYS), "hours"))
+}
+
+/// To hundredths, as few as there are.
+pub fn millimetres(metres: f64) -> String {
+    let mm = (metres * 1e5).round() / 100.0;
+    format!("{mm} mm")
+}
+
+fn signed(metres: f64) -> String {
+    format!("{:+.2} mm", unsigned_zero(metres, 1e5))
+}
+
+/// Metres as millimetres, rounded to parts of a metre; what is rounded to zero has lost its sign.
+fn unsigned_zero(metres: f64, parts: f64) -> f64 {
+    (metres * parts).round() / parts * 1e3 + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequential::Dwell;
+    use crate::time::Timestamp;
+
+    const LIMITS: Limits = Limits { maintenance: 5e-3, critical: 0.05 };
+
+    /// A dwell a day; C2 drifts by so much in a day, m.
+    fn history(days: i64, drift: f64) -> DwellHistory {
+        let mut history = DwellHistory::default();
+        for day in 0..days {
+            let at = Timestamp::from_nanos(day * 86_400_000_000_000);
+            let scatter = 2e-5 * ((day * 5 % 3) as f64 - 1.0);
+            history.add(Dwell { at, readings: [-1.4 + scatter, -1.39 + drift * day as f64] });
+        }
+        history
+    }
+
+    #[test]
+    fn a_drift_is_told_with_the_time_left() {
+        let (still, drifting) = (history(31, 0.0), history(31, -1e-4));
+        let stops = Stops { histories: vec![(2, &still), (3, &drifting)], limits: LIMITS };
+        assert_eq!(stops.columns()[5..], ["drift a month", "until 5 mm", "until 50 mm"]);
+        assert_eq!(stops.verdict(), "On the stops a drift is seen: C2 of cylinder 3.");
+        let rows = stops.rows();
+        assert_eq!(rows.len(), 4);
+        for row in &rows[..3] {
+            assert_eq!(row[6..], ["no drift seen", "no drift seen"], "{row:?}");
+        }
+        let row = &rows[3];
+        assert_eq!(row[..5], ["3", "C2", "31", "30.0 days", "-2.55 mm"], "{row:?}");
+        assert!(row[5].starts_with("-3.044 ± 0.0"), "{row:?}");
+        assert!(row[6].starts_with("24.5 days (23") && row[7].starts_with("15.6 months ("));
+        let lines = stops.lines();
+        assert_eq!(lines.len(), 4);
+        let line = serde_json::to_value(&lines[3]).expect("numbers");
+        assert_eq!((&line["cylinder"], &line["transducer"]), (&3.into(), &"c2".into()));
+        let left = &line["months_until_maintenance"];
+        let [earliest, expected, latest] =
+            ["earliest", "expected", "latest"].map(|key| left[key].as_f64().expect("a number"));
+        assert!(earliest < expected && expected < latest, "{left}");
+        assert!((expected - 24.5 / 30.4375).abs() < 0.01, "{left}");
+        let none = serde_json::to_value(&lines[0]).expect("numbers");
+        assert!(none["months_until_maintenance"].is_null() && none["mm_per_month"].is_number());
+    }
+
+    #[test]
+    fn of_few_dwells_nothing_is_claimed() {
+        let (none, few) = (DwellHistory::default(), history(2, 1e-3));
+        let stops = Stops { histories: vec![(1, &none)], limits: LIMITS };
+        assert!(stops.is_empty());
+        let stops = Stops { histories: vec![(1, &none), (2, &few)], limits: LIMITS };
+        assert_eq!(stops.lines(), []);
+        assert_eq!(stops.rows()[0][..], ["2", "C1", "2", "–", "–", "–", "too few dwells", "–"]);
+        assert_eq!(stops.rows().len(), 2);
+        assert!(stops.verdict().contains("too little was read"));
+    }
+}

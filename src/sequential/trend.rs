@@ -1,0 +1,153 @@
+//! Where a transducer's reading on the stop is going.
+
+use super::dwell::Dwell;
+use super::history::{LEAST, REPEATABILITY};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+/// Seconds of a mean month.
+const MONTH: f64 = 30.4375 * 86_400.0;
+
+/// Of so many healthy transducers one seems to drift, which is one machine of some eighty.
+const IN_SO_MANY: f64 = 1000.0;
+
+/// A straight line through the readings of one transducer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trend {
+    /// m a month.
+    pub per_month: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// What the newest dwell reads more than the first ones, m.
+    pub moved: f64,
+    /// Months of history.
+    pub months: f64,
+    pub dwells: usize,
+}
+
+/// When a reading will have moved so far, months from its newest dwell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    pub expected: f64,
+    /// By the steepest and the flattest line that the dwells allow.
+    pub earliest: f64,
+    pub latest: f64,
+}
+
+/// How far a reading may move, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Then its transducer is due.
+    pub maintenance: f64,
+    /// Then the machine itself trips, if the other transducer has not moved.
+    pub critical: f64,
+}
+
+impl Trend {
+    /// By least squares through the readings `which` of `dwells`, in the order of time; `reference`
+    /// is what the first ones read, m. `None` with fewer than three.
+    pub(super) fn through(dwells: &[Dwell], which: usize, reference: f64) -> Option<Self> {
+        let newest = dwells.last().filter(|_| dwells.len() >= LEAST)?;
+        let first = dwells[0].at;
+        let months = |dwell: &Dwell| dwell.at.since(first).as_seconds() / MONTH;
+        let n = dwells.len() as f64;
+        let t0 = dwells.iter().map(months).sum::<f64>() / n;
+        let y0 = dwells.iter().map(|dwell| dwell.readings[which]).sum::<f64>() / n;
+        let (mut tt, mut ty) = (0.0, 0.0);
+        for dwell in dwells {
+            let t = months(dwell) - t0;
+            tt += t * t;
+            ty += t * (dwell.readings[which] - y0);
+        }
+        let per_month = ty / tt;
+        let squares: f64 = dwells
+            .iter()
+            .map(|dwell| dwell.readings[which] - y0 - per_month * (months(dwell) - t0))
+            .map(|residual| residual * residual)
+            .sum();
+        let deviation = (squares / (n - 2.0)).sqrt().max(REPEATABILITY);
+        Some(Self {
+            per_month,
+            error: deviation / tt.sqrt(),
+            moved: newest.readings[which] - reference,
+            months: months(newest),
+            dwells: dwells.len(),
+        })
+    }
+
+    /// What the line may be steeper or flatter by, m a month: Student's, since three dwells say
+    /// little of how they scatter.
+    fn margin(&self) -> f64 {
+        let freedom = (self.dwells as f64 - 2.0).max(1.0);
+        let student = StudentsT::new(0.0, 1.0, freedom);
+        // Its parameters are sound; were they not, nothing would be claimed.
+        let quantile = student.map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - 0.5 / IN_SO_MANY));
+        quantile * self.error
+    }
+
+    /// Whether it is beyond what the scatter of so many dwells may look like.
+    pub fn is_drift(&self) -> bool {
+        self.per_month.abs() > self.margin()
+    }
+
+    /// When the reading will have moved by `limit`, m, either way; `None` if it does not drift.
+    pub fn until(&self, limit: f64) -> Option<Forecast> {
+        let (speed, margin) = (self.per_month.abs(), self.margin());
+        let left = (limit - self.moved * self.per_month.signum()).max(0.0);
+        (speed > margin).then(|| Forecast {
+            expected: left / speed,
+            earliest: left / (speed + margin),
+            latest: left / (speed - margin),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::Timestamp;
+
+    /// One a day, `scatter` m to either side of a line.
+    fn dwells(count: i32, per_day: f64, scatter: f64) -> Vec<Dwell> {
+        let dwell = |k: i32| {
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let reading = per_day * f64::from(k) + sign * scatter;
+            let at = Timestamp::from_nanos(i64::from(k) * 86_400_000_000_000);
+            Dwell { at, readings: [reading, -reading] }
+        };
+        (0..count).map(dwell).collect()
+    }
+
+    #[test]
+    fn the_time_left_is_told_with_its_bounds() {
+        let dwells = dwells(30, 1e-4, 2e-5);
+        let [one, two] = [0, 1].map(|i| Trend::through(&dwells, i, 0.0).expect("there are enough"));
+        assert!((one.per_month - 1e-4 * 30.4375).abs() < 0.02 * one.per_month, "{one:?}");
+        assert_eq!(one.per_month, -two.per_month);
+        for trend in [one, two] {
+            let left = trend.until(0.005).expect("it drifts");
+            let expected = (0.005 - 29e-4) / (1e-4 * 30.4375);
+            assert!((left.expected - expected).abs() < 0.03, "{left:?}");
+            assert!(left.earliest < left.expected && left.expected < left.latest, "{left:?}");
+            // With the scatter's floor of 50 um the error is 3.2 um a day over 1000^1/2 days.
+            assert!((left.latest / left.expected - 1.0).abs() < 0.1, "{left:?}");
+        }
+        let reached = one.until(1e-3).expect("it drifts");
+        assert_eq!(reached, Forecast { expected: 0.0, earliest: 0.0, latest: 0.0 });
+    }
+
+    #[test]
+    fn scatter_is_no_drift_and_few_dwells_claim_little() {
+        let still = Trend::through(&dwells(30, 0.0, 1e-4), 0, 0.0).expect("there are enough");
+        assert!(!still.is_drift() && still.until(0.005).is_none(), "{still:?}");
+        assert_eq!(Trend::through(&dwells(2, 1e-3, 0.0), 0, 0.0), None);
+        // Twenty errors steep: of three dwells that is nothing, of ten it is a lot.
+        let steep = |count: i32, margins: f64| {
+            let still = Trend::through(&dwells(count, 0.0, 0.0), 0, 0.0).expect("enough");
+            let per_day = margins * still.error / 30.4375;
+            Trend::through(&dwells(count, per_day, 0.0), 0, 0.0).expect("enough").is_drift()
+        };
+        assert_eq!([steep(3, 20.0), steep(10, 20.0)], [false, true]);
+        // Student's quantile of eight degrees of freedom.
+        assert_eq!([steep(10, 5.0), steep(10, 5.1)], [false, true]);
+    }
+}
