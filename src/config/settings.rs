@@ -1,8 +1,11 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
 //! seconds, speeds metres per second. What is absent in the file has its default here.
 
+mod estimate;
+
 use crate::alarm::Level;
 use crate::sequential::drive::FEATURES;
+pub use estimate::Estimate;
 use serde::Deserialize;
 use std::net::SocketAddr;
 
@@ -30,6 +33,8 @@ pub struct Settings {
     pub alarm: Alarm,
     #[serde(default)]
     pub sequential: Sequential,
+    #[serde(default)]
+    pub estimate: Estimate,
     #[serde(default)]
     pub gateway: Gateway,
     #[serde(default)]

@@ -1,5 +1,6 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
+mod estimating;
 mod findings;
 
 use super::gate::Opening;
@@ -8,6 +9,7 @@ use super::sink::Record;
 use crate::compare::Comparator;
 use crate::config::settings::Levels;
 use crate::decode::Value;
+use crate::estimate::{self, Estimate, VirtualSensor};
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
@@ -39,6 +41,7 @@ pub struct CylinderDesign {
     pub bank: BankDesign,
     /// `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
+    pub estimate: estimate::Design,
     /// |R3| at which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
@@ -89,6 +92,9 @@ pub struct Cylinder {
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
+    /// `None` where nobody wants its estimates.
+    sensor: Option<Box<VirtualSensor>>,
+    estimated: Option<Estimate>,
     was_critical: bool,
     command_missing: u32,
     moving: bool,
@@ -108,6 +114,8 @@ impl Cylinder {
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
+            sensor: None,
+            estimated: None,
             was_critical: false,
             command_missing: 0,
             moving: false,
@@ -219,6 +227,7 @@ impl Cylinder {
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
         self.judge_sequentially(now, good);
+        self.estimate(now, good);
         self.count(&residuals);
         let record = self.record(now, readings, innovations, difference);
         self.inputs.clear();
@@ -232,6 +241,9 @@ impl Cylinder {
         self.bank.interrupt();
         if let Some(sequential) = &mut self.sequential {
             sequential.interrupt();
+        }
+        if let Some(sensor) = &mut self.sensor {
+            sensor.interrupt();
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
