@@ -47,7 +47,7 @@ impl Bench {
         products
             .flat_map(|product| match product {
                 Product::Trial(outcomes) => outcomes,
-                Product::Healthy(_) => panic!("a trial was asked for"),
+                Product::Healthy(_) | Product::Estimate(_) => panic!("a trial was asked for"),
             })
             .collect()
     }

@@ -1,34 +1,21 @@
 //! The sequential detectors on a simulated machine that they were calibrated to: what they find, how
 //! soon, whom they blame, and what they let pass.
 
+mod calibrated_support;
 mod support;
 
 use std::sync::OnceLock;
 use tertius::alarm::{Detector, State as Said, Warning};
-use tertius::calibrate::{Fitting, Gathering, Profiling, Scattering};
-use tertius::config::settings::{Cylinder, CylinderSequential, Settings};
+use tertius::config::settings::Settings;
 use tertius::controller::State;
 use tertius::decode::{Database, text};
 use tertius::inject::{Fault, place};
 use tertius::monitor::{Monitor, MonitorDesign, Sink};
 use tertius::sequential::{Blame, Dwell, Moved};
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
-use tertius::survey::{Survey, Surveyor, Window};
 use tertius::verdict::{Fault as Kind, Suspect};
 
 const SAMPLE_TIME: f64 = 0.02;
-
-const PLANT: &str = include_str!("../config/e-type-plant.toml");
-
-/// Transducers that are read to one count, without the fluctuations of Figure 5-9.
-fn fine() -> Tables {
-    let plain = "fluctuation_probability = 5.0e-4";
-    assert!(PLANT.contains(plain), "the plant's table has changed");
-    Tables::parse(&PLANT.replace(plain, "fluctuation_probability = 0.0")).expect("it is sound")
-}
-
-/// s of fault-free machine that the detectors are calibrated on, half to fit and half to try.
-const LENGTH: f64 = 1200.0;
 
 struct Setup {
     tables: Tables,
@@ -43,9 +30,10 @@ fn setup() -> &'static Setup {
         let loaded = tertius::config::load(&support::top().join("config/e-type-simulated.toml"))
             .expect("it is sound");
         let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
-        let mut setup = Setup { tables: fine(), settings: loaded.settings, database };
+        let mut setup =
+            Setup { tables: calibrated_support::fine(), settings: loaded.settings, database };
         setup.settings.sequential.stop_states = Some(vec!["safe".to_owned()]);
-        setup.calibrate();
+        calibrated_support::calibrate(&setup.tables, &mut setup.settings, &setup.database);
         setup
     })
 }
@@ -56,58 +44,6 @@ impl Setup {
         let mut simulator = simulator.expect("the default machine can be simulated");
         simulator.request(State::Engaged);
         simulator
-    }
-
-    /// The same machine and sea each time.
-    fn survey(&self, window: Window, surveyor: impl Surveyor) {
-        let design = MonitorDesign::surveying(&self.settings, &self.database).expect("they fit");
-        let mut monitor = Monitor::new(design);
-        let mut survey = Survey::new(EPOCH, window, surveyor);
-        let mut simulator = self.simulator(&Options { seed: 77, ..Options::default() });
-        for _ in 0..(window.to / SAMPLE_TIME) as u64 {
-            simulator.step(&mut |frame| monitor.take(frame, &mut survey));
-        }
-    }
-
-    fn calibrate(&mut self) {
-        let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
-        let mut gathering = Gathering::new(3.0, vec![None; 6]);
-        self.survey(fitted, &mut gathering);
-        let lines = (0..6).map(|i| Some(gathering.judge(i).expect("it is healthy")));
-        let mut fitting = Fitting::new(lines);
-        self.survey(fitted, &mut fitting);
-        let fits: Vec<_> = (0..6).map(|i| fitting.result(i).unwrap().expect("a line")).collect();
-        let mut profiling =
-            Profiling::new(self.settings.machine.stroke, SAMPLE_TIME, fits.iter().map(Some));
-        self.survey(fitted, &mut profiling);
-        let profiles: Vec<_> = (0..6).map(|i| profiling.result(i).expect("a profile")).collect();
-        let mut scattering = Scattering::new(SAMPLE_TIME, fits.iter().zip(&profiles).map(Some));
-        self.survey(tried, &mut scattering);
-        self.settings.cylinder = (0..6)
-            .map(|i| {
-                let (profile, scatter) = (&profiles[i], scattering.result(i).expect("a scatter"));
-                Cylinder {
-                    n: i as u8 + 1,
-                    c2_gain: fits[i].line.gain,
-                    c2_offset: fits[i].line.offset,
-                    theta: None,
-                    gamma: None,
-                    command_offset: None,
-                    sequential: Some(CylinderSequential {
-                        first: profile.reference.first,
-                        spacing: profile.reference.spacing,
-                        nodes: profile.reference.nodes.clone(),
-                        samples: profile.samples.clone(),
-                        velocity: profile.reference.velocity,
-                        deviation: scatter.deviation,
-                        rate_spacing: scatter.rate.spacing,
-                        rate: scatter.rate.values,
-                        drive: profile.drive.map(|drive| drive.0),
-                        prediction: scatter.prediction.expect("there is a drive"),
-                    }),
-                }
-            })
-            .collect();
     }
 
     /// What the detectors say of a machine with these faults, for so many seconds.

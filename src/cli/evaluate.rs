@@ -91,6 +91,8 @@ enum Studied {
     Chance,
     /// Faults of C1 that the controller reads, beside those that it does not
     Loop,
+    /// The virtual third sensor
+    Estimate,
     /// False alarms
     Healthy,
 }
@@ -106,6 +108,7 @@ impl Studied {
             Self::Data => Study::Data,
             Self::Chance => Study::Chance,
             Self::Loop => Study::Loop,
+            Self::Estimate => Study::Estimate,
             Self::Healthy => return None,
         })
     }

@@ -1,6 +1,7 @@
 //! Puts together what the jobs bring, in whatever order they do.
 
 use super::claim::Judged;
+use super::estimate::{CASES, Errors, EstimateResult};
 use super::figures::Figures;
 use super::healthy::Healthy;
 use super::outcome::Outcome;
@@ -19,6 +20,7 @@ pub struct Evaluation {
     pub seed: u64,
     pub rows: Vec<RowResult>,
     pub healthy: Vec<HealthyCell>,
+    pub estimates: Vec<EstimateResult>,
 }
 
 /// A row with its figures.
@@ -69,6 +71,8 @@ pub struct Gathering<'a> {
     sample_time: f64,
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
+    /// By cell, case and number of the machine.
+    estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -85,6 +89,7 @@ impl<'a> Gathering<'a> {
             sample_time,
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
+            estimates: BTreeMap::new(),
         }
     }
 
@@ -101,8 +106,11 @@ impl<'a> Gathering<'a> {
                 }
             }
             (Job::Healthy { cell, .. }, Product::Healthy(more)) => self.healthy[cell].add(&more),
+            (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
+                self.estimates.entry((cell, case)).or_default().insert(number, errors);
+            }
             // A job brings what it is.
-            (Job::Trial { .. } | Job::Healthy { .. }, _) => {}
+            (Job::Trial { .. } | Job::Healthy { .. } | Job::Estimate { .. }, _) => {}
         }
     }
 
@@ -115,6 +123,14 @@ impl<'a> Gathering<'a> {
             seed: self.plan.seed,
             healthy: healthy
                 .map(|(cell, healthy)| HealthyCell::new(*cell, healthy, self.sample_time))
+                .collect(),
+            estimates: self
+                .estimates
+                .into_iter()
+                .map(|((cell, case), machines)| {
+                    let machines: Vec<Errors> = machines.into_values().collect();
+                    EstimateResult::new(self.plan.cells[cell], &CASES[case], &machines)
+                })
                 .collect(),
             rows: self.rows.into_iter().filter_map(|part| part.result).collect(),
         }

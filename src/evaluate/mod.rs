@@ -15,6 +15,7 @@
 //! machine's controller reads it, too: the second recommendation of the thesis's chapter 6.
 
 mod claim;
+mod estimate;
 mod figures;
 mod gathering;
 mod grade;
@@ -29,6 +30,7 @@ mod stand;
 mod trial;
 
 pub use claim::{Claim, Judged};
+pub use estimate::{CASES, Case, Errors, EstimateResult};
 pub use figures::{Delay, DetectorFigures, Figures, Moved, SuspectFigures, WITHIN};
 pub use gathering::{Evaluation, Gathering, HealthyCell, RowResult};
 pub use grade::Grade;

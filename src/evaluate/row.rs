@@ -27,10 +27,12 @@ pub enum Study {
     Chance,
     /// The same faults of C1 beside the loop and in it.
     Loop,
+    /// The virtual sensor, which has cases of its own instead of rows.
+    Estimate,
 }
 
 impl Study {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -39,6 +41,7 @@ impl Study {
         Self::Data,
         Self::Chance,
         Self::Loop,
+        Self::Estimate,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -51,6 +54,7 @@ impl Study {
             Self::Data => "data",
             Self::Chance => "chance",
             Self::Loop => "loop",
+            Self::Estimate => "estimate",
         }
     }
 }
