@@ -54,8 +54,8 @@ const NO_RESIDUAL: i16 = i16::MIN;
 /// Fd_Estimate.Position counts, m, and the length of none of them: those of the transducers (5-3).
 const POSITION: [f64; 2] = [3.0 / 27_648.0, -1.5];
 
-/// Fd_Estimate.Sigma counts, m.
-const SIGMA_UNIT: f64 = 1e-6;
+/// Counts of Fd_Estimate.Sigma in a metre.
+const SIGMA_COUNTS: f64 = 1e6;
 
 /// Fd_Estimate.Sigma beyond its scale, or not known.
 const SIGMA_BEYOND: u16 = u16::MAX;
@@ -191,7 +191,7 @@ fn position_counts(position: f64) -> Option<u16> {
 
 /// Rounded up: never surer than it is.
 fn sigma_counts(sigma: f64) -> u16 {
-    let counts = (sigma / SIGMA_UNIT).ceil();
+    let counts = (sigma * SIGMA_COUNTS).ceil();
     if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
 }
 
@@ -214,5 +214,44 @@ const fn suspect_code(suspect: Suspect) -> u64 {
         Suspect::C1 => 1,
         Suspect::C2 => 2,
         Suspect::Process => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Source;
+
+    /// Valid, position and σ of the frame for an estimate.
+    fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
+        let estimate = Estimate { position, sigma, source: Source::Both, valid };
+        let mut encoder = Encoder::new(81).expect("81 is a node");
+        let frame = encoder.estimate(Timestamp::default(), 5, Some(&estimate));
+        let data = frame.as_frame().data();
+        let payload = u64::from_le_bytes(data.try_into().expect("eight bytes"));
+        assert_eq!((frame.as_frame().id.value(), payload >> 24 & 7), (0x3D1, 5));
+        [payload >> 27 & 1, payload >> 32 & 0xFFFF, payload >> 48]
+    }
+
+    #[test]
+    fn an_estimate_is_on_the_scales_of_the_transducers() {
+        assert_eq!(sent(0.0, 1.2e-4, true), [1, 13_824, 120]);
+        assert_eq!(sent(1.5, 1.201e-4, true), [1, 27_648, 121], "never surer than it is");
+        assert_eq!(sent(-1.5 + 3.0 / 27_648.0, 0.0, true), [1, 1, 0]);
+    }
+
+    #[test]
+    fn what_is_not_valid_or_has_no_place_on_the_scales_is_sent_as_invalid() {
+        assert_eq!(sent(0.0, 1e-4, false), [0, 0, 100]);
+        assert_eq!(sent(0.0, 0.065535, true), [0, 0, 65_535], "that much or more");
+        for sigma in [0.2, f64::INFINITY, f64::NAN] {
+            assert_eq!(sent(0.0, sigma, true), [0, 0, 65_535], "{sigma}");
+        }
+        for position in [-1.5, -1.6, 5.7, 1e9, f64::NAN, f64::NEG_INFINITY] {
+            assert_eq!(sent(position, 1e-4, true), [0, 0, 100], "{position}");
+        }
+        let mut encoder = Encoder::new(81).expect("81 is a node");
+        let nothing = encoder.estimate(Timestamp::default(), 1, None);
+        assert_eq!(nothing.as_frame().data()[3..], [1, 0, 0, 0xFF, 0xFF]);
     }
 }
