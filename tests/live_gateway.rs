@@ -276,5 +276,5 @@ fn estimates_take_nothing_from_warnings_and_statuses() {
     let seconds = 400.0 * 0.02;
     let most = 0.05 * 500_000.0 / 135.0 * seconds + 37.0;
     assert!((bench.heard.len() as f64) < most, "{} of {most}", bench.heard.len());
-    assert!(bench.gateway.outbox().counts().superseded > 500);
+    assert!(bench.gateway.outbox().counts().outdated > 500);
 }

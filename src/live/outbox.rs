@@ -31,8 +31,10 @@ pub struct OutboxCounts {
     pub too_old: u64,
     /// Dropped because too many waited.
     pub crowded_out: u64,
-    /// Statuses and estimates that a newer one took the place of.
+    /// Statuses that a newer one took the place of.
     pub superseded: u64,
+    /// Estimates that gave way to newer ones.
+    pub outdated: u64,
     /// Times that sending had to wait for the rate limit.
     pub held_back: u64,
 }
@@ -95,7 +97,7 @@ impl Outbox {
         }
         if frame.is_estimate() {
             if self.estimates.len() >= self.limits.estimates {
-                self.counts.superseded += 1;
+                self.counts.outdated += 1;
                 self.estimates.pop_front();
             }
             self.estimates.push_back(frame);
@@ -297,7 +299,7 @@ mod tests {
         let estimates = (12..18).map(|counter| (0x3D1, counter, at(40)));
         let expected = [(0x2D1, 0, at(40)), (0x1D1, 0, at(40))].into_iter().chain(estimates);
         assert!(sent.iter().copied().eq(expected), "{sent:?}");
-        assert_eq!(outbox.counts().superseded, 12);
+        assert_eq!((outbox.counts().outdated, outbox.counts().superseded), (12, 0));
     }
 
     /// 300 estimates a second, and 100 frames that may go out.
