@@ -18,6 +18,8 @@
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
 //! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
 //!   transducer it is, and the end stop as a reference, whose history outlives the program.
+//! - [`estimate`]: the virtual third sensor: each cylinder's length with its standard deviation, of the
+//!   transducers that nobody blames and of the command.
 //! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
 //! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
@@ -55,6 +57,7 @@ pub mod config;
 pub mod controller;
 pub mod decode;
 pub mod error_frame;
+pub mod estimate;
 pub mod evaluate;
 pub mod extremes;
 pub mod frame;

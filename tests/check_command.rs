@@ -49,6 +49,7 @@ fn a_sound_configuration_is_described() {
         "model     moduli of the poles 0.99878, 0.99878, 0.87704; steady speed per commanded speed 1.002",
         "FDE1      gain of the position's innovation 1.7023, 32.0305, -9612.4",
         "FDE3      C1 − (1 C2 +0 m)",
+        "estimate  both transducers and the model; valid up to σ = 5 mm; not sent",
     ] {
         assert!(text.contains(line), "{line:?} is not in\n{text}");
     }

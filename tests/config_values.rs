@@ -372,3 +372,22 @@ fn a_slow_machine_is_told_that_the_defaults_do_not_fit() {
         assert!(line.starts_with(&start), "{line}");
     }
 }
+
+#[test]
+fn estimates_need_their_share_of_the_bus_and_room_for_their_deviation() {
+    let with = |table: &str| format!("{}\n[estimate]\n{table}\n", common::EXAMPLE);
+    let lines = refusal(&with("send = true"));
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    for words in [
+        "`gateway.bus_share` is 0.05",
+        "at least 0.084",
+        "310 frames a second",
+        "or send no estimates",
+    ] {
+        assert!(lines[0].contains(words), "{words}: {}", lines[0]);
+    }
+    let lines = refusal(&with("bound = 0.07"));
+    assert_eq!(lines.len(), 1, "{lines:#?}");
+    assert!(lines[0].contains("`estimate.bound` is 0.07, but must be above 0 and at most 0.065"));
+    assert!(tertius::config::parse("machine.toml", &with("bound = 0.01")).is_ok());
+}

@@ -13,6 +13,7 @@ use tertius::alarm::e2e;
 
 const STATUS: u64 = 0x1D1;
 const WARNING: u64 = 0x2D1;
+const ESTIMATE: u64 = 0x3D1;
 const FAULTS: [&str; 8] = [
     "unclassified",
     "abrupt",
@@ -343,12 +344,92 @@ fn whatever_arrives_the_gateway_sends_only_its_own_and_hears_only_its_inputs() {
     assert_eq!(other, None);
 }
 
+/// A row of the table of estimates.
+struct Estimated {
+    opened: f64,
+    cylinder: i64,
+    /// m.
+    position: Option<f64>,
+    sigma: Option<f64>,
+    valid: bool,
+    source: String,
+}
+
+impl Estimated {
+    fn read(line: &str) -> Self {
+        let fields: Vec<&str> = line.split(',').collect();
+        assert_eq!(fields.len(), 6, "{line}");
+        let number = |i: usize| fields[i].parse::<f64>().ok();
+        Self {
+            opened: number(0).expect("a time"),
+            cylinder: fields[1].parse().expect("a number"),
+            position: number(2),
+            sigma: number(3),
+            valid: fields[4] == "1",
+            source: fields[5].to_owned(),
+        }
+    }
+
+    fn check(&self, frame: &Sent) {
+        let told = format!("{} for {:?} ± {:?}", frame.signals, self.position, self.sigma);
+        assert_eq!(frame.raw("Cylinder"), self.cylinder, "{told}");
+        assert_eq!(frame.raw("Valid"), i64::from(self.valid), "{told}");
+        let micrometres = self.sigma.map_or(f64::INFINITY, |sigma| (sigma * 1e6).ceil());
+        assert_eq!(frame.raw("Sigma") as f64, micrometres.min(65_535.0), "{told}");
+        let counts = self.position.map_or(0.0, |position| (position + 1.5) * 27_648.0 / 3.0);
+        let expected = if self.valid { counts } else { 0.0 };
+        assert!((frame.raw("Position") as f64 - expected).abs() <= 0.500_001, "{told}");
+    }
+}
+
+#[test]
+fn every_estimate_on_the_bus_is_the_one_in_the_table() {
+    let scratch = Scratch::new();
+    let (log, plain) = (scratch.path("sent.log"), scratch.path("plain.log"));
+    let table = scratch.path("estimates.csv");
+    let log_in = recording("e-type-faults.log.zst");
+    let tables = "[estimate]\nsend = true\n\n[gateway]\nbus_share = 0.15\n\n[plausibility]";
+    let config = scratch.config(&[("[plausibility]", tables)]);
+    replay(&[&log_in], &config, &["--warnings", &log, "--estimates", &table]).ok();
+    replay(&[&log_in], E_TYPE, &["--warnings", &plain]).ok();
+
+    let table = scratch.read("estimates.csv");
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("t,cylinder,estimate,sigma,valid,source"));
+    let rows: Vec<Estimated> = lines.map(Estimated::read).collect();
+    let frames = sent(&log);
+    let first = frames[0].at;
+    let estimates = || frames.iter().filter(|frame| frame.id == ESTIMATE);
+    assert_eq!(estimates().count(), rows.len(), "each row is sent");
+    assert_eq!(rows.len(), 6 * 24_000, "for each cylinder in each cycle");
+    for (k, (frame, row)) in estimates().zip(&rows).enumerate() {
+        row.check(frame);
+        assert_eq!(frame.raw("Counter"), k as i64 % 256);
+        let late = (frame.at - first) as f64 * 1e-6 - row.opened;
+        assert!((-0.02..0.02).contains(&late), "{late} s after the opening of its cycle");
+    }
+    for source in ["both", "c1", "c2"] {
+        let valid = rows.iter().filter(|row| row.source == source && row.valid).count();
+        assert!(valid > 0, "{source}");
+    }
+    let invalid = rows.iter().filter(|row| !row.valid).count();
+    assert!((6 * 49..6 * 2400).contains(&invalid), "{invalid}: the first second, and doubts");
+
+    // All else is as without them.
+    let others = |log: &str| -> Vec<String> {
+        scratch.read(log).lines().filter(|it| !it.contains(" 3D1#")).map(str::to_owned).collect()
+    };
+    assert!(others("sent.log") == others("plain.log"));
+}
+
 #[test]
 fn another_node_has_other_identifiers_and_data_ids() {
     let scratch = Scratch::new();
     let log = between(&recorded("e-type-faults.log.zst"), 58.0, 62.0);
     let log = scratch.write("part.log", log);
-    let config = scratch.config(&[("[plausibility]", "[gateway]\nnode = 127\n\n[plausibility]")]);
+    let tables =
+        "[gateway]\nnode = 127\nbus_share = 0.1\n\n[estimate]\nsend = true\n\n[plausibility]";
+    let config = scratch.config(&[("[plausibility]", tables)]);
     replay(&[&log], &config, &["--warnings", &scratch.path("sent.log")]).ok();
     let sent = scratch.read("sent.log");
     let mut kinds = BTreeMap::new();
@@ -361,6 +442,6 @@ fn another_node_has_other_identifiers_and_data_ids() {
         assert!(e2e::check(&data, id).is_ok(), "{line}");
         *kinds.entry(id).or_insert(0) += 1;
     }
-    assert_eq!(kinds.keys().copied().collect::<Vec<_>>(), [0x1FF, 0x2FF], "{kinds:?}");
+    assert_eq!(kinds.keys().copied().collect::<Vec<_>>(), [0x1FF, 0x2FF, 0x3FF], "{kinds:?}");
     assert!(kinds[&0x2FF] >= 3, "{kinds:?}");
 }

@@ -4,13 +4,14 @@
 #[path = "machine/mod.rs"]
 mod machine;
 
-use machine::{Cycle, MS, monitor, play};
+use machine::{Collected, Cycle, MS, estimating, monitor, play};
 use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::live::gateway::{Gateway, Silent};
 use tertius::live::outbox::{Limits, Outbox};
+use tertius::monitor::Monitor;
 use tertius::time::{Span, Timestamp};
 
 /// Frames with a transducer that steps and comes back, lost frames and a lost stretch.
@@ -24,15 +25,21 @@ fn bus_traffic() -> Vec<Frame> {
 }
 
 fn gateway() -> Gateway {
+    gateway_of(monitor(), 0.05)
+}
+
+/// A gateway that may take `share` of the bus.
+fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
     let limits = Limits {
         waiting: 72,
+        estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
-        share: 0.05,
+        share,
         burst: 37,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
-    Gateway::new(monitor(), outbox, Span::from_seconds(0.01))
+    Gateway::new(monitor, outbox, Span::from_seconds(0.01))
 }
 
 /// The embedded bus with a machine, a gateway and someone who listens.
@@ -226,4 +233,48 @@ fn a_stopping_gateway_says_so() {
     let payload = u64::from_le_bytes(frame.data().try_into().expect("eight bytes"));
     assert_eq!((frame.id.value(), payload >> 51 & 0b111), (0x1D1, 4));
     assert_eq!(payload >> 24 & 0xFF_FFFF, 0, "nothing is healthy once nobody looks");
+}
+
+/// What has the identifier `id`.
+fn of(frames: &[Frame], id: u32) -> Vec<(Id, Vec<u8>)> {
+    wire(frames).into_iter().filter(|(own, _)| own.value() == id).collect()
+}
+
+/// Estimates give way: to other frames, and where a turn brings several cycles, to newer ones.
+#[test]
+fn live_estimates_what_a_replay_of_the_same_frames_does() {
+    let traffic = bus_traffic();
+    let mut replayed = Collected::default();
+    let mut monitor = estimating();
+    traffic.iter().for_each(|frame| monitor.take(frame, &mut replayed));
+    for rhythm in [1, 7, 20] {
+        let mut bench = Bench { gateway: gateway_of(estimating(), 0.15), ..Bench::new() };
+        bench.run(&traffic, rhythm);
+        for id in [0x1D1, 0x2D1] {
+            let (live, replayed) = (of(&bench.heard, id), of(&replayed.frames, id));
+            assert!(replayed.len() - live.len() <= 1, "{id:x} in rhythm {rhythm}");
+            assert!(live == replayed[..live.len()], "{id:x} in rhythm {rhythm}");
+        }
+        let (live, replayed) = (of(&bench.heard, 0x3D1), of(&replayed.frames, 0x3D1));
+        assert!(live.len() * 10 > replayed.len() * 9, "rhythm {rhythm}: {}", live.len());
+        let mut rest = replayed.iter();
+        assert!(live.iter().all(|frame| rest.any(|it| it == frame)), "rhythm {rhythm}");
+    }
+}
+
+/// With too small a share of the bus estimates are left out, and nothing else is.
+#[test]
+fn estimates_take_nothing_from_warnings_and_statuses() {
+    let traffic = bus_traffic();
+    let mut plain = Bench::new();
+    plain.run(&traffic, 1);
+    let mut bench = Bench { gateway: gateway_of(estimating(), 0.05), ..Bench::new() };
+    bench.run(&traffic, 1);
+    for id in [0x1D1, 0x2D1] {
+        assert!(of(&bench.heard, id) == of(&plain.heard, id), "{id:x}");
+    }
+    let seconds = 400.0 * 0.02;
+    let most = 0.05 * 500_000.0 / 135.0 * seconds + 37.0;
+    assert!((bench.heard.len() as f64) < most, "{} of {most}", bench.heard.len());
+    assert!(bench.gateway.outbox().counts().outdated > 500);
 }

@@ -73,6 +73,7 @@ fn the_figures_are_what_the_monitor_counted() {
         ("frames_crowded_out", outbox.crowded_out),
         ("frames_held_back", outbox.held_back),
         ("statuses_superseded", outbox.superseded),
+        ("estimates_outdated", outbox.outdated),
         ("cycles", counts.cycles),
         ("cycles_incomplete", counts.incomplete),
         ("cycles_missing", counts.missing),

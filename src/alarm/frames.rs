@@ -1,8 +1,9 @@
-//! The gateway's own frames: Fd_Status and Fd_Warning, protected by E2E profile 5.
+//! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5.
 
 use super::e2e;
 use super::status::Status;
 use super::warning::{Detector, Finding};
+use crate::estimate::Estimate;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
@@ -19,7 +20,16 @@ impl OwnFrame {
 
     /// Whether it is an Fd_Warning.
     pub fn is_warning(&self) -> bool {
-        self.0.id.value() & !u32::from(u8::MAX >> 1) == TPDO[1]
+        self.base() == TPDO[1]
+    }
+
+    /// Whether it is an Fd_Estimate.
+    pub fn is_estimate(&self) -> bool {
+        self.base() == TPDO[2]
+    }
+
+    fn base(&self) -> u32 {
+        self.0.id.value() & !u32::from(u8::MAX >> 1)
     }
 }
 
@@ -41,6 +51,19 @@ const THRESHOLD_BEYOND: u64 = 255;
 /// Fd_Warning.Residual where the detector has none.
 const NO_RESIDUAL: i16 = i16::MIN;
 
+/// Fd_Estimate.Position counts, m, and the length of none of them: those of the transducers (5-3).
+const POSITION: [f64; 2] = [3.0 / 27_648.0, -1.5];
+
+/// Counts of Fd_Estimate.Sigma in a metre.
+const SIGMA_COUNTS: f64 = 1e6;
+
+/// Fd_Estimate.Sigma beyond its scale, or not known.
+const SIGMA_BEYOND: u16 = u16::MAX;
+
+/// Bits of a frame of the gateway on the bus, with every stuff bit it can have and the space between
+/// frames.
+pub const FRAME_BITS: f64 = 135.0;
+
 /// The identifiers that the gateway of node `node` sends; `None` unless `node` is 1 to 127.
 pub fn identifiers(node: u8) -> Option<[Id; 3]> {
     let [status, warning, estimate] =
@@ -53,6 +76,7 @@ pub fn identifiers(node: u8) -> Option<[Id; 3]> {
 pub struct Encoder {
     status: Channel,
     warning: Channel,
+    estimate: Channel,
 }
 
 #[derive(Clone, Debug)]
@@ -64,9 +88,8 @@ struct Channel {
 impl Encoder {
     /// The frames of the gateway at CANopen node `node`; `None` unless it is 1 to 127.
     pub fn new(node: u8) -> Option<Self> {
-        let [status, warning, _] = identifiers(node)?;
-        let channel = |id| Channel { id, counter: 0 };
-        Some(Self { status: channel(status), warning: channel(warning) })
+        let [status, warning, estimate] = identifiers(node)?.map(|id| Channel { id, counter: 0 });
+        Some(Self { status, warning, estimate })
     }
 
     /// The identifier of Fd_Status.
@@ -108,6 +131,26 @@ impl Encoder {
         payload.put(56, 8, threshold_counts(finding.threshold));
         self.warning.protect(at, payload)
     }
+
+    /// Fd_Estimate. What is not valid, or has no place on the scales, has no position and is sent as
+    /// invalid: never as the nearest length that has one.
+    pub fn estimate(
+        &mut self,
+        at: Timestamp,
+        cylinder: u8,
+        estimate: Option<&Estimate>,
+    ) -> OwnFrame {
+        let sigma = sigma_counts(estimate.map_or(f64::INFINITY, |estimate| estimate.sigma));
+        let position = estimate
+            .filter(|estimate| estimate.valid && sigma != SIGMA_BEYOND)
+            .and_then(|estimate| position_counts(estimate.position));
+        let mut payload = Payload::default();
+        payload.put(24, 3, u64::from(cylinder));
+        payload.put(27, 1, u64::from(position.is_some()));
+        payload.put(32, 16, u64::from(position.unwrap_or(0)));
+        payload.put(48, 16, u64::from(sigma));
+        self.estimate.protect(at, payload)
+    }
 }
 
 impl Channel {
@@ -140,6 +183,18 @@ fn threshold_counts(threshold: Option<f64>) -> u64 {
     threshold.map_or(0, |t| ((t / THRESHOLD_UNIT).round() as u64).min(THRESHOLD_BEYOND))
 }
 
+/// Count 0 is that of a transducer without a signal.
+fn position_counts(position: f64) -> Option<u16> {
+    let counts = ((position - POSITION[1]) / POSITION[0]).round();
+    (1.0..=f64::from(u16::MAX)).contains(&counts).then_some(counts as u16)
+}
+
+/// Rounded up: never surer than it is.
+fn sigma_counts(sigma: f64) -> u16 {
+    let counts = (sigma * SIGMA_COUNTS).ceil();
+    if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
+}
+
 const fn fault_code(fault: Fault) -> u64 {
     match fault {
         Fault::Unclassified => 0,
@@ -159,5 +214,44 @@ const fn suspect_code(suspect: Suspect) -> u64 {
         Suspect::C1 => 1,
         Suspect::C2 => 2,
         Suspect::Process => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Source;
+
+    /// Valid, position and σ of the frame for an estimate.
+    fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
+        let estimate = Estimate { position, sigma, source: Source::Both, valid };
+        let mut encoder = Encoder::new(81).expect("81 is a node");
+        let frame = encoder.estimate(Timestamp::default(), 5, Some(&estimate));
+        let data = frame.as_frame().data();
+        let payload = u64::from_le_bytes(data.try_into().expect("eight bytes"));
+        assert_eq!((frame.as_frame().id.value(), payload >> 24 & 7), (0x3D1, 5));
+        [payload >> 27 & 1, payload >> 32 & 0xFFFF, payload >> 48]
+    }
+
+    #[test]
+    fn an_estimate_is_on_the_scales_of_the_transducers() {
+        assert_eq!(sent(0.0, 1.2e-4, true), [1, 13_824, 120]);
+        assert_eq!(sent(1.5, 1.201e-4, true), [1, 27_648, 121], "never surer than it is");
+        assert_eq!(sent(-1.5 + 3.0 / 27_648.0, 0.0, true), [1, 1, 0]);
+    }
+
+    #[test]
+    fn what_is_not_valid_or_has_no_place_on_the_scales_is_sent_as_invalid() {
+        assert_eq!(sent(0.0, 1e-4, false), [0, 0, 100]);
+        assert_eq!(sent(0.0, 0.065535, true), [0, 0, 65_535], "that much or more");
+        for sigma in [0.2, f64::INFINITY, f64::NAN] {
+            assert_eq!(sent(0.0, sigma, true), [0, 0, 65_535], "{sigma}");
+        }
+        for position in [-1.5, -1.6, 5.7, 1e9, f64::NAN, f64::NEG_INFINITY] {
+            assert_eq!(sent(position, 1e-4, true), [0, 0, 100], "{position}");
+        }
+        let mut encoder = Encoder::new(81).expect("81 is a node");
+        let nothing = encoder.estimate(Timestamp::default(), 1, None);
+        assert_eq!(nothing.as_frame().data()[3..], [1, 0, 0, 0xFF, 0xFF]);
     }
 }

@@ -3,6 +3,7 @@
 use super::Failure;
 use super::history;
 use super::machine::Machine;
+use crate::config::Settings;
 use crate::monitor::wiring::{Line, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
@@ -67,6 +68,7 @@ fn describe(machine: &Machine) -> String {
             "  FDE3      C1 − ({} C2 {:+} m)\n",
             cylinder.comparator.gain, cylinder.comparator.offset
         );
+        text += &format!("  estimate  {}\n", describe_estimate(settings, n));
     }
     text += &stops(machine);
     text += &findings(machine);
@@ -92,6 +94,14 @@ fn stops(machine: &Machine) -> String {
         }
         Some(_) => String::new(),
     }
+}
+
+fn describe_estimate(settings: &Settings, n: u8) -> String {
+    let drive = settings.sequential_of(n).and_then(|fitted| fitted.drive);
+    let by = drive.map_or("the model", |_| "the fitted drive");
+    let bound = settings.estimate.bound * 1e3;
+    let sent = if settings.estimate.send { "sent" } else { "not sent" };
+    format!("both transducers and {by}; valid up to σ = {bound} mm; {sent}")
 }
 
 fn describe_model(model: &Model) -> String {

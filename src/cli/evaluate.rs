@@ -96,6 +96,8 @@ enum Studied {
     Loop,
     /// Thresholds and sequential detectors on the same faults and hours
     Contest,
+    /// The virtual third sensor
+    Estimate,
     /// False alarms
     Healthy,
 }
@@ -112,6 +114,7 @@ impl Studied {
             Self::Chance => Study::Chance,
             Self::Loop => Study::Loop,
             Self::Contest => Study::Contest,
+            Self::Estimate => Study::Estimate,
             Self::Healthy => return None,
         })
     }

@@ -3,10 +3,11 @@
 use super::Failure;
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
+use crate::estimate::Estimate;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::Recorder;
-use crate::report::{Episodes, ResidualTable, jsonl};
+use crate::report::{Episodes, EstimateTable, ResidualTable, jsonl};
 use crate::time::Timestamp;
 use std::fs::File;
 use std::io::{self, BufWriter, Stdout, Write};
@@ -24,19 +25,21 @@ pub struct Output {
     pub recorder: Option<Recorder>,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<ResidualTable<OutFile>>,
+    estimates: Option<EstimateTable<OutFile>>,
     frames: Option<LogWriter<OutFile>>,
     failure: Option<Failure>,
 }
 
 impl Output {
-    /// Outputs as asked for: lines of JSON on standard output, a table of residuals, a log of the
-    /// frames sent (on `interface`).
+    /// Outputs as asked for: lines of JSON on standard output, tables of residuals and of estimates, a
+    /// log of the frames sent (on `interface`).
     ///
     /// # Errors
     /// If a file cannot be created.
     pub fn create(
         lines: bool,
         residuals: Option<&Path>,
+        estimates: Option<&Path>,
         frames: Option<&Path>,
         interface: &str,
     ) -> Result<Self, Failure> {
@@ -44,6 +47,12 @@ impl Output {
             .map(|path| {
                 let table = create(path)?;
                 ResidualTable::new(table).map_err(|error| Failure::creating(path, &error))
+            })
+            .transpose()?;
+        let estimates = estimates
+            .map(|path| {
+                let table = create(path)?;
+                EstimateTable::new(table).map_err(|error| Failure::creating(path, &error))
             })
             .transpose()?;
         let frames = frames.map(create).transpose()?.map(|file| LogWriter::new(file, interface));
@@ -54,6 +63,7 @@ impl Output {
             recorder: None,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,
+            estimates,
             frames,
             failure: None,
         })
@@ -82,6 +92,9 @@ impl Output {
         }
         if let Some(table) = self.residuals {
             table.finish().map_err(|error| Failure::writing("the table of residuals", &error))?;
+        }
+        if let Some(table) = self.estimates {
+            table.finish().map_err(|error| Failure::writing("the table of estimates", &error))?;
         }
         if let Some(frames) = &mut self.frames {
             frames.flush().map_err(|error| Failure::writing("the log of warnings", &error))?;
@@ -120,6 +133,13 @@ impl Sink for Output {
         if let Some(lines) = &mut self.lines {
             let result = jsonl::warning(lines, self.first, warning);
             self.note("standard output", result);
+        }
+    }
+
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        if let Some(table) = &mut self.estimates {
+            let result = table.write(self.first, at, cylinder, estimate);
+            self.note("the table of estimates", result);
         }
     }
 

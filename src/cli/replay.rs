@@ -7,7 +7,7 @@ use super::output::Output;
 use super::page::PageFile;
 use super::progress::Bar;
 use crate::bus::{Options, Recording, Source, TimeStamps};
-use crate::monitor::Monitor;
+use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
 use crate::report::page::{self, Recorder};
 use crate::report::{Stops, Summary, jsonl};
@@ -33,6 +33,9 @@ pub struct Replay {
     /// Writes readings, estimates and residuals of every cylinder and cycle
     #[arg(long, value_name = "FILE.csv")]
     residuals: Option<PathBuf>,
+    /// Writes the estimated length of every cylinder and cycle, with its standard deviation
+    #[arg(long, value_name = "FILE.csv")]
+    estimates: Option<PathBuf>,
     /// Writes the frames that the gateway would have sent, as candump -l lines
     #[arg(long, value_name = "FILE.log")]
     warnings: Option<PathBuf>,
@@ -97,12 +100,17 @@ impl Replay {
         let mut output = Output::create(
             self.format == Format::Jsonl,
             self.residuals.as_deref(),
+            self.estimates.as_deref(),
             self.warnings.as_deref(),
             &machine.loaded.settings.bus.interface,
         )?;
         let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
-        let mut monitor = Monitor::new(machine.design.clone());
+        let mut design = machine.design.clone();
+        if self.estimates.is_some() && design.estimates == Estimates::None {
+            design.estimates = Estimates::Told;
+        }
+        let mut monitor = Monitor::new(design);
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         if let Some(history) = &history {
@@ -119,7 +127,8 @@ impl Replay {
 
     /// A file that is read here would be emptied before it is read.
     fn refuse_overwriting(&self, machine: &Machine) -> Result<(), Failure> {
-        let outputs = [&self.residuals, &self.warnings, &self.report, &self.history];
+        let outputs =
+            [&self.residuals, &self.estimates, &self.warnings, &self.report, &self.history];
         let outputs = outputs.map(Option::as_deref);
         let inputs = self.logs.iter().chain([&self.config, &machine.loaded.dbc_path]);
         for (index, output) in outputs.iter().enumerate() {

@@ -77,6 +77,7 @@ pub fn gateway(machine: Machine) -> Gateway {
     let settings = &machine.loaded.settings;
     let limits = Limits {
         waiting: WAITING,
+        estimates: usize::from(settings.machine.cylinders),
         age: Span::from_seconds(settings.gateway.max_age),
         bitrate: f64::from(settings.bus.bitrate),
         share: settings.gateway.bus_share,

@@ -1,5 +1,6 @@
 //! Every key of the configuration file: what it is for, its type and its limits.
 
+mod estimate;
 mod fitted;
 
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
@@ -51,6 +52,8 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
     Key::optional("sequential", Kind::Table(&fitted::SEQUENTIAL), "",
         "the sequential detectors, of cylinders that are calibrated for it"),
+    Key::optional("estimate", Kind::Table(&estimate::ESTIMATE), "",
+        "the virtual third sensor: each cylinder's length with its standard deviation"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
     Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
     Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
@@ -316,6 +319,7 @@ mod tests {
             (&COMPARATOR, fields::<settings::Comparator>()),
             (&ALARM, fields::<settings::Alarm>()),
             (&LEVELS, fields::<settings::Levels>()),
+            (&estimate::ESTIMATE, fields::<settings::Estimate>()),
             (&GATEWAY, fields::<settings::Gateway>()),
             (&HTTP, fields::<settings::Http>()),
             (&REALTIME, fields::<settings::Realtime>()),

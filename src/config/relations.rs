@@ -5,6 +5,10 @@ use std::collections::BTreeSet;
 use super::document::Document;
 use super::problem::{Problems, table_of};
 use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
+use crate::alarm::frames::FRAME_BITS;
+
+/// Fd_Status comes so many times a second.
+const STATUSES: f64 = 10.0;
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are left for the next time: their values may not be what the user means.
@@ -13,6 +17,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.machine(settings);
     relations.plausibility(settings);
     relations.thresholds(settings);
+    relations.share(settings);
     relations.signals(settings);
     relations.cylinders(settings);
 }
@@ -129,6 +134,24 @@ impl Relations<'_> {
             ),
             "a transducer is due before the machine itself trips; without the key it is a tenth of \
              that",
+        );
+    }
+
+    /// Estimates that come now and then are worse than none: who relies on them waits for the next.
+    fn share(&mut self, settings: &Settings) {
+        let Settings { machine, bus, gateway, estimate, .. } = settings;
+        let frames = f64::from(machine.cylinders) / machine.sample_time + STATUSES;
+        let least = (frames * FRAME_BITS / f64::from(bus.bitrate) * 1e3).ceil() / 1e3;
+        let default = self.default_note("gateway.bus_share");
+        let share = gateway.bus_share;
+        self.require(
+            !estimate.send || share >= least,
+            &["gateway.bus_share", "estimate.send"],
+            format!(
+                "`gateway.bus_share` is {share:?}{default}, but with `estimate.send` it must be at \
+                 least {least:?}: {frames:.0} frames a second"
+            ),
+            "raise it, with room for warnings, for example by a half; or send no estimates",
         );
     }
 

@@ -1,9 +1,11 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
 //! seconds, speeds metres per second. What is absent in the file has its default here.
 
+mod estimate;
 mod sequential;
 
 use crate::alarm::Level;
+pub use estimate::Estimate;
 pub use sequential::{CylinderSequential, Sequential};
 use serde::Deserialize;
 use std::net::SocketAddr;
@@ -32,6 +34,8 @@ pub struct Settings {
     pub alarm: Alarm,
     #[serde(default)]
     pub sequential: Sequential,
+    #[serde(default)]
+    pub estimate: Estimate,
     #[serde(default)]
     pub gateway: Gateway,
     #[serde(default)]

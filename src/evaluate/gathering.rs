@@ -2,6 +2,7 @@
 
 use super::claim::Judged;
 use super::contest;
+use super::estimate::{CASES, Errors, EstimateResult};
 use super::figures::Figures;
 use super::healthy::Healthy;
 use super::learning::Learnt;
@@ -24,6 +25,7 @@ pub struct Evaluation {
     /// The detectors against each other, by grade.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contest: Vec<contest::GradeResult>,
+    pub estimates: Vec<EstimateResult>,
 }
 
 /// A row with its figures.
@@ -75,6 +77,8 @@ pub struct Gathering<'a> {
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
     contest: Option<contest::Gathering<'a>>,
+    /// By cell, case and number of the machine.
+    estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -92,6 +96,7 @@ impl<'a> Gathering<'a> {
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
             contest: plan.contest.as_ref().map(contest::Gathering::new),
+            estimates: BTreeMap::new(),
         }
     }
 
@@ -113,8 +118,14 @@ impl<'a> Gathering<'a> {
                     contest.take(job, product);
                 }
             }
+            (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
+                self.estimates.entry((cell, case)).or_default().insert(number, errors);
+            }
             // A job brings what it is.
-            (Job::Trial { .. } | Job::Healthy { .. } | Job::Contest(_), _) => {}
+            (
+                Job::Trial { .. } | Job::Healthy { .. } | Job::Contest(_) | Job::Estimate { .. },
+                _,
+            ) => {}
         }
     }
 
@@ -129,6 +140,14 @@ impl<'a> Gathering<'a> {
             seed: self.plan.seed,
             healthy: healthy
                 .map(|(cell, healthy)| HealthyCell::new(*cell, healthy, self.sample_time))
+                .collect(),
+            estimates: self
+                .estimates
+                .into_iter()
+                .map(|((cell, case), machines)| {
+                    let machines: Vec<Errors> = machines.into_values().collect();
+                    EstimateResult::new(self.plan.cells[cell], &CASES[case], &machines)
+                })
                 .collect(),
             rows: self.rows.into_iter().filter_map(|part| part.result).collect(),
         }

@@ -19,6 +19,7 @@
 
 mod claim;
 pub mod contest;
+mod estimate;
 mod figures;
 mod gathering;
 mod grade;
@@ -34,6 +35,7 @@ mod stand;
 mod trial;
 
 pub use claim::{Claim, Judged};
+pub use estimate::{CASES, Case, Errors, EstimateResult};
 pub use figures::{Delay, DetectorFigures, Figures, Moved, SuspectFigures, WITHIN};
 pub use gathering::{Evaluation, Gathering, HealthyCell, RowResult};
 pub use grade::Grade;

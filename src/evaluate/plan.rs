@@ -1,6 +1,7 @@
 //! What is to be tried, as jobs that do not depend on each other.
 
 use super::contest::{self, Contest};
+use super::estimate::{CASES, Errors};
 use super::grade::Grade;
 use super::healthy::{Healthy, STRETCH};
 use super::learning::Lessons;
@@ -62,6 +63,8 @@ pub enum Job {
     Healthy { cell: usize, number: u32 },
     /// One of the contest.
     Contest(contest::Job),
+    /// The machine of that number of a cell and one of [`CASES`].
+    Estimate { cell: usize, case: usize, number: u32 },
 }
 
 /// What a job brings.
@@ -70,6 +73,7 @@ pub enum Product {
     Trial(Vec<Outcome>),
     Healthy(Box<Healthy>),
     Contest(contest::Product),
+    Estimate(Errors),
 }
 
 /// Everything that is to be tried.
@@ -85,6 +89,9 @@ pub struct Plan {
 
 /// Above every stream of a row.
 const HEALTHY_STREAMS: u64 = 1 << 62;
+
+/// Above those. Cases of a cell are tried on the same machines at the same times.
+const ESTIMATE_STREAMS: u64 = 1 << 63;
 
 /// Numbers of machines that a stream has room for: more than any row or cell has.
 const NUMBERS: u64 = 1 << 21;
@@ -134,7 +141,13 @@ impl Plan {
             (0..self.stretches()).map(move |number| Job::Healthy { cell, number })
         });
         let contest = self.contest.iter().flat_map(Contest::jobs).map(Job::Contest);
-        contest.chain(trials).chain(healthy).collect()
+        let estimates = (0..self.cells.len()).flat_map(|cell| {
+            (0..CASES.len()).flat_map(move |case| {
+                let numbers = 0..self.extent.estimated();
+                numbers.map(move |number| Job::Estimate { cell, case, number })
+            })
+        });
+        contest.chain(trials).chain(healthy).chain(estimates).collect()
     }
 
     /// Does one job on `stand`.
@@ -158,6 +171,11 @@ impl Plan {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);
                 let seed = self.random(stream).random();
                 Product::Healthy(Box::new(stand.healthy(self.cells[cell], seed)?))
+            }
+            Job::Estimate { cell, case, number } => {
+                let stream = ESTIMATE_STREAMS + cell as u64 * NUMBERS + u64::from(number);
+                let mut rng = self.random(stream);
+                Product::Estimate(stand.estimate(self.cells[cell], &CASES[case], &mut rng)?)
             }
         })
     }

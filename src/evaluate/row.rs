@@ -29,10 +29,12 @@ pub enum Study {
     Loop,
     /// The detectors against each other.
     Contest,
+    /// The virtual sensor, which has cases of its own instead of rows.
+    Estimate,
 }
 
 impl Study {
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -42,6 +44,7 @@ impl Study {
         Self::Chance,
         Self::Loop,
         Self::Contest,
+        Self::Estimate,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -55,6 +58,7 @@ impl Study {
             Self::Chance => "chance",
             Self::Loop => "loop",
             Self::Contest => "contest",
+            Self::Estimate => "estimate",
         }
     }
 }

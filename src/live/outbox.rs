@@ -1,19 +1,18 @@
 //! What waits to be sent: bounded in number, age and share of the bus.
 
 use crate::alarm::OwnFrame;
+use crate::alarm::frames::FRAME_BITS;
 use crate::frame::Id;
 use crate::time::{Span, Timestamp};
 use std::collections::VecDeque;
-
-/// Bits of an 8-byte frame with an 11-bit identifier, with every stuff bit it can have and the
-/// space between frames.
-const FRAME_BITS: f64 = 135.0;
 
 /// What the outbox keeps to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Warnings that wait at most; the oldest gives way.
     pub waiting: usize,
+    /// Estimates that wait at most, one for each cylinder; the oldest gives way.
+    pub estimates: usize,
     /// An older frame is dropped, never sent late.
     pub age: Span,
     /// Bit rate of the bus, 1/s.
@@ -34,13 +33,16 @@ pub struct OutboxCounts {
     pub crowded_out: u64,
     /// Statuses that a newer one took the place of.
     pub superseded: u64,
+    /// Estimates that gave way to newer ones.
+    pub outdated: u64,
     /// Times that sending had to wait for the rate limit.
     pub held_back: u64,
 }
 
 /// Frames on their way out, in the order in which they came to be. The status has a place of its own,
 /// so that a storm of warnings neither displaces nor, once the rate limit holds frames back, delays
-/// it; a newer one takes the place of one that still waits.
+/// it; a newer one takes the place of one that still waits. Estimates come last of all, and leave what
+/// may go out at once to the others, but for two cycles' worth.
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: Limits,
@@ -49,6 +51,7 @@ pub struct Outbox {
     warnings: VecDeque<OwnFrame>,
     /// Warnings that came before the status that waits.
     ahead: usize,
+    estimates: VecDeque<OwnFrame>,
     /// Frames that may go out now; fractions of one accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
@@ -64,6 +67,7 @@ impl Outbox {
             status: None,
             warnings: VecDeque::with_capacity(limits.waiting),
             ahead: 0,
+            estimates: VecDeque::with_capacity(limits.estimates),
             credit: f64::from(limits.burst),
             accrued: None,
             counts: OutboxCounts::default(),
@@ -76,6 +80,10 @@ impl Outbox {
 
     /// Frames that wait.
     pub fn waiting(&self) -> usize {
+        self.urgent() + self.estimates.len()
+    }
+
+    fn urgent(&self) -> usize {
         self.warnings.len() + usize::from(self.status.is_some())
     }
 
@@ -85,6 +93,14 @@ impl Outbox {
             self.counts.superseded += u64::from(self.status.is_some());
             self.status = Some(frame);
             self.ahead = self.warnings.len();
+            return;
+        }
+        if frame.is_estimate() {
+            if self.estimates.len() >= self.limits.estimates {
+                self.counts.outdated += 1;
+                self.estimates.pop_front();
+            }
+            self.estimates.push_back(frame);
             return;
         }
         if self.warnings.len() >= self.limits.waiting {
@@ -98,22 +114,31 @@ impl Outbox {
     pub fn next(&mut self, now: Timestamp) -> Option<&OwnFrame> {
         self.accrue(now);
         self.drop_old(now);
-        if self.waiting() == 0 {
+        let urgent = self.urgent() > 0;
+        if !urgent && self.estimates.is_empty() {
             return None;
         }
-        if self.credit < 1.0 {
+        if self.credit < 1.0 + if urgent { 0.0 } else { self.reserve() } {
             self.counts.held_back += 1;
             return None;
         }
-        match self.is_status_next() {
-            true => self.status.as_ref(),
-            false => self.warnings.front(),
+        match (urgent, self.is_status_next()) {
+            (false, _) => self.estimates.front(),
+            (true, true) => self.status.as_ref(),
+            (true, false) => self.warnings.front(),
         }
+    }
+
+    /// What estimates leave of the frames that may go out at once.
+    fn reserve(&self) -> f64 {
+        (f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64).max(0.0)
     }
 
     /// The frame of the last [`Self::next`] went out.
     pub fn sent(&mut self) {
-        if self.is_status_next() {
+        if self.urgent() == 0 {
+            self.estimates.pop_front();
+        } else if self.is_status_next() {
             self.status = None;
         } else {
             self.take_warning();
@@ -127,11 +152,12 @@ impl Outbox {
         self.counts.too_old += self.waiting() as u64;
         self.status = None;
         self.warnings.clear();
+        self.estimates.clear();
         self.ahead = 0;
     }
 
     fn is_status_next(&self) -> bool {
-        let scarce = self.credit < self.waiting() as f64;
+        let scarce = self.credit < self.urgent() as f64;
         self.status.is_some() && (self.ahead == 0 || scarce)
     }
 
@@ -159,6 +185,10 @@ impl Outbox {
             self.take_warning();
             self.counts.too_old += 1;
         }
+        while self.estimates.front().is_some_and(old) {
+            self.estimates.pop_front();
+            self.counts.too_old += 1;
+        }
     }
 }
 
@@ -179,6 +209,7 @@ mod tests {
         // 13,500 bits a second: 100 frames, one every 10 ms.
         Limits {
             waiting: 4,
+            estimates: 6,
             age: Span::from_seconds(0.05),
             bitrate: 270_000.0,
             share: 0.05,
@@ -246,6 +277,56 @@ mod tests {
             outbox.sent();
         }
         assert_eq!(ids, [0x2D1, 0x1D1, 0x2D1]);
+    }
+
+    #[test]
+    fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
+        let mut encoder = encoder();
+        let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
+        for cycle in 0..3 {
+            for cylinder in 1..=6 {
+                outbox.put(encoder.estimate(at(cycle * 20), cylinder, None));
+            }
+        }
+        outbox.put(warning(&mut encoder, 40, 1));
+        outbox.put(encoder.status(at(40), &Status::default()));
+        let mut sent = Vec::new();
+        while let Some(frame) = outbox.next(at(40)) {
+            let frame = frame.as_frame();
+            sent.push((frame.id.value(), frame.data()[2], frame.timestamp));
+            outbox.sent();
+        }
+        let estimates = (12..18).map(|counter| (0x3D1, counter, at(40)));
+        let expected = [(0x2D1, 0, at(40)), (0x1D1, 0, at(40))].into_iter().chain(estimates);
+        assert!(sent.iter().copied().eq(expected), "{sent:?}");
+        assert_eq!((outbox.counts().outdated, outbox.counts().superseded), (12, 0));
+    }
+
+    /// 300 estimates a second, and 100 frames that may go out.
+    #[test]
+    fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
+        let (mut outbox, mut encoder) = (outbox(), encoder());
+        outbox.limits = Limits { burst: 20, ..outbox.limits };
+        let (mut estimates, mut warnings) = (0, 0);
+        for ms in 0..2000 {
+            if ms % 20 == 0 {
+                (1..=6).for_each(|n| outbox.put(encoder.estimate(at(ms), n, None)));
+            }
+            let warns = ms % 500 == 499;
+            if warns {
+                (0..4).for_each(|_| outbox.put(warning(&mut encoder, ms, 1)));
+            }
+            let before = warnings;
+            while let Some(frame) = outbox.next(at(ms)) {
+                (estimates, warnings) = match frame.is_estimate() {
+                    true => (estimates + 1, warnings),
+                    false => (estimates, warnings + 1),
+                };
+                outbox.sent();
+            }
+            assert_eq!(warnings - before, if warns { 4 } else { 0 }, "at once, at {ms}");
+        }
+        assert!((190..=200 + 20).contains(&(estimates + warnings)), "{estimates} {warnings}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
 mod agreement;
+mod estimating;
 mod findings;
 
 use super::gate::Opening;
@@ -9,6 +10,7 @@ use super::sink::Record;
 use crate::compare::Comparator;
 use crate::config::settings::Levels;
 use crate::decode::Value;
+use crate::estimate::{self, Estimate, VirtualSensor};
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::plausibility::{Limits, Moment, Plausibility};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
@@ -41,6 +43,7 @@ pub struct CylinderDesign {
     pub bank: BankDesign,
     /// `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
+    pub estimate: estimate::Design,
     /// |R3| at which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
@@ -92,6 +95,9 @@ pub struct Cylinder {
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     agreement: Agreement,
+    /// `None` where nobody wants its estimates.
+    sensor: Option<Box<VirtualSensor>>,
+    estimated: Option<Estimate>,
     was_critical: bool,
     command_missing: u32,
     moving: bool,
@@ -112,6 +118,8 @@ impl Cylinder {
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             agreement: Agreement::default(),
+            sensor: None,
+            estimated: None,
             was_critical: false,
             command_missing: 0,
             moving: false,
@@ -230,6 +238,7 @@ impl Cylinder {
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
         self.judge_sequentially(now, good, &residuals);
+        self.estimate(now, good);
         self.count(&residuals);
         let record = self.record(now, readings, innovations, difference);
         self.inputs.clear();
@@ -243,6 +252,9 @@ impl Cylinder {
         self.bank.interrupt();
         if let Some(sequential) = &mut self.sequential {
             sequential.interrupt();
+        }
+        if let Some(sensor) = &mut self.sensor {
+            sensor.interrupt();
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];

@@ -1,13 +1,14 @@
 //! From settings and a DBC to everything a monitor is made from.
 
+mod estimate;
 mod sequential;
 mod state;
 mod surveyed;
 
-use super::MonitorDesign;
 use super::cylinder::CylinderDesign;
 use super::gate::Gate;
 use super::wiring::{Target, Wire, Wiring};
+use super::{Estimates, MonitorDesign};
 use crate::alarm::{Encoder, frames};
 use crate::compare::Comparator;
 use crate::config::settings::{CylinderSignals, Settings};
@@ -84,6 +85,7 @@ impl MonitorDesign {
                     Span::from_seconds(settings.plausibility.state_stale),
                 ),
                 cylinders,
+                estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
                 encoder,
             }),
             _ => Err(once_per_key(wirer.flaws)),
@@ -159,7 +161,6 @@ impl<'a> Wirer<'a> {
             required,
             awaited: self.connected(n),
             counter_bits: [first.counter_bits, second.counter_bits],
-            limits: [first.limits, second.limits],
             command_offset: settings.command_offset_of(n),
             command_stale: cycles(settings, settings.plausibility.stale).max(1),
             moving_speed: settings.plausibility.frozen_speed,
@@ -175,7 +176,9 @@ impl<'a> Wirer<'a> {
                 signatures: observers.each_ref().map(Signatures::of_innovation),
             },
             observers,
+            estimate: self.estimate(n, sequential.as_ref(), first.limits.lengths),
             sequential,
+            limits: [first.limits, second.limits],
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
             clear,

@@ -8,6 +8,7 @@
 mod counts;
 pub mod cylinder;
 pub mod design;
+mod estimates;
 pub mod gate;
 mod implausible;
 mod memory;
@@ -25,6 +26,7 @@ use crate::sequential::Sequential;
 use crate::time::{Span, Timestamp};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
+pub use estimates::Estimates;
 use gate::{Gate, Opening};
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
@@ -40,6 +42,7 @@ pub struct MonitorDesign {
     pub gate: Gate,
     /// At most [`MAX_CYLINDERS`].
     pub cylinders: Vec<CylinderDesign>,
+    pub estimates: Estimates,
     pub encoder: Encoder,
 }
 
@@ -56,6 +59,7 @@ pub struct Monitor {
     cylinders: Vec<Cylinder>,
     /// Cylinders still to be evaluated in the open cycle.
     pending: usize,
+    sends_estimates: bool,
     incomplete: bool,
     /// Missing cycles since the last real one.
     missing_run: u64,
@@ -75,14 +79,20 @@ pub struct Monitor {
 impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
+        let cylinders = design.cylinders.into_iter().map(Cylinder::new);
+        let cylinders: Vec<Cylinder> = match design.estimates {
+            Estimates::None => cylinders.collect(),
+            Estimates::Told | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
+        };
         Self {
             wiring: design.wiring,
             clock: CycleClock::new(design.timing),
             gap_cycles: design.gap_cycles,
             gate: design.gate,
-            register: Register::new(design.cylinders.len()),
-            cylinders: design.cylinders.into_iter().map(Cylinder::new).collect(),
+            register: Register::new(cylinders.len()),
+            cylinders,
             pending: 0,
+            sends_estimates: design.estimates == Estimates::Sent,
             incomplete: false,
             missing_run: 0,
             live: false,
@@ -321,6 +331,12 @@ impl Monitor {
         }
         if cylinder.finds_anything() || self.register.any(index) {
             self.warn(index, at, sink);
+        }
+        if let Some(estimate) = self.cylinders[index].estimated() {
+            sink.estimate(now.opened, number, estimate);
+            if self.sends_estimates {
+                sink.transmit(&self.encoder.estimate(at, number, estimate));
+            }
         }
     }
 

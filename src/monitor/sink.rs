@@ -1,6 +1,7 @@
 //! What leaves the monitor.
 
 use crate::alarm::{Detector, OwnFrame, Warning};
+use crate::estimate::Estimate;
 use crate::observe::observer::Restart;
 use crate::sample::Quality;
 use crate::sequential::{Dwell, Moved};
@@ -67,6 +68,12 @@ pub trait Sink {
 
     fn warning(&mut self, warning: &Warning) {
         _ = warning;
+    }
+
+    /// The estimated length of a cylinder in the cycle that opened at `at`; `None`: nothing is known of
+    /// it. Only of a monitor that estimates ([`Estimates`](super::Estimates)).
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        _ = (at, cylinder, estimate);
     }
 
     /// A rod has come to rest on its stop, and how its readings have moved since its first dwells,

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod episode;
+pub mod estimates;
 pub mod evaluation;
 pub mod human;
 pub mod identification;
@@ -17,6 +18,7 @@ pub mod tuning;
 mod wording;
 
 pub use episode::{Episode, Episodes};
+pub use estimates::EstimateTable;
 pub use residuals::ResidualTable;
 pub use stops::Stops;
 

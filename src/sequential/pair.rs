@@ -14,10 +14,15 @@ pub const KEPT: usize = 64;
 
 /// Standard deviations of what moves the rod, and its velocity's error, from cycle to cycle: m, m/s
 /// and m/s².
-const PROCESS: [f64; 3] = [6e-5, 2e-4, 3e-3];
+pub const PROCESS: [f64; 3] = [6e-5, 2e-4, 3e-3];
 
 /// What of the velocity error's slope is left in the next cycle.
 const FADE: f64 = 0.9;
+
+/// A: the length beside what the drive says, that velocity's error and its slope.
+pub const fn dynamics(sample_time: f64) -> Matrix3<f64> {
+    Matrix3::new(1.0, sample_time, 0.0, 0.0, 1.0, sample_time, 0.0, 0.0, FADE)
+}
 
 /// C: both transducers read the length.
 const BOTH: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
@@ -48,7 +53,7 @@ impl PairDesign {
         deviation: f64,
         prediction: f64,
     ) -> Result<Self, RiccatiError> {
-        let a = Matrix3::new(1.0, sample_time, 0.0, 0.0, 1.0, sample_time, 0.0, 0.0, FADE);
+        let a = dynamics(sample_time);
         let reading = 0.5 * deviation * deviation;
         let solution = riccati::solve(&a, &BOTH, PROCESS.map(|s| s * s), [reading; 2])?;
         let sum = 2.0 * solution.covariance[(0, 0)] + reading;

@@ -36,13 +36,20 @@ impl Reference {
     /// has not been by either of them: one may be wrong by a lot.
     pub fn residual(&self, c1: f64, c2: f64, velocity: f64) -> Option<f64> {
         let place = self.covered(c2).or_else(|| self.covered(c1))?;
-        let [low, high] = [self.nodes[place.cell], self.nodes[place.cell + 1]];
-        let healthy = low + place.part * (high - low) + self.velocity * velocity;
-        Some(c1 - c2 - healthy)
+        Some(c1 - c2 - self.at(place, velocity))
     }
-}
 
-impl Reference {
+    /// C1 − C2, m, of healthy readings where C2 reads `c2`, m, at a velocity in m/s; `None` where the
+    /// calibration has not been.
+    pub fn healthy(&self, c2: f64, velocity: f64) -> Option<f64> {
+        self.covered(c2).map(|place| self.at(place, velocity))
+    }
+
+    fn at(&self, place: Place, velocity: f64) -> f64 {
+        let [low, high] = [self.nodes[place.cell], self.nodes[place.cell + 1]];
+        low + place.part * (high - low) + self.velocity * velocity
+    }
+
     fn covered(&self, length: f64) -> Option<Place> {
         let place = Self::place(self.first, self.spacing, self.nodes.len(), length)?;
         self.covered[place.cell].then_some(place)

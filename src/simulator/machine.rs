@@ -172,6 +172,11 @@ impl Machine {
         self.plant.states()
     }
 
+    /// The length of the cylinder `leg`, from 0, as its C1 would read it now without noise, m.
+    pub fn calibrated(&self, leg: usize) -> f64 {
+        self.transducers[leg][0].calibrated(self.states()[leg].length)
+    }
+
     /// The vessel, now.
     pub fn motion(&self) -> &Motion {
         &self.motion

@@ -7,7 +7,7 @@ use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::monitor::design::Flaw;
-use tertius::monitor::{Monitor, MonitorDesign, Notice, Record, Sink};
+use tertius::monitor::{Estimates, Monitor, MonitorDesign, Notice, Record, Sink};
 use tertius::time::Timestamp;
 
 /// A millisecond in nanoseconds.
@@ -130,6 +130,15 @@ pub fn surveying() -> Monitor {
 /// A monitor of the default machine.
 pub fn monitor() -> Monitor {
     design("no such line").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
+/// The same, which sends its estimates.
+pub fn estimating() -> Monitor {
+    let design = from_files("no such line", |settings, database| {
+        let design = MonitorDesign::new(settings, database)?;
+        Ok(MonitorDesign { estimates: Estimates::Sent, ..design })
+    });
+    design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
 /// The same with cylinders that rest at a command of 50 mm/s.

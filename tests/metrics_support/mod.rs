@@ -81,6 +81,7 @@ impl Journal for Witness {
 pub fn gateway() -> Gateway {
     let limits = Limits {
         waiting: 72,
+        estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share: 0.05,

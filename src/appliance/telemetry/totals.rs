@@ -18,6 +18,7 @@ pub(super) struct Totals {
     pub too_old: Total,
     pub crowded_out: Total,
     pub superseded: Total,
+    pub outdated: Total,
     pub held_back: Total,
     pub used: Total,
     pub ignored: Total,
@@ -58,6 +59,7 @@ impl Totals {
         self.too_old.follow(last.too_old, now.too_old);
         self.crowded_out.follow(last.crowded_out, now.crowded_out);
         self.superseded.follow(last.superseded, now.superseded);
+        self.outdated.follow(last.outdated, now.outdated);
         self.held_back.follow(last.held_back, now.held_back);
     }
 
@@ -81,7 +83,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Those that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 28] {
+    pub fn described(&self) -> [Described<'_>; 29] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor listens to.", &self.used),
@@ -95,6 +97,7 @@ impl Totals {
             ("frames_too_old", "Frames dropped instead of being sent late.", &self.too_old),
             ("frames_crowded_out", "Frames dropped because too many waited to be sent.", &self.crowded_out),
             ("statuses_superseded", "Statuses whose place a newer one took before they were sent.", &self.superseded),
+            ("estimates_outdated", "Estimates that gave way to newer ones before they were sent.", &self.outdated),
             ("frames_held_back", "Times that sending had to wait for the rate limit.", &self.held_back),
             ("cycles", "Cycles that opened.", &self.cycles),
             ("cycles_incomplete", "Cycles in which something configured did not arrive.", &self.incomplete),

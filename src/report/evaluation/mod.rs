@@ -4,8 +4,8 @@ mod contest;
 
 use super::sheet::{Section, Sheet};
 use crate::evaluate::{
-    CONFIDENCE, Cell, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study, SuspectFigures,
-    WITHIN,
+    CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study,
+    SuspectFigures, WITHIN,
 };
 
 /// All of it, for scripts: the same evaluation is the same text.
@@ -43,6 +43,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend(plan.cells.iter().map(|cell| detection(*cell, evaluation)));
     sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
     sections.extend(contest::sections(&evaluation.contest));
+    sections.push(estimates(&evaluation.estimates));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }
@@ -194,6 +195,37 @@ fn healthy(cells: &[HealthyCell]) -> Section {
     sheet.about(
         "false alarms of a machine, all cylinders together, and the bound of 95 %; a year is 8766 \
          monitored hours",
+    )
+}
+
+fn estimates(results: &[EstimateResult]) -> Section {
+    let mut sheet = Sheet::new(&[
+        "case",
+        "transducers",
+        "sea",
+        "cylinders",
+        "valid",
+        "RMS",
+        "95 %",
+        "largest",
+        "within 2 σ",
+    ]);
+    for result in results {
+        let mm = |metres: f64| format!("{:.2} mm", metres * 1e3);
+        let mut cells = vec![
+            result.case.to_owned(),
+            result.grade.to_owned(),
+            sea(result.sea),
+            result.cylinders.to_string(),
+            format!("{:.1} %", result.valid * 1e2),
+        ];
+        cells.extend([result.rms, result.p95, result.largest].map(mm));
+        cells.push(percent(&result.within));
+        sheet.add_row(cells);
+    }
+    sheet.about(
+        "the virtual sensor while it lasts: cycles with a valid estimate; errors against the rod on the \
+         scale of C1; errors of no more than two of the standard deviations that were told",
     )
 }
 

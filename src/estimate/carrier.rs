@@ -1,0 +1,83 @@
+//! The length as it is told, on its way by the command alone.
+
+use nalgebra::{Matrix3, Vector3};
+
+/// A reserve is sent every so many cycles: a second at 50 Hz.
+const APART: u32 = 50;
+
+/// A state that was told, and what became of it since.
+#[derive(Clone, Copy, Debug)]
+pub struct Carrier {
+    pub x: Vector3<f64>,
+    /// Of the length when it was last read, m².
+    pub variance: f64,
+    /// Cycles since then.
+    pub coasted: u32,
+    /// Its velocity has settled, too.
+    pub able: bool,
+}
+
+impl Carrier {
+    /// Goes on to the next cycle; `None` if it leaves the numbers.
+    pub fn predicted(self, a: &Matrix3<f64>, part: &Vector3<f64>) -> Option<Self> {
+        let x = a * self.x + part;
+        let coasted = self.coasted.saturating_add(1);
+        x.iter().all(|value| value.is_finite()).then_some(Self { x, coasted, ..self })
+    }
+}
+
+/// Carriers from before: what a transducer said within the newest second or two before it was blamed
+/// is not in the older one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reserve {
+    younger: Option<Carrier>,
+    older: Option<Carrier>,
+}
+
+impl Reserve {
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes what was told while nobody was blamed.
+    pub fn offer(&mut self, told: Carrier) {
+        if self.younger.is_none_or(|younger| younger.coasted >= APART) {
+            (self.older, self.younger) = (self.younger, Some(told));
+        }
+    }
+
+    pub fn predict(&mut self, a: &Matrix3<f64>, part: &Vector3<f64>) {
+        let ahead = |carrier: Option<Carrier>| carrier.and_then(|it| it.predicted(a, part));
+        (self.younger, self.older) = (ahead(self.younger), ahead(self.older));
+    }
+
+    /// The older one.
+    pub const fn get(&self) -> Option<Carrier> {
+        self.older
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reserve_is_of_one_to_two_seconds_ago_and_goes_on() {
+        let mut reserve = Reserve::default();
+        let part = Vector3::new(1.0, 0.0, 0.0);
+        for k in 0..1000 {
+            let x = Vector3::new(f64::from(k), 0.0, 0.0);
+            reserve.offer(Carrier { x, variance: 1.0, coasted: 0, able: true });
+            match reserve.get() {
+                None => assert!(k < APART),
+                Some(kept) => {
+                    assert!((APART..2 * APART + 1).contains(&kept.coasted), "{}", kept.coasted);
+                    assert_eq!(kept.x[0], f64::from(k));
+                }
+            }
+            reserve.predict(&Matrix3::identity(), &part);
+        }
+        (0..300).for_each(|_| reserve.predict(&Matrix3::identity(), &part));
+        assert!(reserve.get().is_some_and(|kept| kept.coasted > 300 && kept.x[0] == 1300.0));
+    }
+}

@@ -1,0 +1,135 @@
+//! How a length goes on by the command: with the drive that a calibration has fitted, or else by the
+//! model (4-1).
+
+use crate::observe::model::Model;
+pub use crate::sequential::Drive;
+use crate::sequential::drive::Commands;
+use crate::sequential::pair;
+use nalgebra::{Matrix3, Vector3};
+
+/// x(k+1) = A x(k) + the command's part, with process noise.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    /// A, 3 × 3.
+    pub a: Matrix3<f64>,
+    /// Variances that a cycle adds, of each state.
+    pub process: Vector3<f64>,
+    /// Variances of what is not known at all, of each state; that of the length is what the fastest
+    /// rod goes in a cycle.
+    pub unknown: Vector3<f64>,
+    /// Variance of a reading, m².
+    pub reading: f64,
+    drive: Driving,
+}
+
+#[derive(Clone, Debug)]
+enum Driving {
+    /// State l, and the drive's error as a velocity and its slope; s from cycle to cycle.
+    Fitted(Box<Drive>, f64),
+    /// State (l, l̇, P_L); B, and the command at which the cylinder rests, m/s.
+    Model(Vector3<f64>, f64),
+}
+
+/// No rod is faster, m/s.
+const FASTEST: f64 = 1.5;
+
+/// Standard deviations of what is not known of a drive: of its velocity's error, m/s, and of the slope
+/// of that, m/s².
+const DRIVE_UNKNOWN: [f64; 2] = [0.05, 0.1];
+
+/// Load pressures lie within some hundred bar.
+const PRESSURE_UNKNOWN: f64 = 100.0;
+
+impl Dynamics {
+    /// By `drive`, for readings whose difference has the `deviation`, m, every `sample_time` seconds.
+    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64) -> Self {
+        let [velocity, slope] = DRIVE_UNKNOWN.map(|deviation| deviation * deviation);
+        Self {
+            a: pair::dynamics(sample_time),
+            process: Vector3::from(pair::PROCESS.map(|deviation| deviation * deviation)),
+            unknown: Vector3::new(way(sample_time), velocity, slope),
+            reading: 0.5 * deviation * deviation,
+            drive: Driving::Fitted(Box::new(drive), sample_time),
+        }
+    }
+
+    /// By `model`, for a cylinder that rests at the command `offset`, m/s, with the weights of its
+    /// observers: the diagonal of Q, and the variance of a position.
+    pub fn model(model: &Model, offset: f64, q: [f64; 3], r: f64, sample_time: f64) -> Self {
+        Self {
+            a: model.a,
+            process: Vector3::from(q),
+            unknown: Vector3::new(
+                way(sample_time),
+                FASTEST * FASTEST,
+                PRESSURE_UNKNOWN * PRESSURE_UNKNOWN,
+            ),
+            reading: r,
+            drive: Driving::Model(model.b, offset),
+        }
+    }
+}
+
+/// The variance of a length that is not followed for a cycle, m².
+fn way(sample_time: f64) -> f64 {
+    let way = FASTEST * sample_time;
+    way * way
+}
+
+/// The commands as they come.
+#[derive(Clone, Debug, Default)]
+pub struct Feed {
+    commands: Commands,
+    newest: Option<f64>,
+}
+
+impl Feed {
+    pub fn clear(&mut self) {
+        self.commands.clear();
+        self.newest = None;
+    }
+
+    /// Takes u(k), m/s, as it was sent; the last one is held where it is absent. Gives the command's
+    /// part of x(k+1); `None` before there is one.
+    pub fn step(&mut self, dynamics: &Dynamics, command: Option<f64>) -> Option<Vector3<f64>> {
+        self.newest = command.or(self.newest);
+        let u = self.newest?;
+        match &dynamics.drive {
+            Driving::Model(b, offset) => Some(b * (u - offset)),
+            Driving::Fitted(drive, sample_time) => {
+                self.commands.push(u);
+                let velocity = drive.velocity(&self.commands.features()?);
+                Some(Vector3::new(sample_time * velocity, 0.0, 0.0))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sequential::drive::FEATURES;
+
+    #[test]
+    fn a_model_goes_by_the_command_less_its_offset_and_holds_the_last() {
+        let model = Model::new(0.02, [0.0, -0.1, 0.0, 0.0, 0.0], [0.1, 2.0]);
+        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02);
+        let mut feed = Feed::default();
+        assert_eq!(feed.step(&dynamics, None), None);
+        assert_eq!(feed.step(&dynamics, Some(1.5)), Some(Vector3::new(0.0, 0.1, 2.0)));
+        assert_eq!(feed.step(&dynamics, None), Some(Vector3::new(0.0, 0.1, 2.0)));
+        feed.clear();
+        assert_eq!(feed.step(&dynamics, None), None);
+    }
+
+    #[test]
+    fn a_drive_moves_the_length_once_it_knows_enough_commands() {
+        let mut coefficients = [0.0; FEATURES];
+        coefficients[0] = 1.0;
+        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4);
+        let mut feed = Feed::default();
+        let parts: Vec<_> = (0..17).map(|_| feed.step(&dynamics, Some(0.5))).collect();
+        assert_eq!(parts[15], None);
+        assert_eq!(parts[16], Some(Vector3::new(0.01, 0.0, 0.0)));
+    }
+}

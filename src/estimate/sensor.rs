@@ -1,0 +1,242 @@
+//! The virtual sensor of one cylinder: who is trusted, and what follows of it.
+
+use super::carrier::{Carrier, Reserve};
+use super::dynamics::{Dynamics, Feed};
+use super::filter::Filter;
+use super::growth::Growth;
+use super::mean::Mean;
+use super::scale::Scale;
+use super::{Estimate, Source};
+use crate::sequential::velocity::Velocity;
+
+/// Cycles over which the difference of the two is measured.
+const MEMORY: u32 = 15_000;
+
+/// What of the largest difference is left after a second.
+const KEPT: f64 = 0.37;
+
+/// What a virtual sensor runs on.
+#[derive(Clone, Debug)]
+pub struct Design {
+    pub dynamics: Dynamics,
+    pub scale: Scale,
+    /// s.
+    pub sample_time: f64,
+    /// Readings until a transducer is taken for a reference.
+    pub settle: u32,
+    /// Cycles without a reading that a filter outlasts.
+    pub max_gap: u32,
+    /// Healthy transducers differ by no more, m.
+    pub difference: f64,
+    /// The largest σ of a valid estimate, m.
+    pub bound: f64,
+    /// Valid lengths, both inclusive, m.
+    pub lengths: (f64, f64),
+}
+
+/// One cycle of a cylinder.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Input {
+    /// The number of the cycle.
+    pub cycle: u64,
+    /// Readings that passed the plausibility checks, m, each on its own scale.
+    pub lengths: [Option<f64>; 2],
+    /// By C2 where it is measured, m/s.
+    pub velocity: Option<f64>,
+    /// u(k), m/s, as it was sent.
+    pub command: Option<f64>,
+    /// The rod follows the command: the platform's state is a monitored one, and the command is no
+    /// older than it may be.
+    pub follows: bool,
+    /// Whom no finding blames.
+    pub trusted: [bool; 2],
+    /// One of the two is blamed, and which is not known.
+    pub undecided: bool,
+    /// The rod does not do what the command says.
+    pub process: bool,
+}
+
+impl Input {
+    const fn is_calm(&self) -> bool {
+        self.trusted[0] && self.trusted[1] && !self.undecided && !self.process
+    }
+}
+
+/// The sensor.
+#[derive(Clone, Debug)]
+pub struct VirtualSensor {
+    design: Design,
+    fade: f64,
+    velocity: Velocity,
+    feed: Feed,
+    filters: [Filter; 2],
+    growth: Growth,
+    /// Of the squared differences of healthy transducers, m².
+    differences: Mean,
+    /// The newest difference, and the largest of about a second, m.
+    difference: f64,
+    largest: f64,
+    carrier: Option<Carrier>,
+    reserve: Reserve,
+    /// Who was trusted, and read, in the cycle before.
+    relied_on: [bool; 2],
+    cycle: u64,
+}
+
+impl VirtualSensor {
+    pub fn new(design: Design) -> Self {
+        Self {
+            fade: KEPT.powf(design.sample_time),
+            velocity: Velocity::new(design.sample_time),
+            feed: Feed::default(),
+            filters: [Filter::default(), Filter::default()],
+            growth: Growth::default(),
+            differences: Mean::default(),
+            difference: 0.0,
+            largest: 0.0,
+            carrier: None,
+            reserve: Reserve::default(),
+            relied_on: [false; 2],
+            cycle: 0,
+            design,
+        }
+    }
+
+    /// Time jumped or frames were lost: where the rod is has to be told anew. What is known of
+    /// transducers and model stays.
+    pub fn interrupt(&mut self) {
+        self.velocity.reset();
+        self.feed.clear();
+        self.filters.iter_mut().for_each(Filter::stop);
+        self.growth.recall();
+        (self.difference, self.largest) = (0.0, 0.0);
+        self.carrier = None;
+        self.reserve.clear();
+        self.relied_on = [false; 2];
+    }
+
+    /// Takes one cycle; `None` while nothing is known of the length.
+    pub fn step(&mut self, input: &Input) -> Option<Estimate> {
+        if input.cycle != self.cycle.wrapping_add(1) {
+            self.interrupt();
+        }
+        self.cycle = input.cycle;
+        let Design { dynamics, scale, max_gap, .. } = &self.design;
+        let lengths = scale.apply(&mut self.velocity, input.lengths, input.velocity);
+        for (filter, length) in self.filters.iter_mut().zip(lengths) {
+            filter.correct(dynamics, length, *max_gap, input.is_calm());
+        }
+        let source = self.choose(input);
+        let estimate = match source {
+            Some(source) => self.tell(input, source),
+            None => self.carry(input),
+        };
+        self.relied_on = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_fresh());
+        self.predict(input);
+        estimate
+    }
+
+    /// The transducers that are trusted and have been read for long enough, if one was read now.
+    fn choose(&mut self, input: &Input) -> Option<Source> {
+        let settled = |i: usize| self.filters[i].evidence()[0] >= self.design.settle;
+        let used = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_running() && settled(i));
+        let fresh = |i: usize| used[i] && self.filters[i].is_fresh();
+        if !fresh(0) && !fresh(1) {
+            return None;
+        }
+        let source = match used {
+            [true, true] => Source::Both,
+            [true, false] => Source::C1,
+            _ => Source::C2,
+        };
+        if source == Source::Both {
+            let [one, other] = self.filters.each_ref().map(|filter| filter.state()[0]);
+            self.difference = (one - other).abs();
+            if fresh(0) && fresh(1) && input.is_calm() {
+                let counted = self.difference.min(self.design.difference);
+                self.differences.add(counted * counted, MEMORY);
+            }
+        }
+        self.largest = self.difference.max(self.fade * self.largest);
+        Some(source)
+    }
+
+    /// What the transducers of `source` say.
+    fn tell(&mut self, input: &Input, source: Source) -> Option<Estimate> {
+        let [one, other] = &self.filters;
+        let usual = self.differences.value();
+        let now = if input.undecided { self.largest } else { self.difference };
+        let (x, variance) = match source {
+            // They err together where the model does, so two are not taken for better than one; and
+            // whichever of them is right, their mean is off by half of their difference.
+            Source::Both => {
+                let [v1, v2] = [one.variance(), other.variance()];
+                let part = if v1 + v2 > 0.0 { v2 / (v1 + v2) } else { 0.5 };
+                let x = one.state() * part + other.state() * (1.0 - part);
+                (x, part * v1 + (1.0 - part) * v2 + 0.25 * usual.max(now * now))
+            }
+            Source::C1 => (*one.state(), one.variance() + usual),
+            _ => (*other.state(), other.variance() + usual),
+        };
+        let used = [source != Source::C2, source != Source::C1];
+        let follows = |i: usize| self.filters[i].evidence()[1] >= self.design.settle;
+        let able = (0..2).all(|i| !used[i] || follows(i));
+        let told = Carrier { x, variance, coasted: 0, able };
+        if able && input.is_calm() {
+            self.growth.compare(&x);
+            self.reserve.offer(told);
+        } else {
+            self.growth.recall();
+        }
+        self.carrier = Some(told);
+        // One transducer alone is vouched for by the model only, and not while that is in doubt.
+        let alone = able && !input.undecided && !input.process;
+        Some(self.judged(x[0], variance, source, source == Source::Both || alone))
+    }
+
+    /// What the command alone says.
+    fn carry(&mut self, input: &Input) -> Option<Estimate> {
+        if !input.is_calm() {
+            self.growth.recall();
+        }
+        if (0..2).any(|i| self.relied_on[i] && !input.trusted[i]) {
+            self.carrier = self.reserve.get();
+        }
+        let Carrier { x, variance, coasted, able } = self.carrier?;
+        let grown = self.growth.variance(coasted).unwrap_or(f64::INFINITY);
+        Some(self.judged(x[0], variance + grown, Source::Model, able && !input.process))
+    }
+
+    fn judged(&self, position: f64, variance: f64, source: Source, evidence: bool) -> Estimate {
+        let sigma = variance.sqrt();
+        let (lowest, highest) = self.design.lengths;
+        let inside = (lowest..=highest).contains(&position);
+        // Written so that a NaN is not valid.
+        let valid = evidence && inside && sigma <= self.design.bound;
+        Estimate { position, sigma, source, valid }
+    }
+
+    fn predict(&mut self, input: &Input) {
+        let Self { design, feed, filters, growth, carrier, reserve, .. } = self;
+        // The commands are taken where the rod does not follow them, too, to be known when it does.
+        let part = feed.step(&design.dynamics, input.command).filter(|_| input.follows);
+        for filter in filters {
+            filter.predict(&design.dynamics, part.as_ref());
+        }
+        let a = &design.dynamics.a;
+        match &part {
+            Some(part) => {
+                growth.predict(a, part);
+                reserve.predict(a, part);
+            }
+            None => {
+                growth.recall();
+                reserve.clear();
+            }
+        }
+        *carrier = carrier.zip(part).and_then(|(carrier, part)| carrier.predicted(a, &part));
+    }
+}
+
+#[cfg(test)]
+mod tests;

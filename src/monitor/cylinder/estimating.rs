@@ -1,0 +1,45 @@
+//! What the virtual sensor is told of a cycle.
+
+use super::{Cylinder, Evaluation};
+use crate::alarm::Finding;
+use crate::estimate::{Estimate, Input, VirtualSensor};
+use crate::monitor::gate::Opening;
+use crate::sample::Reading;
+use crate::verdict::Suspect;
+
+impl Cylinder {
+    /// From now on its length is estimated.
+    pub fn estimating(mut self) -> Self {
+        self.sensor = Some(Box::new(VirtualSensor::new(self.design.estimate.clone())));
+        self
+    }
+
+    /// The estimate of the newest cycle: `None` where none is made, `Some(None)` where nothing is known.
+    #[inline]
+    pub fn estimated(&self) -> Option<Option<&Estimate>> {
+        self.sensor.as_ref().map(|_| self.estimated.as_ref())
+    }
+
+    /// Everything that blames somebody in this cycle has done so.
+    pub(super) fn estimate(&mut self, now: Evaluation, good: [Option<Reading>; 2]) {
+        if self.sensor.is_none() {
+            return;
+        }
+        let found = if self.finds_anything() { self.findings() } else { Default::default() };
+        let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
+        let trusted = [!blames(Suspect::C1), !blames(Suspect::C2)];
+        let live = self.command_missing < self.design.command_stale;
+        let input = Input {
+            cycle: now.cycle,
+            lengths: good.map(|reading| reading.map(|reading| reading.position)),
+            velocity: good[1].and_then(|reading| reading.velocity),
+            command: self.inputs.command_value(),
+            follows: now.gate == Opening::Open && live,
+            trusted,
+            // Whoever is blamed is what the two differ by.
+            undecided: blames(Suspect::Undecided) && trusted == [true; 2],
+            process: blames(Suspect::Process),
+        };
+        self.estimated = self.sensor.as_mut().and_then(|sensor| sensor.step(&input));
+    }
+}

@@ -1,0 +1,56 @@
+//! The table of estimates, as comma-separated values.
+
+use crate::estimate::Estimate;
+use crate::time::Timestamp;
+use std::io::{self, Write};
+
+const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
+
+/// Writes one row for each cylinder and cycle, in full double precision, m. What is not known is empty;
+/// what is not valid is there to be looked at, not to be used.
+#[derive(Debug)]
+pub struct EstimateTable<W: Write> {
+    out: W,
+}
+
+impl<W: Write> EstimateTable<W> {
+    /// A table on `out`, which should be buffered.
+    ///
+    /// # Errors
+    /// What `out` says.
+    pub fn new(mut out: W) -> io::Result<Self> {
+        writeln!(out, "{HEADER}")?;
+        Ok(Self { out })
+    }
+
+    /// Writes the row of a cycle that opened at `at`; `first` is the time stamp of the recording's first
+    /// frame.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn write(
+        &mut self,
+        first: Timestamp,
+        at: Timestamp,
+        cylinder: u8,
+        estimate: Option<&Estimate>,
+    ) -> io::Result<()> {
+        let t = at.since(first).as_seconds();
+        let Some(Estimate { position, sigma, source, valid }) = estimate else {
+            return writeln!(self.out, "{t},{cylinder},,,0,");
+        };
+        write!(self.out, "{t},{cylinder},{position},")?;
+        if sigma.is_finite() {
+            write!(self.out, "{sigma}")?;
+        }
+        writeln!(self.out, ",{},{}", u8::from(*valid), source.name())
+    }
+
+    /// Writes what is still buffered.
+    ///
+    /// # Errors
+    /// What the output says.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
