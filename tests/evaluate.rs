@@ -9,6 +9,7 @@ use support::Scratch;
 use tertius::alarm::Detector;
 use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
+use tertius::evaluate::contest::{Course, Rival};
 use tertius::evaluate::{
     Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Lessons, Outcome, Plan, Product, Row,
     Stand, Study,
@@ -120,11 +121,15 @@ fn a_drift_in_the_loop_moves_the_rod_and_not_the_reading() {
     }
 }
 
-fn evaluated(bench: &Bench, plan: &Plan, jobs: impl Iterator<Item = Job>) -> Evaluation {
-    let (stand, mut gathering) =
-        (bench.stand(), Gathering::new(plan, bench.settings.machine.sample_time));
+fn evaluated(
+    stand: &Stand,
+    bench: &Bench,
+    plan: &Plan,
+    jobs: impl Iterator<Item = Job>,
+) -> Evaluation {
+    let mut gathering = Gathering::new(plan, bench.settings.machine.sample_time);
     for job in jobs {
-        gathering.take(job, plan.run(&stand, job).expect("it can be simulated"));
+        gathering.take(job, plan.run(stand, job).expect("it can be simulated"));
     }
     gathering.finish("a machine", &stand.monitors)
 }
@@ -135,13 +140,84 @@ fn the_order_of_the_jobs_does_not_matter() {
     let plan = plan(&[Study::Chance, Study::Noise], 12, 0.3);
     let jobs = plan.jobs();
     assert_eq!(jobs.len(), (2 * 7 + 2) * 2, "two machines each for 7 rows and a stretch, 2 grades");
-    let forwards = evaluated(&bench, &plan, jobs.iter().copied());
-    let backwards = evaluated(&bench, &plan, jobs.iter().rev().copied());
+    let stand = bench.stand();
+    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
+    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
     assert_eq!(forwards, backwards);
     assert_eq!((forwards.rows.len(), forwards.healthy.len()), (14, 2));
     for cell in &forwards.healthy {
         assert!((0.32..0.334).contains(&cell.hours), "two stretches: {} h", cell.hours);
     }
+}
+
+/// One grade, few rows, and an hour without a fault.
+fn contest(bench: &Bench, stand: &mut Stand, labels: &[&str]) -> Plan {
+    let mut plan = Plan { rows: Vec::new(), cells: Vec::new(), ..plan(&[Study::Contest], 12, 0.0) };
+    let contest = plan.contest.as_mut().expect("it was asked for");
+    contest.hours = 1.0;
+    contest.grades = vec![Grade::Fine];
+    contest.rows.retain(|(row, course)| {
+        let label =
+            format!("{}{}", row.label(), if *course == Course::Stop { ", stop" } else { "" });
+        row.cell.grade == Grade::Fine && labels.contains(&label.as_str())
+    });
+    assert_eq!(contest.rows.len(), labels.len());
+    let learnt = stand.learn(Grade::Fine, &contest.seas, contest.lessons(), plan.extent.lessons);
+    stand.monitors = vec![learnt.expect("it can be learnt")];
+    assert!(bench.settings.cylinder.iter().all(|cylinder| cylinder.sequential.is_none()));
+    plan
+}
+
+/// The figures of the contest are those of its own docs, on fewer faults.
+#[test]
+fn detectors_are_compared_on_the_same_faults_and_hours() {
+    let bench = Bench::new();
+    let mut stand = bench.stand();
+    let labels = ["step 0.5 mm", "noise 2 σ", "drift 1 mm/s", "none", "drift 0.025 mm/s, stop"];
+    let plan = contest(&bench, &mut stand, &labels);
+    let jobs = plan.jobs();
+    assert_eq!(jobs.len(), 5 * 2 + 1, "two machines a row, and an hour");
+    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
+    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
+    assert_eq!(forwards, backwards);
+    let [result] = &forwards.contest[..] else { panic!("{} grades", forwards.contest.len()) };
+    let hours = &result.hours;
+    // Where ten minutes of calibration have not been, nothing is judged.
+    assert!((0.9..1.0).contains(&hours.hours), "{} h", hours.hours);
+    assert!((7e-5..1e-4).contains(&hours.deviation), "{} m", hours.deviation);
+    assert_eq!(hours.detectors["sequential"].events, 0);
+    let largest = hours.largest[Rival::Sequential as usize];
+    assert!((4.0..result.level).contains(&largest), "{largest} of {} nats", result.level);
+    let [step, noise, drift, none, stop] = &result.rows[..] else { panic!("rows") };
+    let sequential = Rival::Sequential as usize;
+    for (row, within, ratio) in [(step, 0.06, 3.0), (noise, 0.1, 5.0), (drift, 0.5, 3.0)] {
+        let delay = row.found[sequential].delay;
+        assert_eq!((row.faults, row.found[sequential].found.count), (12, 12), "{row:?}");
+        assert!(delay.median.is_some_and(|delay| delay > 0.0 && delay < within), "{delay:?}");
+        assert!(row.ratio.is_some_and(|of| (0.5..ratio).contains(&of)), "{:?}", row.ratio);
+    }
+    // Half a millimetre is below the thesis's thresholds.
+    assert!(step.found[Rival::Comparator as usize].found.count == 0, "{step:?}");
+    assert!(step.suspect.right >= 9 && step.suspect.wrong == 0, "{:?}", step.suspect);
+    assert!(noise.suspect.right >= 11 && noise.suspect.wrong == 0, "{:?}", noise.suspect);
+    assert_eq!((drift.suspect.undecided, drift.suspect.all()), (12, 12), "{:?}", drift.suspect);
+    assert_eq!(none.found[sequential].found.count, 0);
+    assert_eq!((stop.suspect.right, stop.suspect.all()), (12, 12), "{:?}", stop.suspect);
+    // A higher level takes longer and is wrong less often.
+    let points = &step.curves[sequential];
+    assert!(points.is_sorted_by(|low, high| {
+        low.false_alarms_per_year >= high.false_alarms_per_year && low.found >= high.found
+    }));
+    let delays: Vec<f64> = points.iter().filter_map(|point| point.median).collect();
+    assert!(delays.len() > 10 && delays.is_sorted(), "{delays:?}");
+}
+
+#[test]
+fn what_was_not_learnt_is_told() {
+    let bench = Bench::new();
+    let plan = plan(&[Study::Contest], 6, 0.0);
+    let error = plan.run(&bench.stand(), plan.jobs()[0]).expect_err("nothing was learnt");
+    assert!(error.to_string().contains("fine was not learnt"), "{error}");
 }
 
 fn evaluate(more: &[&str]) -> support::Run {

@@ -97,7 +97,7 @@ impl Scales {
     ///
     /// In a short window a displacement of ε is hardly evidence, and the healthy residuals of the
     /// rate function have been displaced, too; so the dead band grows with the window, ε w/(w + w₀),
-    /// with w₀ so that a window of samples that are all ε has [`BY_DEAD_BAND`] at the most.
+    /// with w₀ so that a window of samples that are all ε has 1 nat at the most.
     pub fn new(
         mean: Rate,
         square: Rate,

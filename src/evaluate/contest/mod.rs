@@ -2,7 +2,7 @@
 //! faults, in the controller's loop, and in the same hours without one.
 //!
 //! The sequential detector has been calibrated to the machine, and its level found, on runs of their
-//! own ([`super::learning`]); so every fault and every hour is new to it. Faults begin when the
+//! own ([`Learnt`]); so every fault and every hour is new to it. Faults begin when the
 //! windows of its statistics are full. The transducers do not fluctuate as in Figure 5-9: a calibration
 //! on fluctuations takes them for healthy, and then asks for a level that hides what is as large.
 

@@ -165,15 +165,19 @@ impl Heard<'_> {
         let [others, sequential] = [own(false), own(true)];
         let read = |it: &[Warning]| Outcome::read(it, cylinder, transducer, self.onset, self.end);
         let (others, outcome) = (read(&others), read(&sequential));
-        let told = sequential.iter().filter(|it| {
+        let told = |it: &&Warning| {
             let in_time = (self.onset..=self.end).contains(&it.timestamp);
             it.cylinder == cylinder && in_time && it.state != State::Cleared
-        });
+        };
         let wrong = |it: &Warning| {
             !matches!(it.finding.suspect, Suspect::Undecided | Suspect::Process)
                 && it.finding.suspect != transducer
         };
-        let blame = if told.clone().any(wrong) { Some(Blame::Wrong) } else { outcome.blame };
+        let blame = if sequential.iter().filter(told).any(wrong) {
+            Some(Blame::Wrong)
+        } else {
+            outcome.blame
+        };
         let by = |detector: Detector| detector as usize - 1;
         let delay =
             |one: Option<f64>, other: Option<f64>| one.into_iter().chain(other).reduce(f64::min);
@@ -185,7 +189,7 @@ impl Heard<'_> {
                 outcome.delays[by(Detector::Sequential)],
             ],
             blame,
-            kind: told.last().map(|it| it.finding.fault),
+            kind: sequential.iter().rfind(told).map(|it| it.finding.fault),
             ladder,
         }
     }

@@ -1,10 +1,11 @@
 //! The page of an evaluation.
 
-use super::Page;
+mod contest;
+
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
-use super::palette;
+use super::{Page, palette};
 use crate::evaluate::{Delay, Evaluation, Grade, Plan, RowResult, SIGMA, Study, WITHIN};
 use crate::report::evaluation;
 use plotters::style::RGBColor;
@@ -47,6 +48,7 @@ pub fn page(plan: &Plan, result: &Evaluation) -> String {
     let delays = SIZED.iter().filter_map(|sized| delays(plan, result, sized));
     shown(&mut page, "How long it takes", delays.collect());
     shown(&mut page, "The loop", moved(result).into_iter().collect());
+    shown(&mut page, "Delay against false alarms", contest::figures(&result.contest));
     page.heading("Tables");
     for section in evaluation::sections(plan, result) {
         page.section(&section);
