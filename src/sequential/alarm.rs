@@ -42,6 +42,27 @@ pub struct Alarm {
 }
 
 impl Alarm {
+    /// An alarm that has just risen, and of which nobody is suspected.
+    pub const fn new(cause: Cause, fault: Fault, size: f64, onset: Timestamp) -> Self {
+        Self {
+            cause,
+            peak: Peak { nats: 0.0, width: 0 },
+            fault,
+            suspect: Suspect::Undecided,
+            evidence: None,
+            size,
+            scale: None,
+            onset,
+            age: 0,
+            calm: 0,
+        }
+    }
+
+    /// Nobody is suspected any more, and what spoke for it is void.
+    pub const fn clear_suspect(&mut self) {
+        (self.suspect, self.evidence) = (Suspect::Undecided, None);
+    }
+
     /// How far back one looks whether it is over: as far as it took to find it.
     pub fn watched(&self) -> usize {
         self.peak.width.max(LEAST_WATCHED)

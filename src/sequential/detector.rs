@@ -154,7 +154,7 @@ impl Sequential {
     pub fn interrupt(&mut self) {
         // As with R3, the side does not outlast a time of which nothing is known.
         if let Some(alarm) = self.alarm.as_mut().filter(|alarm| alarm.cause != Cause::Dwell) {
-            alarm.suspect = Suspect::Undecided;
+            alarm.clear_suspect();
         }
         self.leave();
         self.dwelling = Dwelling::default();
@@ -246,18 +246,8 @@ impl Sequential {
             Some(alarm) if alarm.suspect == Suspect::Undecided => alarm.suspect = suspect,
             Some(_) => {}
             None if size.abs() > SLOW => {
-                self.alarm = Some(Alarm {
-                    cause: Cause::Dwell,
-                    peak: Peak::default(),
-                    fault: Fault::Incipient,
-                    suspect,
-                    evidence: None,
-                    size,
-                    scale: None,
-                    onset: at,
-                    age: 0,
-                    calm: 0,
-                });
+                let alarm = Alarm::new(Cause::Dwell, Fault::Incipient, size, at);
+                self.begin(Alarm { suspect, ..alarm });
             }
             None => {}
         }
@@ -288,8 +278,8 @@ impl Sequential {
             self.raise(at, Cause::Mean, mean);
         } else if variance.nats > level {
             self.raise(at, Cause::Variance, variance);
-        } else if self.slow.mean().is_some_and(|mean| mean.abs() > SLOW) {
-            self.raise(at, Cause::Slow, Peak::default());
+        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > SLOW) {
+            self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
     }

@@ -264,9 +264,21 @@ mod tests {
     fn the_transducer_that_is_noisy_is_told() {
         for seed in 0..20 {
             let one = follow(seed, |_, wild| [4e-4 * wild, 0.0]).energy(11);
-            assert!(one.is_some_and(|share| share > 0.25), "{seed}: {one:?}");
+            assert!(one.is_some_and(|nats| nats > 6.0), "{seed}: {one:?}");
             let two = follow(seed, |_, wild| [0.0, 4e-4 * wild]).energy(11);
-            assert!(two.is_some_and(|share| share < -0.25), "{seed}: {two:?}");
+            assert!(two.is_some_and(|nats| nats < -6.0), "{seed}: {two:?}");
+        }
+    }
+
+    /// Of a difference that is no more than healthy nobody is the cause, whatever the rod does.
+    #[test]
+    fn healthy_innovations_are_nobodys_noise() {
+        for seed in 0..50 {
+            for moved in [0.0, 2e-3] {
+                let pair = follow(seed, |age, _| [moved * (age as f64).cos(); 2]);
+                let nats = pair.energy(40).expect("it follows");
+                assert!(nats.abs() < 4.0, "{seed} {moved}: {nats}");
+            }
         }
     }
 

@@ -200,6 +200,18 @@ mod tests {
     }
 
     #[test]
+    fn what_is_said_twice_is_evidence_once() {
+        let Scales { mean, square, .. } = scales(1e-4);
+        let twice = Scales::new(mean, square, [[2.0; WIDTHS.len()]; 2], DEVIATION, 1e-4);
+        for index in 0..WIDTHS.len() {
+            let (once, twice) = (scales(1e-4), &twice);
+            assert!((once.by_mean(index, 3e-4) / twice.by_mean(index, 3e-4) - 2.0).abs() < 1e-12);
+            let [one, half] = [&once, twice].map(|scales| scales.by_square(index, 9e-8));
+            assert!((one / half - 2.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
     fn at_rest_only_short_windows_count() {
         let [mean, _] = after((0..100).map(|_| 3e-4), false);
         assert_eq!(mean.width, 4);

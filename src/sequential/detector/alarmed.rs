@@ -38,33 +38,22 @@ const LOCATED: usize = 16;
 const FOLLOWED: f64 = 5e-3;
 
 impl Sequential {
+    /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
-        let noisy = match kind::looks(&self.history, peak.width) {
-            Some(Looks::Noisy(size)) => Some((Fault::Noise, size, peak.width)),
-            _ => None,
-        };
-        let (fault, size, cycles) = match cause {
-            Cause::Mean | Cause::Variance => noisy.unwrap_or_else(|| {
+        let (fault, size, cycles) = match kind::looks(&self.history, peak.width) {
+            Some(Looks::Noisy(size)) => (Fault::Noise, size, peak.width),
+            _ => {
                 let shape = kind::shape(&self.history, self.design.deviation);
                 (shape.fault, shape.size, shape.onset)
-            }),
-            Cause::Slow | Cause::Dwell => {
-                (Fault::Incipient, self.slow.mean().unwrap_or_default(), 0)
             }
         };
+        let ago = Span::from_seconds(-(cycles as f64) * self.design.sample_time);
+        self.begin(Alarm { peak, ..Alarm::new(cause, fault, size, at.after(ago)) });
+    }
+
+    pub(super) fn begin(&mut self, alarm: Alarm) {
         self.proportion.begin();
-        self.alarm = Some(Alarm {
-            cause,
-            peak,
-            fault,
-            suspect: Suspect::Undecided,
-            evidence: None,
-            size,
-            scale: None,
-            onset: at.after(Span::from_seconds(-(cycles as f64) * self.design.sample_time)),
-            age: 0,
-            calm: 0,
-        });
+        self.alarm = Some(alarm);
     }
 
     pub(super) fn go_on(&mut self, calm: bool) {
@@ -105,7 +94,7 @@ impl Sequential {
         let shape = kind::shape(&self.history, self.design.deviation);
         if alarm.fault == Fault::Noise {
             // Whoever was blamed for a noise was so by its innovations: a step has others.
-            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+            alarm.clear_suspect();
         }
         if alarm.fault == Fault::Noise || shape.advantage > CLEARLY {
             alarm.fault = shape.fault;
@@ -114,9 +103,10 @@ impl Sequential {
         let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
         let form = match shape.fault {
             Fault::Incipient if speed < FOLLOWED => {
-                // So slow a drift may be anybody's, and what seemed a step was its beginning.
+                // So slow a drift may be anybody's, and what seemed a step was its beginning; but
+                // not a gain's that goes on, or what a stop has told since.
                 if alarm.age <= LONGEST as u32 {
-                    (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+                    alarm.clear_suspect();
                 }
                 return;
             }
@@ -137,7 +127,7 @@ impl Sequential {
     /// Noise has no onset to compare; its innovations go on.
     fn tell_noise(&self, alarm: &mut Alarm, size: f64) {
         if alarm.fault != Fault::Noise {
-            (alarm.suspect, alarm.evidence) = (Suspect::Undecided, None);
+            alarm.clear_suspect();
         }
         (alarm.fault, alarm.size) = (Fault::Noise, size);
         if alarm.suspect == Suspect::Undecided {

@@ -96,7 +96,26 @@ fn a_side_does_not_outlast_a_lost_bus() {
     let mut detector = detector();
     let fault = |t| if t < 20.0 { 0.0 } else { 4e-4 };
     go(&mut detector, 0.0, 21.0, fault);
-    detector.alarm.as_mut().expect("it is found").suspect = Suspect::C1;
+    let alarm = detector.alarm.as_mut().expect("it is found");
+    (alarm.suspect, alarm.evidence) = (Suspect::C1, Some(20.0));
     detector.interrupt();
-    assert_eq!(detector.alarm().map(|alarm| alarm.suspect), Some(Suspect::Undecided));
+    let told = detector.alarm().map(|alarm| (alarm.suspect, alarm.evidence));
+    assert_eq!(told, Some((Suspect::Undecided, None)));
+}
+
+/// What an earlier alarm has seen of a gain is nothing to one that the stop has found.
+#[test]
+fn every_alarm_begins_with_nothing_of_a_gain() {
+    let mut detector = detector();
+    go(&mut detector, 0.0, 10.0, |_| 0.0);
+    let t = go(&mut detector, 10.0, 40.0, |t| 4e-3 * (0.8 * t).sin());
+    assert!(detector.alarm().is_some_and(|alarm| alarm.scale.is_some()), "{:?}", detector.alarm());
+    go(&mut detector, t, 30.0, |_| 0.0);
+    assert_eq!(detector.alarm(), None);
+    detector.judge_dwell(Timestamp::default(), &Moved { by: [1e-3, 0.0], least: [3e-4; 2] });
+    go(&mut detector, t + 30.0, 1.0, |_| 0.0);
+    assert_eq!(
+        detector.alarm().map(|alarm| (alarm.cause, alarm.scale)),
+        Some((Cause::Dwell, None))
+    );
 }
