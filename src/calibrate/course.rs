@@ -29,8 +29,6 @@ pub struct Course<'a> {
     pub tried: Window,
     /// False alarms that a year may bring, all cylinders together.
     pub per_year: f64,
-    /// Cycles that are one warning.
-    pub block: u32,
 }
 
 /// What came of a [`Course`].
@@ -51,7 +49,7 @@ impl Course<'_> {
     /// # Errors
     /// The recording's own.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Calibrated, R::Error> {
-        let Self { settings, fitted, tried, per_year, block } = *self;
+        let Self { settings, fitted, tried, per_year } = *self;
         let sample_time = settings.machine.sample_time;
         let (gathering, results) = self.lines(recording)?;
         let fits = || results.iter().map(|result| result.as_ref().ok());
@@ -61,7 +59,7 @@ impl Course<'_> {
             (0..results.len()).map(|i| profiling.result(i)).collect();
         let known = fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
         let mut scattering = Scattering::new(sample_time, known);
-        let mut trying = Trying::new(fits(), block);
+        let mut trying = Trying::new(fits(), settings.warning_cycles());
         recording.read(tried, (&mut trying, &mut scattering))?;
         let bound = trying.bound(per_year, sample_time);
         let sequential: Vec<Option<(Profile, Scatter)>> =
@@ -115,7 +113,7 @@ impl Course<'_> {
         recording: &R,
         sequential: &[Option<(Profile, Scatter)>],
     ) -> Result<Option<Level>, R::Error> {
-        let Self { settings, tried, per_year, block, .. } = *self;
+        let Self { settings, tried, per_year, .. } = *self;
         let sample_time = settings.machine.sample_time;
         let designs: Vec<_> = sequential
             .iter()
@@ -123,7 +121,7 @@ impl Course<'_> {
                 both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
             })
             .collect();
-        let mut watch = Watch::new(designs.iter().map(Option::as_ref), block);
+        let mut watch = Watch::new(designs.iter().map(Option::as_ref), settings.warning_cycles());
         recording.read(tried, &mut watch)?;
         let by_rate = sequential::level(per_year, settings.machine.cylinders, sample_time);
         Ok(watch.level(per_year, sample_time).filter(|level| level.nats > by_rate))

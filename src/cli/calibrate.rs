@@ -59,13 +59,7 @@ impl Calibrate {
         let settings = &surveyed.machine.loaded.settings;
         let part = 1.0 - f64::from(self.held_back) / 100.0;
         let [fitted, tried] = surveyed.window.split(part);
-        let course = Course {
-            settings,
-            fitted,
-            tried,
-            per_year: self.false_alarms_per_year,
-            block: tables::block(settings),
-        };
+        let course = Course { settings, fitted, tried, per_year: self.false_alarms_per_year };
         let Calibrated { cylinders, bound, level } = course.run(surveyed)?;
         let mut remarks = surveyed.remarks();
         remarks.extend(bound.filter(|b| b.level >= settings.comparator.critical).map(|b| {

@@ -67,13 +67,3 @@ pub fn per_year(text: &str) -> Result<f64, String> {
         "expected how many false alarms a year may bring, above 0; 8766 is one an hour".to_owned()
     })
 }
-
-/// Cycles that are one warning: what follows sooner does not raise anew.
-pub fn block(settings: &crate::config::Settings) -> u32 {
-    cycles(settings, settings.alarm.clear).max(1)
-}
-
-/// Whole cycles nearest to `seconds`.
-pub fn cycles(settings: &crate::config::Settings, seconds: f64) -> u32 {
-    (seconds / settings.machine.sample_time).round() as u32
-}

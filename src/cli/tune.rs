@@ -94,10 +94,10 @@ impl Tune {
         let criterion = Criterion {
             rate: per_second(self.false_alarms_per_year),
             sample_time,
-            block: tables::block(settings),
+            block: settings.warning_cycles(),
             horizon: ((IN_TIME / sample_time) as usize).max(1),
-            sharp: (tables::cycles(settings, settings.alarm.coincidence) as usize).max(1),
-            settle: tables::cycles(settings, settings.observer.settle),
+            sharp: (settings.cycles(settings.alarm.coincidence) as usize).max(1),
+            settle: settings.cycles(settings.observer.settle),
         };
         let mut store = Store::new(&cylinders);
         surveyed.read(surveyed.window, &mut store)?;

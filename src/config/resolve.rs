@@ -7,6 +7,16 @@ use crate::sequential::{self, Limits};
 const LEAST_LEVEL: f64 = 5.0;
 
 impl Settings {
+    /// Whole cycles nearest to `seconds`.
+    pub fn cycles(&self, seconds: f64) -> u32 {
+        (seconds / self.machine.sample_time).round() as u32
+    }
+
+    /// Cycles that are one warning: what follows sooner does not raise anew.
+    pub fn warning_cycles(&self) -> u32 {
+        self.cycles(self.alarm.clear).max(1)
+    }
+
     /// `(theta, gamma)` of (4-1) for cylinder `n`: its own, else those of `[model]`.
     pub fn model_of(&self, n: u8) -> ([f64; 5], [f64; 2]) {
         let own = self.own(n);

@@ -97,8 +97,7 @@ impl Stand<'_> {
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
         let per_year = settings.sequential.false_alarms_per_year;
         let sample_time = settings.machine.sample_time;
-        let block = ((settings.alarm.clear / sample_time).round() as u32).max(1);
-        let course = Course { settings: self.settings, fitted, tried, per_year, block };
+        let course = Course { settings: self.settings, fitted, tried, per_year };
         let tables = course.run(&run)?.cylinders.into_iter().map(|cylinder| {
             let missing = || format!("cylinder {} has no profile", cylinder.number);
             let table = cylinder.table().filter(|table| table.sequential.is_some());
@@ -114,7 +113,7 @@ impl Stand<'_> {
         let level = match settings.sequential.level {
             Some(_) => None,
             None => {
-                let mut watch = Watch::new(detectors.iter().map(Some), block);
+                let mut watch = Watch::new(detectors.iter().map(Some), settings.warning_cycles());
                 let run = Run { seed: other, settings: &settings, ..run };
                 run.read(Window { from: 0.0, to: 3600.0 * lessons.level }, &mut watch)?;
                 let level = watch.level(per_year, sample_time);

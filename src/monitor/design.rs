@@ -78,7 +78,7 @@ impl MonitorDesign {
                     deadline: Span::from_seconds(settings.cycle_deadline()),
                     synchronised: settings.signals.sync.is_some(),
                 },
-                gap_cycles: cycles(settings, settings.machine.max_gap).into(),
+                gap_cycles: settings.cycles(settings.machine.max_gap).into(),
                 gate: Gate::new(
                     monitored,
                     stops,
@@ -102,11 +102,6 @@ fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
         }
     }
     kept
-}
-
-/// Whole cycles nearest to `seconds`.
-fn cycles(settings: &Settings, seconds: f64) -> u32 {
-    (seconds / settings.machine.sample_time).round() as u32
 }
 
 struct Wirer<'a> {
@@ -162,7 +157,7 @@ impl<'a> Wirer<'a> {
             awaited: self.connected(n),
             counter_bits: [first.counter_bits, second.counter_bits],
             command_offset: settings.command_offset_of(n),
-            command_stale: cycles(settings, settings.plausibility.stale).max(1),
+            command_stale: settings.cycles(settings.plausibility.stale).max(1),
             moving_speed: settings.plausibility.frozen_speed,
             comparator: Comparator { gain, offset },
             bank: BankDesign {
@@ -230,13 +225,13 @@ impl<'a> Wirer<'a> {
             }
         }
         Limits {
-            stale: cycles(self.settings, plausibility.stale).max(1),
+            stale: self.settings.cycles(plausibility.stale).max(1),
             broken_wire_codes: plausibility.broken_wire_codes.clone(),
             status_mask: plausibility.status_mask,
             codes: plausibility.valid_raw.map(|[lowest, highest]| (lowest, highest)),
             // A limit in decimals lies beside its count by rounding.
             lengths: (lengths.0 - half_count, lengths.1 + half_count),
-            frozen: cycles(self.settings, plausibility.frozen).max(1),
+            frozen: self.settings.cycles(plausibility.frozen).max(1),
             // Half of the way of the slowest command that counts as moving, so that a stroke which
             // just begins is not taken for one that stands still.
             travel: 0.5 * plausibility.frozen_speed * plausibility.frozen,
@@ -255,8 +250,8 @@ impl<'a> Wirer<'a> {
                 settings.observer.q,
                 settings.observer.r,
                 velocity,
-                cycles(settings, settings.observer.settle),
-                cycles(settings, settings.machine.max_gap),
+                settings.cycles(settings.observer.settle),
+                settings.cycles(settings.machine.max_gap),
             );
             design.map_err(|error| {
                 self.flaws.push(Flaw::new(

@@ -96,7 +96,7 @@ impl Setup {
     fn calibrate(&mut self) {
         let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
         let settings = &self.settings;
-        let course = Course { settings, fitted, tried, per_year: 1.0, block: 50 };
+        let course = Course { settings, fitted, tried, per_year: 1.0 };
         let calibrated = course.run(self).expect("it is simulated").cylinders.into_iter();
         let tables = calibrated.map(|cylinder| cylinder.table().expect("it is healthy"));
         self.settings.cylinder = tables.collect();

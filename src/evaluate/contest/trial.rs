@@ -194,3 +194,51 @@ impl Heard<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::alarm::{Finding, Level};
+
+    /// A warning of cylinder 2 by its sequential detector, at so many ms.
+    fn warning(at: i64, state: State, fault: Fault, suspect: Suspect) -> Warning {
+        let place = crate::alarm::register::DETECTORS
+            .iter()
+            .position(|detector| *detector == Detector::Sequential);
+        Warning {
+            timestamp: Timestamp::from_nanos(at * 1_000_000),
+            cylinder: 2,
+            detector: Detector::Sequential,
+            place: place.expect("it has a place"),
+            state,
+            finding: Finding {
+                fault,
+                suspect,
+                level: Level::Yellow,
+                residual: None,
+                threshold: None,
+                evidence: None,
+            },
+        }
+    }
+
+    fn heard(suspects: &[Suspect]) -> Entry {
+        let mut warnings = vec![warning(1020, State::Raised, Fault::Noise, Suspect::Undecided)];
+        warnings.extend(
+            (0..).zip(suspects).map(|(k, suspect)| {
+                warning(1200 + 100 * k, State::Changed, Fault::Abrupt, *suspect)
+            }),
+        );
+        let [onset, end] = [1000, 2000].map(|ms| Timestamp::from_nanos(ms * 1_000_000));
+        Heard { warnings: &warnings, onset, end }.entry(2, Suspect::C2, Ladder::default())
+    }
+
+    #[test]
+    fn whoever_was_wrong_once_is_not_right_in_the_end() {
+        let right = heard(&[Suspect::C2]);
+        assert_eq!((right.blame, right.kind), (Some(Blame::Right), Some(Fault::Abrupt)));
+        assert_eq!((right.delays, right.spoilt), ([None, None, Some(0.02)], false));
+        assert_eq!(heard(&[]).blame, Some(Blame::Undecided));
+        assert_eq!(heard(&[Suspect::C1, Suspect::C2]).blame, Some(Blame::Wrong));
+    }
+}

@@ -1,6 +1,6 @@
 //! From settings to a virtual sensor.
 
-use super::{Wirer, cycles};
+use super::Wirer;
 use crate::compare::Comparator;
 use crate::estimate::{Design, Drive, Dynamics, Scale};
 use crate::observe::model::Model;
@@ -35,8 +35,8 @@ impl Wirer<'_> {
                 reference: sequential.map(|design| design.reference.clone()),
             },
             sample_time,
-            settle: cycles(settings, settings.observer.settle),
-            max_gap: cycles(settings, settings.machine.max_gap),
+            settle: settings.cycles(settings.observer.settle),
+            max_gap: settings.cycles(settings.machine.max_gap),
             difference: settings.comparator.bound,
             bound: settings.estimate.bound,
             lengths,

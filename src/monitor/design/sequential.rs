@@ -1,6 +1,6 @@
 //! From the fitted tables to a sequential detector.
 
-use super::{Flaw, Wirer, cycles};
+use super::{Flaw, Wirer};
 use crate::calibrate::LEAST_SAMPLES;
 use crate::config::settings::CylinderSequential;
 use crate::sequential::{Design, Drive, PairDesign, Rate, Reference};
@@ -28,7 +28,7 @@ impl Wirer<'_> {
             pair: self.pair(n, fitted),
             level: settings.sequential_level(),
             sample_time,
-            clear: cycles(settings, settings.alarm.clear).max(1),
+            clear: settings.warning_cycles(),
         })
     }
 
