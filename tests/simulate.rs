@@ -12,6 +12,7 @@ use tertius::bus::LogWriter;
 use tertius::config::{self, Settings};
 use tertius::controller::{State, soft};
 use tertius::decode::{Database, text};
+use tertius::evaluate::Grade;
 use tertius::frame::Frame;
 use tertius::inject::{self, Fault, Shape, Wanted, place, table};
 use tertius::monitor::{Monitor, MonitorDesign, Record, Sink};
@@ -207,6 +208,42 @@ fn a_fault_in_the_loop_moves_the_cylinder_and_one_beside_it_does_not() {
     assert!((mean(1) + 0.02).abs() < 2e-3, "{} m", mean(1));
     for leg in [0, 2, 3, 4, 5] {
         assert!(mean(leg).abs() < 5e-4, "cylinder {}: {} m", leg + 1, mean(leg));
+    }
+}
+
+/// A quarter of a millimetre is 2.3 counts: after rounding it is two or three of them, and a quarter of
+/// a millimetre in the mean. On transducers that read in steps of four counts it is one step or none.
+#[test]
+fn a_fault_is_in_the_length_before_it_is_rounded() {
+    let setup = setup();
+    let (message, c1) = setup.database.signal("Cyl2_C1.Position").expect("it is there");
+    for (grade, steps) in [(Grade::Fine, [2, 3]), (Grade::Coarse, [0, 4])] {
+        let counts = |options: &Options| {
+            let tables = grade.apply(&Tables::default());
+            let simulator = Simulator::new(&tables, &setup.settings, &setup.database, options);
+            let mut simulator = simulator.expect("it can be simulated");
+            let mut counts = Vec::new();
+            for _ in 0..6000 {
+                simulator.step(&mut |frame| {
+                    if let Some(value) =
+                        c1.plan.decode(frame).value().filter(|_| frame.id == message.id)
+                    {
+                        counts.push((c1.plan.unscaled(value.physical)).round() as i32);
+                    }
+                });
+            }
+            counts
+        };
+        let faulty = setup.with_fault("step,cylinder=2,at=0,size=0.00025");
+        let healthy = counts(&Options { seed: 1, ..Options::default() });
+        let apart: Vec<i32> = counts(&faulty).iter().zip(&healthy).map(|(a, b)| a - b).collect();
+        assert!(apart.iter().all(|counts| steps.contains(counts)), "{grade:?}");
+        let mean = f64::from(apart.iter().sum::<i32>()) / apart.len() as f64 * 3.0 / 27_648.0;
+        assert!((mean - 2.5e-4).abs() < 1.2e-5, "{grade:?}: {mean} m");
+        // A value that is put in its place is none that a transducer has rounded.
+        let out = counts(&setup.with_fault("out_of_range,cylinder=2,at=0,value=1.8001"));
+        let read = c1.plan.unscaled(1.8001).round() as i32;
+        assert!(out.iter().all(|count| *count == read), "{grade:?}: {} for {read}", out[0]);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Frames in, frames with faults out.
 
 use super::place::Placed;
-use super::shape::{Code, Reading, Shape, Window};
+use super::shape::{Code, Reading, Shape, Unrounded, Window};
 use super::tally::Tally;
 use crate::decode::{Decoded, Inserted, SignalPlan};
 use crate::frame::{Frame, Id, Kind};
@@ -81,6 +81,17 @@ impl Injector {
     /// Takes the next frame and gives the frame to pass on in its place; `None` if it is lost. The
     /// first frame of all, whatever it is, starts the time of the faults.
     pub fn take<'a>(&'a mut self, frame: &'a Frame) -> Option<&'a Frame> {
+        self.take_measured(frame, |_| None)
+    }
+
+    /// As [`Self::take`], where it is known what the transducers had before they rounded it to the
+    /// counts of `frame`: a fault of a transducer adds to that, so that a quarter of a count is one
+    /// count in every fourth reading, and not nothing.
+    pub fn take_measured<'a>(
+        &'a mut self,
+        frame: &'a Frame,
+        unrounded: impl Fn(&SignalPlan) -> Option<Unrounded>,
+    ) -> Option<&'a Frame> {
         let first = *self.first.get_or_insert(frame.timestamp);
         if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
             return Some(frame);
@@ -91,7 +102,7 @@ impl Injector {
         self.changed.clone_from(frame);
         let elapsed = frame.timestamp.since(first);
         for stage in &mut self.lines[place].stages {
-            if !stage.apply(elapsed, &mut self.changed, &mut self.tallies) {
+            if !stage.apply(elapsed, &mut self.changed, &mut self.tallies, &unrounded) {
                 return None;
             }
         }
@@ -131,9 +142,17 @@ impl Line {
 
 impl Stage {
     /// Applies the stage to `frame`; `false` if it is lost.
-    fn apply(&mut self, elapsed: Span, frame: &mut Frame, tallies: &mut [Tally]) -> bool {
+    fn apply(
+        &mut self,
+        elapsed: Span,
+        frame: &mut Frame,
+        tallies: &mut [Tally],
+        unrounded: impl Fn(&SignalPlan) -> Option<Unrounded>,
+    ) -> bool {
         match self {
-            Self::Signal { plan, faults } => change(plan, faults, elapsed, frame, tallies),
+            Self::Signal { plan, faults } => {
+                change(plan, faults, elapsed, frame, tallies, || unrounded(plan));
+            }
             Self::Stale(active, held) => {
                 let held = held.get_or_insert_with(|| frame.clone());
                 if active.window.age(elapsed).is_none() {
@@ -168,13 +187,17 @@ fn change(
     elapsed: Span,
     frame: &mut Frame,
     tallies: &mut [Tally],
+    unrounded: impl Fn() -> Option<Unrounded>,
 ) {
     let Decoded::Value(value) = plan.decode(frame) else {
         let active = faults.iter().filter(|fault| fault.window.age(elapsed).is_some());
         active.for_each(|fault| tallies[fault.index].absent += 1);
         return;
     };
-    let mut reading = Reading { physical: value.physical, raw: Some(value.raw) };
+    let unrounded = unrounded();
+    let physical = unrounded.map_or(value.physical, |it| it.length);
+    let grid = unrounded.map(|it| it.grid);
+    let mut reading = Reading { physical, raw: Some(value.raw), grid };
     let mut touched = false;
     for fault in faults.iter_mut() {
         touched |= fault.apply(plan, elapsed, &mut reading, &mut tallies[fault.index]);
@@ -186,7 +209,7 @@ fn change(
     }
     let inserted = match reading.raw {
         Some(raw) => plan.insert(raw, frame.buffer_mut()),
-        None => plan.insert_physical(reading.physical, frame.buffer_mut()),
+        None => plan.insert_physical(reading.rounded(), frame.buffer_mut()),
     };
     if inserted != Inserted::Whole {
         let active = faults.iter().filter(|fault| fault.window.age(elapsed).is_some());
@@ -213,16 +236,17 @@ impl Active {
         match self.shape {
             Shape::Constant(Code::Raw(code)) => {
                 let raw = crate::decode::Raw::Signed(code);
-                *reading = Reading { physical: plan.physical(raw), raw: Some(raw) };
+                *reading = Reading { physical: plan.physical(raw), raw: Some(raw), grid: None };
             }
             Shape::Constant(Code::Physical(physical)) => {
-                *reading = Reading { physical, raw: None };
+                *reading = Reading { physical, raw: None, grid: None };
             }
             shape => match shape.addition(reading.physical, age, &mut self.rng) {
                 // Nothing added leaves every bit as it is.
                 Some(0.0) => return false,
                 Some(addition) => {
-                    *reading = Reading { physical: reading.physical + addition, raw: None };
+                    let physical = reading.physical + addition;
+                    *reading = Reading { physical, raw: None, ..*reading };
                 }
                 None => *reading = self.held.unwrap_or(*reading),
             },

@@ -10,7 +10,8 @@
 //! whatever is random comes from a seed, so that the same seed gives the same bytes.
 //!
 //! A fault is added after the event: the machine's controller did not see it, so the motion in the
-//! recording does not answer to it.
+//! recording does not answer to it. Where more is known than frames, as of a simulated machine, a fault of a
+//! transducer is in its length before that is rounded to counts.
 
 mod fault;
 mod injector;
@@ -24,7 +25,7 @@ pub use fault::{Fault, SENSORS, SpecError, Wanted};
 pub use injector::Injector;
 pub use kind::grammar;
 pub use place::{PlaceError, Placed, place};
-pub use shape::{Code, Shape, Window};
+pub use shape::{Code, Shape, Unrounded, Window};
 pub use tally::Tally;
 
 /// The most faults at once.

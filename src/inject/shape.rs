@@ -2,6 +2,7 @@
 
 use crate::decode::Raw;
 use crate::time::Span;
+use crate::transducer::Grid;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -56,6 +57,13 @@ impl Window {
     }
 }
 
+/// A reading as its transducer has it before it rounds it to counts, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unrounded {
+    pub length: f64,
+    pub grid: Grid,
+}
+
 /// A reading on its way through the faults of its signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reading {
@@ -63,6 +71,16 @@ pub(super) struct Reading {
     pub physical: f64,
     /// As it stands in a frame; `None` once something was added, which is rounded only at the end.
     pub raw: Option<Raw>,
+    /// What its transducer rounds it to, before it is rounded for the frame; `None` where that is not
+    /// known, or where no transducer reads any more.
+    pub grid: Option<Grid>,
+}
+
+impl Reading {
+    /// Rounded as its transducer does, in the signal's unit.
+    pub fn rounded(&self) -> f64 {
+        self.grid.map_or(self.physical, |grid| grid.nearest(self.physical))
+    }
 }
 
 impl Shape {

@@ -5,8 +5,10 @@ use crate::config::settings::{CylinderSignals, Settings};
 use crate::controller::Readings;
 use crate::decode::{Database, Inserted, LookupError, Message, Raw, SignalPlan};
 use crate::frame::{Frame, Kind};
+use crate::inject::Unrounded;
 use crate::plant::CYLINDERS;
 use crate::time::Timestamp;
+use crate::transducer::Grid;
 
 /// Why the machine of a configuration cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -93,6 +95,12 @@ impl Planned {
         }
     }
 
+    /// What the transducer had before it rounded it for the signal of `plan`.
+    pub fn unrounded(&self, plan: &SignalPlan, values: &Values) -> Option<Unrounded> {
+        let (_, origin) = self.fields.iter().find(|(known, _)| known == plan)?;
+        values.unrounded(*origin)
+    }
+
     /// What the controller reads in `frame`, a frame of this message.
     pub fn read_back(&self, frame: &Frame, readings: &mut Readings) {
         for (plan, origin) in &self.fields {
@@ -119,11 +127,11 @@ pub struct Layout {
 
 impl Layout {
     /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
-    /// motion sensor, the platform's state, the valves.
+    /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
     ///
     /// # Errors
     /// If it is no hexapod, or a signal is not there or not where a controller could send it.
-    pub fn new(settings: &Settings, database: &Database) -> Result<Self, LayoutError> {
+    pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
         let cylinders = settings.machine.cylinders;
         if usize::from(cylinders) != CYLINDERS {
             return Err(LayoutError::Cylinders(cylinders));
@@ -152,7 +160,7 @@ impl Layout {
             )?;
         }
         let carries_speed = settings.signals.cylinder.c1_velocity.is_some();
-        Ok(Self { messages: builder.messages, values: Values::default(), carries_speed })
+        Ok(Self { messages: builder.messages, values: Values::new(grid), carries_speed })
     }
 }
 

@@ -5,6 +5,8 @@
 //!                     ↑────────────────── C1 ───────────────────┘ (with faults: in the loop)
 //! ```
 //!
+//! A fault of a transducer is in its length before that is rounded to counts.
+//!
 //! [`Simulator::step`] makes the frames of one cycle and gives them to a sink, in the order of the
 //! bus. It is pure and allocates nothing: time is counted in cycles, and whatever is random comes
 //! from the seed, so that the same seed gives the same bytes. Nothing of the monitor is used here
@@ -26,7 +28,7 @@ pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};
 
 use crate::config::settings::Settings;
 use crate::controller::{Readings, State};
-use crate::decode::Database;
+use crate::decode::{Database, SignalPlan};
 use crate::frame::Frame;
 use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
@@ -106,7 +108,7 @@ impl Simulator {
         database: &Database,
         options: &Options,
     ) -> Result<Self, SimulatorError> {
-        let layout = Layout::new(settings, database)?;
+        let layout = Layout::new(settings, database, tables.transducer.grid())?;
         let sample_time = settings.machine.sample_time;
         Ok(Self {
             machine: Machine::new(tables, sample_time, options)?,
@@ -177,7 +179,8 @@ impl Simulator {
             if !*in_loop {
                 message.read_back(&message.frame, readings);
             }
-            if let Some(frame) = injector.take(&message.frame) {
+            let unrounded = |plan: &SignalPlan| message.unrounded(plan, &layout.values);
+            if let Some(frame) = injector.take_measured(&message.frame, unrounded) {
                 if *in_loop {
                     message.read_back(frame, readings);
                 }

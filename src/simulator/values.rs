@@ -2,6 +2,8 @@
 
 use super::machine::Sample;
 use crate::controller::{Commands, State};
+use crate::inject::Unrounded;
+use crate::transducer::Grid;
 
 /// Where a signal's value comes from; `usize` is the cylinder, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +30,9 @@ pub enum Origin {
 }
 
 /// The values of one cycle, in the units of the default layout.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Values {
+    grid: Grid,
     sample: Sample,
     commands: Commands,
     state: f64,
@@ -37,6 +40,19 @@ pub struct Values {
 }
 
 impl Values {
+    /// Of transducers that round to `grid`.
+    pub fn new(grid: Grid) -> Self {
+        let (sample, commands) = (Sample::default(), Commands::default());
+        Self { grid, sample, commands, state: 0.0, cycle: 0 }
+    }
+
+    /// The value of a transducer before it was rounded.
+    pub fn unrounded(&self, origin: Origin) -> Option<Unrounded> {
+        let Origin::Length(cylinder, which) = origin else { return None };
+        let length = self.sample.transducers[cylinder][which].unrounded;
+        Some(Unrounded { length, grid: self.grid })
+    }
+
     pub fn sampled(&mut self, sample: &Sample, state: State, cycle: u64) {
         self.sample = *sample;
         self.state = f64::from(state as u8);

@@ -28,6 +28,30 @@ pub struct Common {
     pub range: [f64; 2],
 }
 
+/// The counts of a reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// The length of count 0, m.
+    low: f64,
+    /// m in a count.
+    count: f64,
+}
+
+impl Grid {
+    /// The length of the count that is nearest to `length`, m.
+    pub fn nearest(&self, length: f64) -> f64 {
+        ((length - self.low) / self.count).round() * self.count + self.low
+    }
+}
+
+impl Common {
+    /// What a length is rounded to.
+    pub fn grid(&self) -> Grid {
+        let [low, high] = self.range;
+        Grid { low, count: (high - low) / self.counts }
+    }
+}
+
 /// The errors of six transducers, in the order of the cylinders.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -62,6 +86,8 @@ pub struct Transducer {
 pub struct Reading {
     /// m.
     pub length: f64,
+    /// The same before it was rounded to counts, m.
+    pub unrounded: f64,
     /// m/s.
     pub speed: f64,
 }
@@ -86,8 +112,10 @@ impl Transducer {
         let [length_noise, speed_noise]: [f64; 2] = [(); 2].map(|()| StandardNormal.sample(rng));
         let true_length = length + speed * self.skew;
         let noise = self.common.noise * length_noise + self.fluctuation(rng);
+        let unrounded = self.calibrated(true_length) + noise;
         Reading {
-            length: self.quantised(self.calibrated(true_length) + noise),
+            length: self.quantised(unrounded),
+            unrounded,
             speed: speed * (1.0 + self.gain) + self.common.speed_noise * speed_noise,
         }
     }
@@ -114,9 +142,8 @@ impl Transducer {
 
     /// (5-3), counts 1 to the highest: 0 is no signal.
     fn quantised(&self, length: f64) -> f64 {
-        let [low, high] = self.common.range;
-        let metres = (high - low) / self.common.counts;
-        let count = ((length - low) / metres).round().clamp(1.0, self.common.counts);
-        count * metres + low
+        let Grid { low, count } = self.common.grid();
+        let lengths = [low + count, low + self.common.counts * count];
+        self.common.grid().nearest(length.clamp(lengths[0], lengths[1]))
     }
 }
