@@ -8,7 +8,7 @@ use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
 use crate::sequential::clip::Clip;
 use crate::sequential::dependence::Measuring;
-use crate::sequential::motion::Motion;
+use crate::sequential::gate::{Gate, News};
 use crate::sequential::rate::Of;
 use crate::sequential::statistic::{DEAD_BAND, Dependence, History, INDEPENDENT, Scales};
 use crate::sequential::velocity::Velocity;
@@ -76,7 +76,7 @@ struct Judged {
     reference: Reference,
     velocity: Velocity,
     baseline: Baseline,
-    motion: Motion,
+    gate: Gate,
     pair: Option<Pair>,
     magnitudes: Magnitudes,
     history: History,
@@ -99,7 +99,7 @@ impl Scattering {
                 reference: profile.reference.clone(),
                 velocity: Velocity::new(sample_time),
                 baseline: Baseline::new(sample_time, deviation),
-                motion: Motion::new(sample_time),
+                gate: Gate::new(sample_time, deviation),
                 pair: profile.drive.and_then(design).map(Pair::new),
                 magnitudes: Magnitudes::new(BIN),
                 history: History::default(),
@@ -163,7 +163,7 @@ impl Judged {
     fn interrupt(&mut self) {
         self.velocity.reset();
         self.baseline.reset();
-        self.motion.reset();
+        self.gate.reset();
         self.history.clear();
         if let Some(pair) = &mut self.pair {
             pair.reset();
@@ -190,11 +190,11 @@ impl Judged {
         }
         let (Some((c1, c2)), Some(residual)) = (both, residual) else { return };
         self.baseline.follow(residual);
-        let moving = self.motion.step([c1, c2]);
+        let news = self.gate.step([c1, c2], residual);
         let Some(baseline) = baseline else { return };
         // Nothing is clipped: what is beyond all others was left out above.
-        self.history.push(residual - baseline, &Clip::NONE, moving);
-        if moving {
+        self.history.push(residual - baseline, &Clip::NONE, news);
+        if news == News::InMotion {
             self.magnitudes.add(residual - baseline);
             self.measuring.take(&self.history);
         }

@@ -48,6 +48,7 @@ fn largest(farthest: f64, sound: impl Fn(f64) -> bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::gate::News;
     use super::super::rate::Rate;
     use super::super::statistic::{History, INDEPENDENT};
     use super::*;
@@ -75,7 +76,7 @@ mod tests {
         for k in 0..2000_usize {
             let healthy = if k % 2 == 0 { DEVIATION } else { -DEVIATION };
             let residual = k.checked_sub(500).and_then(|i| wild.get(i)).copied();
-            history.push(residual.unwrap_or(healthy), &clip, true);
+            history.push(residual.unwrap_or(healthy), &clip, News::InMotion);
             let [mean, variance] = scales.peaks(&history, 1024);
             most = most.max(mean.nats).max(variance.nats);
         }

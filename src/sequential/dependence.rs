@@ -1,9 +1,9 @@
 //! How much of a window is news.
 //!
-//! A nat of evidence is a factor of e in rarity, if the samples of a window are independent. Those of
-//! readings that move in coarse counts are not: at speeds at which the rod goes whole steps from
-//! sample to sample the difference of two readings stays as it is. So it is measured by how much the
-//! evidence of healthy windows of each width outgrows its rarity.
+//! A nat of evidence is a factor of e in rarity, if the samples of a window are independent. What
+//! repeats the sample before is left out ([`super::gate`]); how much the others of readings that move in
+//! coarse counts have in common is measured, by how much the evidence of healthy windows of each width
+//! outgrows its rarity.
 
 use super::rate::Magnitudes;
 use super::statistic::{Dependence, History, INDEPENDENT, Scales};
@@ -79,6 +79,7 @@ fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
+    use super::super::gate::News;
     use super::super::rate::{Of, Rate};
     use super::*;
     use rand::SeedableRng;
@@ -96,7 +97,7 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut rng);
             for _ in 0..hold {
                 magnitudes.add(DEVIATION * normal);
-                history.push(DEVIATION * normal, &Clip::NONE, true);
+                history.push(DEVIATION * normal, &Clip::NONE, News::InMotion);
                 measuring.take(&history);
             }
         }

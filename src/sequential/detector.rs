@@ -6,8 +6,8 @@ use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
+use super::gate::{Gate, News};
 use super::history::{Blame, DwellHistory, Moved};
-use super::motion::Motion;
 use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
@@ -69,7 +69,7 @@ pub struct Sequential {
     clip: Clip,
     baseline: Baseline,
     slow: Slow,
-    motion: Motion,
+    gate: Gate,
     history: History,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -96,7 +96,7 @@ impl Sequential {
             scales,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
-            motion: Motion::new(design.sample_time),
+            gate: Gate::new(design.sample_time, design.deviation),
             history: History::default(),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -136,7 +136,8 @@ impl Sequential {
     /// How far the readings have been apart in the newest cycles, m, beside what is healthy; `None`
     /// where that is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
-        let [.., squares] = self.history.newest().filter(|_| self.verdict == Verdict::Healthy)?;
+        let [_, _, _, squares, _] =
+            self.history.newest().filter(|_| self.verdict == Verdict::Healthy)?;
         Some(squares.max(0.0).sqrt())
     }
 
@@ -201,19 +202,19 @@ impl Sequential {
             self.verdict = self.without_evidence();
             return;
         };
-        let moving = self.motion.step([c1, c2]);
-        if let Some(alarm) = self.alarm.filter(|_| moving) {
+        let news = self.gate.step([c1, c2], residual);
+        if let Some(alarm) = self.alarm.filter(|_| news == News::InMotion) {
             self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
         }
         self.residual = Some(residual - baseline);
-        self.judge(input.at, residual - baseline, moving);
+        self.judge(input.at, residual - baseline, news);
     }
 
     /// What is learnt of a state is void in another one. What was found stands, and its baseline
     /// with it: or else the fault would be the new one.
     fn leave(&mut self) {
         self.history.clear();
-        self.motion.reset();
+        self.gate.reset();
         self.velocity.reset();
         self.peaks = [Peak::default(); 2];
         self.verdict = Verdict::Unknown;
@@ -266,8 +267,8 @@ impl Sequential {
         pair.step(lengths, input.command);
     }
 
-    fn judge(&mut self, at: Timestamp, residual: f64, moving: bool) {
-        self.history.push(residual, &self.clip, moving);
+    fn judge(&mut self, at: Timestamp, residual: f64, news: News) {
+        self.history.push(residual, &self.clip, news);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
         self.peaks = self.scales.peaks(&self.history, widest);
         let [mean, variance] = self.peaks;

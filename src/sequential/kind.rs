@@ -62,13 +62,14 @@ fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> Shape {
     let more = (ramp.0 - step.0) / (2.0 * deviation * deviation);
     let (fault, (_, size, onset)) =
         if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
+    let onset = samples.over(onset).map_or(0, |[.., cycles]| cycles as usize);
     Shape { fault, size, onset, advantage: more.abs() }
 }
 
 /// The newest `span` residuals, the newest first, m.
 fn newest<const N: usize>(samples: &Sums<N>, span: usize) -> impl Iterator<Item = f64> + '_ {
     let mut newer = 0.0;
-    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, total, _]| {
+    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, total, ..]| {
         let value = total - newer;
         newer = total;
         value
@@ -86,7 +87,7 @@ pub enum Looks {
 
 /// What the newest `span` samples are; `None` if there are not so many.
 pub fn looks(history: &History, span: usize) -> Option<Looks> {
-    let [_, _, sum, squares] = history.all.over(span)?;
+    let [_, _, sum, squares, _] = history.all.over(span)?;
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
     if mean * mean > STEADY * square {
@@ -108,12 +109,13 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
 mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
+    use crate::sequential::gate::News;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(healthy + residual(k), &Clip::NONE, true);
+            history.push(healthy + residual(k), &Clip::NONE, News::InMotion);
         }
         history
     }

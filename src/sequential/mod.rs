@@ -21,6 +21,7 @@ pub mod dependence;
 pub mod detector;
 pub mod drive;
 pub mod dwell;
+pub mod gate;
 pub mod history;
 pub mod kind;
 pub mod motion;

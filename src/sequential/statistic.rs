@@ -1,6 +1,7 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
 use super::clip::Clip;
+use super::gate::News;
 use super::rate::Rate;
 use super::windows::{Sums, VALUES, WIDTHS};
 
@@ -19,46 +20,58 @@ impl Peak {
     }
 }
 
-/// Up to this width a window takes every sample; wider ones only those in motion, because at rest
-/// the count does not change and one sample says what the one before has said.
+/// Up to this width a window takes every sample that is news; wider ones only those in motion, because
+/// at rest the count hardly changes and one sample says much of what the one before has said.
 pub const AT_REST: usize = 4;
 
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
 
-/// The sums of the clipped residual, m, of its clipped square, m², of the residual itself, m, and of its
-/// square, m², over all samples and over those in motion.
+/// The sums of the clipped residual, m, of its clipped square, m², of the residual itself, m, of its
+/// square, m², and of the cycles since the sample before.
 #[derive(Clone, Debug, Default)]
 pub struct History {
+    /// Over all samples.
     pub all: Sums<{ NEWEST + 1 }>,
+    /// Over those that do not repeat others.
+    news: Sums<{ AT_REST + 1 }>,
+    /// Over those of them that are in motion.
     pub moving: Sums<1025>,
+    /// Cycles since the newest of these.
+    since: u32,
 }
 
 impl History {
     /// Takes a residual, m, as far as `clip` lets it count: a wild one must not be a mean of many.
-    pub fn push(&mut self, residual: f64, clip: &Clip, moving: bool) {
+    pub fn push(&mut self, residual: f64, clip: &Clip, news: News) {
         let square = residual * residual;
         let clipped = residual.clamp(-clip.farthest, clip.farthest);
-        let values = [clipped, square.min(clip.square), residual, square];
-        self.all.push(values);
-        if moving {
-            self.moving.push(values);
+        let values = |cycles| [clipped, square.min(clip.square), residual, square, cycles];
+        self.all.push(values(1.0));
+        self.since = self.since.saturating_add(1);
+        if news != News::Repeated {
+            self.news.push(values(1.0));
+        }
+        if news == News::InMotion {
+            self.moving.push(values(f64::from(std::mem::take(&mut self.since))));
         }
     }
 
     pub fn clear(&mut self) {
         self.all.clear();
+        self.news.clear();
         self.moving.clear();
+        self.since = 0;
     }
 
-    /// The sums over the newest few samples, in motion or not.
+    /// The sums over the newest few samples, news or not.
     pub fn newest(&self) -> Option<[f64; VALUES]> {
         self.all.over(AT_REST)
     }
 
     /// The sums over the newest `width` samples that count; `None` if there are not so many.
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        if width <= AT_REST { self.all.over(width) } else { self.moving.over(width) }
+        if width <= AT_REST { self.news.over(width) } else { self.moving.over(width) }
     }
 }
 
@@ -166,16 +179,17 @@ mod tests {
         Scales::new(mean, square, INDEPENDENT, DEVIATION, dead_band)
     }
 
-    fn after(residuals: impl IntoIterator<Item = f64>, moving: bool) -> [Peak; 2] {
+    fn after(residuals: impl IntoIterator<Item = f64>, news: News) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(&scales, f64::INFINITY);
-        residuals.into_iter().for_each(|r| history.push(r, &clip, moving));
+        residuals.into_iter().for_each(|r| history.push(r, &clip, news));
         scales.peaks(&history, 1024)
     }
 
     #[test]
     fn a_step_has_the_window_that_it_fills() {
-        let [mean, variance] = after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), true);
+        let [mean, variance] =
+            after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), News::InMotion);
         assert_eq!(mean.width, 12);
         // ε is 0.1 mm · 12/(12 + 8): 12 samples of 2.4 deviations.
         assert!((mean.nats - 12.0 * 2.4 * 2.4 / 2.0).abs() < 1e-9, "{mean:?}");
@@ -186,14 +200,15 @@ mod tests {
 
     #[test]
     fn one_wild_sample_is_no_mean_of_many() {
-        let [mean, variance] = after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), true);
+        let [mean, variance] =
+            after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), News::InMotion);
         assert!(mean.nats < 1.0 && variance.nats < 5.0, "{mean:?} {variance:?}");
     }
 
     #[test]
     fn a_displacement_of_the_dead_band_is_no_evidence() {
         for length in [1, 5, 20, 80, 300, 2000] {
-            let [mean, variance] = after((0..length).map(|_| 1e-4), true);
+            let [mean, variance] = after((0..length).map(|_| 1e-4), News::InMotion);
             assert!(mean.nats < BY_DEAD_BAND + 1e-9, "{length}: {mean:?}");
             assert_eq!(variance, Peak::default(), "{length}");
         }
@@ -213,13 +228,16 @@ mod tests {
 
     #[test]
     fn at_rest_only_short_windows_count() {
-        let [mean, _] = after((0..100).map(|_| 3e-4), false);
+        let [mean, _] = after((0..100).map(|_| 3e-4), News::AtRest);
         assert_eq!(mean.width, 4);
+        let nothing = after((0..100).map(|_| 3e-4), News::Repeated);
+        assert_eq!(nothing, [Peak::default(); 2]);
     }
 
     #[test]
     fn noise_of_twice_the_deviation_is_in_the_mean_square() {
-        let [mean, variance] = after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), true);
+        let [mean, variance] =
+            after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), News::InMotion);
         assert!(mean.nats < 5.0, "{mean:?}");
         let s: f64 = 4.0 - 1.0;
         assert_eq!(variance.width, 64);

@@ -49,6 +49,27 @@ fn go(detector: &mut Sequential, begin: f64, seconds: f64, fault: impl Fn(f64) -
     begin + seconds
 }
 
+/// The rod goes two counts of 0.4 mm a cycle for ten seconds: whatever the rounding of both readings comes
+/// to, it is one draw and no mean of five hundred.
+#[test]
+fn what_is_rounded_in_the_same_way_again_and_again_is_said_once() {
+    let mut detector = detector();
+    let mut t = go(&mut detector, 0.0, 10.0, |_| 0.0);
+    for k in 0..500 {
+        let [c1, c2] = [4e-4 * f64::from(2 * k + 1), 4e-4 * f64::from(2 * k)];
+        detector.step(&Input {
+            lengths: [Some(c1), Some(c2)],
+            velocity: Some(0.0),
+            monitored: true,
+            at: Timestamp::default().after(Span::from_seconds(t)),
+            ..Input::default()
+        });
+        assert_eq!(detector.alarm(), None, "{k}: {:?}", detector.peaks());
+        t += SAMPLE_TIME;
+    }
+    assert_eq!(detector.verdict(), Verdict::Healthy);
+}
+
 /// A micrometre a second vanishes into the baseline; its mean over a minute does not.
 #[test]
 fn what_the_baseline_has_followed_is_found_and_ends_with_its_fault() {
