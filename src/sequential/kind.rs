@@ -32,14 +32,16 @@ pub struct Shape {
     pub advantage: f64,
 }
 
-/// The step or the ramp that explains the most of the samples that are held, healthy ones of this
-/// `deviation`, m: of the newest ones, or where it began before these, of those in motion.
+/// The step or the ramp that explains the most, healthy samples having this `deviation`, m: of the newest
+/// ones, or of those in motion, which go back farther.
 pub fn shape(history: &History, deviation: f64) -> Shape {
-    let newest = fit(&history.all, deviation);
-    if newest.onset < history.all.held() { newest } else { fit(&history.moving, deviation) }
+    let (newest, recent) = fit(&history.all, deviation);
+    let (moving, lasting) = fit(&history.moving, deviation);
+    if lasting > recent { moving } else { newest }
 }
 
-fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> Shape {
+/// The shape, and the squares that it explains, m².
+fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> (Shape, f64) {
     let mut best = [(0.0, 0.0, 0); 2];
     let (mut sum, mut aged) = (0.0, 0.0);
     for (count, value) in (1..).zip(newest(samples, samples.held())) {
@@ -63,7 +65,7 @@ fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> Shape {
     let (fault, (_, size, onset)) =
         if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
     let onset = samples.over(onset).map_or(0, |[.., cycles]| cycles as usize);
-    Shape { fault, size, onset, advantage: more.abs() }
+    (Shape { fault, size, onset, advantage: more.abs() }, step.0.max(ramp.0))
 }
 
 /// The newest `span` residuals, the newest first, m.
