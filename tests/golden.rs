@@ -10,13 +10,14 @@ use serde_json::Value;
 use std::env;
 use std::fmt::Write as _;
 use std::fs;
-use support::{E_TYPE, HANGING_LOAD, Run, recording, replay, top};
+use support::{E_TYPE, HANGING_LOAD, Run, Scratch, recording, replay, tertius, top};
 
 /// After a fault has gone its warnings clear, and its going is a step that the observers see, s.
 const AFTERMATH: f64 = 5.0;
 
-/// e-type.toml with the tables of `tertius calibrate` for the sequential detectors.
+/// These with the tables of `tertius calibrate` for the sequential detectors.
 const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
+const HANGING_SEQUENTIAL: &str = "tests/recordings/hanging-load-sequential.toml";
 
 fn replayed(name: &str, config: &str) -> Run {
     replay(&[&recording(name)], config, &[]).ok()
@@ -116,22 +117,21 @@ fn beside_the_truth(truth: &[Truth], warnings: &[Value]) -> String {
         };
         let (its, others): (Vec<_>, Vec<_>) = left.into_iter().partition(belongs);
         left = others;
-        _ = writeln!(
-            text,
-            "\n{} s: cylinder {}, {}, {} {}, for {} s: {}",
-            fault.begin,
-            fault.cylinder,
-            fault.transducer,
-            fault.kind,
-            fault.size,
-            fault.end - fault.begin,
-            in_a_word(fault, &its)
-        );
+        text += &heading(fault, &its);
         its.iter().for_each(|warning| text += &line(warning, fault.begin));
     }
     _ = writeln!(text, "\nWarnings that belong to no fault: {}", left.len());
     left.iter().for_each(|warning| text += &line(warning, 0.0));
     text
+}
+
+fn heading(fault: &Truth, warnings: &[&Value]) -> String {
+    let Truth { cylinder, transducer, kind, begin, end, size } = fault;
+    let told = in_a_word(fault, warnings);
+    let lasting = end - begin;
+    format!(
+        "\n{begin} s: cylinder {cylinder}, {transducer}, {kind} {size}, for {lasting} s: {told}\n"
+    )
 }
 
 /// How fast, and whom the first detector blames a fifth of a second later, while the fault is there.
@@ -251,4 +251,48 @@ fn a_rig_with_a_foreign_model() {
         assert!(corrected, "a transducer is blamed for what the model gets wrong: {first}");
     }
     golden("hanging-load.summary.json", &readable(&run.summary()));
+}
+
+/// A rig that rests for minutes, on little calibration: each fault alone, put into the healthy recording.
+/// The observers have another machine's model and blame the process all the time.
+#[test]
+fn a_rig_by_evidence() {
+    let healthy = replayed("hanging-load.log.gz", HANGING_SEQUENTIAL);
+    let sequential = |warning: &Value| warning["detector"] == "sequential";
+    assert!(!healthy.warnings().iter().any(sequential), "{}", healthy.stdout);
+    let scratch = Scratch::new();
+    let table = fs::read_to_string(recording("hanging-load.faults.csv")).expect("it is there");
+    let faults = truth("hanging-load.faults.csv");
+    assert_eq!(faults.len(), 10);
+    let mut text =
+        "Each fault alone, and the warnings while it is there; times from its begin.\n".to_owned();
+    for (fault, row) in faults.iter().zip(table.lines().skip(1)) {
+        let columns = table.lines().next().expect("a heading");
+        scratch.write("fault.csv", format!("{columns}\n{row}\n"));
+        let (faulty, csv) = (scratch.path("faulty.log"), scratch.path("fault.csv"));
+        let log = recording("hanging-load.log.gz");
+        let rig = ["inject", &log, "--config", HANGING_LOAD, "--faults", &csv, "--output", &faulty];
+        tertius(&rig, b"").ok();
+        let warnings = replay(&[&faulty], HANGING_SEQUENTIAL, &[]).ok().warnings();
+        let there =
+            |w: &&Value| w["t"].as_f64().is_some_and(|t| (fault.begin..fault.end).contains(&t));
+        let by_model = |w: &&Value| w["detector"] == "fde1" || w["detector"] == "fde2";
+        let (model, others): (Vec<&Value>, Vec<&Value>) =
+            warnings.iter().filter(there).partition(by_model);
+        text += &heading(fault, &others);
+        others.iter().for_each(|warning| text += &line(warning, fault.begin));
+        let raised = |suspect: &str| {
+            model.iter().filter(|w| w["state"] == "raised" && w["suspect"] == suspect).count()
+        };
+        let [process, c1, c2, open] = ["process", "c1", "c2", "undecided"].map(raised);
+        _ = writeln!(
+            text,
+            "      fde1, fde2: {process} process, {c1} c1, {c2} c2, {open} undecided"
+        );
+        for warning in others.iter().filter(|w| sequential(w)) {
+            let suspect = word(warning, "suspect");
+            assert!(suspect == "undecided" || suspect == fault.transducer, "{warning}");
+        }
+    }
+    golden("hanging-load-faults.sequential.txt", &text);
 }

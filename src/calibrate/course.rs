@@ -62,8 +62,10 @@ impl Course<'_> {
         let mut trying = Trying::new(fits(), settings.warning_cycles());
         recording.read(tried, (&mut trying, &mut scattering))?;
         let bound = trying.bound(per_year, sample_time);
-        let sequential: Vec<Option<(Profile, Scatter)>> =
-            (0..).zip(profiles).map(|(i, profile)| profile.zip(scattering.result(i))).collect();
+        let sequential: Vec<Option<(Profile, Scatter)>> = (0..)
+            .zip(profiles)
+            .map(|(i, profile)| judged(profile?, scattering.result(i)?))
+            .collect();
         let level = self.level(recording, &sequential)?;
         let learnt = (1..).zip(results).zip(trying.into_cylinders()).zip(sequential);
         let cylinder = |(((number, result), tried), sequential): (((u8, Result<_, _>), _), _)| {
@@ -126,6 +128,12 @@ impl Course<'_> {
         let by_rate = sequential::level(per_year, settings.machine.cylinders, sample_time);
         Ok(watch.level(per_year, sample_time).filter(|level| level.nats > by_rate))
     }
+}
+
+/// A drive that has been tried and does not predict is none.
+fn judged(profile: Profile, scatter: Scatter) -> Option<(Profile, Scatter)> {
+    let drive = profile.drive.filter(|_| scatter.prediction.is_some());
+    Some((Profile { drive, ..profile }, scatter))
 }
 
 impl CylinderCalibration {

@@ -18,8 +18,16 @@ use crate::survey::{Row, Surveyor};
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
 
-/// Samples in motion that a rate function is made of at least: a minute at 50 Hz.
-const LEAST_SAMPLES: u64 = 3000;
+/// Samples in motion, none repeated, that a rate function is made of at least: the deviation of so many is
+/// known to 4 %, and that no sample is more evidence than all of them keeps a detector of few from haste.
+const LEAST_SAMPLES: u64 = 300;
+
+/// Of fewer it is said what they are worth: a minute at 50 Hz.
+const MANY_SAMPLES: u64 = 3000;
+
+/// A prediction that is off by more than so many deviations of the residual tells no transducer from
+/// another: the command does not drive the rod as its drive has it.
+const FARTHEST_OFF: f64 = 10.0;
 
 /// Of the deviation that the pair's filter starts from before it is known, m.
 const GUESS: f64 = 1e-4;
@@ -35,7 +43,7 @@ pub struct Scatter {
     /// Standard deviation of the residual, m.
     pub deviation: f64,
     /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
-    /// of the innovations, each with half the weight, times √2. `None` without a drive.
+    /// of the innovations, each with half the weight, times √2. `None` without a drive that predicts.
     pub prediction: Option<f64>,
     pub samples: u64,
     /// m.
@@ -126,22 +134,34 @@ impl Scattering {
             square_rate,
             dependence: measuring.dependence(&scales),
             deviation,
-            prediction: pair.as_ref().filter(|_| sums.total() > 0).map(|_| sums.deviation()),
+            prediction: pair
+                .as_ref()
+                .filter(|_| sums.total() > 0)
+                .map(|_| sums.deviation())
+                .filter(|off| *off <= FARTHEST_OFF * deviation),
             samples: magnitudes.total(),
             largest: magnitudes.largest(),
         })
     }
 
-    /// Why there is no result for the cylinder of `index` (from 0), for a person; `None` where there is
-    /// one, or nothing to make it from.
+    /// Why there is no result for the cylinder of `index` (from 0), or not much of one, for a person;
+    /// `None` where there is, or nothing to make it from.
     pub fn remark(&self, index: usize) -> Option<String> {
         let samples = self.cylinders[index].as_ref()?.magnitudes.total();
-        (samples < LEAST_SAMPLES).then(|| {
-            format!(
-                "no tables for the sequential detector: where the first part has been, the second \
-                 has {samples} samples in motion, and it takes {LEAST_SAMPLES}; record more motion"
-            )
-        })
+        if samples >= MANY_SAMPLES {
+            return None;
+        }
+        let (told, then) = if samples < LEAST_SAMPLES {
+            ("no tables for the sequential detector", format!("it takes {LEAST_SAMPLES}"))
+        } else {
+            let most = (2.0 * (samples + 1) as f64).ln();
+            let then = format!("no single one can be more than {most:.1} nats of evidence");
+            ("little for the sequential detector to go by", then)
+        };
+        Some(format!(
+            "{told}: where the first part has been, the second has {samples} samples in motion, and \
+             {then}; record more motion"
+        ))
     }
 }
 

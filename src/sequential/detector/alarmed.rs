@@ -21,6 +21,9 @@ const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
 /// … which is until so many cycles after the alarm.
 const LATEST: usize = 25;
 
+/// A noise has a root mean square of more than so many healthy deviations.
+const NOTABLE: f64 = 1.1;
+
 /// As far back as innovations, and residuals at rest, are kept.
 const LONGEST: usize = 50;
 
@@ -84,6 +87,8 @@ impl Sequential {
         match kind::looks(&self.history, age.min(LONGEST)) {
             // A mean of many samples that stands out is no noise, however small it is beside them.
             Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
+            // What healthy residuals do, too: the fault is over, or has left nothing to tell.
+            Some(Looks::Noisy(size)) if size < NOTABLE * self.design.deviation => {}
             Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
             Some(Looks::Steady) => self.tell_shape(alarm),
             Some(Looks::Neither) | None => {}

@@ -95,6 +95,27 @@ fn an_onset_stays_where_it_was_found() {
     assert_eq!(detector.alarm().map(|alarm| alarm.onset), Some(onset));
 }
 
+/// The rod rests, and the fault is gone: at rest little is evidence, so that the alarm stands; but what is
+/// left of it is what healthy readings do, and no noise.
+#[test]
+fn what_is_left_of_a_fault_is_no_noise() {
+    let mut detector = detector();
+    let t = go(&mut detector, 0.0, 21.0, |t| if t < 20.0 { 0.0 } else { 2e-3 });
+    assert_eq!(detector.alarm().map(|alarm| alarm.fault), Some(Fault::Abrupt));
+    let rest = 0.4 * (0.8 * t).sin();
+    for k in 0..500 {
+        let toggles = 3e-5 * f64::from(1 - 2 * (k & 1));
+        detector.step(&Input {
+            lengths: [Some(rest + toggles), Some(rest)],
+            velocity: Some(0.0),
+            monitored: true,
+            at: Timestamp::default().after(Span::from_seconds(t + SAMPLE_TIME * f64::from(k))),
+            ..Input::default()
+        });
+    }
+    assert_eq!(detector.alarm().map(|alarm| alarm.fault), Some(Fault::Abrupt));
+}
+
 #[test]
 fn the_stop_ends_what_the_stop_has_found() {
     let mut detector = detector();
