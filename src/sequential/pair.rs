@@ -16,6 +16,9 @@ pub const KEPT: usize = 64;
 /// and m/s².
 pub const PROCESS: [f64; 3] = [6e-5, 2e-4, 3e-3];
 
+/// What a nat against a noise of both is worth.
+const AGAINST_BOTH: f64 = 2.0;
+
 /// What of the velocity error's slope is left in the next cycle.
 const FADE: f64 = 0.9;
 
@@ -182,11 +185,14 @@ impl Pair {
     }
 
     /// Whose noise the innovations ν of the newest `cycles` are: the log-likelihood of C1 less that of
-    /// C2, nats; `None` if the filter has not followed for so long.
+    /// C2, nats, as far as either is more likely than both or neither; `None` if the filter has not
+    /// followed for so long.
     ///
     /// Of the difference d = ν1 − ν2 a part f is the fault, the rest healthy. If C1 is noisy, the sum
     /// s = ν1 + ν2 goes with f d, and with −f d if it is C2; around these it varies as much as healthy
     /// ones do, or where the rod itself is moved by what no command tells, as the innocent one shows.
+    /// If both are, it goes with neither, and varies as it does; two faults at once are the less likely
+    /// beforehand, so that evidence against them counts [`AGAINST_BOTH`] times.
     pub fn energy(&self, cycles: usize) -> Option<f64> {
         if cycles > self.held {
             return None;
@@ -202,7 +208,14 @@ impl Pair {
         let part = (1.0 - count * difference / differences.max(f64::MIN_POSITIVE)).max(0.0);
         let innocent = 4.0 * energies[0].min(energies[1]) / count;
         let around = (sum + part * difference).max(innocent);
-        Some(2.0 * part * (energies[0] - energies[1]) / around)
+        let together = energies[0] - energies[1];
+        let between = 2.0 * part * together.abs() / around;
+        // Σ s², and what is left of it around the guilty one's f d.
+        let sums = 2.0 * (energies[0] + energies[1]) - differences;
+        let left = sums - 2.0 * part * together.abs() + part * part * differences;
+        let free = (sums / count).max(sum);
+        let beyond = 0.5 * (count * (free / around).ln() + sums / free - left / around);
+        Some(between.min(AGAINST_BOTH * beyond).max(0.0).copysign(together))
     }
 }
 
@@ -230,11 +243,16 @@ mod tests {
 
     /// A rod that follows its command, read with noise and `fault`s from cycle 200 to 210.
     fn follow(seed: u64, fault: impl Fn(usize, f64) -> [f64; 2]) -> Pair {
+        followed(seed, 210, fault)
+    }
+
+    /// The same until cycle `end`.
+    fn followed(seed: u64, end: usize, fault: impl Fn(usize, f64) -> [f64; 2]) -> Pair {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         let mut pair = Pair::new(design());
         let mut length = 0.0;
-        for k in 0..=210 {
+        for k in 0..=end {
             let u = 0.3 * (k as f64 * 0.02).sin();
             let wild = normal();
             let faults = if k < 200 { [0.0; 2] } else { fault(k - 200, wild) };
@@ -263,11 +281,29 @@ mod tests {
     #[test]
     fn the_transducer_that_is_noisy_is_told() {
         for seed in 0..20 {
-            let one = follow(seed, |_, wild| [4e-4 * wild, 0.0]).energy(11);
+            let one = followed(seed, 225, |_, wild| [4e-4 * wild, 0.0]).energy(26);
             assert!(one.is_some_and(|nats| nats > 6.0), "{seed}: {one:?}");
-            let two = follow(seed, |_, wild| [0.0, 4e-4 * wild]).energy(11);
+            let two = followed(seed, 225, |_, wild| [0.0, 4e-4 * wild]).energy(26);
             assert!(two.is_some_and(|nats| nats < -6.0), "{seed}: {two:?}");
         }
+    }
+
+    /// Two that are noisy alike, as coarser ones in the place of both: it is neither alone.
+    #[test]
+    fn two_noisy_transducers_are_nobodys_noise() {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let others: Vec<f64> = StandardNormal.sample_iter(&mut rng).take(400).collect();
+        let decided = |cycles: usize| {
+            let both = (0..200).filter(|seed| {
+                let other = |age: usize| others[age + *seed as usize];
+                let noises = |age, wild| [4e-4 * wild, 4e-4 * other(age)];
+                let nats = followed(*seed, 199 + cycles, noises).energy(cycles);
+                nats.expect("it follows").abs() > 6.0
+            });
+            both.count()
+        };
+        let decided = [11, 26, 50].map(decided);
+        assert!(decided.iter().all(|decided| *decided < 8), "{decided:?} of 200");
     }
 
     /// Of a difference that is no more than healthy nobody is the cause, whatever the rod does.
