@@ -12,8 +12,9 @@ pub enum News {
     InMotion,
 }
 
-/// Readings that differ by less are the same, m: it is only the rounding of their decoding.
-const ROUNDING: f64 = 1e-9;
+/// Moves that differ by less are the same, m: the rounding of readings that come as 32-bit floats is half
+/// of that.
+const ROUNDING: f64 = 1e-6;
 
 /// A residual that differs by less than this part of the healthy deviation is the same.
 const ALIKE: f64 = 0.5;
@@ -29,11 +30,10 @@ pub struct Gate {
     motion: Motion,
     /// m.
     alike: f64,
-    lengths: [f64; 2],
-    residual: f64,
-    /// What the readings moved by in the newest cycle, m; `None` before there were two.
+    /// The newest readings and their residual, m.
+    newest: Option<([f64; 2], f64)>,
+    /// What the readings moved by in the newest cycle, m.
     moved: Option<[f64; 2]>,
-    begun: bool,
 }
 
 impl Gate {
@@ -42,39 +42,32 @@ impl Gate {
         Self {
             motion: Motion::new(sample_time),
             alike: ALIKE * deviation,
-            lengths: [0.0; 2],
-            residual: 0.0,
+            newest: None,
             moved: None,
-            begun: false,
         }
     }
 
     pub fn reset(&mut self) {
         self.motion.reset();
-        (self.moved, self.begun) = (None, false);
+        (self.newest, self.moved) = (None, None);
     }
 
     /// Takes the readings of a cycle and their residual, m.
     pub fn step(&mut self, lengths: [f64; 2], residual: f64) -> News {
-        let repeated = self.repeated(lengths, residual);
-        if self.motion.step(lengths) && !repeated {
-            News::InMotion
-        } else if repeated {
-            News::Repeated
-        } else {
-            News::AtRest
+        match (self.motion.step(lengths), self.repeats(lengths, residual)) {
+            (_, true) => News::Repeated,
+            (true, false) => News::InMotion,
+            (false, false) => News::AtRest,
         }
     }
 
-    fn repeated(&mut self, lengths: [f64; 2], residual: f64) -> bool {
-        let moved = [lengths[0] - self.lengths[0], lengths[1] - self.lengths[1]];
-        let same = self.moved.is_some_and(|before| {
+    fn repeats(&mut self, lengths: [f64; 2], residual: f64) -> bool {
+        let Some((from, before)) = self.newest.replace((lengths, residual)) else { return false };
+        let moved = [lengths[0] - from[0], lengths[1] - from[1]];
+        let same = self.moved.replace(moved).is_some_and(|before| {
             before.iter().zip(moved).all(|(before, now)| (now - before).abs() < ROUNDING)
         });
-        let alike = (residual - self.residual).abs() < self.alike;
-        self.moved = self.begun.then_some(moved);
-        (self.lengths, self.residual, self.begun) = (lengths, residual, true);
-        same && alike
+        same && (residual - before).abs() < self.alike
     }
 }
 
@@ -114,6 +107,16 @@ mod tests {
         assert_eq!(news[2..21], [News::Repeated; 19]);
         assert_eq!(news[21..23], [News::AtRest; 2]);
         assert_eq!(news[23..], [News::Repeated; 17]);
+    }
+
+    /// As a PLC sends them that has made metres of counts.
+    #[test]
+    fn readings_in_floats_repeat_as_those_in_counts_do() {
+        let mut gate = Gate::new(0.02, 2e-4);
+        let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
+        let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
+        let news = (0..30).map(|k| gate.step(read(k), read(k)[0] - read(k)[1]));
+        assert_eq!(news.filter(|news| *news == News::Repeated).count(), 28);
     }
 
     #[test]
