@@ -2,13 +2,16 @@
 
 mod learning_support;
 mod oracle;
+mod support;
 
 use learning_support::{normal, random, row};
 use rand::RngExt;
 use serde_json::{Value, json};
-use tertius::calibrate::{Fitted, Fitting, Gathering, Refusal, Trying};
+use std::convert::Infallible;
+use tertius::calibrate::{Course, Fitted, Fitting, Gathering, Recording, Refusal, Trying};
+use tertius::config;
 use tertius::sample::Quality;
-use tertius::survey::{Row, Surveyor};
+use tertius::survey::{Row, Surveyor, Window};
 
 const A: f64 = 1.002_484_63;
 const B: f64 = 3.138_27e-3;
@@ -194,4 +197,41 @@ fn swapped_cylinders_show_against_each_other() {
     assert!(told(0).expect_err("swapped").contains("C2 of cylinder 2"));
     assert!(told(1).expect_err("swapped").contains("C2 of cylinder 1"));
     assert!(told(2).is_ok());
+}
+
+/// A recording of one cylinder of the E-type.
+struct Recorded(Vec<Row>);
+
+impl Recording for Recorded {
+    type Error = Infallible;
+
+    fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), Infallible> {
+        self.0.iter().filter(|row| window.holds(row.t)).for_each(|row| surveyor.row(row));
+        Ok(())
+    }
+}
+
+/// A command that has nothing to do with the rod is no drive, though least squares finds one.
+#[test]
+fn a_command_that_predicts_nothing_is_no_drive() {
+    let settings =
+        config::load(&support::top().join("config/e-type.toml")).expect("sound").settings;
+    let half = 300.0;
+    let course = Course {
+        settings: &settings,
+        fitted: Window { from: 0.0, to: half },
+        tried: Window { from: half, to: 2.0 * half },
+        per_year: 1.0,
+    };
+    let calibrated = |command: &dyn Fn(f64) -> f64| {
+        let mut rows = learning_support::rows(1, 30_000);
+        rows.iter_mut().for_each(|row| row.u = row.u.map(command));
+        let calibrated = course.run(&Recorded(rows)).unwrap_or_else(|never| match never {});
+        let table = calibrated.cylinders[0].table().expect("it has a line");
+        table.sequential.expect("it moves")
+    };
+    let driven = calibrated(&|u| u);
+    assert!(driven.drive.is_some() && driven.prediction < 3e-4, "{} m", driven.prediction);
+    let unrelated = calibrated(&|u| (1e6 * u).sin());
+    assert_eq!((unrelated.drive, unrelated.prediction), (None, 0.0));
 }

@@ -27,7 +27,7 @@ const MANY_SAMPLES: u64 = 3000;
 
 /// A prediction that is off by more than so many deviations of the residual tells no transducer from
 /// another: the command does not drive the rod as its drive has it.
-const FARTHEST_OFF: f64 = 10.0;
+const FARTHEST_OFF: f64 = 4.0;
 
 /// Of the deviation that the pair's filter starts from before it is known, m.
 const GUESS: f64 = 1e-4;

@@ -132,6 +132,20 @@ mod tests {
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
     }
 
+    /// Of a rod that rests now and then: two samples of three are in motion.
+    #[test]
+    fn an_onset_is_told_in_cycles() {
+        let mut history = History::default();
+        for k in 0..600_usize {
+            let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
+            let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };
+            let fault = if k < 450 { 0.0 } else { 5e-4 };
+            history.push(healthy + fault, &Clip::NONE, news);
+        }
+        let step = shape(&history, 5e-5);
+        assert_eq!((step.fault, step.onset), (Fault::Abrupt, 150));
+    }
+
     #[test]
     fn noise_has_no_mean() {
         let noisy = history(|k| if k % 2 == 0 { 4e-4 } else { -4e-4 });
