@@ -107,7 +107,7 @@ impl Scattering {
                 reference: profile.reference.clone(),
                 velocity: Velocity::new(sample_time),
                 baseline: Baseline::new(sample_time, deviation),
-                gate: Gate::new(sample_time, deviation),
+                gate: Gate::new(sample_time, deviation, f64::INFINITY),
                 pair: profile.drive.and_then(design).map(Pair::new),
                 magnitudes: Magnitudes::new(BIN),
                 history: History::default(),

@@ -25,6 +25,8 @@ pub struct Alarm {
     pub cause: Cause,
     /// The statistic as it rose.
     pub peak: Peak,
+    /// Cycles that the window of it went back.
+    pub back: usize,
     pub fault: Fault,
     pub suspect: Suspect,
     /// For C1 if positive, for C2 if negative, nats; `None` where nothing was compared.
@@ -47,6 +49,7 @@ impl Alarm {
         Self {
             cause,
             peak: Peak { nats: 0.0, width: 0 },
+            back: 0,
             fault,
             suspect: Suspect::Undecided,
             evidence: None,

@@ -93,10 +93,10 @@ impl Sequential {
         let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND);
         Self {
             clip: Clip::new(&scales, design.level),
-            scales,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
-            gate: Gate::new(design.sample_time, design.deviation),
+            gate: Gate::new(design.sample_time, design.deviation, scales.farthest()),
+            scales,
             history: History::default(),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -202,7 +202,7 @@ impl Sequential {
             self.verdict = self.without_evidence();
             return;
         };
-        let news = self.gate.step([c1, c2], residual);
+        let news = self.gate.step([c1, c2], residual - baseline);
         if let Some(alarm) = self.alarm.filter(|_| news == News::InMotion) {
             self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
         }

@@ -24,12 +24,14 @@ const ALIKE: f64 = 0.5;
 /// Where a rod goes whole counts from cycle to cycle, each reading is rounded at the same place between
 /// two counts again and again, and the difference of both stays as it is for as long as the speed does.
 /// Such samples are no more evidence than one. They are known by both readings moving by what they have
-/// moved by in the cycle before; readings with a noise of a count or more hardly ever do.
+/// moved by in the cycle before; readings with a noise of a count or more hardly ever do. What is farther
+/// off than healthy readings ever are, no rounding explains, and each sample of it counts.
 #[derive(Clone, Debug)]
 pub struct Gate {
     motion: Motion,
     /// m.
     alike: f64,
+    farthest: f64,
     /// The newest readings and their residual, m.
     newest: Option<([f64; 2], f64)>,
     /// What the readings moved by in the newest cycle, m.
@@ -37,11 +39,13 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// For samples every `sample_time` seconds, of healthy residuals of this `deviation`, m.
-    pub fn new(sample_time: f64, deviation: f64) -> Self {
+    /// For samples every `sample_time` seconds, of healthy residuals of this `deviation` which are never
+    /// beyond `farthest`, m.
+    pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
         Self {
             motion: Motion::new(sample_time),
             alike: ALIKE * deviation,
+            farthest,
             newest: None,
             moved: None,
         }
@@ -67,7 +71,7 @@ impl Gate {
         let same = self.moved.replace(moved).is_some_and(|before| {
             before.iter().zip(moved).all(|(before, now)| (now - before).abs() < ROUNDING)
         });
-        same && (residual - before).abs() < self.alike
+        same && (residual - before).abs() < self.alike && residual.abs() <= self.farthest
     }
 }
 
@@ -79,7 +83,7 @@ mod tests {
 
     /// The news of a rod whose readings C1 and C2 are so many counts.
     fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
-        let mut gate = Gate::new(0.02, 2e-4);
+        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
         counts.into_iter().map(read).map(|read| gate.step(read, read[0] - read[1])).collect()
     }
@@ -102,6 +106,11 @@ mod tests {
     }
 
     #[test]
+    fn what_no_rounding_explains_is_news_each_time() {
+        assert!(news((0..30).map(|k| [2 * k + 3, 2 * k])).iter().all(|it| *it != News::Repeated));
+    }
+
+    #[test]
     fn a_rod_that_stands_says_it_once() {
         let news = news((0..40).map(|k| [i32::from(k > 20), 0]));
         assert_eq!(news[2..21], [News::Repeated; 19]);
@@ -112,7 +121,7 @@ mod tests {
     /// As a PLC sends them that has made metres of counts.
     #[test]
     fn readings_in_floats_repeat_as_those_in_counts_do() {
-        let mut gate = Gate::new(0.02, 2e-4);
+        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
         let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
         let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
         let news = (0..30).map(|k| gate.step(read(k), read(k)[0] - read(k)[1]));
@@ -121,7 +130,7 @@ mod tests {
 
     #[test]
     fn nothing_outlasts_a_reset() {
-        let mut gate = Gate::new(0.02, 2e-4);
+        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
         (0..20).for_each(|_| _ = gate.step([0.0; 2], 0.0));
         gate.reset();
         assert_eq!([(); 3].map(|()| gate.step([0.0; 2], 0.0))[..2], [News::AtRest; 2]);

@@ -37,8 +37,8 @@ pub struct History {
     news: Sums<{ AT_REST + 1 }>,
     /// Over those of them that are in motion.
     pub moving: Sums<1025>,
-    /// Cycles since the newest of these.
-    since: u32,
+    /// Cycles since the newest of each of the two.
+    since: [u32; 2],
 }
 
 impl History {
@@ -48,12 +48,14 @@ impl History {
         let clipped = residual.clamp(-clip.farthest, clip.farthest);
         let values = |cycles| [clipped, square.min(clip.square), residual, square, cycles];
         self.all.push(values(1.0));
-        self.since = self.since.saturating_add(1);
+        self.since = self.since.map(|cycles| cycles.saturating_add(1));
+        let [said, moved] = &mut self.since;
+        let mut cycles = |since: &mut u32| f64::from(std::mem::take(since));
         if news != News::Repeated {
-            self.news.push(values(1.0));
+            self.news.push(values(cycles(said)));
         }
         if news == News::InMotion {
-            self.moving.push(values(f64::from(std::mem::take(&mut self.since))));
+            self.moving.push(values(cycles(moved)));
         }
     }
 
@@ -61,12 +63,17 @@ impl History {
         self.all.clear();
         self.news.clear();
         self.moving.clear();
-        self.since = 0;
+        self.since = [0; 2];
     }
 
     /// The sums over the newest few samples, news or not.
     pub fn newest(&self) -> Option<[f64; VALUES]> {
         self.all.over(AT_REST)
+    }
+
+    /// The cycles that the newest `width` samples that count go back.
+    pub fn cycles(&self, width: usize) -> usize {
+        self.over(width).map_or(width, |[.., cycles]| cycles as usize)
     }
 
     /// The sums over the newest `width` samples that count; `None` if there are not so many.

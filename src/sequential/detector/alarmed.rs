@@ -43,15 +43,16 @@ const FOLLOWED: f64 = 5e-3;
 impl Sequential {
     /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
-        let (fault, size, cycles) = match kind::looks(&self.history, peak.width) {
-            Some(Looks::Noisy(size)) => (Fault::Noise, size, peak.width),
+        let back = self.history.cycles(peak.width);
+        let (fault, size, cycles) = match kind::looks(&self.history, back) {
+            Some(Looks::Noisy(size)) => (Fault::Noise, size, back),
             _ => {
                 let shape = kind::shape(&self.history, self.design.deviation);
                 (shape.fault, shape.size, shape.onset)
             }
         };
         let ago = Span::from_seconds(-(cycles as f64) * self.design.sample_time);
-        self.begin(Alarm { peak, ..Alarm::new(cause, fault, size, at.after(ago)) });
+        self.begin(Alarm { peak, back, ..Alarm::new(cause, fault, size, at.after(ago)) });
     }
 
     pub(super) fn begin(&mut self, alarm: Alarm) {
@@ -120,12 +121,12 @@ impl Sequential {
             _ => Form::Step,
         };
         let age = alarm.age as usize;
-        let late = age > LATEST || alarm.peak.width > LOCATED || shape.onset > age + LOCATED;
+        let late = age > LATEST || alarm.back > LOCATED || shape.onset > age + LOCATED;
         if late || alarm.suspect != Suspect::Undecided {
             return;
         }
         let pair = self.pair.as_ref();
-        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.peak.width + 1));
+        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.back + 1));
         decide(alarm, evidence);
     }
 
