@@ -50,7 +50,7 @@ impl History {
         self.all.push(values(1.0));
         self.since = self.since.map(|cycles| cycles.saturating_add(1));
         let [said, moved] = &mut self.since;
-        let mut cycles = |since: &mut u32| f64::from(std::mem::take(since));
+        let cycles = |since: &mut u32| f64::from(std::mem::take(since));
         if news != News::Repeated {
             self.news.push(values(cycles(said)));
         }
