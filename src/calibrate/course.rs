@@ -156,6 +156,7 @@ impl CylinderCalibration {
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
                     deviation: scatter.deviation,
+                    resolution: scatter.resolution,
                     rate_spacing: scatter.rate.spacing(),
                     rate: scatter.rate.values(),
                     square_rate: scatter.square_rate.values(),

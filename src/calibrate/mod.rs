@@ -13,6 +13,7 @@ mod gathering;
 mod line;
 mod profile;
 mod refusal;
+mod resolution;
 mod scatter;
 mod trying;
 

@@ -4,6 +4,7 @@
 use super::fitting::Fitted;
 use super::line::Line;
 use super::profile::Profile;
+use super::resolution::Resolution;
 use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
 use crate::sequential::clip::Clip;
@@ -42,6 +43,8 @@ pub struct Scatter {
     pub dependence: Dependence,
     /// Standard deviation of the residual, m.
     pub deviation: f64,
+    /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
+    pub resolution: [f64; 2],
     /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
     /// of the innovations, each with half the weight, times √2. `None` without a drive that predicts.
     pub prediction: Option<f64>,
@@ -63,6 +66,7 @@ impl Scatter {
             square_rate: self.square_rate.clone(),
             dependence: self.dependence,
             deviation: self.deviation,
+            resolution: self.resolution,
             pair,
             level: f64::INFINITY,
             sample_time,
@@ -90,6 +94,7 @@ struct Judged {
     history: History,
     measuring: Measuring,
     sums: Magnitudes,
+    resolutions: [Resolution; 2],
 }
 
 impl Scattering {
@@ -113,6 +118,7 @@ impl Scattering {
                 history: History::default(),
                 measuring: Measuring::default(),
                 sums: Magnitudes::new(BIN),
+                resolutions: Default::default(),
             }
         };
         Self { cylinders: cylinders.into_iter().map(|both| both.map(judged)).collect() }
@@ -120,20 +126,24 @@ impl Scattering {
 
     /// What came of the cylinder of `index` (from 0); `None` where there was too little.
     pub fn result(&self, index: usize) -> Option<Scatter> {
-        let Judged { magnitudes, sums, pair, measuring, .. } = self.cylinders[index].as_ref()?;
+        let Judged { magnitudes, sums, pair, measuring, resolutions, .. } =
+            self.cylinders[index].as_ref()?;
         if magnitudes.total() < LEAST_SAMPLES {
             return None;
         }
         let rate = Rate::of(magnitudes, Of::Mean)?;
         let square_rate = Rate::of(magnitudes, Of::Square)?;
         let deviation = magnitudes.deviation();
+        let resolution = [0, 1].map(|which: usize| resolutions[which].count());
         let scales =
-            Scales::new(rate.clone(), square_rate.clone(), INDEPENDENT, deviation, DEAD_BAND);
+            Scales::new(rate.clone(), square_rate.clone(), INDEPENDENT, deviation, DEAD_BAND)
+                .rounded(resolution);
         Some(Scatter {
             rate,
             square_rate,
             dependence: measuring.dependence(&scales),
             deviation,
+            resolution,
             prediction: pair
                 .as_ref()
                 .filter(|_| sums.total() > 0)
@@ -185,6 +195,7 @@ impl Judged {
         self.baseline.reset();
         self.gate.reset();
         self.history.clear();
+        self.resolutions.iter_mut().for_each(Resolution::interrupt);
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
@@ -210,6 +221,8 @@ impl Judged {
         }
         let (Some((c1, c2)), Some(residual)) = (both, residual) else { return };
         self.baseline.follow(residual);
+        self.resolutions[0].add(c1);
+        self.resolutions[1].add(c2);
         let news = self.gate.step([c1, c2], residual);
         let Some(baseline) = baseline else { return };
         // Nothing is clipped: what is beyond all others was left out above.

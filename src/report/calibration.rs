@@ -226,19 +226,20 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
 
 fn sequential_table(profile: &Profile, scatter: &Scatter) -> String {
     let Profile { reference, samples, drive } = profile;
-    let Scatter { rate, square_rate, dependence, deviation, prediction, .. } = scatter;
+    let Scatter { rate, square_rate, dependence, deviation, resolution, prediction, .. } = scatter;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
         format!("[{}]", texts.join(", "))
     };
     let mut text = format!(
         "\n[cylinder.sequential]\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
-         velocity = {:e}\ndeviation = {deviation:e}\nrate_spacing = {:e}\nrate = {}\n\
+         velocity = {:e}\ndeviation = {deviation:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
          square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
         reference.first,
         reference.spacing,
         six(&reference.nodes),
         reference.velocity,
+        six(resolution),
         rate.spacing(),
         six(&rate.values()),
         six(&square_rate.values()),

@@ -34,6 +34,8 @@ pub struct Design {
     pub dependence: Dependence,
     /// Standard deviation of the healthy residual, m.
     pub deviation: f64,
+    /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
+    pub resolution: [f64; 2],
     /// `None` where the calibration has no drive: then nothing is located.
     pub pair: Option<PairDesign>,
     /// h, nats.
@@ -90,7 +92,8 @@ impl Sequential {
     pub fn new(design: Design) -> Self {
         let Design { rate, square_rate, dependence, deviation, .. } = &design;
         let (rate, square_rate) = (rate.clone(), square_rate.clone());
-        let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND);
+        let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND)
+            .rounded(design.resolution);
         Self {
             clip: Clip::new(&scales, design.level),
             baseline: Baseline::new(design.sample_time, design.deviation),

@@ -87,6 +87,8 @@ impl History {
 pub struct Scales {
     mean: Rate,
     square: Rate,
+    /// Of healthy residuals, m.
+    deviation: f64,
     /// Of the mean, m, for each of [`WIDTHS`].
     dead_bands: [f64; WIDTHS.len()],
     /// Samples of mean and of mean square that say as much as one, for each of [`WIDTHS`].
@@ -128,7 +130,18 @@ impl Scales {
         let grown = 8.0 * BY_DEAD_BAND * (deviation / dead_band).powi(2);
         let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
         let spread_band = (dead_band * dead_band).max(LEAST_SPREAD_BAND * deviation * deviation);
-        Self { mean, square, dead_bands: WIDTHS.map(of), dependence, spread_band }
+        Self { mean, square, dead_bands: WIDTHS.map(of), deviation, dependence, spread_band }
+    }
+
+    /// Of readings C1 and C2 that move in counts of this `resolution`, m.
+    ///
+    /// Where a rod goes whole counts from cycle to cycle and both readings lie between two of them, the
+    /// noise rounds each up or down as long as the speed lasts: a mean square of q²/4 of each, however
+    /// little it is elsewhere. So much is no noise.
+    pub fn rounded(self, resolution: [f64; 2]) -> Self {
+        let tossed: f64 = resolution.iter().map(|count| 0.25 * count * count).sum();
+        let beyond = tossed - self.deviation * self.deviation;
+        Self { spread_band: self.spread_band.max(beyond), ..self }
     }
 
     /// As far as one sample is evidence, m.
@@ -231,6 +244,20 @@ mod tests {
             let [one, half] = [&once, twice].map(|scales| scales.by_square(index, 9e-8));
             assert!((one / half - 2.0).abs() < 1e-12);
         }
+    }
+
+    /// Both readings are rounded up or down by turns that are their own: each as often.
+    #[test]
+    fn readings_that_lie_between_two_counts_are_no_noise() {
+        let tossed = (0..96).map(|k| 4e-4 * f64::from((k & 1) - ((k / 3) & 1)));
+        let most = |scales: Scales| {
+            let (mut history, clip) = (History::default(), Clip::new(&scales, f64::INFINITY));
+            tossed.clone().for_each(|r| history.push(r, &clip, News::InMotion));
+            scales.peaks(&history, 1024)[1].nats
+        };
+        let (unknown, known) = (most(scales(1e-4)), most(scales(1e-4).rounded([4e-4; 2])));
+        assert!(unknown > 10.0 && known < 1.0, "{unknown} {known}");
+        assert_eq!(most(scales(1e-4).rounded([0.0; 2])), unknown);
     }
 
     #[test]

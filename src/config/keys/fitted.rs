@@ -3,7 +3,7 @@
 
 use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
-use super::{number, text};
+use super::{number, numbers, text};
 use crate::sequential::drive::FEATURES;
 use crate::sequential::windows::WIDTHS;
 
@@ -52,6 +52,8 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
         "what C1 - C2 grows by with the velocity, s"),
     Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
         "the standard deviation of the residual, m"),
+    Key::optional("resolution", numbers(2, Limits::least(0.0, FITTED)), "[1e-4, 1e-4]",
+        "what the readings of C1 and of C2 move in, m"),
     Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
         "from value to value of the rate functions, m"),
     Key::required("rate", fitted(2, 1001), "[0.0, 0.5]",

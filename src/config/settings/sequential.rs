@@ -50,6 +50,9 @@ pub struct CylinderSequential {
     pub velocity: f64,
     /// Standard deviation of the residual, m.
     pub deviation: f64,
+    /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
+    #[serde(default)]
+    pub resolution: [f64; 2],
     /// The rate functions of the mean and of the root mean square, nats, from 0 in steps of
     /// `rate_spacing`, m.
     pub rate_spacing: f64,

@@ -25,6 +25,7 @@ impl Wirer<'_> {
             square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
             dependence: [fitted.mean_dependence, fitted.square_dependence],
             deviation: fitted.deviation,
+            resolution: fitted.resolution,
             pair: self.pair(n, fitted),
             level: settings.sequential_level(),
             sample_time,

@@ -13,6 +13,11 @@ fn rate(nats: impl Fn(f64) -> f64) -> Rate {
 
 /// Of readings that are equal on a healthy cylinder, to 0.1 mm.
 fn detector() -> Sequential {
+    of_counts([0.0; 2])
+}
+
+/// The same of readings that move in counts of so many metres.
+fn of_counts(resolution: [f64; 2]) -> Sequential {
     Sequential::new(Design {
         reference: Reference {
             first: -1.0,
@@ -25,6 +30,7 @@ fn detector() -> Sequential {
         square_rate: rate(|z| if z > 1.0 { 0.5 * (z * z - 1.0 - (z * z).ln()) } else { 0.0 }),
         dependence: INDEPENDENT,
         deviation: 1e-4,
+        resolution,
         pair: None,
         level: 23.0,
         sample_time: SAMPLE_TIME,
@@ -93,6 +99,29 @@ fn an_onset_stays_where_it_was_found() {
     assert!((onset.since(Timestamp::default()).as_seconds() - 20.0).abs() < 0.05, "{onset:?}");
     go(&mut detector, t, 5.0, fault);
     assert_eq!(detector.alarm().map(|alarm| alarm.onset), Some(onset));
+}
+
+/// Each reading is rounded up in every other cycle or so, by turns that are its own.
+#[test]
+fn what_lies_between_two_counts_is_no_noise() {
+    for (count, noisy) in [(0.0, true), (4e-4, false)] {
+        let mut detector = of_counts([count; 2]);
+        let mut t = go(&mut detector, 0.0, 20.0, |_| 0.0);
+        for k in 0..40 {
+            let length = 0.4 * (0.8 * t).sin();
+            let up = [k & 1, (k / 3) & 1].map(|up| length + 4e-4 * f64::from(up));
+            detector.step(&Input {
+                lengths: up.map(Some),
+                velocity: Some(0.0),
+                monitored: true,
+                at: Timestamp::default().after(Span::from_seconds(t)),
+                ..Input::default()
+            });
+            t += SAMPLE_TIME;
+        }
+        let found = detector.alarm().map(|alarm| alarm.cause);
+        assert_eq!(found, noisy.then_some(Cause::Variance), "{:?}", detector.peaks());
+    }
 }
 
 /// The rod rests, and the fault is gone: at rest little is evidence, so that the alarm stands; but what is
