@@ -192,7 +192,7 @@ impl Pair {
     /// s = ν1 + ν2 goes with f d, and with −f d if it is C2; around these it varies as much as healthy
     /// ones do, or where the rod itself is moved by what no command tells, as the innocent one shows.
     /// If both are, it goes with neither, and varies as it does; two faults at once are the less likely
-    /// beforehand, so that evidence against them counts [`AGAINST_BOTH`] times.
+    /// beforehand, so that evidence against them counts twice.
     pub fn energy(&self, cycles: usize) -> Option<f64> {
         if cycles > self.held {
             return None;
