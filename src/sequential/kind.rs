@@ -28,6 +28,8 @@ pub struct Shape {
     pub size: f64,
     /// Cycles ago.
     pub onset: usize,
+    /// A sample before the onset is held: it was seen to begin.
+    pub seen: bool,
     /// What the better of step and ramp explains more than the other, nats.
     pub advantage: f64,
 }
@@ -64,8 +66,9 @@ fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> (Shape, f64) {
     let more = (ramp.0 - step.0) / (2.0 * deviation * deviation);
     let (fault, (_, size, onset)) =
         if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
+    let seen = onset < samples.held();
     let onset = samples.over(onset).map_or(0, |[.., cycles]| cycles as usize);
-    (Shape { fault, size, onset, advantage: more.abs() }, step.0.max(ramp.0))
+    (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
 }
 
 /// The newest `span` residuals, the newest first, m.
@@ -130,6 +133,18 @@ mod tests {
         let ramp = shape(&history(|k| 4e-6 * (k as f64 - 200.0).max(0.0)), 5e-5);
         assert_eq!(ramp.fault, Fault::Incipient);
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
+    }
+
+    /// As what a drift leaves of a baseline that began with it.
+    #[test]
+    fn what_was_there_first_was_not_seen_to_begin() {
+        for (begin, seen) in [(0, false), (1, true), (20, true)] {
+            let mut history = History::default();
+            let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
+            (0..40).for_each(|k| history.push(fault(k), &Clip::NONE, News::InMotion));
+            let step = shape(&history, 5e-5);
+            assert_eq!((step.onset, step.seen), (40 - begin, seen));
+        }
     }
 
     /// Of a rod that rests now and then: two samples of three are in motion.

@@ -122,7 +122,8 @@ impl Sequential {
         };
         let age = alarm.age as usize;
         let late = age > LATEST || alarm.back > LOCATED || shape.onset > age + LOCATED;
-        if late || alarm.suspect != Suspect::Undecided {
+        // What was there when the evidence began, as a drift is that the baseline began with, is no step.
+        if late || !shape.seen || alarm.suspect != Suspect::Undecided {
             return;
         }
         let pair = self.pair.as_ref();
