@@ -9,7 +9,7 @@ use super::trying::FAULTY;
 use crate::sequential::baseline::Baseline;
 use crate::sequential::clip::Clip;
 use crate::sequential::dependence::Measuring;
-use crate::sequential::gate::{Gate, News};
+use crate::sequential::novelty::{News, Novelty};
 use crate::sequential::rate::Of;
 use crate::sequential::statistic::{DEAD_BAND, Dependence, History, INDEPENDENT, Scales};
 use crate::sequential::velocity::Velocity;
@@ -88,7 +88,7 @@ struct Judged {
     reference: Reference,
     velocity: Velocity,
     baseline: Baseline,
-    gate: Gate,
+    novelty: Novelty,
     pair: Option<Pair>,
     magnitudes: Magnitudes,
     history: History,
@@ -112,7 +112,8 @@ impl Scattering {
                 reference: profile.reference.clone(),
                 velocity: Velocity::new(sample_time),
                 baseline: Baseline::new(sample_time, deviation),
-                gate: Gate::new(sample_time, deviation, f64::INFINITY),
+                // How far healthy residuals go is what is being learnt.
+                novelty: Novelty::new(sample_time, deviation, f64::INFINITY),
                 pair: profile.drive.and_then(design).map(Pair::new),
                 magnitudes: Magnitudes::new(BIN),
                 history: History::default(),
@@ -193,7 +194,7 @@ impl Judged {
     fn interrupt(&mut self) {
         self.velocity.reset();
         self.baseline.reset();
-        self.gate.reset();
+        self.novelty.reset();
         self.history.clear();
         self.resolutions.iter_mut().for_each(Resolution::interrupt);
         if let Some(pair) = &mut self.pair {
@@ -223,7 +224,7 @@ impl Judged {
         self.baseline.follow(residual);
         self.resolutions[0].add(c1);
         self.resolutions[1].add(c2);
-        let news = self.gate.step([c1, c2], residual);
+        let news = self.novelty.step([c1, c2], residual);
         let Some(baseline) = baseline else { return };
         // Nothing is clipped: what is beyond all others was left out above.
         self.history.push(residual - baseline, &Clip::NONE, news);

@@ -48,7 +48,7 @@ fn largest(farthest: f64, sound: impl Fn(f64) -> bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::gate::News;
+    use super::super::novelty::News;
     use super::super::rate::Rate;
     use super::super::statistic::{History, INDEPENDENT};
     use super::*;

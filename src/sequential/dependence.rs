@@ -1,7 +1,7 @@
 //! How much of a window is news.
 //!
 //! A nat of evidence is a factor of e in rarity, if the samples of a window are independent. What
-//! repeats the sample before is left out ([`super::gate`]); how much the others of readings that move in
+//! repeats the sample before is left out ([`super::novelty`]); how much the others of readings that move in
 //! coarse counts have in common is measured, by how much the evidence of healthy windows of each width
 //! outgrows its rarity.
 
@@ -79,7 +79,7 @@ fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::gate::News;
+    use super::super::novelty::News;
     use super::super::rate::{Of, Rate};
     use super::*;
     use rand::SeedableRng;

@@ -6,8 +6,8 @@ use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
-use super::gate::{Gate, News};
 use super::history::{Blame, DwellHistory, Moved};
+use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
@@ -71,7 +71,7 @@ pub struct Sequential {
     clip: Clip,
     baseline: Baseline,
     slow: Slow,
-    gate: Gate,
+    novelty: Novelty,
     history: History,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -98,7 +98,7 @@ impl Sequential {
             clip: Clip::new(&scales, design.level),
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
-            gate: Gate::new(design.sample_time, design.deviation, scales.farthest()),
+            novelty: Novelty::new(design.sample_time, design.deviation, scales.farthest()),
             scales,
             history: History::default(),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
@@ -205,7 +205,7 @@ impl Sequential {
             self.verdict = self.without_evidence();
             return;
         };
-        let news = self.gate.step([c1, c2], residual - baseline);
+        let news = self.novelty.step([c1, c2], residual - baseline);
         if let Some(alarm) = self.alarm.filter(|_| news == News::InMotion) {
             self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
         }
@@ -217,7 +217,7 @@ impl Sequential {
     /// with it: or else the fault would be the new one.
     fn leave(&mut self) {
         self.history.clear();
-        self.gate.reset();
+        self.novelty.reset();
         self.velocity.reset();
         self.peaks = [Peak::default(); 2];
         self.verdict = Verdict::Unknown;

@@ -114,7 +114,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
 mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
-    use crate::sequential::gate::News;
+    use crate::sequential::novelty::News;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
         let mut history = History::default();

@@ -1,7 +1,7 @@
 //! Beyond fixed thresholds: sequential detection, and which transducer it is.
 //!
 //! ```text
-//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
+//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ novelty ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
 //!    └────→ pair (with u) ─ innovations ──────────────────────────────────────→ suspect, kind
 //! ```
 //!
@@ -21,10 +21,10 @@ pub mod dependence;
 pub mod detector;
 pub mod drive;
 pub mod dwell;
-pub mod gate;
 pub mod history;
 pub mod kind;
 pub mod motion;
+pub mod novelty;
 pub mod pair;
 pub mod rate;
 pub mod reference;

@@ -1,7 +1,7 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
 use super::clip::Clip;
-use super::gate::News;
+use super::novelty::News;
 use super::rate::Rate;
 use super::windows::{Sums, VALUES, WIDTHS};
 

@@ -27,7 +27,7 @@ const ALIKE: f64 = 0.5;
 /// moved by in the cycle before; readings with a noise of a count or more hardly ever do. What is farther
 /// off than healthy readings ever are, no rounding explains, and each sample of it counts.
 #[derive(Clone, Debug)]
-pub struct Gate {
+pub struct Novelty {
     motion: Motion,
     /// m.
     alike: f64,
@@ -38,7 +38,7 @@ pub struct Gate {
     moved: Option<[f64; 2]>,
 }
 
-impl Gate {
+impl Novelty {
     /// For samples every `sample_time` seconds, of healthy residuals of this `deviation` which are never
     /// beyond `farthest`, m.
     pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
@@ -83,9 +83,9 @@ mod tests {
 
     /// The news of a rod whose readings C1 and C2 are so many counts.
     fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
-        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
+        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
-        counts.into_iter().map(read).map(|read| gate.step(read, read[0] - read[1])).collect()
+        counts.into_iter().map(read).map(|read| novelty.step(read, read[0] - read[1])).collect()
     }
 
     #[test]
@@ -121,19 +121,19 @@ mod tests {
     /// As a PLC sends them that has made metres of counts.
     #[test]
     fn readings_in_floats_repeat_as_those_in_counts_do() {
-        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
+        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
         let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
         let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
-        let news = (0..30).map(|k| gate.step(read(k), read(k)[0] - read(k)[1]));
+        let news = (0..30).map(|k| novelty.step(read(k), read(k)[0] - read(k)[1]));
         assert_eq!(news.filter(|news| *news == News::Repeated).count(), 28);
     }
 
     #[test]
     fn nothing_outlasts_a_reset() {
-        let mut gate = Gate::new(0.02, 2e-4, 1e-3);
-        (0..20).for_each(|_| _ = gate.step([0.0; 2], 0.0));
-        gate.reset();
-        assert_eq!([(); 3].map(|()| gate.step([0.0; 2], 0.0))[..2], [News::AtRest; 2]);
-        assert_eq!(gate.step([0.0; 2], 0.0), News::Repeated);
+        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+        (0..20).for_each(|_| _ = novelty.step([0.0; 2], 0.0));
+        novelty.reset();
+        assert_eq!([(); 3].map(|()| novelty.step([0.0; 2], 0.0))[..2], [News::AtRest; 2]);
+        assert_eq!(novelty.step([0.0; 2], 0.0), News::Repeated);
     }
 }
