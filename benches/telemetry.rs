@@ -78,12 +78,12 @@ impl Journal for Told {
 
 fn gateway() -> Gateway {
     let limits = Limits {
-        waiting: 72,
+        waiting: Limits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share: 0.05,
-        burst: 37,
+        burst: Limits::BURST,
     };
     let status = Id::standard(0x1D1).expect("eleven bits");
     Gateway::new(monitor(), Outbox::new(limits, status), Span::from_seconds(0.01))

@@ -1,4 +1,9 @@
 //! Time as the monitor knows it: integers of nanoseconds, taken from frames, never from a clock.
+//!
+//! `Display` writes both types in seconds with every digit they have: no float comes in between, so
+//! that a time stamp can be searched for in the recording that it came from.
+
+use std::fmt;
 
 /// An instant in nanoseconds since the Unix epoch (or since whatever a recording counts from).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,7 +34,8 @@ impl Timestamp {
         Self(self.0.saturating_add(span.0))
     }
 
-    /// Seconds as a float, for people and files; 0.24 µs of resolution at today's epoch.
+    /// Seconds as a float, for reckoning; 0.24 µs of resolution at today's epoch. What is written for
+    /// people and files is written with `Display`.
     pub fn as_seconds(self) -> f64 {
         self.0 as f64 / NANOS_PER_SECOND
     }
@@ -53,5 +59,53 @@ impl Span {
 
     pub fn as_seconds(self) -> f64 {
         self.0 as f64 / NANOS_PER_SECOND
+    }
+}
+
+impl fmt::Display for Timestamp {
+    /// Seconds with all their digits, `1700000066.062416`: at least one decimal, no zeros behind.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_seconds(f, self.0)
+    }
+}
+
+impl fmt::Display for Span {
+    /// As a [`Timestamp`]: `-0.02`, `300.0`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_seconds(f, self.0)
+    }
+}
+
+fn write_seconds(f: &mut fmt::Formatter<'_>, nanos: i64) -> fmt::Result {
+    let sign = if nanos < 0 { "-" } else { "" };
+    let size = nanos.unsigned_abs();
+    let (seconds, mut fraction, mut digits) = (size / 1_000_000_000, size % 1_000_000_000, 9);
+    while digits > 1 && fraction.is_multiple_of(10) {
+        fraction /= 10;
+        digits -= 1;
+    }
+    write!(f, "{sign}{seconds}.{fraction:0digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_written_digit_by_digit() {
+        for (nanos, text) in [
+            (1_700_000_066_062_416_000, "1700000066.062416"),
+            (1_700_000_066_062_415_823, "1700000066.062415823"),
+            (1_700_000_060_002_280_000, "1700000060.00228"),
+            (300_000_000_000, "300.0"),
+            (0, "0.0"),
+            (1, "0.000000001"),
+            (-20_000_000, "-0.02"),
+            (i64::MIN, "-9223372036.854775808"),
+            (i64::MAX, "9223372036.854775807"),
+        ] {
+            assert_eq!(Timestamp::from_nanos(nanos).to_string(), text);
+            assert_eq!(Span::from_nanos(nanos).to_string(), text);
+        }
     }
 }

@@ -3,7 +3,7 @@
 mod candump_support;
 
 use candump_support::{frames_of, read, read_in_pieces, read_with};
-use tertius::bus::{Found, Options, Reason, Source, Statistics, TimeStamps};
+use tertius::bus::{Found, Interfaces, Options, Reason, Source, Statistics, TimeStamps};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
 
@@ -394,7 +394,7 @@ fn other_interfaces_are_counted_and_not_given_out() {
     let text = "(1700000000.000001) can0 123#11\n(1700000000.000002) can1 123#22\n\
                 (1700000000.000003) vcan0 123#R\n(1700000000.000004) can1 20000001#\n"
         .repeat(50);
-    let options = Options { interface: Some("can1".to_owned()), ..Options::default() };
+    let options = Options { interfaces: Interfaces::Only("can1".to_owned()), ..Options::default() };
     let (frames, statistics) = read_with(text.as_bytes(), options);
     assert_eq!(frames.len(), 100);
     assert!(frames.iter().all(|frame| frame.data() == [0x22] || frame.kind == Kind::Error));

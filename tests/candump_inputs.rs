@@ -48,7 +48,13 @@ fn compression_is_recognised_by_content_and_not_by_name() {
     let text = lines(30_000);
     let expected = read(&text);
     let two = text.len() / 2 + 7;
+    let zst = zstd::encode_all(&text[..], 3).unwrap();
+    // What others put before the data: sixteen magic numbers, a length, and as many bytes.
+    let skippable =
+        |low: u8| [&[0x50 | low, 0x2A, 0x4D, 0x18, 3, 0, 0, 0, 1, 2, 3], &zst[..]].concat();
     let contents = [
+        ("skippable.log", skippable(0x0)),
+        ("skippable too", skippable(0xF)),
         ("plain.gz", text.clone()),
         ("gzip.log", gzip(&text)),
         ("members", [gzip(&text[..two]), gzip(&text[two..])].concat()),

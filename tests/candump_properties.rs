@@ -6,7 +6,7 @@ use std::io::Write;
 
 use candump_support::{read, read_in_pieces, read_with};
 use proptest::prelude::*;
-use tertius::bus::{Options, TimeStamps, append_log_line};
+use tertius::bus::{Interfaces, Options, TimeStamps, append_log_line};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
 
@@ -107,8 +107,9 @@ fn text() -> impl Strategy<Value = Vec<u8>> {
 
 fn options() -> impl Strategy<Value = Options> {
     let all = vec![TimeStamps::Auto, TimeStamps::Auto, TimeStamps::Delta, TimeStamps::Zero];
-    (prop::sample::select(all), prop::option::of(interface()))
-        .prop_map(|(time_stamps, interface)| Options { time_stamps, interface })
+    let interfaces = prop_oneof![Just(Interfaces::All), interface().prop_map(Interfaces::Only)];
+    (prop::sample::select(all), interfaces)
+        .prop_map(|(time_stamps, interfaces)| Options { time_stamps, interfaces })
 }
 
 fn sizes() -> impl Strategy<Value = Vec<usize>> {

@@ -175,3 +175,249 @@ fn files_that_are_not_there() {
     let config = scratch.config(&[("\"e-type.dbc\"", "\"e-typ.dbc\"")]);
     refused(&scratch, &config, 1, "\"e-typ.dbc\"", &["e-typ.dbc", "No such file"]);
 }
+
+/// A configuration that sends its estimates, of a machine of `stroke`, beside a changed DBC.
+fn estimating(scratch: &Scratch, stroke: &str, from: &str, to: &str) -> String {
+    let tables = "[estimate]\nsend = true\n\n[gateway]\nbus_share = 0.15\n\n[plausibility]";
+    let changes = [("[plausibility]", tables), ("[-1.5, 1.5]", stroke)];
+    let config = scratch.config(&changes);
+    let text = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("the DBC is there");
+    scratch.write("e-type.dbc", changed(&text, &[(from, to)]));
+    config
+}
+
+#[test]
+fn estimates_that_do_not_fit_their_message() {
+    const POSITION: &str = " SG_ Position : 32|16@1+ (0.00010850694444444444,-1.5) \
+                            [-1.49989149305556|1.5] \"m\" Plc\n SG_ Sigma";
+    let scratch = Scratch::new();
+    let config =
+        estimating(&scratch, "[-2.0, 2.0]", "BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 8");
+    let words = [
+        "line 176 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
+        "`machine.stroke` is [-2.0, 2.0]",
+        "or send no estimates",
+    ];
+    refused(&scratch, &config, 1, "true\n", &words);
+    // Raw counts alone would reach that far up, and not that far down.
+    let config = estimating(&scratch, "[-2.0, 2.0]", " Fd_Estimate:", " My_Estimate:");
+    let words = ["the DBC has no Fd_Estimate", "from -1.4999 m to 5.6110 m"];
+    refused(&scratch, &config, 1, "true\n", &words);
+    let config = estimating(&scratch, "[-1.5, 1.5]", " Fd_Estimate:", " My_Estimate:");
+    check(&config).ok();
+    let room = POSITION.replace("-1.5) [-1.49989149305556|1.5]", "-2.0) [-2|2]");
+    let config = estimating(&scratch, "[-2.0, 2.0]", POSITION, &room);
+    check(&config).ok();
+
+    let fine = " SG_ Sigma : 48|16@1+ (0.000001,0) [0|0.065535]";
+    let finer = " SG_ Sigma : 48|16@1+ (0.00000005,0) [0|0]";
+    let config = estimating(&scratch, "[-1.5, 1.5]", fine, finer);
+    let words = ["line 177 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
+    check(&config).failed(2, &words);
+
+    for (from, to, words) in [
+        (
+            "32|16@1+ (0.0001",
+            "32|15@1+ (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        (
+            "32|16@1+ (0.0001",
+            "32|16@1- (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        (
+            "32|16@1+ (0.0001",
+            "39|16@0+ (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 177 of the DBC: Fd_Estimate.Sigma is not"),
+        ("BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 9", "has 9 bytes, expected 8"),
+    ] {
+        let config = estimating(&scratch, "[-1.5, 1.5]", from, to);
+        refused(&scratch, &config, 1, "\"e-type.dbc\"", &[words]);
+        // Who sends none does not care.
+        let silent = fs::read_to_string(&config).expect("it was written");
+        let silent = scratch.write("silent.toml", silent.replace("send = true", "send = false"));
+        check(&silent).ok();
+    }
+}
+
+#[test]
+fn a_model_or_a_table_of_another_sample_time() {
+    const OWN: &str = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\
+                       gamma = [0.0926, 6.5427]\n";
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("sample_time = 0.02", "sample_time = 0.007")]);
+    let words = [
+        "`machine.sample_time` is 0.007, but the default model, Table 4-1, of cylinder 1 is for a \
+         sample time of 0.02 s",
+        "`tertius identify` takes this configuration as it is",
+    ];
+    refused(&scratch, &config, 1, "0.007", &words);
+    // The command that mends it takes it, and gets as far as the recording.
+    let log = recording("hanging-load.log.gz");
+    let run = tertius(&["identify", &log, "--config", &config], b"");
+    assert!(!run.stderr.contains("Table 4-1"), "{}", run.stderr);
+
+    let with = |time: &str, model: &str| {
+        let model = format!("{model}\n[plausibility]");
+        let changes = [("sample_time = 0.02", time), ("[plausibility]", model.as_str())];
+        scratch.config(&changes)
+    };
+    check(&with("sample_time = 0.007", OWN)).ok();
+    check(&with("sample_time = 0.007", &format!("{OWN}sample_time = 0.007\n"))).ok();
+    check(&with("sample_time = 0.02", "[observer]\nsample_time = 0.0200000000001\n")).ok();
+    let config = with("sample_time = 0.007", &format!("{OWN}sample_time = 0.021\n"));
+    let words = ["the model (4-1) of cylinder 1 is for a sample time of 0.021 s"];
+    refused(&scratch, &config, 1, "0.021", &words);
+    let config = with("sample_time = 0.02", "[observer]\nsample_time = 0.004\n");
+    let words = ["the table [observer] is for a sample time of 0.004 s", "tertius tune"];
+    refused(&scratch, &config, 1, "0.004", &words);
+
+    let table = "tests/recordings/e-type-sequential.toml";
+    let text = fs::read_to_string(top().join(table)).expect("the configuration is there");
+    let text = text.replace("../../dbc/e-type.dbc", "e-type.dbc").replacen(
+        "[cylinder.sequential]\n",
+        "[cylinder.sequential]\nsample_time = 0.005\n",
+        1,
+    );
+    let config = scratch.write("sequential.toml", text);
+    let words = ["the table [cylinder.sequential] of cylinder 1 is for a sample time of 0.005 s"];
+    refused(&scratch, &config, 1, "0.005\n", &words);
+}
+
+/// What cannot be: six cylinders' frames within a millisecond at 500 kbit/s.
+#[test]
+fn a_cycle_that_the_bus_cannot_carry() {
+    let scratch = Scratch::new();
+    let model = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\n[plausibility]";
+    let changes = [("sample_time = 0.02", "sample_time = 0.001"), ("[plausibility]", model)];
+    let config = scratch.config(&changes);
+    let words =
+        ["at 500000 bit/s the 19 frames of a cycle take at least 0.001140 s", "bus.bitrate"];
+    refused(&scratch, &config, 1, "0.001\n", &words);
+}
+
+/// Whoever is not told cannot be told: that is no reason to end otherwise.
+#[test]
+fn standard_error_that_cannot_be_written_changes_nothing() {
+    let full = || std::fs::File::create("/dev/full").expect("every Linux has it");
+    let code = |arguments: &[&str]| {
+        let mut command = support::command(arguments);
+        command.stdout(std::process::Stdio::null()).stderr(full());
+        command.status().expect("it starts").code()
+    };
+    assert_eq!(code(&["check", "dbc/e-type.dbc"]), Some(2));
+    assert_eq!(code(&["check", "no/such/file.toml"]), Some(2));
+    let log = recording("hanging-load.log.gz");
+    let fault = ["--fault", "step,cylinder=1,size=0.01"];
+    assert_eq!(code(&[&["inject", &log, "--config", HANGING_LOAD][..], &fault].concat()), Some(0));
+}
+
+#[test]
+fn a_pipe_is_no_configuration_and_no_dbc() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[]);
+    let dbc = scratch.path("e-type.dbc");
+    fs::remove_file(&dbc).expect("it is there");
+    let pipe = |path: &str| {
+        let made = std::process::Command::new("mkfifo").arg(path).status().expect("it starts");
+        assert!(made.success());
+    };
+    pipe(&dbc);
+    check(&config).failed(2, &["the DBC", "it is a pipe or a device, expected a file"]);
+    let pipe_of_toml = scratch.path("pipe.toml");
+    pipe(&pipe_of_toml);
+    check(&pipe_of_toml).failed(2, &[&pipe_of_toml, "it is a pipe or a device"]);
+    check("/dev/zero").failed(2, &["/dev/zero", "it is a pipe or a device"]);
+}
+
+#[test]
+fn a_file_that_is_no_configuration_is_one_problem() {
+    let run = check("dbc/e-type.dbc").failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
+    assert!(!run.stderr.contains("not TOML"), "{}", run.stderr);
+    check("README.md").failed(2, &["1 problem", "this is no configuration", "[machine]"]);
+    check("tests/recordings/hanging-load.faults.csv").failed(2, &["1 problem"]);
+    // Of a configuration the first places are told where it breaks.
+    let scratch = Scratch::new();
+    let rubbish = "this is no line\n".repeat(50);
+    let config = scratch.config(&[("[plausibility]", &format!("{rubbish}[plausibility]"))]);
+    let run = check(&config).failed(2, &["not TOML"]);
+    let told = run.stderr.matches(&format!("[{config}:")).count();
+    assert!((1..=5).contains(&told), "{told}: {}", run.stderr);
+}
+
+/// 32767 is the overflow of an S7 analogue input. A reading of 24 bits passes it.
+#[test]
+fn the_code_of_a_broken_wire_belongs_to_a_signal_of_16_bits() {
+    let scratch = Scratch::new();
+    let dbc = fs::read_to_string(top().join("tests/recordings/hanging-load.dbc")).expect("the DBC");
+    let wide = dbc
+        .replace("Rig_Transducers: 4", "Rig_Transducers: 6")
+        .replace("C1 : 7|16@0+ (0.000108506944444444,-1.5)", "C1 : 7|24@0+ (0.000001,-1.5)")
+        .replace("C2 : 23|16@0+ (0.000108506944444444,-1.5)", "C2 : 31|24@0+ (0.000001,-1.5)");
+    scratch.write("hanging-load.dbc", wide);
+    let config = fs::read_to_string(top().join(HANGING_LOAD)).expect("the configuration");
+    let file = scratch.write("wide.toml", &config);
+    assert!(!check(&file).ok().stdout.contains("broken_wire"));
+    // The rod goes out, through 32767 counts, under a command that moves it.
+    let frames: String = (0..400_i64)
+        .map(|k| {
+            let at = 1_700_000_000_000 + 20 * k;
+            let raw = 32767 + 1000 * (k - 200).max(-30);
+            let readings =
+                format!("({}.{:03}000) can0 201#{raw:06X}{raw:06X}", at / 1000, at % 1000);
+            format!("{readings}\n({}.{:03}000) can0 211#00002710\n", at / 1000, at % 1000 + 1)
+        })
+        .collect();
+    let log = scratch.write("wide.log", frames);
+    let broken = |config: &str| {
+        let warnings = replay(&[&log], config, &[]).ok().warnings();
+        warnings.iter().filter(|warning| warning["fault"] == "broken_wire").count()
+    };
+    assert_eq!(broken(&file), 0);
+
+    // Who asks for it gets it, and is told what it means.
+    let asked =
+        changed(&config, &[("[plausibility]", "[plausibility]\nbroken_wire_codes = [32767]")]);
+    let asked = scratch.write("asked.toml", asked);
+    assert!(broken(&asked) > 0);
+    let text = check(&asked).ok().stdout;
+    let doubt =
+        "32767 is -1.4672 m of Rig_Transducers.C1, within its range of -1.49989149305556 to 1.5 m";
+    assert!(text.contains("asked.toml: worth a look") && text.contains(doubt), "{text}");
+    assert!(text.contains("Rig_Transducers.C2"), "{text}");
+}
+
+/// With such an a or b the machine's own rule does not hold on a healthy cylinder.
+#[test]
+fn readings_that_are_apart_when_they_agree() {
+    let scratch = Scratch::new();
+    let dbc = fs::read(top().join("tests/recordings/hanging-load.dbc")).expect("the DBC");
+    scratch.write("hanging-load.dbc", dbc);
+    let config = fs::read_to_string(top().join(HANGING_LOAD)).expect("the configuration");
+    let apart = changed(&config, &[("c2_offset = 0.0034", "c2_offset = 0.06")]);
+    let text = check(&scratch.write("apart.toml", apart)).ok().stdout;
+    assert!(
+        text.contains("comparator.critical: C1 - C2 of a healthy cylinder 1 is 0.06"),
+        "{text}"
+    );
+    assert!(!check(&scratch.write("near.toml", config)).ok().stdout.contains("worth a look"));
+}
+
+/// As a calibration before it knew the noise by its speed has left it: to be made anew, not by hand.
+#[test]
+fn a_sequential_table_of_an_earlier_version_is_refused() {
+    let scratch = Scratch::new();
+    let config = "tests/recordings/hanging-load-sequential.toml";
+    let text = fs::read_to_string(top().join(config)).expect("it is there");
+    let (before, rest) = text.split_once("\nnoise = ").expect("it has a noise");
+    let (_, rest) = rest.split_once("\ntiming = ").expect("it has a timing");
+    let (_, after) = rest.split_once('\n').expect("more follows");
+    let dbc = format!("dbc = {:?}", top().join("tests/recordings/hanging-load.dbc"));
+    let old = format!("{before}\n{after}").replace("dbc = \"hanging-load.dbc\"", &dbc);
+    let path = scratch.write("old.toml", old);
+    let words = ["[cylinder[0].sequential] lacks `noise`", "a table without it is of an earlier"];
+    check(&path).failed(2, &words);
+}

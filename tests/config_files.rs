@@ -76,5 +76,5 @@ fn a_file_that_cannot_be_a_configuration_is_not_read_to_its_end() {
     let line = refusal(folder.path(), "config/machine.toml");
     assert!(line.starts_with("F/config/machine.toml: longer than 1048576 bytes ("), "{line}");
     let endless = load(Path::new("/dev/zero")).expect_err("it has no end");
-    assert!(endless.to_string().starts_with("/dev/zero: longer than 1048576 bytes ("));
+    assert!(endless.to_string().contains("it is a pipe or a device, expected a file"), "{endless}");
 }

@@ -23,20 +23,26 @@ fn values_out_of_range_say_why() {
         (
             "sample_time = 0.02",
             "sample_time = 0",
-            "4:15: `machine.sample_time` is 0, but must be above 0 and at most 10",
+            "4:15: `machine.sample_time` is 0, but must be at least 0.001 and at most 1",
             "SYNC",
         ),
         (
             "sample_time = 0.02",
             "sample_time = nan",
-            "4:15: `machine.sample_time` is nan, but must be above 0 and at most 10",
+            "4:15: `machine.sample_time` is nan, but must be at least 0.001 and at most 1",
             "SYNC",
         ),
         (
             "sample_time = 0.02",
-            "sample_time = 10.001",
-            "4:15: `machine.sample_time` is 10.001, but",
+            "sample_time = 1.001",
+            "4:15: `machine.sample_time` is 1.001, but",
             "SYNC",
+        ),
+        (
+            "sample_time = 0.02",
+            "sample_time = 1e-6",
+            "4:15: `machine.sample_time` is 1e-6, but must be at least 0.001",
+            "one that waits is in the next cycle",
         ),
         (
             "stroke = [-1.5, 1.5]",
@@ -207,6 +213,12 @@ fn values_out_of_range_say_why() {
         ),
         (
             "[model]",
+            "[alarm.levels]\nboth = \"amber\"\n[model]",
+            "26:8: `alarm.levels.both` is \"amber\", but must be one of none, yellow, orange, red, black",
+            "neither transducer can be relied on; for example both = ",
+        ),
+        (
+            "[model]",
             "[gateway]\nnode = 0\n[model]",
             "26:8: `gateway.node` is 0, but must be 1 to 127",
             "CANopen",
@@ -371,6 +383,27 @@ fn a_slow_machine_is_told_that_the_defaults_do_not_fit() {
         );
         assert!(line.starts_with(&start), "{line}");
     }
+}
+
+#[test]
+fn the_share_of_the_bus_carries_at_least_the_statuses() {
+    let with = |bus: &str, table: &str| {
+        let text = broken("[signals]", &format!("{bus}\n[signals]"));
+        tertius::config::parse("machine.toml", &format!("{text}\n{table}\n"))
+    };
+    for (bus, table, words) in [
+        ("", "[gateway]\nbus_share = 1e-12", ["`gateway.bus_share` is 1e-12", "at least 0.003"]),
+        ("", "[gateway]\nbus_share = 0.0026", ["500000 bit/s", "Fd_Status is sent every 100 ms"]),
+        ("bitrate = 10000", "", ["`gateway.bus_share` is 0.05 (the default)", "at least 0.135"]),
+    ] {
+        let error = with(bus, table).expect_err(table).to_string();
+        let text = format!("{error:?} {error}");
+        for word in words {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+    }
+    assert!(with("", "[gateway]\nbus_share = 0.0028").is_ok());
+    assert!(with("bitrate = 10000", "[gateway]\nbus_share = 0.2").is_ok());
 }
 
 #[test]

@@ -487,3 +487,56 @@ fn numbers_that_do_not_fit_are_reported() {
     assert_eq!(plan("M.I").raw_limits(), Some((-2048, 2047)));
     assert_eq!(plan("M.F").raw_limits(), None);
 }
+
+/// Vector's tools keep names beyond 32 characters beside the short ones: a configuration may use either.
+#[test]
+fn messages_and_signals_go_by_their_long_names_and_their_short_ones() {
+    let text = std::fs::read_to_string("tests/dbc/long_names.dbc").unwrap();
+    let database = Database::parse(&text).unwrap();
+    assert_eq!(database.findings(), []);
+    let long = "Position_of_the_transducer_in_cylinder_1.Length_of_the_cylinder_as_it_is_changing";
+    let (message, signal) = database.signal(long).unwrap();
+    assert_eq!((message.id, message.length), (Id::standard(385).unwrap(), 8));
+    assert_eq!(signal.unit, "mm/s");
+    let short = "Position_of_the_transducer_in_cy.Length_of_the_cylinder_as_i_0001";
+    assert_eq!(database.signal(short).unwrap(), (message, signal));
+    // What other statements say by the short name is of the same signal.
+    let length = message.signal("Length_of_the_cylinder_as_it_is_read_at_the_rod").unwrap();
+    assert_eq!(length.comment.as_deref(), Some("As read."));
+    let page = message.signal("Which_of_the_pages_is_meant_in_this_frame").unwrap();
+    assert_eq!(page.value_name(1), Some("one"));
+    let Err(LookupError::Signal { nearest, .. }) =
+        database.signal("Position_of_the_transducer_in_cylinder_1.Length_of_the_cylinder_as_it_is")
+    else {
+        panic!("there is no such signal")
+    };
+    assert!(nearest.contains(&"Length_of_the_cylinder_as_it_is_changing".to_owned()));
+}
+
+#[test]
+fn a_long_name_that_is_none_is_told_and_changes_nothing() {
+    let name = |about: &str, name: &str| {
+        let attribute = if about.starts_with("BO_") { "Message" } else { "Signal" };
+        dbc(&[PLAIN], &format!("BA_ \"System{attribute}LongSymbol\" {about} \"{name}\";\n"))
+    };
+    let long = "L".repeat(129);
+    for (about, given, part) in [
+        ("SG_ 1 T", "Long", "no such signal"),
+        ("SG_ 2 S", "Long", "no message with identifier 2"),
+        ("BO_ 2", "Long", "no message with identifier 2"),
+        ("SG_ 1", "Long", "not understood as a long name"),
+        ("BO_ 1", &long, "a long name of 129 bytes, expected 1 to 128"),
+        ("SG_ 1 S", "", "a long name of 0 bytes"),
+    ] {
+        let (severity, _, line, _, told) = finding(&name(about, given));
+        assert_eq!((severity, line), (Severity::Warning, 3), "{about}: {told}");
+        assert!(told.contains(part), "{about}: {told}");
+        assert!(Database::parse(&name(about, given)).unwrap().signal("M.S").is_ok());
+    }
+    // Two of one name cannot be told apart.
+    let two = dbc(
+        &[PLAIN, "T : 8|8@1+ (1,0) [0|0] \"\""],
+        "BA_ \"SystemSignalLongSymbol\" SG_ 1 S \"T\";\n",
+    );
+    assert_error(&two, Concern::DuplicateName, 3, Some("T"), "a second signal of this name");
+}

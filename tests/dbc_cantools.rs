@@ -118,7 +118,8 @@ fn compare(dice: &mut Dice, files: &[PathBuf], frames: usize) -> Counts {
 }
 
 fn own_files() -> Vec<PathBuf> {
-    let names = ["intel", "motorola", "floats", "multiplexed", "nested", "extended", "fd"];
+    let names =
+        ["intel", "motorola", "floats", "multiplexed", "nested", "extended", "fd", "long_names"];
     names.iter().map(|name| Path::new(ROOT).join(format!("tests/dbc/{name}.dbc"))).collect()
 }
 

@@ -2,10 +2,14 @@
 //! times by the injector, through the whole monitor. `--nocapture` prints what was found how fast.
 
 mod detection_support;
+#[path = "support/mod.rs"]
+mod support;
 
 use detection_support::{BEFORE, Healthy, Outcome, Said, Try, tries};
 use std::sync::OnceLock;
-use tertius::alarm::{Detector, State, Warning};
+use support::{HANGING_LOAD, Scratch, recording, replay, tertius};
+use tertius::alarm::{Detector, Level, State, Warning};
+use tertius::inject::Fault as Injected;
 use tertius::verdict::{Fault, Suspect};
 
 fn healthy() -> &'static Healthy {
@@ -197,4 +201,105 @@ fn without_a_fault_there_is_no_warning_in_the_whole_engaged_part() {
     let judged = outcome.records.iter().filter(|record| !record.gated).count();
     println!("no fault: no warning in {judged} judged cycles of a cylinder");
     assert!(judged > 6 * 16_900, "{judged}");
+}
+
+/// Measured, C1 of cylinder 2 is this much more than C2 in the middle of the stroke: b of (5-20), m.
+fn offset() -> f64 {
+    let text = std::fs::read_to_string(support::top().join(support::E_TYPE)).expect("it is there");
+    let (settings, _) = tertius::config::parse("e-type.toml", &text).expect("it is sound");
+    settings.comparator_of(2).1
+}
+
+/// The machine trips where the readings as they are measured are 50 mm apart. What they should differ by
+/// is nothing that it knows.
+#[test]
+fn critical_is_what_the_machine_itself_measures() {
+    let beyond = 0.5 * offset().abs();
+    assert!(beyond > 2e-4, "measured and corrected are the same");
+    for (size, critical) in [(0.05 - beyond, true), (-(0.05 + beyond), false)] {
+        let size = size * offset().signum();
+        let (mut black, mut found) = (0, 0);
+        for one in tries(healthy(), 24, 25, 1.0).iter().filter(|one| one.cylinder == 2) {
+            let spec = format!("step,cylinder=2,sensor=c1,at={},size={size}", one.t);
+            let outcome = healthy().play_fault(&spec, one.t, 1.0, 0);
+            let fde3 =
+                newest(&outcome, Detector::Fde3).expect("50 mm are beyond any bound").finding;
+            // The other direction of stroke, or its non-linearity, adds its own millimetre.
+            let measured = outcome.records.iter().filter(|record| record.cylinder == 2);
+            let measured = measured.filter_map(|r| Some((r.c1? - r.c2?).abs())).fold(0.0, f64::max);
+            assert_eq!(fde3.level == Level::Black, measured > 0.05, "{spec}: {measured}");
+            if fde3.level == Level::Black {
+                assert_eq!(fde3.threshold, Some(0.05), "{spec}");
+                assert_eq!(fde3.suspect, Suspect::C1, "{spec}");
+            }
+            black += u64::from(fde3.level == Level::Black);
+            found += 1;
+        }
+        println!("{:.2} mm: {black} of {found} critical", size * 1e3);
+        assert_eq!(black > 0, critical, "{size}");
+    }
+}
+
+/// Section 1-1 of the thesis: both components of a sensor that the motion needs are a code black.
+#[test]
+fn both_transducers_of_a_cylinder_lost_is_black() {
+    let one = tries(healthy(), 1, 26, 2.0)[0];
+    for (first, second) in
+        [("stale", "stale"), ("loss", "broken_wire"), ("out_of_range", "stale"), ("step", "loss")]
+    {
+        let size = if first == "step" { ",size=0.01" } else { "" };
+        let faults = [
+            format!("{first},cylinder=1,sensor=c1,at={}{size}", one.t),
+            format!("{second},cylinder=1,sensor=c2,at={}", one.t + 0.5),
+        ];
+        let faults = faults.map(|spec| Injected::parse(&spec).expect("a fault"));
+        let outcome = healthy().play(&faults, [one.t - BEFORE, one.t + 2.0], 0);
+        let last = newest(&outcome, Detector::Plausibility).expect("a reading is lost");
+        assert_eq!(last.finding.level, Level::Black, "{first} and {second}");
+        assert_eq!(last.cylinder, 1);
+        // One of them alone is not.
+        let outcome = healthy().play(&faults[..1], [one.t - BEFORE, one.t + 2.0], 0);
+        let level = outcome.warnings.iter().map(|warning| warning.finding.level).max();
+        assert!(level < Some(Level::Red), "{first} alone: {level:?}");
+    }
+}
+
+/// What plausibility, R3 and the sequential detector say of a transducer of the bench that freezes from
+/// `at` to `until`: blamed right, and how many blamed the other one.
+fn freeze_on_the_bench(config: &str, sensor: &str, at: f64, until: f64) -> (bool, Vec<String>) {
+    let scratch = Scratch::new();
+    let log = scratch.path("frozen.log");
+    let spec = format!("freeze,cylinder=1,sensor={sensor},at={at},until={until}");
+    let healthy = recording("hanging-load.log.gz");
+    let call = ["inject", "--config", config, "--fault", &spec, "--output", &log, &healthy];
+    tertius(&call, b"").ok();
+    let warnings = replay(&[&log], config, &[]).ok().warnings();
+    let said = warnings.iter().filter(|w| w["state"] != "cleared" && w["t"].as_f64() >= Some(at));
+    // Its observers disagree without a fault, too: no command predicts this rod.
+    let said: Vec<_> =
+        said.filter(|w| w["detector"] != "fde1" && w["detector"] != "fde2").collect();
+    let right = said.iter().any(|w| w["suspect"] == sensor);
+    let wrong = said.iter().filter(|w| w["suspect"] != sensor && w["suspect"] != "undecided");
+    (right, wrong.map(|w| format!("{spec}: {w}")).collect())
+}
+
+/// No model knows this rod; that a reading stands while the other one goes on is known all the same.
+#[test]
+fn on_a_real_rig_the_frozen_transducer_is_blamed_and_not_the_healthy_one() {
+    let (mut right, mut count) = (0, 0);
+    for config in [HANGING_LOAD, "tests/recordings/hanging-load-sequential.toml"] {
+        for (k, at) in [13.3, 38.3, 58.35, 62.4, 146.5, 177.8, 195.8, 230.0].into_iter().enumerate()
+        {
+            for sensor in ["c1", "c2"] {
+                let length = [0.5, 1.0, 2.0, 5.0, 10.0, 30.0][k % 6];
+                let (blamed, wrong) = freeze_on_the_bench(config, sensor, at, at + length);
+                assert_eq!(wrong, [] as [String; 0], "{config}");
+                right += u64::from(blamed);
+                count += 1;
+            }
+        }
+    }
+    println!("frozen on the bench: blamed right {right} of {count}, none wrong");
+    // Where the rod rests nobody can tell; where it moves long enough it is told.
+    assert!(right > 0, "{right} of {count}");
 }

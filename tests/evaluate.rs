@@ -190,7 +190,8 @@ fn detectors_are_compared_on_the_same_faults_and_hours() {
     assert!((4.0..result.level).contains(&largest), "{largest} of {} nats", result.level);
     let [step, noise, drift, none, stop] = &result.rows[..] else { panic!("rows") };
     let sequential = Rival::Sequential as usize;
-    for (row, within, ratio) in [(step, 0.06, 3.0), (noise, 0.1, 5.0), (drift, 0.5, 3.0)] {
+    // No sample is more evidence than it is rare to be wild: of what is large it takes five or six.
+    for (row, within, ratio) in [(step, 0.1, 5.0), (noise, 0.3, 15.0), (drift, 0.5, 3.0)] {
         let delay = row.found[sequential].delay;
         assert_eq!((row.faults, row.found[sequential].found.count), (12, 12), "{row:?}");
         assert!(delay.median.is_some_and(|delay| delay > 0.0 && delay < within), "{delay:?}");

@@ -51,7 +51,12 @@ type Decoded = (i64, u64, String, bool, Value);
 
 /// The frames of a log, each of which has to stand up to cantools and E2E.
 fn sent(log: &str) -> Vec<Sent> {
-    let frames = oracle::run("gateway.py", &["dbc/e-type.dbc", log], "");
+    sent_by("dbc/e-type.dbc", log)
+}
+
+/// The same by another DBC.
+fn sent_by(dbc: &str, log: &str) -> Vec<Sent> {
+    let frames = oracle::run("gateway.py", &[dbc, log], "");
     let frames: Vec<Decoded> = serde_json::from_str(&frames).expect("JSON");
     let check = |(at, id, interface, whole, signals): Decoded| {
         assert!(whole, "E2E profile 5 does not hold at {at}: {signals}");
@@ -72,6 +77,8 @@ struct Row {
     /// µs since the epoch.
     opened: i64,
     r: [Option<f64>; 3],
+    /// C1 − C2 as measured.
+    apart: Option<f64>,
     gated: bool,
 }
 
@@ -85,6 +92,7 @@ fn rows(table: &str, first: i64) -> Vec<Vec<Row>> {
         rows[cylinder - 1].push(Row {
             opened: first + (number(0).expect("a time") * 1e6).round() as i64,
             r: [number(8), number(9), number(10)],
+            apart: number(2).zip(number(3)).map(|(c1, c2)| c1 - c2),
             gated: fields[11] == "1",
         });
     }
@@ -229,7 +237,10 @@ impl Walk {
         let (cylinder, i) = (frame.raw("Cylinder"), detector - 1);
         let newest = self.newest(cylinder, frame.at);
         let judged = |row: &&Row| detector == 3 || self.judges(row, cylinder, i);
-        let mut found = newest.iter().filter(judged).filter_map(|row| row.r[i]).peekable();
+        // Critical is what the machine itself measures.
+        let critical = detector == 3 && frame.raw("Threshold") == 255;
+        let told = |row: &Row| if critical { row.apart } else { row.r[i] };
+        let mut found = newest.iter().filter(judged).filter_map(told).peekable();
         // While nothing is judged the last one that was stands, which is not to be found here.
         assert!(
             found.peek().is_none() || found.any(|r| (r - raw as f64 * 1e-5).abs() <= 0.500_001e-5),
@@ -420,6 +431,47 @@ fn every_estimate_on_the_bus_is_the_one_in_the_table() {
         scratch.read(log).lines().filter(|it| !it.contains(" 3D1#")).map(str::to_owned).collect()
     };
     assert!(others("sent.log") == others("plain.log"));
+}
+
+/// A machine that reaches from -3 m to 0 m, and an Fd_Estimate of its DBC that has room for it.
+#[test]
+fn estimates_are_on_the_scale_of_the_dbc() {
+    const OURS: &str = "(0.00010850694444444444,-1.5) [-1.49989149305556|1.5]";
+    let scratch = Scratch::new();
+    let log_in = between(&recorded("e-type-faults.log.zst"), 0.0, 20.0);
+    let log_in = scratch.write("part.log", log_in);
+    let tables = "[estimate]\nsend = true\n\n[gateway]\nbus_share = 0.15\n\n[plausibility]";
+    let config = scratch.config(&[("[plausibility]", tables), ("[-1.5, 1.5]", "[-3.0, 0.0]")]);
+    let dbc = scratch.read("e-type.dbc");
+    let estimate = format!(" SG_ Position : 32|16@1+ {OURS}");
+    let sigma = " SG_ Sigma : 48|16@1+ (0.000001,0) [0|0.065535]";
+    assert!(dbc.contains(&estimate) && dbc.contains(sigma));
+    let dbc = dbc
+        .replace(&estimate, " SG_ Position : 32|16@1+ (0.00005,-3.001) [-3.00095|0.27575]")
+        .replace(sigma, " SG_ Sigma : 48|16@1+ (0.000002,0) [0|0.13107]")
+        .replace(OURS, "(0.00010850694444444444,-3.0) [-2.99989149305556|0]");
+    let dbc = scratch.write("e-type.dbc", dbc);
+    let (log, table) = (scratch.path("sent.log"), scratch.path("estimates.csv"));
+    replay(&[&log_in], &config, &["--warnings", &log, "--estimates", &table]).ok();
+
+    let table = scratch.read("estimates.csv");
+    let rows: Vec<Estimated> = table.lines().skip(1).map(Estimated::read).collect();
+    let frames = sent_by(&dbc, &log);
+    let estimates = frames.iter().filter(|frame| frame.id == ESTIMATE);
+    assert_eq!(estimates.clone().count(), rows.len());
+    let mut far = 0;
+    for (frame, row) in estimates.zip(&rows) {
+        assert_eq!(frame.raw("Valid"), i64::from(row.valid), "{}", frame.signals);
+        let sigma = frame.raw("Sigma") as f64 * 2e-6;
+        let told = row.sigma.map_or(0.13107, |sigma| sigma.min(0.13107));
+        assert!((-1e-9..2e-6).contains(&(sigma - told)), "{}, σ {told}", frame.signals);
+        if let (true, Some(position)) = (row.valid, row.position) {
+            let metres = frame.raw("Position") as f64 * 5e-5 - 3.001;
+            assert!((metres - position).abs() <= 2.500_001e-5, "{} at {position}", frame.signals);
+            far += u32::from(position < -1.5);
+        }
+    }
+    assert!(far > 1000, "{far} valid estimates beyond the default scale");
 }
 
 #[test]

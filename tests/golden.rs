@@ -271,7 +271,17 @@ fn a_rig_by_evidence() {
         scratch.write("fault.csv", format!("{columns}\n{row}\n"));
         let (faulty, csv) = (scratch.path("faulty.log"), scratch.path("fault.csv"));
         let log = recording("hanging-load.log.gz");
-        let rig = ["inject", &log, "--config", HANGING_LOAD, "--faults", &csv, "--output", &faulty];
+        let rig = [
+            "inject",
+            &log,
+            "--config",
+            HANGING_LOAD,
+            "--faults",
+            &csv,
+            "--output",
+            &faulty,
+            "--force",
+        ];
         tertius(&rig, b"").ok();
         let warnings = replay(&[&faulty], HANGING_SEQUENTIAL, &[]).ok().warnings();
         let there =

@@ -168,3 +168,31 @@ fn data_that_cannot_tell_the_parameters_apart_are_refused() {
     let words = together.to_string();
     assert!(words.contains("the velocity and the command cannot be told apart"), "{words}");
 }
+
+/// It creeps out by itself, and is never told to stand still: where it would is a guess beyond all that
+/// was commanded.
+#[test]
+fn a_rest_that_was_never_commanded_is_refused() {
+    let model = tertius::observe::model::Model::new(TS, THETA, GAMMA);
+    let mut x = nalgebra::Vector3::new(0.05, 1.0, 3.0);
+    let rows: Vec<Row> = (0..5000)
+        .map(|k| {
+            let t = f64::from(k) * TS;
+            let commanded = 0.5 + 0.2 * (0.7 * t).sin() + 0.2 * (5.3 * t).sin();
+            let row = identify_support::row(1, k, x[0], x[1], x[2], commanded);
+            x = model.a * x + model.b * (commanded + 0.62);
+            row
+        })
+        .collect();
+    for rule in [OffsetRule::WhereItMatters, OffsetRule::Always] {
+        let refusal = estimate(&rows, 1, BOTH, rule).expect_err("nothing rests there");
+        let Refusal::RestNeverCommanded { offset, low, high } = refusal else {
+            panic!("{refusal}")
+        };
+        assert!((offset + 0.62).abs() < 1e-6, "{offset}");
+        assert!((0.09..0.2).contains(&low) && (0.8..0.91).contains(&high), "{low} {high}");
+        let told = refusal.to_string();
+        assert!(told.contains("-0.6200 m/s") && told.contains("--offset never"), "{told}");
+    }
+    estimate(&rows, 1, BOTH, OffsetRule::Never).expect("as it was asked for");
+}

@@ -9,7 +9,7 @@ use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::live::gateway::{Gateway, Silent};
+use tertius::live::gateway::{Gateway, Silent, Unsaid};
 use tertius::live::outbox::{Limits, Outbox};
 use tertius::monitor::Monitor;
 use tertius::time::{Span, Timestamp};
@@ -31,12 +31,12 @@ fn gateway() -> Gateway {
 /// A gateway that may take `share` of the bus.
 fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
     let limits = Limits {
-        waiting: 72,
+        waiting: Limits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share,
-        burst: 37,
+        burst: Limits::BURST,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
     Gateway::new(monitor, outbox, Span::from_seconds(0.01))
@@ -61,6 +61,10 @@ impl Bench {
 
     fn turn(&mut self) -> Result<(), PortError> {
         self.gateway.turn(&mut self.port, Duration::ZERO, &mut Silent).map(drop)
+    }
+
+    fn stop(&mut self) -> Result<(), Unsaid> {
+        self.gateway.stop(&mut self.port, Duration::ZERO, &mut Silent)
     }
 
     /// Puts `frames` on the bus at their times and lets the gateway have a turn every `rhythm`-th
@@ -226,13 +230,73 @@ fn a_stopping_gateway_says_so() {
     let mut bench = Bench::new();
     bench.run(&bus_traffic()[..2000], 1);
     let mut ear = bench.bus.open(&Identifiers::All, 16).expect("up");
-    bench.gateway.stop(&mut bench.port, &mut Silent).expect("the bus is up");
+    bench.stop().expect("the bus is up");
     bench.heard.clear();
     bench.listen(&mut ear);
     let [frame] = &bench.heard[..] else { panic!("{:?}", bench.heard) };
     let payload = u64::from_le_bytes(frame.data().try_into().expect("eight bytes"));
     assert_eq!((frame.id.value(), payload >> 51 & 0b111), (0x1D1, 4));
     assert_eq!(payload >> 24 & 0xFF_FFFF, 0, "nothing is healthy once nobody looks");
+}
+
+/// The mode of a status.
+fn mode(status: &Frame) -> u64 {
+    let payload = u64::from_le_bytes(status.data().try_into().expect("eight bytes"));
+    payload >> 51 & 0b111
+}
+
+/// Whatever went before: a gateway whose share of the bus is used up still says that it stops, and
+/// takes no more of the bus for it.
+#[test]
+fn the_last_words_are_within_the_share_however_much_went_before() {
+    let traffic = bus_traffic();
+    for (frames, share) in [(2000, 0.003), (5000, 0.003), (traffic.len(), 0.003), (5000, 0.05)] {
+        let mut bench = Bench { gateway: gateway_of(estimating(), share), ..Bench::new() };
+        bench.run(&traffic[..frames], 1);
+        assert!(bench.gateway.outbox().counts().held_back > 0, "its share is used up");
+        let mut ear = bench.bus.open(&Identifiers::All, 64).expect("up");
+        bench.stop().expect("the bus is up");
+        bench.listen(&mut ear);
+        let newest = bench.heard.last().expect("it spoke");
+        assert_eq!((newest.id.value(), mode(newest)), (0x1D1, 4), "{frames} frames at {share}");
+        let seconds = newest.timestamp.since(traffic[0].timestamp).as_seconds();
+        let most = share * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
+        assert!(bench.heard.len() as f64 <= most, "{} of {most}", bench.heard.len());
+        for _ in 0..40 {
+            bench.clock.advance(Span::from_seconds(0.025));
+            bench.turn().expect("up");
+        }
+        bench.heard.clear();
+        bench.listen(&mut ear);
+        assert!(bench.heard.is_empty(), "nothing follows the last words: {:?}", bench.heard);
+    }
+}
+
+#[test]
+fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
+    let mut bench = Bench::new();
+    bench.run(&bus_traffic()[..2000], 1);
+    let mut ear = bench.bus.open(&Identifiers::All, 64).expect("up");
+    bench.bus.set_state(BusState::Jammed);
+    assert!(matches!(bench.stop(), Err(Unsaid::Full)));
+    bench.heard.clear();
+    bench.listen(&mut ear);
+    assert!(bench.heard.is_empty());
+    // Once it moves again the last words are said, and once.
+    bench.bus.set_state(BusState::Up);
+    bench.stop().expect("the bus is up");
+    bench.stop().expect("it was said");
+    bench.listen(&mut ear);
+    assert_eq!(bench.heard.iter().map(mode).collect::<Vec<_>>(), [4]);
+
+    let mut bench = Bench::new();
+    bench.run(&bus_traffic()[..2000], 1);
+    let mut driver = bench.bus.open_unrestricted(&Identifiers::All, 64).expect("up");
+    driver.send_unrestricted(&error_frame(0x040)).expect("up");
+    bench.turn().expect("the interface stays up");
+    assert!(matches!(bench.stop(), Err(Unsaid::BusOff)));
+    bench.bus.set_state(BusState::Down);
+    assert!(matches!(bench.stop(), Err(Unsaid::BusOff | Unsaid::Port(_))));
 }
 
 /// What has the identifier `id`.
@@ -274,7 +338,7 @@ fn estimates_take_nothing_from_warnings_and_statuses() {
         assert!(of(&bench.heard, id) == of(&plain.heard, id), "{id:x}");
     }
     let seconds = 400.0 * 0.02;
-    let most = 0.05 * 500_000.0 / 135.0 * seconds + 37.0;
+    let most = 0.05 * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
     assert!((bench.heard.len() as f64) < most, "{} of {most}", bench.heard.len());
     assert!(bench.gateway.outbox().counts().outdated > 500);
 }

@@ -79,6 +79,7 @@ fn the_figures_are_what_the_monitor_counted() {
         ("cycles_missing", counts.missing),
         ("frames_late", counts.late),
         ("frames_repeated", counts.repeated),
+        ("frames_held", counts.held),
         ("signals_bad", counts.bad_signals),
         ("frames_backwards", counts.backwards),
         ("time_jumps", counts.time_jumps),
@@ -431,6 +432,10 @@ impl Surroundings for Flapping {
 
     fn lost(&mut self, _: &str) {}
 
+    fn unsaid(&mut self, reason: &str) {
+        assert_eq!((self.left, reason), (0, "the interface is not open"));
+    }
+
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.bench.witness.recorder.closed(gateway, port);
     }
@@ -451,4 +456,87 @@ fn every_loss_is_told_also_where_the_log_is_silent() {
     let metrics = flapping.bench.metrics();
     let total = |name: &str| metrics.get(&format!("tertius_port_{name}_total"), &[]);
     assert_eq!((total("opens"), total("losses"), total("reconnects")), (4.0, 4.0, 3.0));
+}
+
+/// What Prometheus sees of `bench` at four times, 5 s apart; `pass` lets them pass.
+fn scraped(bench: &mut Bench, mut pass: impl FnMut(&mut Bench, i64)) -> Vec<serde_json::Value> {
+    let mut scrapes = Vec::new();
+    for turn in 0..4 {
+        if turn > 0 {
+            pass(bench, turn);
+        }
+        let t = bench.hands.bus.now().as_nanos() as f64 / 1e9;
+        let text = bench.ask("/metrics").body;
+        scrapes.push(serde_json::json!({ "t": t, "up": true, "text": text }));
+    }
+    scrapes
+}
+
+/// A gateway that judges a sound machine.
+fn judging() -> Bench {
+    let mut bench = Bench::new();
+    bench.witness.recorder.opened();
+    bench.run(&cycles(0..120), DELAY);
+    bench
+}
+
+/// 5 s of the machine, its transducer off by `offset` counts.
+fn machine_goes_on(bench: &mut Bench, turn: i64, offset: u16) {
+    let range = 120 + 250 * (turn - 1)..120 + 250 * turn;
+    let frames = range.flat_map(|k| Cycle { offset, ..Cycle::new(k) }.frames());
+    bench.run(&frames.collect::<Vec<_>>(), DELAY);
+}
+
+/// `scrapes` with `to` for `from` in those behind the first.
+fn later(scrapes: &[serde_json::Value], from: &str, to: &str) -> Vec<serde_json::Value> {
+    let mut scrapes = scrapes.to_vec();
+    for scrape in &mut scrapes[1..] {
+        let text = scrape["text"].as_str().expect("a text");
+        assert_eq!(text.matches(from).count(), 1, "{from:?} is not once in the text");
+        scrape["text"] = text.replace(from, to).into();
+    }
+    scrapes
+}
+
+#[test]
+fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
+    let healthy = scraped(&mut judging(), |bench, turn| machine_goes_on(bench, turn, 0));
+    let faulty = scraped(&mut judging(), |bench, turn| machine_goes_on(bench, turn, 30));
+    let still = scraped(&mut judging(), |bench, _| bench.hands.pass(Span::from_seconds(5.0)));
+    let quiet = scraped(&mut judging(), |bench, _| {
+        for _ in 0..50 {
+            bench.hands.pass(Span::from_seconds(0.1));
+            bench.turn().expect("the bus is up");
+        }
+    });
+    let mut lost = judging();
+    lost.bus.set_state(BusState::Down);
+    lost.turn().expect_err("the bus is down");
+    let lost = scraped(&mut lost, |bench, _| bench.hands.pass(Span::from_seconds(5.0)));
+    let gone: Vec<_> =
+        (0..4).map(|turn| serde_json::json!({ "t": 5 * turn, "up": false })).collect();
+    let history = scraped(&mut judging(), |bench, turn| {
+        machine_goes_on(bench, turn, 0);
+        bench.witness.recorder.telemetry().history_written(false);
+    });
+    let drift = "# TYPE tertius_stop_earliest_months_until_maintenance gauge\n";
+    let due =
+        "tertius_stop_earliest_months_until_maintenance{cylinder=\"1\",transducer=\"c2\"} 2.5\n";
+    let drifting = later(&healthy, drift, &format!("{drift}{due}"));
+    let dropped = "\ntertius_frames_dropped_total 0\n";
+    let dropping = later(&healthy, dropped, "\ntertius_frames_dropped_total 3\n");
+    let cases = serde_json::json!({
+        "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
+        "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
+    });
+    let told = oracle::run("alerts.py", &["docs/TELEMETRY.md"], &cases.to_string());
+    let told: serde_json::Value = serde_json::from_str(&told).expect("the oracle writes JSON");
+    let rules = ["Blind", "Warning", "Drift", "HistoryLost", "FramesLost"];
+    assert_eq!(told["rules"], serde_json::json!(rules));
+    let expected = serde_json::json!({
+        "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
+        "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
+        "dropping": ["FramesLost"],
+    });
+    assert_eq!(told["firing"], expected);
 }

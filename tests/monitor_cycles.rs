@@ -113,6 +113,51 @@ fn a_bus_recorded_on_two_interfaces_is_one_bus() {
     assert_eq!(seen.frames, once.frames);
 }
 
+/// The second bus is 1.25 ms behind the first, so that its Sync comes among the readings.
+#[test]
+fn a_sync_that_comes_again_after_other_frames_opens_nothing() {
+    let shifted = |frame: &Frame| {
+        let mut frame = frame.clone();
+        frame.timestamp = Timestamp::from_nanos(frame.timestamp.as_nanos() + MS + MS / 4);
+        frame
+    };
+    let once = (0..100).flat_map(|k| Cycle::new(k).frames());
+    let mut twice: Vec<Frame> = once.clone().flat_map(|frame| [shifted(&frame), frame]).collect();
+    twice.sort_by_key(|frame| frame.timestamp);
+    let (monitor, seen) = play(twice);
+    assert_eq!((monitor.counts().cycles, monitor.counts().incomplete), (100, 0));
+    assert_eq!((monitor.counts().repeated, monitor.counts().late), (19 * 100, 0));
+    let (_, once) = play(once);
+    assert_eq!(seen.records, once.records);
+    assert_eq!(seen.warnings, once.warnings);
+}
+
+/// A command that is stamped before the newest Sync and comes after it is not of that Sync's cycle.
+#[test]
+fn a_frame_out_of_order_is_of_the_cycle_of_its_stamp() {
+    let mut frames: Vec<Frame> = Vec::new();
+    for k in 0..100 {
+        let mut cycle = Cycle { command: k as i16, ..Cycle::new(k) }.frames();
+        if k == 51 {
+            let place = frames.iter().rposition(|frame| frame.id.value() == 0x1A2);
+            let command = frames.remove(place.expect("cycle 50 has it"));
+            cycle.insert(1, command);
+        }
+        frames.extend(cycle);
+    }
+    for frame in &mut frames {
+        // 12 ms after the opening, where 8 ms later the next one follows.
+        if (0x1A1..0x1B0).contains(&frame.id.value()) {
+            let at = frame.timestamp.as_nanos() + 12 * MS;
+            frame.timestamp = Timestamp::from_nanos(at);
+        }
+    }
+    let (monitor, seen) = play(frames);
+    assert_eq!(monitor.counts().late, 1);
+    assert_eq!(seen.record(50, 2).command, None);
+    assert_eq!(seen.record(51, 2).command, Some(51.0 * 1e-4));
+}
+
 #[test]
 fn a_late_reading_does_not_stand_in_for_a_sync_that_is_still_to_come() {
     let frames = (0..100).flat_map(|k| {
@@ -150,7 +195,7 @@ fn a_silent_transducer_on_a_living_bus_is_stale() {
 }
 
 #[test]
-fn frames_out_of_order_are_taken_as_they_came_and_a_set_clock_starts_anew() {
+fn frames_out_of_order_are_taken_and_a_set_clock_starts_anew() {
     let (monitor, seen) = play((0..100).flat_map(|k| {
         let mut frames = Cycle::new(k).frames();
         frames.swap(3, 4);
@@ -196,6 +241,86 @@ fn without_sync_a_recording_that_begins_in_the_middle_pairs_what_belongs_togethe
 }
 
 /// The gateway advances by its clock, a replay by the frames alone: both must say the same.
+/// In one step or cycle by cycle: an hour of silence says the same, and costs what is said in it.
+#[test]
+fn silence_costs_what_is_said_in_it() {
+    let mut monitor = machine::hasty();
+    let mut seen = Collected::default();
+    let frames = Cycle::new(0).frames();
+    let again = Frame::new(
+        Timestamp::from_nanos(machine::START + 3_599_000 * MS),
+        frames[0].id,
+        frames[0].kind,
+        frames[0].data(),
+    );
+    frames.iter().chain([&again]).for_each(|frame| monitor.take(frame, &mut seen));
+    let counts = monitor.counts();
+    assert_eq!(counts.cycles + counts.missing, 3_599_000_001, "every microsecond is a cycle");
+    let statuses = seen.frames.iter().filter(|frame| frame.id.value() == 0x1D1).count();
+    assert!(counts.missing > 3_598_000_000, "{}", counts.missing);
+    assert_eq!(statuses, 35_989, "each at its time");
+
+    for valves in [false, true] {
+        // A transducer that is off leaves warnings which are repeated in the silence.
+        let mut frames: Vec<Frame> =
+            (0..100).flat_map(|k| Cycle { offset: 50, ..Cycle::new(k) }.frames()).collect();
+        if valves {
+            let lone = (0..3_000).map(|i| 100 + 9 * i / 2).filter(|k| *k < 13_000);
+            frames.extend(lone.map(|k| Cycle::new(k).frames().remove(14)));
+        }
+        frames.extend((13_100..13_200).flat_map(|k| Cycle::new(k).frames()));
+        let (at_once, expected) = play(frames.iter().cloned());
+        assert!(at_once.counts().missing > 12_000 && !expected.warnings.is_empty());
+
+        let mut walked = Collected::default();
+        let mut walker = machine::monitor();
+        let mut now = frames[0].timestamp.as_nanos();
+        for frame in &frames {
+            while now < frame.timestamp.as_nanos() {
+                walker.advance(Timestamp::from_nanos(now), &mut walked);
+                now += 7 * MS;
+            }
+            walker.take(frame, &mut walked);
+        }
+        walker.finish(&mut walked);
+        assert_eq!(walker.counts(), at_once.counts());
+        assert_eq!(walked.warnings, expected.warnings);
+        assert_eq!(walked.frames, expected.frames);
+        assert_eq!(walked.notices, expected.notices);
+        assert_eq!(walked.records, expected.records);
+    }
+}
+
+/// A notice's time.
+fn told_at(notice: &Notice) -> Timestamp {
+    match *notice {
+        Notice::Gap { at, .. }
+        | Notice::TimeJump { at, .. }
+        | Notice::Interruption { at }
+        | Notice::Restart { at, .. }
+        | Notice::Timing { at, .. } => at,
+    }
+}
+
+/// Only a clock that was set takes the notices back in time, and what follows it is of the new time.
+#[test]
+fn an_interruption_after_a_clock_was_set_is_of_the_new_time() {
+    for back in [1_500, 3_600_000, -7_200_000] {
+        let (mut monitor, mut seen) = play((0..100).flat_map(|k| Cycle::new(k).frames()));
+        let lost = machine::START + (2_000 - back) * MS;
+        monitor.interrupt(Timestamp::from_nanos(lost), &mut seen);
+        for frame in (101..200).flat_map(|k| Cycle::new(k).frames()) {
+            let at = Timestamp::from_nanos(frame.timestamp.as_nanos() - back * MS);
+            monitor.take(&Frame::new(at, frame.id, frame.kind, frame.data()), &mut seen);
+        }
+        assert!(matches!(seen.notices[0], Notice::TimeJump { .. }), "{:?}", seen.notices);
+        assert!(matches!(seen.notices[1], Notice::Interruption { .. }), "{:?}", seen.notices);
+        let times: Vec<Timestamp> = seen.notices.iter().map(told_at).collect();
+        assert_eq!(times[1].as_nanos(), lost);
+        assert!(times.len() > 12 && times.is_sorted(), "{times:?}");
+    }
+}
+
 #[test]
 fn advancing_between_frames_changes_nothing() {
     let frames: Vec<Frame> = (0..400)

@@ -9,6 +9,8 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
+use std::path::Path;
+use std::process::Command;
 use support::{
     E_TYPE, HANGING_LOAD, Run, Scratch, Seeded, between, command, recorded, recording, replay,
     tertius,
@@ -177,28 +179,285 @@ fn a_compressed_recording_that_is_cut_off_is_replayed_as_far_as_it_goes() {
     }
 }
 
+/// Nothing was judged: all that a replay says says so, with `reason`, and it is a failure.
+#[track_caller]
+fn assert_not_judged(scratch: &Scratch, log: &str, config: &str, options: &[&str], reason: &str) {
+    let html = scratch.path("page.html");
+    let run = replay(&[log], config, &[options, &["--report", &html]].concat());
+    let summary = run.failed(1, &["nothing was judged", reason]).summary();
+    assert_eq!(summary["judged"], false);
+    let reasons = summary["reasons"].as_array().expect("a list");
+    let told = |it: &Value| it.as_str().is_some_and(|it| it.contains(reason));
+    assert!(reasons.iter().any(told), "{reason:?}: {summary}");
+
+    let call = [&["replay", log, "--config", config], options].concat();
+    let page = tertius(&call, b"").failed(1, &[reason]).stdout;
+    let headline = page.lines().nth(2).expect("a headline");
+    assert!(headline.starts_with("NOTHING WAS JUDGED"), "{page}");
+    assert!(page.contains(reason) && !page.contains("No warnings.\n"), "{page}");
+    assert!(!page.contains("NaN"), "{page}");
+    let html = scratch.read("page.html");
+    let (before, _) = html.split_once("NOTHING WAS JUDGED").expect("it is on the page, too");
+    assert!(!before.contains("<h2>"), "above everything else");
+}
+
 #[test]
 fn a_recording_without_anything_for_this_machine() {
     let scratch = Scratch::new();
-    let empty = scratch.write("empty.log", "");
-    let comments = scratch.write("blank.log", "\n\n\r\n");
-    for log in [&empty, &comments] {
-        let run = replay(&[log], E_TYPE, &[]).ok();
-        let summary = run.summary();
-        assert_eq!(run.lines().len(), 1);
-        assert_eq!((&summary["frames"], &summary["bad_lines"]), (&0.into(), &0.into()));
-        assert_eq!(summary["duration"], 0.0);
+    let asc = "date Sat Sep 30 15:06:13.191 2017\r\nbase hex  timestamps absolute\r\n\
+               0.001 1  181             Rx   d 6 AF 27 00 00 00 00\r\n";
+    for (name, content, seems) in [
+        ("empty.log", &b""[..], "it is empty"),
+        ("blank.log", b"\n\n\r\n", "it is empty"),
+        ("trace.asc", asc.as_bytes(), "a log of Vector's, in ASC"),
+        ("trace.blf", b"LOGG\x90\0\0\0\x03\x08\x02\0", "a log of Vector's, in BLF"),
+        ("trace.trc", b";$FILEVERSION=2.0\r\n;$STARTTIME=43474.\r\n", "a trace of PEAK's"),
+        ("data.mf4", b"MDF     4.10    Vector\0\0", "measurement data in MDF"),
+        ("old.pcap", b"\xD4\xC3\xB2\xA1\x02\0\x04\0\0\0\0\0", "in pcap;"),
+        ("new.pcapng", b"\x0A\x0D\x0D\x0A\x1C\0\0\0\x4D\x3C\x2B\x1A", "in pcapng;"),
+        ("log.xz", b"\xFD7zXZ\0\0\x04\xE6\xD6\xB4\x46", "(xz); unpack it first"),
+        ("log.bz2", b"BZh91AY&SY\x01\x02", "(bzip2); unpack it first"),
+        ("log.7z", b"7z\xBC\xAF\x27\x1C\0\x04", "(7-Zip); unpack it first"),
+        ("log.zip", b"PK\x03\x04\x14\0\0\0", "(zip); unpack it first"),
+    ] {
+        let log = scratch.write(name, content);
+        let reason = format!("{log}: no frame; it seems to be ");
+        let reason = if seems == "it is empty" { format!("{log}: ") } else { reason };
+        assert_not_judged(&scratch, &log, E_TYPE, &[], &reason);
+        assert_not_judged(&scratch, &log, E_TYPE, &[], seems);
     }
+    let readme = "it is text, but no recording of candump";
+    assert_not_judged(&scratch, "README.md", E_TYPE, &[], readme);
     let other = recording("hanging-load.log.gz");
-    let run = replay(&[&other], E_TYPE, &[]).ok();
-    assert_eq!(run.lines().len(), 1, "{}", run.stdout);
+    let reason = "frames none has an identifier of the configuration (080, 1C1, ";
+    assert_not_judged(&scratch, &other, E_TYPE, &[], reason);
+    let log = scratch.write("good.log", excerpt());
+    let reason = "no frame is of can9; the recording has can0 (5500 frames)";
+    assert_not_judged(&scratch, &log, E_TYPE, &["--interface", "can9"], reason);
+
+    let run = replay(&[&scratch.write("none.log", "")], E_TYPE, &[]).failed(1, &[]);
+    let summary = run.summary();
+    assert_eq!((run.lines().len(), &summary["frames"]), (1, &0.into()));
+    assert_eq!((&summary["bad_lines"], &summary["duration"]), (&0.into(), &0.0.into()));
+    let run = replay(&[&other], E_TYPE, &[]).failed(1, &[]);
     assert_eq!(run.summary()["frames"], run.summary()["ignored_frames"]);
-    for log in [&empty, &other] {
-        let page = tertius(&["replay", log, "--config", E_TYPE], b"").ok().stdout;
-        let hint = "no cycle was found: does the configuration fit this recording?";
-        assert!(page.contains(hint), "{page}");
-        assert!(!page.contains("NaN"), "{page}");
+}
+
+/// Frames alone are no judgement: where no residual came of them, it is said why.
+#[test]
+fn a_recording_of_which_no_residual_came() {
+    let scratch = Scratch::new();
+    let log = scratch.write("good.log", excerpt());
+    let judged = replay(&[&log], E_TYPE, &[]).ok().summary();
+    assert_eq!((&judged["judged"], judged.get("reasons")), (&true.into(), None));
+    // With C2 there is R3, whatever the state.
+    let elsewhere = ("monitored_states = [\"engaged\"]", "monitored_states = [\"settled\"]");
+    let config = scratch.config(&[elsewhere]);
+    assert_eq!(replay(&[&log], &config, &[]).ok().summary()["judged"], true);
+    let mut changes = vec![
+        ("c2 = \"Cyl{n}_C2.Position\"\n", ""),
+        ("c2_velocity = \"Cyl{n}_C2.Velocity\"\n", ""),
+        ("c2_status = \"Cyl{n}_C2.Status\"\n", ""),
+        ("c2_counter = \"Cyl{n}_C2.Counter\"\n", ""),
+    ];
+    let config = scratch.config(&changes);
+    assert_eq!(replay(&[&log], &config, &[]).ok().summary()["judged"], true);
+    let soon = scratch.write("soon.log", between(&recorded("e-type-faults.log.zst"), 88.0, 88.1));
+    assert_not_judged(&scratch, &soon, &config, &[], "5 cycles are too few for the observers");
+    changes.push(elsewhere);
+    let config = scratch.config(&changes);
+    let reason = "the platform was never in a monitored state (settled)";
+    assert_not_judged(&scratch, &log, &config, &[], reason);
+    let states: String =
+        excerpt().split_inclusive('\n').filter(|line| line.contains(" 1C1#")).collect();
+    let log = scratch.write("states.log", states);
+    assert_not_judged(&scratch, &log, E_TYPE, &[], "there is neither Sync nor a reading");
+}
+
+/// Those that learn say the same of the same files.
+#[test]
+fn nothing_is_learnt_from_nothing() {
+    let scratch = Scratch::new();
+    let log = scratch.write("good.log", excerpt());
+    let blf = scratch.write("trace.blf", b"LOGG\x90\0\0\0\x03\x08\x02\0");
+    let other = recording("hanging-load.log.gz");
+    for command in ["identify", "calibrate", "tune"] {
+        let run = |log: &str, more: &[&str]| {
+            tertius(&[&[command, log, "--config", E_TYPE], more].concat(), b"")
+        };
+        run(&blf, &[]).failed(1, &["nothing was judged", "trace.blf: no frame", "in BLF"]);
+        run(&other, &[]).failed(1, &["none has an identifier of the configuration (080, "]);
+        let words = ["no frame is of can9; the recording has can0 (5500 frames)"];
+        run(&log, &["--interface", "can9"]).failed(1, &words);
     }
+}
+
+/// `log` on another interface, `by` microseconds later.
+fn moved(log: &str, interface: &str, by: u64) -> String {
+    let line = |line: &str| {
+        let digits: String = line[1..18].chars().filter(char::is_ascii_digit).collect();
+        let micros = digits.parse::<u64>().expect("digits") + by;
+        let (seconds, micros) = (micros / 1_000_000, micros % 1_000_000);
+        let rest = line[18..].replacen(") can0", &format!(") {interface}"), 1);
+        format!("({seconds:010}.{micros:06}{rest}\n")
+    };
+    log.lines().map(line).collect()
+}
+
+/// The lines of all `logs` in the order of time.
+fn merged(logs: &[&str]) -> String {
+    let mut lines: Vec<&str> = logs.iter().flat_map(|log| log.split_inclusive('\n')).collect();
+    lines.sort_by_key(|line| line[..18].to_owned());
+    lines.concat()
+}
+
+/// Everything but how many frames there were.
+fn without_frames(run: &Run) -> (Vec<Value>, Value) {
+    let mut summary = run.summary();
+    for key in ["frames", "ignored_frames"] {
+        summary[key] = 0.into();
+    }
+    (said(run), summary)
+}
+
+#[test]
+fn of_several_interfaces_the_configured_one_is_read() {
+    let scratch = Scratch::new();
+    let own = excerpt();
+    let alone = without_frames(&replay(&[&scratch.write("own.log", &own)], E_TYPE, &[]).ok());
+    // The other one first, and second; in one file, and in two.
+    for by in [7000, 20_000 - 7000] {
+        let other = moved(&own, "can1", by);
+        let both = merged(&[&other, &own]);
+        let run = replay(&[&scratch.write("both.log", &both)], E_TYPE, &[]).ok();
+        assert_eq!(without_frames(&run), alone, "{by} µs");
+        let late = both.split_inclusive('\n').skip(7).collect::<String>();
+        let (head, tail) = late.split_at(late[..5000].rfind('\n').expect("a line ends") + 1);
+        let files = [scratch.write("head.log", head), scratch.write("tail.log", tail)];
+        let split = replay(&[&files[0], &files[1]], E_TYPE, &[]).ok();
+        let whole = replay(&[&scratch.write("late.log", &late)], E_TYPE, &[]).ok();
+        assert_eq!(split.stdout, whole.stdout);
+        let call = ["replay", "-", "--config", E_TYPE, "--format", "jsonl"];
+        assert_eq!(tertius(&call, late.as_bytes()).ok().stdout, whole.stdout);
+        let page = tertius(&["replay", "-", "--config", E_TYPE], both.as_bytes()).ok().stdout;
+        for words in ["5500 frames of other interfaces", "can0 (5500 frames)", "can1 (5500 frames)"]
+        {
+            assert!(page.contains(words), "{words:?}: {page}");
+        }
+    }
+    // Only one, of whatever name, is read as it is.
+    let other = scratch.write("other.log", moved(&own, "vcan7", 0));
+    assert_eq!(without_frames(&replay(&[&other], E_TYPE, &[]).ok()), alone);
+}
+
+#[test]
+fn of_several_other_interfaces_the_user_chooses() {
+    let scratch = Scratch::new();
+    let own = excerpt();
+    let [one, two] = [("can1", 0), ("can2", 7000)].map(|(name, by)| moved(&own, name, by));
+    let both = scratch.write("both.log", merged(&[&one, &two]));
+    let words = ["several interfaces", "can1 (", "can2 (", "--interface", "can0"];
+    replay(&[&both], E_TYPE, &[]).failed(2, &words);
+    let few = merged(&[&one, &two]).split_inclusive('\n').take(100).collect::<String>();
+    let few = scratch.write("few.log", few);
+    replay(&[&few], E_TYPE, &[]).failed(2, &["can1 (56 frames), can2 (44 frames)"]);
+    for command in ["identify", "calibrate", "tune"] {
+        tertius(&[command, &both, "--config", E_TYPE], b"").failed(2, &words);
+    }
+    let fault = ["--fault", "step,cylinder=1,sensor=c1,size=0.01"];
+    let inject = |more: &[&str]| {
+        tertius(&[&["inject", &both, "--config", E_TYPE], &fault[..], more].concat(), b"")
+    };
+    inject(&[]).failed(2, &words);
+    let changed = inject(&["--interface", "can2"]).ok().stdout;
+    assert!(one.lines().all(|line| changed.contains(line)), "can1 goes through as it is");
+    let alone = without_frames(&replay(&[&scratch.write("own.log", &own)], E_TYPE, &[]).ok());
+    let chosen = replay(&[&both], E_TYPE, &["--interface", "can1"]).ok();
+    assert_eq!(without_frames(&chosen).0, alone.0);
+
+    // Whichever comes only when another one was read for long, it is too late to choose.
+    for late in ["can0", "can2"] {
+        let last = moved(&own, late, 10_000_000);
+        let log = scratch.write("late.log", format!("{one}{}", &last[..last.len() / 2]));
+        let words = ["late.log:5501: ", "can1 (5500 frames)", late, "--interface"];
+        replay(&[&log], E_TYPE, &[]).failed(2, &words);
+    }
+}
+
+#[test]
+fn recordings_in_the_wrong_order_are_refused_with_the_right_one() {
+    let scratch = Scratch::new();
+    let log = recorded("e-type-faults.log.zst");
+    let parts = [(88.0, 90.0), (90.0, 92.0), (92.0, 93.0)];
+    let [a, b, c] =
+        parts.map(|(begin, end)| scratch.write(&format!("{begin}.log"), between(&log, begin, end)));
+    replay(&[&a, &b, &c], E_TYPE, &[]).ok();
+    let order = format!("name them in the order of time: {a} {b} {c}");
+    let words = ["90.log begins at 1700000090.000", "before", "92.log", &*order];
+    replay(&[&a, &c, &b], E_TYPE, &[]).failed(2, &words);
+    for command in ["identify", "calibrate", "tune"] {
+        let call = [command, &a, &c, &b, "--config", E_TYPE];
+        tertius(&call, b"").failed(2, &words);
+    }
+    // Time stamps that count from each one's own beginning say nothing of the order.
+    let console = " (0.5)  can0  080   [1]  00\n (0.6)  can0  080   [1]  01\n";
+    let [one, two] = ["one", "two"].map(|name| scratch.write(name, console));
+    let early = scratch.write("early", console.replace("(0.5)", "(0.1)"));
+    replay(&[&one, &two, &early], E_TYPE, &["--interface", "can0"]).failed(1, &["judged"]);
+    // Whose pieces are in one file, or come through a pipe, are found by whoever reads them twice.
+    let wrong = scratch.write("wrong.log", between(&log, 90.0, 93.0) + &between(&log, 80.0, 90.0));
+    for command in ["identify", "calibrate", "tune"] {
+        let words = ["11000 of 14300 frames are from before the first one, at 1700000090.000"];
+        tertius(&[command, &wrong, "--config", E_TYPE], b"").failed(2, &words);
+    }
+    let early = "(1700000120.500000) can0 7FF#\n".to_owned() + &between(&log, 120.0, 200.0);
+    let early = scratch.write("early.log", early);
+    let page = tertius(&["identify", &early, "--config", E_TYPE], b"").stdout;
+    let told = "of 88001 frames are from before the first one, at 1700000120.5, and are left out";
+    assert!(page.contains(told), "{page}");
+}
+
+/// A page of what was read until the disk was full would look like one of the whole recording.
+#[test]
+fn a_replay_that_broke_off_has_no_page() {
+    let scratch = Scratch::new();
+    let log = recording("e-type-faults.log.zst");
+    for option in ["--residuals", "--warnings"] {
+        let html = scratch.path("page.html");
+        let call = ["replay", &log, "--config", E_TYPE, option, "/dev/full", "--report", &html];
+        let run = tertius(&call, b"").failed(1, &["No space left", "neither page nor summary"]);
+        assert_eq!(run.stdout, "", "{option}");
+        assert!(!Path::new(&html).exists());
+    }
+    // A pipe that nobody reads any more is not the one that the page goes to.
+    let pipe = scratch.path("pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().expect("coreutils");
+    assert!(made.success());
+    let opened = pipe.clone();
+    let reader = std::thread::spawn(move || {
+        let mut some = [0; 16];
+        File::open(opened).and_then(|mut pipe| pipe.read_exact(&mut some)).expect("a line comes");
+    });
+    let call = ["replay", &log, "--config", E_TYPE, "--residuals", &pipe];
+    let run = tertius(&call, b"").failed(1, &["table of residuals", "Broken pipe"]);
+    reader.join().expect("it read");
+    assert_eq!(run.stdout, "");
+}
+
+/// A bus-off is counted where the other counts are, and no curve goes on over it.
+#[test]
+fn a_lost_bus_is_counted_and_said() {
+    let scratch = Scratch::new();
+    let (before, after) = (between(&excerpt(), 88.0, 90.0), between(&excerpt(), 90.0, 93.0));
+    let bus_off = "(1700000089.999900) can0 20000040#0000000000000000\n";
+    let log = scratch.write("off.log", format!("{before}{bus_off}{after}"));
+    let html = scratch.path("page.html");
+    let run = replay(&[&log], E_TYPE, &["--report", &html]).ok();
+    assert_eq!(run.summary()["interruptions"], 1);
+    let page = tertius(&["replay", &log, "--config", E_TYPE], b"").ok().stdout;
+    assert!(page.contains("1 × the bus was lost (everything started anew)\n"), "{page}");
+    let html = scratch.read("page.html");
+    assert!(html.contains("1 × the bus was lost") && html.contains("bus lost"), "it is marked");
 }
 
 /// `log` with the time stamps of its cycles moved by what `shift` gives for each, s.
@@ -324,6 +583,8 @@ fn check_warning(line: &Value, cylinders: u64) {
 fn check_notice(line: &Value) {
     let expected: &[&str] = match line["notice"].as_str() {
         Some("gap" | "time_jump") => &["type", "t", "timestamp", "notice", "seconds"],
+        Some("timing") => &["type", "t", "timestamp", "notice", "skew", "jitter"],
+        Some("timing_restored" | "interruption") => &["type", "t", "timestamp", "notice"],
         Some("restart") => &["type", "t", "timestamp", "notice", "cylinder", "detector", "reason"],
         _ => panic!("{line}"),
     };

@@ -48,8 +48,8 @@ impl Bench {
         Self { scratch, sent, residuals }
     }
 
-    fn options(&self) -> [&str; 4] {
-        ["--warnings", &self.sent, "--residuals", &self.residuals]
+    fn options(&self) -> [&str; 5] {
+        ["--force", "--warnings", &self.sent, "--residuals", &self.residuals]
     }
 
     fn outcome(&self, run: Run) -> Outcome {
@@ -161,6 +161,38 @@ fn several_files_in_turn() {
     call.insert(2, "-");
     let run = tertius(&call, second.concat().as_bytes());
     whole.assert_same(&bench.outcome(run), "a file and then standard input");
+}
+
+/// Every time stamp that is told is found in the recording, digit by digit, whatever it is told in.
+#[test]
+fn time_stamps_are_digits_of_the_recording() {
+    let bench = Bench::new();
+    let micros = excerpt();
+    // As a controller with a clock of its own stamps frames.
+    let nanos: String = (0_u32..)
+        .zip(micros.lines())
+        .map(|(n, line)| format!("{}{:03}{}\n", &line[..18], n * 7 % 1000, &line[18..]))
+        .collect();
+    for log in [micros, nanos] {
+        let file = bench.scratch.write("log", &log);
+        let lines = bench.of_files(&[&file]).lines;
+        let stamps = lines
+            .split("\"timestamp\":")
+            .skip(1)
+            .map(|rest| rest.split(',').next().expect("split gives one at least"));
+        let (mut count, first) = (0, log[1..].split(')').next().expect("a stamp"));
+        for stamp in stamps {
+            let found = log.contains(&format!("({stamp}"));
+            assert!(found, "{stamp} is not in the recording, which begins at {first}");
+            count += 1;
+        }
+        assert!(count > 5, "{count}");
+        let page = tertius(&["replay", &file, "--config", E_TYPE], b"").ok().stdout;
+        let told = page.split_whitespace().filter(|word| word.starts_with("17000001"));
+        let told: Vec<&str> = told.collect();
+        assert!(told.len() > 2, "{page}");
+        told.iter().for_each(|stamp| assert!(log.contains(&format!("({stamp})")), "{stamp}"));
+    }
 }
 
 /// A line of `candump -l` as the console form with absolute time stamps writes it (`candump -ta`).

@@ -274,13 +274,17 @@ fn a_page_is_written_whole_or_not_at_all() {
     tertius(&both, b"").failed(2, &["is to hold two outputs"]);
     assert_eq!(scratch.read("kept.html"), "what was there");
     // Then the real one takes its place, and nothing is left beside it.
-    tertius(&["replay", &copy, "--config", E_TYPE, "--report", &kept], b"").ok();
+    let replaced = ["replay", &copy, "--config", E_TYPE, "--report", &kept];
+    tertius(&replaced, b"").failed(2, &[&kept, "this command did not write it", "--force"]);
+    assert_eq!(scratch.read("kept.html"), "what was there");
+    tertius(&[&replaced[..], &["--force"]].concat(), b"").ok();
+    assert!(scratch.read("kept.html").contains("content=\"tertius 0.1.0 replay\""));
+    // Its own page is written over without being asked.
+    tertius(&replaced, b"").ok();
     assert!(scratch.read("kept.html").ends_with("</html>\n"));
     let folder = std::path::Path::new(&kept).parent().expect("a folder");
     let left = fs::read_dir(folder).expect("it can be read").filter(|entry| {
-        entry
-            .as_ref()
-            .is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with(".tertius"))
+        entry.as_ref().is_ok_and(|entry| entry.file_name().to_string_lossy().ends_with(".part"))
     });
     assert_eq!(left.count(), 0);
 }

@@ -3,11 +3,12 @@
 #[path = "sequential_support/mod.rs"]
 mod support;
 
-use support::{Bench, Heard, Setup, fine, setup};
+use support::{Bench, Heard, Setup, fine, one_each, setup};
 use tertius::alarm::State as Said;
 use tertius::controller::State;
 use tertius::frame::Frame;
-use tertius::simulator::Tables;
+use tertius::monitor::Notice;
+use tertius::simulator::{EPOCH, Tables};
 use tertius::time::Span;
 use tertius::verdict::{Suspect, Verdict};
 
@@ -33,6 +34,76 @@ fn spikes() {
         nothing(&setup().run(300.0, false, &of(size)), &format!("{size} m"));
         let low = setup().at_level(LOW_LEVEL).run(300.0, false, &of(size));
         nothing(&low, &format!("{size} m at a low level"));
+    }
+}
+
+/// The machine with single samples of all transducers off by so many counts, up or down: these shares of
+/// those of C1 and of C2.
+fn spiky(share: [f64; 2], counts: f64) -> Tables {
+    let spikes =
+        format!("spikes = {{ time = [0.0, 1e6], share = {share:?}, counts = {counts:?} }}");
+    fine(&[], &format!("\n[disturbance]\n{spikes}\n"))
+}
+
+/// On either transducer and on both, of all cylinders, which the calibration has never seen.
+#[test]
+fn many_spikes() {
+    for share in [0.001, 0.005, 0.01, 0.02, 0.03] {
+        for counts in [2.0, 4.0, 10.0, 40.0] {
+            for shares in [[share, 0.0], [0.0, share], [share; 2]] {
+                let heard = setup().with(spiky(shares, counts)).run(20.0, false, &[]);
+                nothing(&heard, &format!("{shares:?} of {counts} counts"));
+            }
+        }
+    }
+    // As long as two of one sign have raised hundreds of alarms in.
+    for (share, counts) in [(0.005, 4.0), (0.02, 4.0), (0.02, 40.0)] {
+        let heard = setup().with(spiky([share; 2], counts)).run(240.0, false, &[]);
+        nothing(&heard, &format!("{share} of {counts} counts"));
+    }
+}
+
+/// The machine whose C2 is sampled beside C1 from so many seconds on.
+fn apart(from: f64, how: &str) -> Tables {
+    let sampling = format!("sampling = {{ time = [{from:?}, 1e6], {how} }}");
+    fine(&[], &format!("\n[disturbance]\n{sampling}\n"))
+}
+
+/// That C2 is sampled at another time than it was is no transducer's fault, and it is told.
+#[test]
+fn sampling_that_has_changed_is_told_and_nobody_blamed() {
+    for how in ["jitter = 2e-4", "jitter = 5e-4", "skew = 2e-4", "skew = 5e-4"] {
+        let heard = setup().with(apart(60.0, how)).run(180.0, false, &[]);
+        nothing(&heard, how);
+        let [Notice::Timing { at, apart: Some(apart) }] = heard.notices[..] else {
+            panic!("{how}: {:?}", heard.notices);
+        };
+        let after = at.since(EPOCH).as_seconds() - 60.0;
+        assert!((0.0..60.0).contains(&after), "{how}: {after} s");
+        let found = if how.starts_with("skew") { -apart.mean } else { apart.spread };
+        let size = if how.ends_with("5e-4") { 5e-4 } else { 2e-4 };
+        assert!((found / size - 1.0).abs() < 0.5, "{how}: {apart:?}");
+    }
+}
+
+/// A machine that has always been like that.
+#[test]
+fn sampling_and_spikes_that_were_calibrated_are_nothing_new() {
+    for (what, tables) in
+        [("jitter", apart(0.0, "jitter = 5e-4")), ("spikes", spiky([0.01; 2], 4.0))]
+    {
+        let setup = setup().with(tables).calibrated();
+        let heard = setup.run(180.0, false, &[]);
+        nothing(&heard, what);
+        assert_eq!(heard.notices, [], "{what}");
+        // And it sees what it did.
+        let (faults, truth) = one_each("step,size=0.001");
+        let heard = setup.run(45.0, false, &faults);
+        for (cylinder, suspect, at) in truth {
+            let (delay, last) = heard.of(cylinder, at).expect("it is found");
+            assert!((0.0..0.3).contains(&delay), "{what}, {cylinder}: {delay}");
+            assert_eq!(last.finding.suspect, suspect, "{what}, {cylinder}");
+        }
     }
 }
 

@@ -166,7 +166,7 @@ fn c1_and_c2_are_calibrated_differently_and_read_whole_counts() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let count = |length: f64| (length + 1.5) / 3.0 * 27_648.0;
     for step in -200..200 {
-        let count = count(c1.read(f64::from(step) / 100.0, 0.1, &mut rng).length);
+        let count = count(c1.read([f64::from(step) / 100.0, 0.1], [0.0; 2], &mut rng).length);
         assert!((count - count.round()).abs() < 1e-6, "{count}");
         assert!((0.9..27_648.1).contains(&count), "{count}");
     }

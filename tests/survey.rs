@@ -93,6 +93,20 @@ fn cycles_that_are_missing_are_a_gap() {
     }
 }
 
+/// The numbers of the cycles go on over it, but what is behind is no neighbour of what is before.
+#[test]
+fn a_lost_bus_is_a_gap() {
+    let bus_off = Frame::new(
+        Timestamp::from_nanos(START + 10 * 20 * MS - 5 * MS),
+        Id::extended(0x40).expect("29 bits"),
+        Kind::Error,
+        &[0; 8],
+    );
+    let (seen, monitor) = survey(cycles(0..10).chain([bus_off]).chain(cycles(10..20)), Window::ALL);
+    assert_eq!(monitor.counts().interruptions, 1);
+    assert_eq!((seen.rows.len(), &seen.gaps[..]), (20, &[10][..]));
+}
+
 #[test]
 fn a_clock_that_was_set_is_a_gap() {
     let earlier = |mut frame: Frame| {
@@ -164,5 +178,11 @@ fn the_command_at_which_a_cylinder_rests_is_taken_off() {
     let moving = seen_by(machine::monitor());
     // Before it counts as frozen, its observer expects it to move.
     assert!(moving.record(4, 1).residuals[0].expect("there is a reading").abs() > 1e-5);
-    assert!(!moving.warnings.is_empty(), "readings that do not follow a command are frozen");
+    let either_way = |k: i64| {
+        let command = if k % 50 < 25 { 500 } else { -500 };
+        Cycle { command, ..Cycle::new(k) }.frames()
+    };
+    let (mut monitor, mut seen) = (machine::monitor(), Collected::default());
+    (0..100).flat_map(either_way).for_each(|frame| monitor.take(&frame, &mut seen));
+    assert!(!seen.warnings.is_empty(), "readings that follow no command are frozen");
 }

@@ -6,7 +6,7 @@
 use std::io::{self, Cursor, Read};
 
 use libfuzzer_sys::fuzz_target;
-use tertius::bus::{Options, Recording, Source, Statistics, TimeStamps};
+use tertius::bus::{Interfaces, Options, Recording, Source, Statistics, TimeStamps};
 use tertius::frame::{Frame, Kind};
 
 /// Gives pieces of sizes that vary with the bytes themselves.
@@ -37,8 +37,11 @@ fn options(data: &[u8]) -> Options {
         2 => TimeStamps::Zero,
         _ => TimeStamps::Auto,
     };
-    let interface = data.len().is_multiple_of(11).then(|| "can0".to_owned());
-    Options { time_stamps, interface }
+    let interfaces = match data.len() % 11 {
+        0 => Interfaces::Only("can0".to_owned()),
+        _ => Interfaces::All,
+    };
+    Options { time_stamps, interfaces }
 }
 
 fuzz_target!(|data: &[u8]| {

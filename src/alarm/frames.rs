@@ -51,11 +51,77 @@ const THRESHOLD_BEYOND: u64 = 255;
 /// Fd_Warning.Residual where the detector has none.
 const NO_RESIDUAL: i16 = i16::MIN;
 
-/// Fd_Estimate.Position counts, m, and the length of none of them: those of the transducers (5-3).
-const POSITION: [f64; 2] = [3.0 / 27_648.0, -1.5];
+/// Start bit and length of the signals of Fd_Estimate, all unsigned and little-endian.
+pub const ESTIMATE_LAYOUT: [(&str, u32, u32); 6] = [
+    ("Crc", 0, 16),
+    ("Counter", 16, 8),
+    ("Cylinder", 24, 3),
+    ("Valid", 27, 1),
+    ("Position", 32, 16),
+    ("Sigma", 48, 16),
+];
 
-/// Counts of Fd_Estimate.Sigma in a metre.
-const SIGMA_COUNTS: f64 = 1e6;
+/// What counts stand for: count × factor + offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Of one count, m.
+    pub factor: f64,
+    /// Of none, m.
+    pub offset: f64,
+}
+
+impl Scale {
+    /// The count of `metres`, not yet rounded.
+    fn counts(self, metres: f64) -> f64 {
+        (metres - self.offset) * self.factor.recip()
+    }
+
+    fn metres(self, count: u16) -> f64 {
+        f64::from(count) * self.factor + self.offset
+    }
+}
+
+/// The scales of Fd_Estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimateScale {
+    pub position: Scale,
+    pub sigma: Scale,
+}
+
+impl Default for EstimateScale {
+    /// Lengths in counts of the default machine's transducers (5-3), σ in micrometres.
+    fn default() -> Self {
+        Self {
+            position: Scale { factor: 3.0 / 27_648.0, offset: -1.5 },
+            sigma: Scale { factor: 1e-6, offset: 0.0 },
+        }
+    }
+}
+
+impl EstimateScale {
+    /// The lengths that can be sent, the least and the most, m.
+    pub fn lengths(&self) -> [f64; 2] {
+        let [one, other] = [1, u16::MAX].map(|count| self.position.metres(count));
+        [one.min(other), one.max(other)]
+    }
+
+    /// The largest σ that can be told, m.
+    pub fn largest_sigma(&self) -> f64 {
+        self.sigma.metres(SIGMA_BEYOND - 1)
+    }
+
+    /// Count 0 is that of a transducer without a signal.
+    fn position_counts(&self, position: f64) -> Option<u16> {
+        let counts = self.position.counts(position).round();
+        (1.0..=f64::from(u16::MAX)).contains(&counts).then_some(counts as u16)
+    }
+
+    /// Rounded up: never surer than it is.
+    fn sigma_counts(&self, sigma: f64) -> u16 {
+        let counts = self.sigma.counts(sigma).ceil();
+        if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
+    }
+}
 
 /// Fd_Estimate.Sigma beyond its scale, or not known.
 const SIGMA_BEYOND: u16 = u16::MAX;
@@ -77,6 +143,7 @@ pub struct Encoder {
     status: Channel,
     warning: Channel,
     estimate: Channel,
+    scale: EstimateScale,
 }
 
 #[derive(Clone, Debug)]
@@ -89,7 +156,12 @@ impl Encoder {
     /// The frames of the gateway at CANopen node `node`; `None` unless it is 1 to 127.
     pub fn new(node: u8) -> Option<Self> {
         let [status, warning, estimate] = identifiers(node)?.map(|id| Channel { id, counter: 0 });
-        Some(Self { status, warning, estimate })
+        Some(Self { status, warning, estimate, scale: EstimateScale::default() })
+    }
+
+    /// The same with estimates on another scale.
+    pub const fn on_scale(self, scale: EstimateScale) -> Self {
+        Self { scale, ..self }
     }
 
     /// The identifier of Fd_Status.
@@ -140,10 +212,11 @@ impl Encoder {
         cylinder: u8,
         estimate: Option<&Estimate>,
     ) -> OwnFrame {
-        let sigma = sigma_counts(estimate.map_or(f64::INFINITY, |estimate| estimate.sigma));
+        let sigma =
+            self.scale.sigma_counts(estimate.map_or(f64::INFINITY, |estimate| estimate.sigma));
         let position = estimate
             .filter(|estimate| estimate.valid && sigma != SIGMA_BEYOND)
-            .and_then(|estimate| position_counts(estimate.position));
+            .and_then(|estimate| self.scale.position_counts(estimate.position));
         let mut payload = Payload::default();
         payload.put(24, 3, u64::from(cylinder));
         payload.put(27, 1, u64::from(position.is_some()));
@@ -181,18 +254,6 @@ fn residual_counts(residual: Option<f64>) -> i16 {
 
 fn threshold_counts(threshold: Option<f64>) -> u64 {
     threshold.map_or(0, |t| ((t / THRESHOLD_UNIT).round() as u64).min(THRESHOLD_BEYOND))
-}
-
-/// Count 0 is that of a transducer without a signal.
-fn position_counts(position: f64) -> Option<u16> {
-    let counts = ((position - POSITION[1]) / POSITION[0]).round();
-    (1.0..=f64::from(u16::MAX)).contains(&counts).then_some(counts as u16)
-}
-
-/// Rounded up: never surer than it is.
-fn sigma_counts(sigma: f64) -> u16 {
-    let counts = (sigma * SIGMA_COUNTS).ceil();
-    if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
 }
 
 const fn fault_code(fault: Fault) -> u64 {

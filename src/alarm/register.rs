@@ -3,6 +3,7 @@
 use super::Level;
 use super::warning::{Detector, Finding, State, Warning};
 use crate::time::{Span, Timestamp};
+use crate::verdict::Suspect;
 
 /// Where a warning of a cylinder has its place: FDE1, FDE2, FDE3, the plausibility of C1, C2 and the
 /// command, then the sequential detector.
@@ -33,11 +34,13 @@ struct Standing {
 pub struct Register {
     places: Vec<[Option<Standing>; PLACES]>,
     standing: u32,
+    /// The earliest repetition of those that stand.
+    due: Option<Timestamp>,
 }
 
 impl Register {
     pub fn new(cylinders: usize) -> Self {
-        Self { places: vec![[None; PLACES]; cylinders], standing: 0 }
+        Self { places: vec![[None; PLACES]; cylinders], standing: 0, due: None }
     }
 
     /// How many warnings stand.
@@ -50,26 +53,33 @@ impl Register {
         self.standing > 0 && self.places[index].iter().any(Option::is_some)
     }
 
-    /// What stands for the cylinder of `index` (from 0).
-    pub fn findings(&self, index: usize) -> [Option<Finding>; PLACES] {
-        self.places[index].map(|place| place.map(|standing| standing.finding))
+    /// Whether a warning of the cylinder of `index` (from 0) stands that blames `suspect`.
+    #[inline]
+    pub fn blames(&self, index: usize, suspect: Suspect) -> bool {
+        self.standing > 0
+            && self.places[index].iter().flatten().any(|place| place.finding.suspect == suspect)
     }
 
     /// The highest level that stands.
     pub fn level(&self) -> Level {
+        if self.standing == 0 {
+            return Level::None;
+        }
         let standing = self.places.iter().flatten().flatten();
         standing.map(|standing| standing.finding.level).max().unwrap_or_default()
     }
 
     /// Takes what the detectors of the cylinder of `index` find at `at`, and gives `say` a warning
-    /// for each that is raised, changed or cleared by it.
+    /// for each that is raised, changed or cleared by it; whether there was any, and with it
+    /// [`Self::due`] may be another.
     pub fn update(
         &mut self,
         at: Timestamp,
         index: usize,
         findings: &[Option<Finding>; PLACES],
         mut say: impl FnMut(Warning),
-    ) {
+    ) -> bool {
+        let mut said = false;
         for (place, finding) in findings.iter().enumerate() {
             let standing = &mut self.places[index][place];
             let (state, finding) = match (&mut *standing, finding) {
@@ -97,15 +107,23 @@ impl Register {
             };
             let (cylinder, detector) = (index as u8 + 1, DETECTORS[place]);
             say(Warning { timestamp: at, cylinder, detector, place, state, finding });
+            said = true;
         }
+        if said {
+            self.reckon_due();
+        }
+        said
     }
 
     /// When the next repetition is due.
-    pub fn due(&self) -> Option<Timestamp> {
-        if self.standing == 0 {
-            return None;
-        }
-        self.places.iter().flatten().flatten().map(|standing| standing.repeat_at).min()
+    #[inline]
+    pub const fn due(&self) -> Option<Timestamp> {
+        self.due
+    }
+
+    fn reckon_due(&mut self) {
+        let standing = self.places.iter().flatten().flatten();
+        self.due = standing.map(|standing| standing.repeat_at).min();
     }
 
     /// Gives `say` every warning whose repetition is due by `at`.
@@ -118,6 +136,7 @@ impl Register {
                 }
             }
         }
+        self.reckon_due();
     }
 
     /// Counts the repetitions from `at`, after a jump in time.
@@ -125,5 +144,62 @@ impl Register {
         for standing in self.places.iter_mut().flatten().flatten() {
             standing.repeat_at = at.after(REPEAT);
         }
+        self.reckon_due();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verdict::Fault;
+
+    fn at(millis: i64) -> Timestamp {
+        Timestamp::from_nanos(millis * 1_000_000)
+    }
+
+    fn found(suspect: Suspect, residual: f64) -> Option<Finding> {
+        let fault = Fault::Abrupt;
+        let (residual, threshold) = (Some(residual), Some(1e-3));
+        Some(Finding { fault, suspect, level: Level::Yellow, residual, threshold, evidence: None })
+    }
+
+    fn with(places: &[(usize, Option<Finding>)]) -> [Option<Finding>; PLACES] {
+        let mut findings = [None; PLACES];
+        places.iter().for_each(|(place, finding)| findings[*place] = *finding);
+        findings
+    }
+
+    #[test]
+    fn the_earliest_repetition_of_those_that_stand_is_due() {
+        let mut register = Register::new(2);
+        assert_eq!(register.due(), None);
+        let (first, second) = (found(Suspect::C1, 2e-3), found(Suspect::C2, 2e-3));
+        assert!(register.update(at(0), 0, &with(&[(0, first)]), |_| {}));
+        assert!(register.update(at(300), 1, &with(&[(2, second)]), |_| {}));
+        assert_eq!(register.due(), Some(at(1000)));
+        // A residual that moves says nothing new, and another suspect does.
+        let moved = found(Suspect::C1, 3e-3);
+        assert!(!register.update(at(500), 0, &with(&[(0, moved)]), |_| {}));
+        assert_eq!(register.due(), Some(at(1000)));
+        let changed = found(Suspect::Process, 3e-3);
+        assert!(register.update(at(600), 0, &with(&[(0, changed)]), |_| {}));
+        assert_eq!(register.due(), Some(at(1300)));
+        let mut told = Vec::new();
+        register.repeat(at(1300), |cylinder, detector, _| told.push((cylinder, detector)));
+        assert_eq!((told, register.due()), (vec![(2, Detector::Fde3)], Some(at(1600))));
+        register.rephase(at(100));
+        assert_eq!(register.due(), Some(at(1100)));
+        assert!(register.update(at(200), 0, &with(&[]), |_| {}));
+        assert_eq!((register.due(), register.standing()), (Some(at(1100)), 1));
+        assert!(register.update(at(300), 1, &with(&[]), |_| {}));
+        assert_eq!((register.due(), register.level()), (None, Level::None));
+    }
+
+    #[test]
+    fn blame_is_of_the_cylinder_that_the_warning_is_of() {
+        let mut register = Register::new(2);
+        register.update(at(0), 1, &with(&[(6, found(Suspect::C2, 1e-3))]), |_| {});
+        assert!(register.blames(1, Suspect::C2) && !register.blames(1, Suspect::C1));
+        assert!(!register.blames(0, Suspect::C2));
     }
 }

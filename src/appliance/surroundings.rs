@@ -19,7 +19,7 @@ use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Surroundings, Wish};
 use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
-use crate::sequential::{Dwell, Moved};
+use crate::sequential::{Apart, Dwell, Moved};
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -171,6 +171,12 @@ impl Journal for Appliance {
                 let (detector, reason) = (detector.name(), restart_name(reason));
                 info!(cylinder, detector, reason, "observer starts anew");
             }
+            Notice::Timing { apart: Some(Apart { mean, spread }), .. } => {
+                warn!(skew = mean, jitter = spread, "C1 and C2 are not sampled together");
+            }
+            Notice::Timing { apart: None, .. } => {
+                info!("C1 and C2 are sampled as they were calibrated again");
+            }
         }
     }
 
@@ -228,6 +234,10 @@ impl Surroundings for Appliance {
     fn lost(&mut self, reason: &str) {
         warn!("no bus: {reason}; trying again");
         tell(&[NotifyState::Status(reason)]);
+    }
+
+    fn unsaid(&mut self, reason: &str) {
+        warn!("the bus was not told that the gateway stops: {reason}");
     }
 
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {

@@ -1,11 +1,11 @@
 //! Warnings on their way to the log.
 
 use crate::alarm::{State, Warning};
+use crate::live::outbox::Limits;
 use tracing::{info, warn};
 
-/// Warnings that wait at most; beyond that they are logged at once. More than one turn brings, but
-/// for a storm.
-const WAITING: usize = 128;
+/// Warnings that wait at most: as many as wait to be sent. Beyond that they are logged at once.
+const WAITING: usize = Limits::WAITING;
 
 /// Keeps the warnings of a turn until their frames have gone out: what is told the bus is told first.
 /// A line of the log takes longer than all that the monitor does with a frame, and wakes another
@@ -48,7 +48,7 @@ fn write(warning: &Warning) {
                 level = finding.level.name(),
                 residual_mm = residual,
                 gain_percent = gain,
-                timestamp = warning.timestamp.as_seconds(),
+                timestamp = %warning.timestamp,
                 "{state}"
             )
         };

@@ -4,10 +4,14 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use super::barren::HEAD;
 use super::source::SourceError;
 
 const GZIP_MAGIC: &[u8] = &[0x1F, 0x8B];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];
+/// A frame of zstd's that the decoder passes over, as pzstd and others put it first: any low half byte
+/// of the first byte.
+const ZSTD_SKIPPABLE: &[u8] = &[0x50, 0x2A, 0x4D, 0x18];
 /// Compressed bytes are handed to the decompressor in pieces of this size.
 const COMPRESSED_PIECE: usize = 64 * 1024;
 /// flate2 loses what it had decoded in the call that meets corrupt data; small calls lose little.
@@ -69,13 +73,15 @@ impl Place {
                 Err(error) => return Err(SourceError::Open { file: name, error }),
             },
         };
-        Ok(Input { name, state: State::Fresh(Counted::new(reader)) })
+        Ok(Input { name, head: Vec::new(), state: State::Fresh(Counted::new(reader)) })
     }
 }
 
 /// An open input that reads as plain text whatever its compression.
 pub struct Input {
     name: String,
+    /// Its first bytes, decompressed.
+    head: Vec<u8>,
     state: State,
 }
 
@@ -95,6 +101,11 @@ enum State {
 impl Input {
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Its first bytes as far as they were read, decompressed: at most [`HEAD`].
+    pub fn head(&self) -> &[u8] {
+        &self.head
     }
 
     /// Bytes taken from the file so far, before decompression.
@@ -120,12 +131,15 @@ impl Input {
             self.recognise()?;
         }
         let piece = buffer.len().min(DECODED_PIECE);
-        match &mut self.state {
+        let length = match &mut self.state {
             State::Plain(reader) => reader.read(buffer),
             State::Gzip(decoder) => decoder.read(&mut buffer[..piece]),
             State::Zstd(decoder) => decoder.read(&mut buffer[..piece]),
             State::Fresh(_) | State::Failed(_) => Ok(0),
-        }
+        }?;
+        let lacking = HEAD - self.head.len();
+        self.head.extend_from_slice(&buffer[..length.min(lacking)]);
+        Ok(length)
     }
 
     /// The reason for people why `error` ended the input early.
@@ -158,7 +172,7 @@ impl Input {
             return Err(error);
         }
         let is_gzip = magic.starts_with(GZIP_MAGIC);
-        let is_zstd = magic.starts_with(ZSTD_MAGIC);
+        let is_zstd = magic.starts_with(ZSTD_MAGIC) || is_skippable(&magic);
         let prefixed = Cursor::new(magic).chain(counted);
         if !is_gzip && !is_zstd {
             self.state = State::Plain(prefixed);
@@ -173,6 +187,14 @@ impl Input {
         };
         Ok(())
     }
+}
+
+fn is_skippable(magic: &[u8]) -> bool {
+    let same = |(place, byte): (usize, &u8)| {
+        let masked = if place == 0 { byte & 0xF0 } else { *byte };
+        masked == ZSTD_SKIPPABLE[place]
+    };
+    magic.len() == ZSTD_SKIPPABLE.len() && magic.iter().enumerate().all(same)
 }
 
 /// Counts the bytes that pass, and knows whether it was the reader that failed.

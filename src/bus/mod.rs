@@ -9,24 +9,30 @@
 
 #![forbid(unsafe_code)]
 
+mod barren;
 mod buffer;
 mod candump;
 pub mod embedded;
 mod input;
+mod order;
 mod port;
 mod recording;
+mod selection;
 pub mod socket;
 mod source;
 mod statistics;
 mod unrestricted;
 mod writer;
 
+pub use barren::{Barren, Seems};
 pub use candump::{Found, MAX_LINE, Reason, TimeStamps};
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
 pub use recording::{Options, Progress, Recording};
+pub use selection::{Ambiguous, Interfaces, Selected, Selection};
 pub use source::{Source, SourceError};
 pub use statistics::{
-    BadLine, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_DAMAGE, Statistics,
+    BadLine, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN, KEPT_DAMAGE,
+    Statistics,
 };
 pub use unrestricted::{Unrestricted, UnrestrictedPort};
 pub use writer::{LogWriter, append_log_line};

@@ -6,9 +6,12 @@ use std::path::Path;
 
 use crate::frame::{Frame, Kind};
 
+use super::barren::{Barren, Seems};
 use super::buffer::{Buffer, Next};
 use super::candump::{Clock, Common, Known, Line, MAX_LINE, Reason, TimeStamps, blank_frame};
 use super::input::{Input, Place};
+use super::order;
+use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
 use super::statistics::Statistics;
 
@@ -16,8 +19,8 @@ use super::statistics::Statistics;
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     pub time_stamps: TimeStamps,
-    /// Only this interface's frames are given out; the others are counted.
-    pub interface: Option<String>,
+    /// Whose frames are given out; the others are counted.
+    pub interfaces: Interfaces,
 }
 
 /// How far a recording was read, in bytes of its files as they are: compressed where they are.
@@ -32,7 +35,8 @@ pub struct Progress {
 /// The frames of candump recordings, one file after the other.
 ///
 /// What is read and counted depends on the bytes alone, not on how they come in. Memory is bounded
-/// whatever the input: a buffer of 256 KiB, the decompressor's window and the statistics.
+/// whatever the input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
+/// kilobytes of frames that wait until it is known whether their interface is meant.
 pub struct Recording {
     places: VecDeque<Place>,
     input: Option<Input>,
@@ -42,10 +46,15 @@ pub struct Recording {
     common: Common,
     clock: Clock,
     frame: Frame,
-    interface: Option<String>,
+    selection: Selection,
+    interfaces: Interfaces,
+    /// Frames that came before their interface was decided upon, or was not.
+    held: VecDeque<Frame>,
     statistics: Statistics,
     /// Lines of the inputs before the current one.
     lines_before: u64,
+    /// Frames of the inputs before the current one.
+    frames_before: u64,
     /// Bytes of the inputs before the current one.
     consumed_before: u64,
     total: Option<u64>,
@@ -66,7 +75,7 @@ impl Recording {
     /// content.
     ///
     /// # Errors
-    /// A file does not exist, may not be read or is a directory.
+    /// A file does not exist, may not be read or is a directory; files are not in the order of time.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
         Self::new(paths.iter().map(|path| Place::of(path.as_ref())).collect(), options)
     }
@@ -83,6 +92,9 @@ impl Recording {
             let size = place.check()?;
             total = total.zip(size).map(|(total, size)| total + size);
         }
+        if matches!(options.time_stamps, TimeStamps::Auto | TimeStamps::Absolute) {
+            order::check(&places.iter().collect::<Vec<_>>(), &options.interfaces)?;
+        }
         Ok(Self::over(places, total, options))
     }
 
@@ -95,9 +107,12 @@ impl Recording {
             common: Common::new(),
             clock: Clock::new(options.time_stamps),
             frame: blank_frame(),
-            interface: options.interface,
+            selection: Selection::new(options.interfaces.clone()),
+            interfaces: options.interfaces,
+            held: VecDeque::new(),
             statistics: Statistics::default(),
             lines_before: 0,
+            frames_before: 0,
             consumed_before: 0,
             total,
         }
@@ -118,8 +133,8 @@ impl Recording {
     #[inline]
     fn advance(&mut self) -> Result<bool, SourceError> {
         loop {
-            let (statistics, wanted) = (&self.statistics, &self.interface);
-            let find = |name: &[u8]| known(statistics, wanted.as_deref(), name);
+            let (statistics, selection, held) = (&self.statistics, &self.selection, &self.held);
+            let find = |name: &[u8]| known(statistics, selection, held, name);
             let read = self.common.read(self.buffer.unread(), &mut self.frame, find);
             let Some(taken) = read else {
                 match self.step()? {
@@ -143,16 +158,22 @@ impl Recording {
     /// Any line, or whatever else comes next.
     #[inline(never)]
     fn step(&mut self) -> Result<Step, SourceError> {
+        if self.selection.is_decided()
+            && let Some(frame) = self.held.pop_front()
+        {
+            self.frame = frame;
+            return Ok(Step::Frame);
+        }
         if self.input.is_none() {
-            let Some(place) = self.places.pop_front() else { return Ok(Step::End) };
+            let Some(place) = self.places.pop_front() else { return self.end() };
             self.input = Some(place.open()?);
         }
         match self.buffer.next() {
-            Next::Line { length, taken } => Ok(self.line(length, taken)),
+            Next::Line { length, taken } => self.line(length, taken),
             Next::Unterminated { length } if self.damaged => {
                 Ok(self.bad_line(length, length, Reason::CutOff))
             }
-            Next::Unterminated { length } => Ok(self.line(length, length)),
+            Next::Unterminated { length } => self.line(length, length),
             Next::TooLong => Ok(self.long_line()),
             Next::More => Ok(self.fill()),
             Next::End => Ok(self.end_input()),
@@ -160,28 +181,28 @@ impl Recording {
     }
 
     /// The line of `length` bytes that comes next, `taken` with its newline.
-    fn line(&mut self, length: usize, taken: usize) -> Step {
+    fn line(&mut self, length: usize, taken: usize) -> Result<Step, SourceError> {
         let text = &self.buffer.unread()[..length];
         let line = match Line::parse(text) {
             Ok(Some(line)) => line,
             Ok(None) => {
                 self.statistics.lines += 1;
                 self.buffer.consume(taken);
-                return Step::On;
+                return Ok(Step::On);
             }
-            Err(reason) => return self.bad_line(length, taken, reason),
+            Err(reason) => return Ok(self.bad_line(length, taken, reason)),
         };
         let read = line.read_frame(&mut self.frame);
         if read.is_ok() && self.clock.must_look_ahead(&line) {
             let whole = self.buffer.ended();
             if !self.clock.look_ahead(self.buffer.unread(), whole) {
-                return self.fill();
+                return Ok(self.fill());
             }
         }
         // A bad frame's time counts too: those after it may be relative to it.
         match self.clock.instant(&line).and_then(|instant| read.map(|()| instant)) {
             Ok(instant) => self.frame.timestamp = instant,
-            Err(reason) => return self.bad_line(length, taken, reason),
+            Err(reason) => return Ok(self.bad_line(length, taken, reason)),
         }
         let statistics = &mut self.statistics;
         statistics.lines += 1;
@@ -189,10 +210,47 @@ impl Recording {
         statistics.error_frames += u64::from(self.frame.kind == Kind::Error);
         statistics.remote_frames += u64::from(matches!(self.frame.kind, Kind::Remote { .. }));
         statistics.add_interface_frame(line.interface);
-        let wanted = is_wanted(self.interface.as_deref(), line.interface);
-        statistics.other_interface_frames += u64::from(!wanted);
+        let selected = self.selection.judge(line.interface);
         self.buffer.consume(taken);
-        if wanted { Step::Frame } else { Step::On }
+        self.give(selected.map_err(|_| self.ambiguous(&self.interfaces))?)
+    }
+
+    /// Gives out the frame that was read, or keeps it back, or leaves it out.
+    fn give(&mut self, selected: Selected) -> Result<Step, SourceError> {
+        match selected {
+            Selected::Wanted => {
+                // None of what was held back is of the interface that was waited for.
+                self.statistics.other_interface_frames += self.held.len() as u64;
+                self.held.clear();
+                Ok(Step::Frame)
+            }
+            Selected::Other => {
+                self.statistics.other_interface_frames += 1;
+                Ok(Step::On)
+            }
+            Selected::Undecided => {
+                self.held.push_back(std::mem::replace(&mut self.frame, blank_frame()));
+                Ok(Step::On)
+            }
+        }
+    }
+
+    /// There are no more inputs.
+    fn end(&mut self) -> Result<Step, SourceError> {
+        self.selection.decide().map_err(|_| self.ambiguous(&self.interfaces))?;
+        Ok(if self.held.is_empty() { Step::End } else { Step::On })
+    }
+
+    /// That the frames up to here do not say which interface is meant, for whoever selects from
+    /// [`Interfaces::All`] with a [`Selection`] of its own; `interfaces` is what it selects by.
+    pub fn ambiguous(&self, interfaces: &Interfaces) -> SourceError {
+        let line = self.statistics.lines - self.lines_before;
+        let place = match &self.input {
+            Some(input) => format!("{}:{line}", input.name()),
+            None => "at its end".to_owned(),
+        };
+        let found = self.statistics.interfaces_found();
+        SourceError::Interfaces { place, found, configured: interfaces.to_string() }
     }
 
     /// Counts the line that comes next, of which `length` bytes may be shown, as bad.
@@ -230,22 +288,32 @@ impl Recording {
     fn end_input(&mut self) -> Step {
         if let Some(input) = self.input.take() {
             self.consumed_before += input.consumed();
+            if self.statistics.frames == self.frames_before {
+                let lines = self.statistics.lines - self.lines_before;
+                let (file, seems) = (input.name().to_owned(), Seems::of(input.head()));
+                self.statistics.add_barren(Barren { file, lines, seems });
+            }
         }
         self.damaged = false;
         self.lines_before = self.statistics.lines;
+        self.frames_before = self.statistics.frames;
         self.buffer.restart();
         self.clock.restart();
         Step::On
     }
 }
 
-fn is_wanted(wanted: Option<&str>, name: &[u8]) -> bool {
-    wanted.is_none_or(|wanted| wanted.as_bytes() == name)
-}
-
-fn known(statistics: &Statistics, wanted: Option<&str>, name: &[u8]) -> Option<Known> {
+/// The interface `name`, if its frames may be given out or left out without a look at each: not while
+/// others wait to be given out before them.
+fn known(
+    statistics: &Statistics,
+    selection: &Selection,
+    held: &VecDeque<Frame>,
+    name: &[u8],
+) -> Option<Known> {
     let place = statistics.interface(name)?;
-    Some(Known { place, wanted: is_wanted(wanted, name) })
+    let wanted = selection.known(name).filter(|_| held.is_empty())?;
+    Some(Known { place, wanted })
 }
 
 impl Source for Recording {

@@ -3,6 +3,7 @@
 use std::io;
 
 use crate::frame::Frame;
+use crate::time::Timestamp;
 
 /// Gives frames one after the other: a recording, a bus, a simulator.
 pub trait Source {
@@ -29,5 +30,34 @@ pub enum SourceError {
     Directory {
         /// The path as it was given.
         file: String,
+    },
+    #[error(
+        "the recordings are not in the order of time: {later} begins at {before}, before {ahead}, \
+         which is named ahead of it and begins at {at}; {advice}. Where the clock was set back in \
+         between, read them one by one, or as one: cat FILES | tertius … -"
+    )]
+    Order {
+        /// Named first of two.
+        ahead: String,
+        /// When it begins.
+        at: Timestamp,
+        /// Named behind it.
+        later: String,
+        /// When that begins.
+        before: Timestamp,
+        /// What to do.
+        advice: String,
+    },
+    #[error(
+        "{place}: the recording has several interfaces, {found} up to here, and the configuration \
+         ({configured}) does not say which is meant; choose one with --interface"
+    )]
+    Interfaces {
+        /// The file and the line up to which was read.
+        place: String,
+        /// The interfaces with their frames.
+        found: String,
+        /// The configuration's.
+        configured: String,
     },
 }

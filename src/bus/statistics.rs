@@ -1,5 +1,6 @@
 //! What a recording held beside the frames that were given out.
 
+use super::barren::Barren;
 use super::candump::Reason;
 
 /// Bad lines that are kept with their text; the others are only counted.
@@ -8,6 +9,8 @@ pub const KEPT_BAD_LINES: usize = 5;
 pub const INTERFACES_KEPT: usize = 16;
 /// Damage reports that are kept; the others are only counted.
 pub const KEPT_DAMAGE: usize = 16;
+/// Inputs without a frame that are kept.
+pub const KEPT_BARREN: usize = 16;
 /// Bytes of a bad line that are shown.
 const EXCERPT: usize = 80;
 
@@ -36,6 +39,8 @@ pub struct Statistics {
     pub damaged_inputs: u64,
     /// The first [`KEPT_DAMAGE`] of them.
     pub damage: Vec<Damage>,
+    /// The first [`KEPT_BARREN`] inputs without a frame.
+    pub barren: Vec<Barren>,
 }
 
 /// A line that is no frame.
@@ -62,6 +67,13 @@ impl std::fmt::Display for BadLine {
 pub struct Interface {
     pub name: String,
     pub frames: u64,
+}
+
+impl std::fmt::Display for Interface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let frames = if self.frames == 1 { "frame" } else { "frames" };
+        write!(f, "{} ({} {frames})", self.name, self.frames)
+    }
 }
 
 /// An input that could not be read to its end; what came before was given out.
@@ -93,6 +105,18 @@ impl Statistics {
         if self.damage.len() < KEPT_DAMAGE {
             self.damage.push(Damage { file: file.to_owned(), reason });
         }
+    }
+
+    pub(super) fn add_barren(&mut self, barren: Barren) {
+        if self.barren.len() < KEPT_BARREN {
+            self.barren.push(barren);
+        }
+    }
+
+    /// The interfaces and how many frames each has, for people.
+    pub fn interfaces_found(&self) -> String {
+        let found = self.interfaces.iter().map(ToString::to_string);
+        found.collect::<Vec<_>>().join(", ")
     }
 
     /// The place of an interface in the list, if it is there.

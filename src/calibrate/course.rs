@@ -2,7 +2,7 @@
 
 use super::{
     Bound, CylinderCalibration, Fitting, Gathering, Profile, Profiling, Refusal, Scatter,
-    Scattering, Trying,
+    Scattering, Spreading, Trying,
 };
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
@@ -43,8 +43,8 @@ pub struct Calibrated {
 }
 
 impl Course<'_> {
-    /// Reads `recording` five times: what is in it, the line, what bends along it, the trial, and the
-    /// detectors that follow.
+    /// Reads `recording` six times: what is in it, the line, what bends along it, the trial, the scatter,
+    /// and the detectors that follow.
     ///
     /// # Errors
     /// The recording's own.
@@ -57,10 +57,16 @@ impl Course<'_> {
         recording.read(fitted, &mut profiling)?;
         let profiles: Vec<Option<Profile>> =
             (0..results.len()).map(|i| profiling.result(i)).collect();
-        let known = fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
-        let mut scattering = Scattering::new(sample_time, known);
+        let known = || fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
+        let mut spreading = Spreading::new(sample_time, known());
         let mut trying = Trying::new(fits(), settings.warning_cycles());
-        recording.read(tried, (&mut trying, &mut scattering))?;
+        recording.read(tried, (&mut trying, &mut spreading))?;
+        let spread = known().enumerate().map(|(index, known)| {
+            let ((fit, profile), spread) = known.zip(spreading.result(index))?;
+            Some((fit, profile, spread))
+        });
+        let mut scattering = Scattering::new(sample_time, spread);
+        recording.read(tried, &mut scattering)?;
         let bound = trying.bound(per_year, sample_time);
         let sequential: Vec<Option<(Profile, Scatter)>> = (0..)
             .zip(profiles)
@@ -75,7 +81,7 @@ impl Course<'_> {
                 remarks.extend(gathering.remarks(index));
                 remarks.extend(scattering.remark(index));
             }
-            CylinderCalibration { number, result, tried, sequential, remarks }
+            CylinderCalibration { sample_time, number, result, tried, sequential, remarks }
         };
         Ok(Calibrated { cylinders: learnt.map(cylinder).collect(), bound, level })
     }
@@ -147,16 +153,20 @@ impl CylinderCalibration {
             theta: None,
             gamma: None,
             command_offset: None,
+            sample_time: None,
             sequential: self.sequential.as_ref().map(|(profile, scatter)| {
                 let reference = &profile.reference;
                 CylinderSequential {
+                    sample_time: Some(self.sample_time),
                     first: reference.first,
                     spacing: reference.spacing,
                     nodes: reference.nodes.clone(),
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
                     deviation: scatter.deviation,
-                    resolution: scatter.resolution,
+                    noise: scatter.spread.noise.rest,
+                    timing: scatter.spread.noise.timing,
+                    resolution: scatter.spread.resolution,
                     rate_spacing: scatter.rate.spacing(),
                     rate: scatter.rate.values(),
                     square_rate: scatter.square_rate.values(),

@@ -5,7 +5,8 @@
 //! there and finds a line that a few faulty samples do not move, on samples thinned to a bounded
 //! number; [`Fitting`] is the least squares of all samples near that line; [`Trying`] is the band.
 //! For the sequential detector [`Profiling`] fits, in one reading more, what the difference is along
-//! the stroke, and [`Scattering`] sees, together with the band, how it scatters.
+//! the stroke, [`Spreading`] sees, together with the band, how its scatter goes with the velocity, and
+//! [`Scattering`], in another one, what is left of it.
 
 mod course;
 mod fitting;
@@ -13,8 +14,10 @@ mod gathering;
 mod line;
 mod profile;
 mod refusal;
+mod residuals;
 mod resolution;
 mod scatter;
+mod spreading;
 mod trying;
 
 pub use course::{Calibrated, Course, Recording};
@@ -24,6 +27,7 @@ pub use line::{Line, Robust};
 pub use profile::{LEAST_SAMPLES, Profile, Profiling};
 pub use refusal::Refusal;
 pub use scatter::{Scatter, Scattering};
+pub use spreading::{Spread, Spreading};
 pub use trying::{Tried, Trying};
 
 use crate::survey::Window;
@@ -53,6 +57,8 @@ pub struct Calibration {
 
 #[derive(Clone, Debug)]
 pub struct CylinderCalibration {
+    /// Of the readings, s.
+    pub sample_time: f64,
     pub number: u8,
     pub result: Result<Fitted, Refusal>,
     /// On the second part; `None` without a fit.

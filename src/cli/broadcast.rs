@@ -68,7 +68,7 @@ impl Broadcast<Unrestricted<SocketPort>> {
             signal_hook::flag::register(signal, Arc::clone(&stop))
                 .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         }
-        eprintln!("to {}", port.description());
+        tell!("to {}", port.description());
         Ok(Self::new(name, port, pace, stop))
     }
 }
@@ -90,16 +90,16 @@ impl<P: UnrestrictedPort> Broadcast<P> {
     /// Tells what became of the frames, each fate only where it befell some.
     pub fn report(&self) {
         let Counts { sent, late, anew, worst } = self.counts;
-        eprintln!("{sent} frames sent on {}", self.name);
+        tell!("{sent} frames sent on {}", self.name);
         if late > 0 {
-            eprintln!(
+            tell!(
                 "  {late} more than {} ms late, at the worst {:.1} ms",
                 LATE.as_millis(),
                 worst.as_secs_f64() * 1e3
             );
         }
         if anew > 0 {
-            eprintln!(
+            tell!(
                 "  {anew} times more than {} ms behind; it went on from there",
                 BEHIND.as_millis()
             );

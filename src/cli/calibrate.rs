@@ -1,7 +1,7 @@
 //! `tertius calibrate`: the correction of C2 from a healthy recording.
 
 use super::Failure;
-use super::page::PageFile;
+use super::files::Overwriting;
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::calibrate::{Calibrated, Calibration, Course};
@@ -26,6 +26,8 @@ pub struct Calibrate {
     /// Writes a page with figures, in one file; the recording is read once more for it
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
     /// The part of the time at the end on which the fit is tried, %
     #[arg(long, value_name = "PERCENT", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=90))]
     held_back: u8,
@@ -41,9 +43,9 @@ impl Calibrate {
     /// What is wrong with the call or its files; cylinders that were refused.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
-        let output = self.output.as_deref();
-        tables::refuse_overwriting(&[output, self.report.as_deref()], &self.field, &surveyed)?;
-        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
+        let outputs = [&self.output, &self.report];
+        let [output, report] =
+            tables::claim("calibrate", outputs, self.overwriting, &self.field, &surveyed)?;
         let result = self.calibration(&surveyed)?;
         let page = calibration::page(&result);
         let written = calibration::tables(&result, env!("CARGO_PKG_VERSION"));

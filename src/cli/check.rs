@@ -4,6 +4,8 @@ use super::Failure;
 use super::history;
 use super::machine::Machine;
 use crate::config::Settings;
+use crate::config::settings::CylinderSignals;
+use crate::decode::Raw;
 use crate::monitor::wiring::{Line, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
@@ -71,8 +73,64 @@ fn describe(machine: &Machine) -> String {
         text += &format!("  estimate  {}\n", describe_estimate(settings, n));
     }
     text += &stops(machine);
+    text += &doubts(machine);
     text += &findings(machine);
     text
+}
+
+/// What is sound by itself, but hardly meant: with it a healthy machine is not healthy.
+fn doubts(machine: &Machine) -> String {
+    let settings = &machine.loaded.settings;
+    let mut doubts = broken_wire_doubts(machine);
+    doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
+    if doubts.is_empty() {
+        return String::new();
+    }
+    let lines = doubts.iter().map(|doubt| format!("  {doubt}\n"));
+    format!("\n{}: worth a look\n{}", machine.loaded.document.name(), lines.collect::<String>())
+}
+
+/// A code of a broken wire that is a length like any other. The cylinders' signals are alike: the first
+/// of C1 and of C2 stands for all.
+fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
+    let settings = &machine.loaded.settings;
+    let signals = &settings.signals.cylinder;
+    let mut doubts = Vec::new();
+    for name in [Some(&signals.c1), signals.c2.as_ref()].into_iter().flatten() {
+        let name = CylinderSignals::of_cylinder(name, 1);
+        let Ok((_, signal)) = machine.database.signal(&name) else { continue };
+        let [lowest, highest] = signal.range.unwrap_or(settings.machine.stroke);
+        for code in settings.broken_wire_codes(signal) {
+            let length = signal.plan.physical(Raw::Signed(code));
+            if !signal.plan.is_float() && (lowest..=highest).contains(&length) {
+                doubts.push(format!(
+                    "plausibility.broken_wire_codes: {code} is {length:.4} m of {name}, within its \
+                     range of {lowest} to {highest} m: a healthy reading there is called a broken wire"
+                ));
+            }
+        }
+    }
+    doubts
+}
+
+/// Transducers that the machine's own rule would find apart although they agree with a and b of (5-20).
+fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
+    settings.signals.cylinder.c2.as_ref()?;
+    let (gain, offset) = settings.comparator_of(n);
+    let apart = |c1: f64| (c1 - (c1 - offset) / gain).abs();
+    let [most, at] = settings
+        .machine
+        .stroke
+        .map(|c1| [apart(c1), c1])
+        .into_iter()
+        .max_by(|one, two| one[0].total_cmp(&two[0]))?;
+    let critical = settings.comparator.critical;
+    (most > critical).then(|| {
+        format!(
+            "comparator.critical: C1 - C2 of a healthy cylinder {n} is {most:.4} m at {at} m, by a \
+             and b of (5-20), and beyond {critical} m: there it is always critical"
+        )
+    })
 }
 
 /// What is read on the stops, and where it is kept; nothing where nobody asked for it.
@@ -116,8 +174,11 @@ fn identifiers(n: u8, lines: &[Line]) -> String {
     let of_cylinder = |line: &&Line| {
         line.wires.iter().any(|wire| matches!(wire.target, Target::Cylinder(i, _) if i + 1 == n))
     };
-    let ids: Vec<String> =
-        lines.iter().filter(of_cylinder).map(|line| format!("0x{}", line.id)).collect();
+    let name = |line: &Line| match line.pages() {
+        0 | 1 => format!("0x{}", line.id),
+        pages => format!("0x{} ({pages} pages)", line.id),
+    };
+    let ids: Vec<String> = lines.iter().filter(of_cylinder).map(name).collect();
     format!("  frames    {}\n", ids.join(" "))
 }
 

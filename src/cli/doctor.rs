@@ -100,6 +100,7 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
             sync: line.sync,
             reading: line.reading,
             cyclic: line.cyclic,
+            pages: line.pages(),
         }
     });
     Ok(Wanted {

@@ -1,8 +1,8 @@
 //! `tertius evaluate`: what is found, how fast, and how often something is said that is not so.
 
 use super::Failure;
+use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
-use super::page::PageFile;
 use super::plant;
 use super::progress::Bar;
 use crate::evaluate::contest::Contest;
@@ -39,13 +39,14 @@ pub struct Evaluate {
     /// Whatever is random comes from this number
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Faults in a row; a quarter of them in those of the loop [default: 600; --quick: 48]
+    /// Faults in a row; a quarter of them in those of the loop [default: 600; --quick: 12]
     #[arg(long, value_name = "N")]
     trials: Option<u32>,
-    /// Hours without a fault, for each grade in each sea [default: 10; --quick: 0.5]
+    /// Hours without a fault, for each grade in each sea [default: 10; --quick: 0.1]
     #[arg(long, value_name = "H")]
     hours: Option<f64>,
-    /// A look that takes seconds: few faults, one sea
+    /// A look that takes seconds: few faults, one sea; the contest and the estimates, which take longer,
+    /// only where --rows names them
     #[arg(long)]
     quick: bool,
     /// Only these studies
@@ -67,6 +68,8 @@ pub struct Evaluate {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -103,6 +106,11 @@ enum Studied {
 }
 
 impl Studied {
+    /// Whether it takes seconds with few faults, too: what learns first, or simulates long, does not.
+    const fn is_quick(self) -> bool {
+        !matches!(self, Self::Contest | Self::Estimate)
+    }
+
     const fn study(self) -> Option<Study> {
         Some(match self {
             Self::Step => Study::Step,
@@ -147,12 +155,16 @@ impl Evaluate {
             let options = Options { sea: Some(cell.sea), ..Options::default() };
             stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
         }
+        // And where it cannot be written, before minutes have been spent on it.
+        let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.as_deref()));
+        let wanted = [
+            (self.output.as_deref(), Mark::Parts(&evaluation::JSON_PARTS)),
+            (self.report.as_deref(), Mark::Page("evaluate")),
+        ];
+        let [output, report] = inputs.claim(wanted, self.overwriting)?;
         if let Some(contest) = &plan.contest {
             stand.monitors = learn(contest, &stand, plan.extent.lessons)?;
         }
-        // And where it cannot be written, before minutes have been spent on it.
-        let prepare = |path: &Option<PathBuf>| path.as_deref().map(PageFile::prepare).transpose();
-        let (output, report) = (prepare(&self.output)?, prepare(&self.report)?);
         let evaluation = self.evaluate(&plan, &stand, settings.machine.sample_time)?;
         let json = evaluation::json(&evaluation);
         if let Some(file) = output {
@@ -172,12 +184,13 @@ impl Evaluate {
 
     fn extent(&self) -> Result<Extent, Failure> {
         let asked: Vec<Studied> = if self.rows.is_empty() {
-            Studied::value_variants().to_vec()
+            let all = Studied::value_variants().iter().copied();
+            all.filter(|studied| !self.quick || studied.is_quick()).collect()
         } else {
             self.rows.clone()
         };
         let healthy = asked.contains(&Studied::Healthy);
-        let hours = self.hours.unwrap_or(if self.quick { 0.5 } else { 10.0 });
+        let hours = self.hours.unwrap_or(if self.quick { 0.1 } else { 10.0 });
         let given = self.seas.iter().map(|text| plant::sea(text)).collect::<Result<Vec<_>, _>>()?;
         let seas = match (given.is_empty(), self.quick) {
             (false, _) => given,
@@ -185,7 +198,7 @@ impl Evaluate {
             (true, false) => SEAS.to_vec(),
         };
         Ok(Extent {
-            trials: self.trials.unwrap_or(if self.quick { 48 } else { 600 }),
+            trials: self.trials.unwrap_or(if self.quick { 12 } else { 600 }),
             hours: if healthy { hours } else { 0.0 },
             seas,
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },

@@ -36,6 +36,12 @@ impl Failure {
         Self::Failed(format!("{what} cannot be written: {error}"))
     }
 
+    /// As [`Self::writing`], of a file: that nobody reads a pipe any more is a failure, too, since what
+    /// else was asked for is not done.
+    pub fn writing_file(what: &str, error: &io::Error) -> Self {
+        Self::Failed(format!("{what} cannot be written: {error}"))
+    }
+
     /// A file for output that cannot be made.
     pub fn creating(path: &Path, error: &io::Error) -> Self {
         Self::Wrong(format!("{} cannot be created: {error}", path.display()))
@@ -44,8 +50,8 @@ impl Failure {
     /// Tells a person, on standard error.
     pub fn report(&self) {
         match self {
-            Self::Config(error) => eprintln!("{:?}", error.report()),
-            Self::Wrong(message) | Self::Failed(message) => eprintln!("tertius: {message}"),
+            Self::Config(error) => tell!("{:?}", error.report()),
+            Self::Wrong(message) | Self::Failed(message) => tell!("tertius: {message}"),
             Self::OutputClosed => {}
         }
     }

@@ -27,6 +27,11 @@ pub struct Named {
 }
 
 impl FaultOptions {
+    /// The table, if one is read.
+    pub fn table(&self) -> Option<&Path> {
+        self.table.as_deref()
+    }
+
     /// Those of the table, then those of the call.
     ///
     /// # Errors
@@ -66,7 +71,7 @@ pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Fai
 /// Tells what became of each fault, on standard error: a recording may be on standard output.
 pub fn report(faults: &[Named], tallies: &[Tally]) {
     for (named, tally) in faults.iter().zip(tallies) {
-        eprintln!("{}: {}", named.name, outcome(*tally));
+        tell!("{}: {}", named.name, outcome(*tally));
     }
 }
 

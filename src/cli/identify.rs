@@ -1,7 +1,7 @@
 //! `tertius identify`: a model from a healthy recording.
 
 use super::Failure;
-use super::page::PageFile;
+use super::files::{Claimed, Overwriting};
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::config::Settings;
@@ -9,12 +9,12 @@ use crate::identify::assess::{self, Weights};
 use crate::identify::flow::{FlowFit, FlowSources, Scout};
 use crate::identify::friction::Stretches;
 use crate::identify::nonlinear::Nonlinear;
+use crate::identify::outcome::{ASKED, Stray};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{Census, Expectations, OffsetRule, Outcome, Shaping};
 use crate::report::{identification, model_tables, page};
 use crate::survey::Window;
 use clap::{Args, ValueEnum};
-use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -34,6 +34,8 @@ pub struct Identify {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
     /// Cycles of the centred moving average of velocity and load pressure; odd, 1 is none
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = window)]
     window: usize,
@@ -100,15 +102,15 @@ impl Identify {
                 "--model-of {n}: the machine has cylinders 1 to {cylinders}"
             )));
         }
-        let outputs = [self.output.as_deref(), self.report.as_deref()];
-        tables::refuse_overwriting(&outputs, &self.field, &surveyed)?;
-        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
+        let outputs = [&self.output, &self.report];
+        let [output, report] =
+            tables::claim("identify", outputs, self.overwriting, &self.field, &surveyed)?;
         let outcome = self.outcome(&surveyed)?;
         let text = identification::page(&outcome);
         std::io::stdout()
             .write_all(text.as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
-        self.write(&outcome)?;
+        self.write(&outcome, output)?;
         if let Some(report) = report {
             report.write(&page::identification::page(&outcome))?;
         }
@@ -163,6 +165,14 @@ impl Identify {
         {
             outcome.remarks.push(RUNS_AWAY.to_owned());
         }
+        if let Some(choice) = outcome.choice.filter(|choice| choice.worst < ASKED) {
+            outcome.remarks.push(format!(
+                "a position VAF of {:.2} % is below the {ASKED} % that a model should reach, \
+                 simulated open loop: expect larger residuals, and let `tertius tune` choose the \
+                 thresholds",
+                choice.worst
+            ));
+        }
         Ok(outcome)
     }
 
@@ -181,17 +191,46 @@ impl Identify {
         Ok(Nonlinear { sources, flow, points, friction })
     }
 
-    fn write(&self, outcome: &Outcome) -> Result<(), Failure> {
-        let Some(path) = &self.output else { return Ok(()) };
+    fn write(&self, outcome: &Outcome, output: Option<Claimed>) -> Result<(), Failure> {
+        let Some(output) = output else { return Ok(()) };
+        if self.stray(outcome).is_some() {
+            return Ok(());
+        }
         let version = env!("CARGO_PKG_VERSION");
         let Some(tables) = model_tables::tables(outcome, version, self.per_cylinder) else {
             return Ok(());
         };
-        fs::write(path, tables).map_err(|error| Failure::creating(path, &error))
+        output.write(&tables)
+    }
+
+    /// Why the taken models, or each cylinder's own, are not written.
+    fn stray(&self, outcome: &Outcome) -> Option<String> {
+        let taken = outcome.choice?.of;
+        let of = |n: u8| if self.per_cylinder { n } else { taken };
+        let cylinders = outcome.cylinders.iter().map(|cylinder| cylinder.number);
+        let strays: Vec<String> = cylinders
+            .flat_map(|on| outcome.strays(of(on)).into_iter().filter(move |it| it.on == on))
+            .map(|Stray { on, position, velocity }| {
+                format!("cylinder {on}: position {position:.2} %, velocity {velocity:.2} %")
+            })
+            .collect();
+        (!strays.is_empty()).then(|| {
+            format!(
+                "the model does not follow its command, and nothing is written: VAF on the data \
+                 that was tried, {}; below 0 % a velocity is better told by its mean, below -100 % \
+                 a position by chance. Is the command that of this cylinder and in m/s, was the \
+                 machine healthy, is the part that was fitted like the one that was tried (--from, \
+                 --to)?",
+                strays.join("; ")
+            )
+        })
     }
 
     /// A cylinder without a model is a failure, though the others have theirs.
     fn conclude(&self, outcome: &Outcome) -> Result<(), Failure> {
+        if let Some(stray) = self.stray(outcome) {
+            return Err(Failure::Failed(stray));
+        }
         let refused: Vec<String> = outcome
             .cylinders
             .iter()

@@ -2,13 +2,17 @@
 
 use super::Failure;
 use super::faults::{self, FaultOptions};
-use super::log_file::Out;
+use super::files::{Inputs, Mark, Overwriting, Writer};
 use super::machine::Machine;
 use super::progress::Bar;
 use super::proxy::{self, Ends};
-use crate::bus::{Options, Recording, Source, Statistics, append_log_line};
+use crate::bus::{
+    Interfaces, Options, Recording, Selected, Selection, Source, Statistics, append_log_line,
+};
+use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
 use clap::Args;
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -70,11 +74,14 @@ pub struct Inject {
     #[arg(long, value_name = "FILE.log", default_value = "-")]
     output: PathBuf,
     #[command(flatten)]
+    overwriting: Overwriting,
+    #[command(flatten)]
     faults: FaultOptions,
     /// Whatever is random comes from this number: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Puts faults only into frames of this interface [default: of all]; the others are passed on
+    /// Puts faults only into frames of this interface [default: the configuration's where the recording
+    /// has it, else the only one]; the others are passed on
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
 }
@@ -93,7 +100,7 @@ impl Inject {
             let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
             return Err(Failure::Wrong(message.to_owned()));
         }
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load_unjudging(&self.config)?;
         let mut injector = Injector::new(&faults::place_all(&faults, &machine)?, self.seed);
         if let (Some(from), Some(to)) = (&self.from, &self.to) {
             let (from, to) = (from.clone(), to.clone());
@@ -103,12 +110,17 @@ impl Inject {
             return Ok(());
         }
         let mut recording = Recording::open(&self.logs, Options::default())?;
-        self.refuse_input_as_output()?;
-        let mut out = Out::create(&self.output)?;
+        let [output] = self
+            .inputs(&machine)
+            .claim([(Some(self.output.as_path()), Mark::None)], self.overwriting)?;
+        let out = output.expect("it was asked for").open()?;
+        let mut passage = Passage { injector: &mut injector, out, line: Vec::new(), written: 0 };
+        let interfaces = machine.interfaces(self.interface.as_deref());
         let fallback = &machine.loaded.settings.bus.interface;
-        let counts = self.pump(&mut recording, &mut injector, &mut out, fallback)?;
-        out.close()?;
-        report(counts, recording.statistics());
+        let read = pump(&mut recording, &mut passage, &interfaces, fallback)?;
+        let written = passage.written;
+        passage.out.close()?;
+        report(read, written, recording.statistics());
         faults::report(&faults, injector.tallies());
         match recording.statistics().damage.first() {
             Some(damage) => Err(Failure::Failed(damage.to_string())),
@@ -116,62 +128,89 @@ impl Inject {
         }
     }
 
-    /// Writing to a file that is still being read would destroy it.
-    fn refuse_input_as_output(&self) -> Result<(), Failure> {
-        let Ok(output) = self.output.canonicalize() else { return Ok(()) };
-        let same = |log: &&PathBuf| log.canonicalize().is_ok_and(|log| log == output);
-        match self.logs.iter().find(same) {
-            Some(log) => Err(Failure::Wrong(format!(
-                "--output {} is also the recording {}; name another file",
-                self.output.display(),
-                log.display()
-            ))),
-            None => Ok(()),
+    fn inputs(&self, machine: &Machine) -> Inputs {
+        let logs = self.logs.iter().map(PathBuf::as_path);
+        Inputs::new(logs.chain(machine.files(&self.config)).chain(self.faults.table()))
+    }
+}
+
+/// Where frames get their faults and go on.
+struct Passage<'a> {
+    injector: &'a mut Injector,
+    out: Writer,
+    line: Vec<u8>,
+    written: u64,
+}
+
+impl Passage<'_> {
+    /// Passes on a frame of the interface `name`, with its faults if it is `concerned`.
+    fn pass(&mut self, name: &str, frame: &Frame, concerned: bool) -> Result<(), Failure> {
+        let passed = if concerned { self.injector.take(frame) } else { Some(frame) };
+        if let Some(frame) = passed {
+            self.line.clear();
+            append_log_line(&mut self.line, name, frame);
+            self.out.put(&self.line)?;
+            self.written += 1;
         }
+        Ok(())
     }
 
-    fn pump(
-        &self,
-        recording: &mut Recording,
-        injector: &mut Injector,
-        out: &mut Out,
-        fallback: &str,
-    ) -> Result<Counts, Failure> {
-        let bar = Bar::new(recording.progress());
-        let mut interfaces = Interfaces::default();
-        let mut counts = Counts::default();
-        let mut line = Vec::with_capacity(192);
-        while let Some(frame) = recording.next_frame()? {
-            // The recording is asked about the frame's interface once it no longer lends the frame.
-            let frame = frame.clone();
-            let name = interfaces.of_newest(recording.statistics()).unwrap_or(fallback);
-            let concerned = self.interface.as_deref().is_none_or(|wanted| wanted == name);
-            let passed = if concerned { injector.take(&frame) } else { Some(&frame) };
-            counts.read += 1;
-            if let Some(frame) = passed {
-                line.clear();
-                append_log_line(&mut line, name, frame);
-                out.write(&line)?;
-                counts.written += 1;
-            }
-            if counts.read.is_multiple_of(STRIDE) {
-                bar.show(recording.progress());
+    fn pass_all(
+        &mut self,
+        held: &mut VecDeque<(String, Frame)>,
+        concerned: bool,
+    ) -> Result<(), Failure> {
+        held.drain(..).try_for_each(|(name, frame)| self.pass(&name, &frame, concerned))
+    }
+}
+
+/// Passes on the whole recording; how many frames that were. Frames of no known interface are of
+/// `fallback`.
+fn pump(
+    recording: &mut Recording,
+    passage: &mut Passage<'_>,
+    interfaces: &Interfaces,
+    fallback: &str,
+) -> Result<u64, Failure> {
+    let bar = Bar::new(recording.progress());
+    let mut newest = Newest::default();
+    let mut selection = Selection::new(interfaces.clone());
+    let mut held = VecDeque::new();
+    let mut read = 0_u64;
+    while let Some(frame) = recording.next_frame()? {
+        // The recording is asked about the frame's interface once it no longer lends the frame.
+        let frame = frame.clone();
+        let name = newest.interface(recording.statistics()).unwrap_or(fallback);
+        match selection.judge(name.as_bytes()).map_err(|_| recording.ambiguous(interfaces))? {
+            Selected::Undecided => held.push_back((name.to_owned(), frame)),
+            selected => {
+                passage.pass_all(&mut held, false)?;
+                passage.pass(name, &frame, selected == Selected::Wanted)?;
             }
         }
-        bar.finish();
-        Ok(counts)
+        if selection.is_decided() {
+            passage.pass_all(&mut held, true)?;
+        }
+        read += 1;
+        if read.is_multiple_of(STRIDE) {
+            bar.show(recording.progress());
+        }
     }
+    selection.decide().map_err(|_| recording.ambiguous(interfaces))?;
+    passage.pass_all(&mut held, true)?;
+    bar.finish();
+    Ok(read)
 }
 
 /// Tells the interface of the newest frame from the counts of the recording.
 #[derive(Default)]
-struct Interfaces {
+struct Newest {
     frames: Vec<u64>,
 }
 
-impl Interfaces {
+impl Newest {
     /// The interface whose count grew; `None` for one beyond those that are told apart.
-    fn of_newest<'a>(&mut self, statistics: &'a Statistics) -> Option<&'a str> {
+    fn interface<'a>(&mut self, statistics: &'a Statistics) -> Option<&'a str> {
         self.frames.resize(statistics.interfaces.len(), 0);
         let mut newest = None;
         for (known, interface) in self.frames.iter_mut().zip(&statistics.interfaces) {
@@ -184,17 +223,11 @@ impl Interfaces {
     }
 }
 
-#[derive(Clone, Copy, Default)]
-struct Counts {
-    read: u64,
-    written: u64,
-}
-
 /// Tells what became of the frames, on standard error: the recording may be on standard output.
-fn report(counts: Counts, statistics: &Statistics) {
-    eprintln!("{} frames read, {} written", counts.read, counts.written);
+fn report(read: u64, written: u64, statistics: &Statistics) {
+    tell!("{read} frames read, {written} written");
     if statistics.bad_lines > 0 {
-        eprintln!("{} lines were no frames and are left out", statistics.bad_lines);
-        statistics.first_bad_lines.iter().for_each(|line| eprintln!("  {line}"));
+        tell!("{} lines were no frames and are left out", statistics.bad_lines);
+        statistics.first_bad_lines.iter().for_each(|line| tell!("  {line}"));
     }
 }

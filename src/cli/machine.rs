@@ -1,6 +1,7 @@
 //! A configuration with its DBC, ready to be monitored.
 
 use super::Failure;
+use crate::bus::Interfaces;
 use crate::config::{self, Document, Loaded, Settings};
 use crate::decode::{self, Database};
 use crate::monitor::MonitorDesign;
@@ -11,6 +12,9 @@ use std::path::{Path, PathBuf};
 /// nothing but the program.
 const SIMULATED: &str = include_str!("../../config/e-type-simulated.toml");
 const DBC: &[u8] = include_bytes!("../../dbc/e-type.dbc");
+
+/// Makes a design for a machine.
+type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>;
 
 /// What a configuration file leads to.
 #[derive(Debug)]
@@ -26,7 +30,24 @@ impl Machine {
     /// # Errors
     /// Everything wrong with either.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?)
+        Self::new(config::load(path)?, MonitorDesign::new)
+    }
+
+    /// The same for who judges nothing with it: model and tables may be of another sample time.
+    ///
+    /// # Errors
+    /// As [`Self::load`], but for sample times.
+    pub fn load_unjudging(path: &Path) -> Result<Self, Failure> {
+        Self::new(config::load(path)?, MonitorDesign::unjudging)
+    }
+
+    /// The same for who learns from a recording: the design reads the pressures, too, and what is to be
+    /// learnt anew may be of another sample time.
+    ///
+    /// # Errors
+    /// As [`Self::load_unjudging`], and pressures that cannot be used.
+    pub fn load_surveying(path: &Path) -> Result<Self, Failure> {
+        Self::new(config::load(path)?, MonitorDesign::surveying)
     }
 
     /// The machine of `config/e-type-simulated.toml`, which is built in.
@@ -38,10 +59,19 @@ impl Machine {
             config::parse("config/e-type-simulated.toml", SIMULATED)?;
         let dbc_path = PathBuf::from("dbc/e-type.dbc");
         let dbc_text = DBC.to_vec();
-        Self::new(Loaded { settings, document, dbc_path, dbc_text, history_path: None })
+        let loaded = Loaded { settings, document, dbc_path, dbc_text, history_path: None };
+        Self::new(loaded, MonitorDesign::new)
     }
 
-    fn new(loaded: Loaded) -> Result<Self, Failure> {
+    /// Whose frames of a recording are read: of the interface `asked` for, else of the configuration's.
+    pub fn interfaces(&self, asked: Option<&str>) -> Interfaces {
+        match asked {
+            Some(name) => Interfaces::Only(name.to_owned()),
+            None => Interfaces::One(self.loaded.settings.bus.interface.clone()),
+        }
+    }
+
+    fn new(loaded: Loaded, design: Designer) -> Result<Self, Failure> {
         let text = decode::text::from_bytes(&loaded.dbc_text);
         let database = Database::parse(&text).map_err(|error| {
             refusal(
@@ -53,18 +83,15 @@ impl Machine {
                 }],
             )
         })?;
-        let design = MonitorDesign::new(&loaded.settings, &database)
-            .map_err(|flaws| refusal(&loaded, &flaws))?;
+        let design =
+            design(&loaded.settings, &database).map_err(|flaws| refusal(&loaded, &flaws))?;
         Ok(Self { loaded, database, design })
     }
 
-    /// A design that reads the pressures, too, for who learns from a recording.
-    ///
-    /// # Errors
-    /// Pressures that cannot be used.
-    pub fn surveying(&self) -> Result<MonitorDesign, Failure> {
-        MonitorDesign::surveying(&self.loaded.settings, &self.database)
-            .map_err(|flaws| refusal(&self.loaded, &flaws))
+    /// The files of the machine that a command must not write over, `config` among them.
+    pub fn files<'a>(&'a self, config: &'a Path) -> impl Iterator<Item = &'a Path> {
+        let history = self.loaded.history_path.as_deref();
+        [config, self.loaded.dbc_path.as_path()].into_iter().chain(history)
     }
 }
 

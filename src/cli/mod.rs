@@ -1,5 +1,14 @@
 //! The commands.
 
+/// Tells a person a line on standard error. Where that cannot be written there is nobody to tell, which
+/// is no reason to end.
+macro_rules! tell {
+    ($($argument:tt)*) => {{
+        use std::io::Write as _;
+        _ = writeln!(std::io::stderr(), $($argument)*);
+    }};
+}
+
 mod broadcast;
 mod calibrate;
 mod check;
@@ -8,13 +17,12 @@ mod doctor;
 mod evaluate;
 mod failure;
 mod faults;
+mod files;
 mod history;
 mod identify;
 mod inject;
-mod log_file;
 mod machine;
 mod output;
-mod page;
 mod plant;
 mod player;
 mod progress;

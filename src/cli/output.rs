@@ -1,6 +1,7 @@
 //! Where a replay writes what the monitor gives.
 
 use super::Failure;
+use super::files::{Claimed, Writer};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
 use crate::estimate::Estimate;
@@ -9,11 +10,14 @@ use crate::report::human::Notices;
 use crate::report::page::Recorder;
 use crate::report::{Episodes, EstimateTable, ResidualTable, jsonl};
 use crate::time::Timestamp;
-use std::fs::File;
 use std::io::{self, BufWriter, Stdout, Write};
-use std::path::Path;
 
-type OutFile = BufWriter<File>;
+const RESIDUALS: &str = "the table of residuals";
+const ESTIMATES: &str = "the table of estimates";
+const FRAMES: &str = "the log of warnings";
+
+/// Where lines of JSON go.
+const LINES: &str = "standard output";
 
 /// The outputs of a replay. The first error of any ends the writing; [`Output::close`] tells it.
 pub struct Output {
@@ -24,9 +28,9 @@ pub struct Output {
     /// Gathers figures, where a page of them is asked for.
     pub recorder: Option<Recorder>,
     lines: Option<BufWriter<Stdout>>,
-    residuals: Option<ResidualTable<OutFile>>,
-    estimates: Option<EstimateTable<OutFile>>,
-    frames: Option<LogWriter<OutFile>>,
+    residuals: Option<ResidualTable<Writer>>,
+    estimates: Option<EstimateTable<Writer>>,
+    frames: Option<LogWriter<Writer>>,
     failure: Option<Failure>,
 }
 
@@ -35,27 +39,26 @@ impl Output {
     /// log of the frames sent (on `interface`).
     ///
     /// # Errors
-    /// If a file cannot be created.
+    /// A pipe or a device that cannot be opened; a file that cannot be written.
     pub fn create(
         lines: bool,
-        residuals: Option<&Path>,
-        estimates: Option<&Path>,
-        frames: Option<&Path>,
+        [residuals, estimates, frames]: [Option<Claimed>; 3],
         interface: &str,
     ) -> Result<Self, Failure> {
         let residuals = residuals
-            .map(|path| {
-                let table = create(path)?;
-                ResidualTable::new(table).map_err(|error| Failure::creating(path, &error))
+            .map(|file| {
+                ResidualTable::new(file.open()?)
+                    .map_err(|error| Failure::writing(RESIDUALS, &error))
             })
             .transpose()?;
         let estimates = estimates
-            .map(|path| {
-                let table = create(path)?;
-                EstimateTable::new(table).map_err(|error| Failure::creating(path, &error))
+            .map(|file| {
+                EstimateTable::new(file.open()?)
+                    .map_err(|error| Failure::writing(ESTIMATES, &error))
             })
             .transpose()?;
-        let frames = frames.map(create).transpose()?.map(|file| LogWriter::new(file, interface));
+        let frames =
+            frames.map(Claimed::open).transpose()?.map(|file| LogWriter::new(file, interface));
         Ok(Self {
             first: Timestamp::default(),
             episodes: Episodes::default(),
@@ -88,40 +91,37 @@ impl Output {
             return Err(failure);
         }
         if let Some(lines) = &mut self.lines {
-            lines.flush().map_err(|error| Failure::writing("standard output", &error))?;
+            lines.flush().map_err(|error| Failure::writing(LINES, &error))?;
         }
-        if let Some(table) = self.residuals {
-            table.finish().map_err(|error| Failure::writing("the table of residuals", &error))?;
-        }
-        if let Some(table) = self.estimates {
-            table.finish().map_err(|error| Failure::writing("the table of estimates", &error))?;
-        }
-        if let Some(frames) = &mut self.frames {
-            frames.flush().map_err(|error| Failure::writing("the log of warnings", &error))?;
+        let residuals = self.residuals.map(|table| (RESIDUALS, table.into_inner()));
+        let estimates = self.estimates.map(|table| (ESTIMATES, table.into_inner()));
+        let frames = self.frames.map(|frames| (FRAMES, frames.into_inner()));
+        for (what, writer) in [residuals, estimates, frames].into_iter().flatten() {
+            writer.finish().map_err(|error| Failure::writing_file(what, &error))?;
         }
         Ok(())
     }
 
     fn note(&mut self, what: &str, result: io::Result<()>) {
         if let Err(error) = result {
-            self.failure.get_or_insert_with(|| Failure::writing(what, &error));
+            let of = if what == LINES { Failure::writing } else { Failure::writing_file };
+            self.failure.get_or_insert_with(|| of(what, &error));
         }
     }
 }
 
-fn create(path: &Path) -> Result<OutFile, Failure> {
-    let file = File::create(path).map_err(|error| Failure::creating(path, &error))?;
-    Ok(BufWriter::with_capacity(1 << 16, file))
-}
-
 impl Sink for Output {
+    fn wants_records(&self) -> bool {
+        self.recorder.is_some() || self.residuals.is_some()
+    }
+
     fn record(&mut self, record: &Record) {
         if let Some(recorder) = &mut self.recorder {
             recorder.record(self.first, record);
         }
         if let Some(table) = &mut self.residuals {
             let result = table.write(self.first, record);
-            self.note("the table of residuals", result);
+            self.note(RESIDUALS, result);
         }
     }
 
@@ -132,21 +132,21 @@ impl Sink for Output {
         }
         if let Some(lines) = &mut self.lines {
             let result = jsonl::warning(lines, self.first, warning);
-            self.note("standard output", result);
+            self.note(LINES, result);
         }
     }
 
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
         if let Some(table) = &mut self.estimates {
             let result = table.write(self.first, at, cylinder, estimate);
-            self.note("the table of estimates", result);
+            self.note(ESTIMATES, result);
         }
     }
 
     fn transmit(&mut self, frame: &OwnFrame) {
         if let Some(frames) = &mut self.frames {
             let result = frames.write(frame.as_frame());
-            self.note("the log of warnings", result);
+            self.note(FRAMES, result);
         }
     }
 
@@ -157,7 +157,7 @@ impl Sink for Output {
         }
         if let Some(lines) = &mut self.lines {
             let result = jsonl::notice(lines, self.first, notice);
-            self.note("standard output", result);
+            self.note(LINES, result);
         }
     }
 }

@@ -181,18 +181,18 @@ impl Bench<Socket> for Host<'_> {
 
     fn opened(&mut self, side: usize, port: &Socket) {
         let what = if side == 0 { "from" } else { "to" };
-        eprintln!("{what} {}", port.description());
+        tell!("{what} {}", port.description());
     }
 
     fn lost(&mut self, side: usize, reason: &str) {
-        eprintln!("no {}: {reason}; trying again", self.name(side));
+        tell!("no {}: {reason}; trying again", self.name(side));
     }
 }
 
 /// Tells what became of the frames from `from` to `to`, each fate only where it befell some.
 fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
     let LaneCounts { received, sent, changed, .. } = *lane.counts();
-    eprintln!("{from} to {to}: {received} frames received, {sent} sent, {changed} changed");
+    tell!("{from} to {to}: {received} frames received, {sent} sent, {changed} changed");
     let counts = lane.counts();
     let waiting = lane.waiting() as u64;
     let refused = lane.rejection().unwrap_or_default();
@@ -207,7 +207,7 @@ fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
         (overrun, format!("never received: the receive queue of {from} was full")),
     ] {
         if count > 0 {
-            eprintln!("  {count} {fate}");
+            tell!("  {count} {fate}");
         }
     }
 }

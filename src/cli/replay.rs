@@ -1,16 +1,18 @@
 //! `tertius replay`: a recording through the monitor.
 
 use super::Failure;
+use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
-use super::page::PageFile;
 use super::progress::Bar;
-use crate::bus::{Options, Recording, Source, TimeStamps};
+use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
+use crate::report::judgement::Recorded;
 use crate::report::page::{self, Recorder};
-use crate::report::{Stops, Summary, jsonl};
+use crate::report::{Judgement, Stops, Summary, estimates, jsonl, residuals};
+use crate::time::Span;
 use clap::{Args, ValueEnum};
 use std::fs;
 use std::io::{IsTerminal, Write};
@@ -46,9 +48,12 @@ pub struct Replay {
     /// with this one's at the end; recordings in the order of time. `run` goes on with the same file
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
-    /// Takes only the frames of this interface [default: of all]
+    /// Takes only the frames of this interface [default: the configuration's where the recording has
+    /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
+    #[command(flatten)]
+    overwriting: Overwriting,
     /// What the time stamps of a console recording are
     #[arg(long, value_enum, default_value_t = Stamps::Auto)]
     time_stamps: Stamps,
@@ -93,18 +98,16 @@ impl Replay {
     /// What is wrong with the call, its files or the output.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
-        let options =
-            Options { time_stamps: self.time_stamps.into(), interface: self.interface.clone() };
+        let interfaces = machine.interfaces(self.interface.as_deref());
+        let time_stamps = self.time_stamps.into();
+        let options = Options { time_stamps, interfaces: interfaces.clone() };
         let mut recording = Recording::open(&self.logs, options)?;
-        self.refuse_overwriting(&machine)?;
+        let [residuals, estimates, frames, report] = self.claim(&machine)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
-            self.residuals.as_deref(),
-            self.estimates.as_deref(),
-            self.warnings.as_deref(),
+            [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
         )?;
-        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
         output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
         let mut design = machine.design.clone();
         if self.estimates.is_some() && design.estimates == Estimates::None {
@@ -117,48 +120,62 @@ impl Replay {
             monitor.inherit(history.archive());
         }
         let duration = feed(&mut recording, &mut monitor, &mut output)?;
-        let whole = !output.failed();
-        self.conclude(&machine, &recording, &monitor, duration, report, output)?;
-        if let Some(history) = history.filter(|_| whole) {
+        if output.failed() {
+            return broken_off(output);
+        }
+        let judgement = judgement(&machine, &interfaces, &recording, &monitor);
+        let replayed = Replayed {
+            machine: &machine,
+            recording: &recording,
+            monitor: &monitor,
+            judgement: &judgement,
+            duration,
+        };
+        self.conclude(&replayed, report, output)?;
+        if let Some(history) = history {
             history.write(&monitor)?;
         }
-        damage(&recording)
+        damage(&recording)?;
+        match judgement.is_judged() {
+            true => Ok(()),
+            false => Err(Failure::Failed(format!(
+                "nothing was judged: {}",
+                judgement.reasons().join("; ")
+            ))),
+        }
     }
 
-    /// A file that is read here would be emptied before it is read.
-    fn refuse_overwriting(&self, machine: &Machine) -> Result<(), Failure> {
-        let outputs =
-            [&self.residuals, &self.estimates, &self.warnings, &self.report, &self.history];
-        let outputs = outputs.map(Option::as_deref);
-        let inputs = self.logs.iter().chain([&self.config, &machine.loaded.dbc_path]);
-        for (index, output) in outputs.iter().enumerate() {
-            let Some(output) = output else { continue };
-            if let Some(input) = inputs.clone().find(|input| is_same_file(input, output)) {
-                let (output, input) = (output.display(), input.display());
-                return Err(Failure::Wrong(format!(
-                    "{output} would be written over the input {input}; name another file"
-                )));
-            }
-            if outputs[..index].iter().flatten().any(|other| is_same_file(other, output)) {
-                return Err(Failure::Wrong(format!(
-                    "{} is to hold two outputs; name a file for each",
-                    output.display()
-                )));
-            }
-        }
-        Ok(())
+    /// Takes the files that are written: residuals, estimates, frames and the page.
+    fn claim(&self, machine: &Machine) -> Result<[Option<Claimed>; 4], Failure> {
+        let logs = self.logs.iter().map(PathBuf::as_path);
+        // The history that is gone on with may be the gateway's own.
+        let real = |path: &Path| fs::canonicalize(path).ok();
+        let kept = self.history.as_deref().and_then(real);
+        let own = machine.loaded.history_path.as_deref();
+        let is_kept = |path: &Path| Some(path) == own && kept.is_some() && real(path) == kept;
+        let files = machine.files(&self.config).filter(|path| !is_kept(path));
+        let header = |columns: &str| format!("{columns}\n");
+        let (residuals, estimates) = (header(residuals::HEADER), header(estimates::HEADER));
+        let wanted = [
+            (self.residuals.as_deref(), Mark::Parts(&[&residuals])),
+            (self.estimates.as_deref(), Mark::Parts(&[&estimates])),
+            (self.warnings.as_deref(), Mark::None),
+            (self.report.as_deref(), Mark::Page("replay")),
+            (self.history.as_deref(), Mark::Judged),
+        ];
+        let inputs = Inputs::new(logs.chain(files));
+        let [residuals, estimates, frames, report, _] = inputs.claim(wanted, self.overwriting)?;
+        Ok([residuals, estimates, frames, report])
     }
 
     /// Tells what came of it on standard output, and on the page.
     fn conclude(
         &self,
-        machine: &Machine,
-        recording: &Recording,
-        monitor: &Monitor,
-        duration: f64,
-        report: Option<PageFile>,
+        replayed: &Replayed<'_>,
+        report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
+        let Replayed { machine, recording, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let episodes = std::mem::take(&mut output.episodes);
@@ -168,7 +185,8 @@ impl Replay {
         };
         let summary = Summary {
             stops: &stops,
-            duration,
+            duration: duration.as_seconds(),
+            judgement,
             statistics: recording.statistics(),
             counts: monitor.counts(),
             tallies: &tallies,
@@ -194,27 +212,55 @@ impl Replay {
                 std::io::stdout().write_all(text.as_bytes()).map_err(to_stdout)
             }
         };
-        // A replay that was broken off, since nobody reads its lines, has no page.
-        let whole = report.zip(html).filter(|_| !output.failed());
-        let written = whole.map_or(Ok(()), |(report, html)| report.write(&html));
+        let written = report.zip(html).map_or(Ok(()), |(report, html)| report.write(&html));
         printed.and(output.close()).and(written)
     }
 }
 
-/// Whether both are the same regular file, or would be. Devices and pipes may be named twice.
-fn is_same_file(one: &Path, other: &Path) -> bool {
-    match (fs::canonicalize(one), fs::canonicalize(other)) {
-        (Ok(one), Ok(other)) => one == other && one.is_file(),
-        _ => one == other,
-    }
+/// What a replay came to, once all of the recording was read.
+#[derive(Clone, Copy)]
+struct Replayed<'a> {
+    machine: &'a Machine,
+    recording: &'a Recording,
+    monitor: &'a Monitor,
+    judgement: &'a Judgement,
+    /// From the first frame to the last.
+    duration: Span,
 }
 
-/// Feeds the whole recording to the monitor; the duration from its first to its last frame, s.
+/// Whether anything was judged.
+fn judgement(
+    machine: &Machine,
+    interfaces: &Interfaces,
+    recording: &Recording,
+    monitor: &Monitor,
+) -> Judgement {
+    let (statistics, counts) = (recording.statistics(), monitor.counts());
+    let (design, used) = (&machine.design, counts.used);
+    let recorded = Recorded { statistics, interfaces, design, used };
+    let states = machine.loaded.settings.machine.monitored_states.as_deref();
+    let tallies = monitor.tallies().copied().collect::<Vec<_>>();
+    Judgement::new(&recorded, counts, &tallies, states.filter(|_| !monitor.has_opened()))
+}
+
+/// An output that cannot be written ends the replay: a page of the part that was read would look like
+/// one of the whole.
+fn broken_off(output: Output) -> Result<(), Failure> {
+    output.close().map_err(|failure| match failure {
+        Failure::Failed(message) => Failure::Failed(format!(
+            "{message}; the replay was broken off there, and neither page nor summary is written"
+        )),
+        other => other,
+    })
+}
+
+/// Feeds the whole recording to the monitor, as long as the outputs can be written; the time from its
+/// first frame to its last.
 fn feed(
     recording: &mut Recording,
     monitor: &mut Monitor,
     output: &mut Output,
-) -> Result<f64, Failure> {
+) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut first = None;
     let mut last = output.first;
@@ -233,7 +279,7 @@ fn feed(
     }
     monitor.finish(output);
     bar.finish();
-    Ok(last.since(output.first).as_seconds())
+    Ok(last.since(output.first))
 }
 
 /// An input of which a part could not be read is a failure, though the rest was replayed.

@@ -66,22 +66,16 @@ impl Run {
     }
 }
 
-/// Warnings that wait to be sent at most: all that can stand, twice over.
-const WAITING: usize = 72;
-
-/// Frames that may go out at once: all warnings that can stand, and a status.
-const BURST: u32 = 37;
-
 /// The gateway of a machine.
 pub fn gateway(machine: Machine) -> Gateway {
     let settings = &machine.loaded.settings;
     let limits = Limits {
-        waiting: WAITING,
+        waiting: Limits::WAITING,
         estimates: usize::from(settings.machine.cylinders),
         age: Span::from_seconds(settings.gateway.max_age),
         bitrate: f64::from(settings.bus.bitrate),
         share: settings.gateway.bus_share,
-        burst: BURST,
+        burst: Limits::BURST,
     };
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);

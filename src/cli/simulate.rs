@@ -2,8 +2,8 @@
 
 use super::Failure;
 use super::broadcast::Broadcast;
-use super::faults::{self, FaultOptions, Named};
-use super::log_file::Out;
+use super::faults::{self, FaultOptions};
+use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::plant;
 use super::player::Pace;
@@ -77,6 +77,8 @@ pub struct Simulate {
     /// Where a table of the faults goes, which `inject` reads, too
     #[arg(long, value_name = "FILE.csv")]
     truth: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -108,7 +110,7 @@ impl Simulate {
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
         let faults = self.faults.read()?;
         let tables = plant::tables(self.plant.as_deref())?;
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load_unjudging(&self.config)?;
         let settings = &machine.loaded.settings;
         let placed = faults::place_all(&faults, &machine)?;
         let options = Options {
@@ -123,29 +125,40 @@ impl Simulate {
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         simulator.request(State::Engaged);
         let cycles = (cycles_for / settings.machine.sample_time).round() as u64;
-        let simulation = self.go(Simulation::new(simulator, cycles), &settings.bus.interface)?;
-        if let Some(path) = &self.truth {
-            let faults: Vec<Fault> = faults.iter().map(|named: &Named| named.fault).collect();
-            std::fs::write(path, truth::table(&faults))
-                .map_err(|error| Failure::creating(path, &error))?;
+        let table = truth::table(&faults.iter().map(|named| named.fault).collect::<Vec<Fault>>());
+        let [output, truth] = self.outputs(&machine, &table)?;
+        let simulation = Simulation::new(simulator, cycles);
+        let simulation = self.go(simulation, &settings.bus.interface, output)?;
+        if let Some(truth) = truth {
+            truth.write(&table)?;
         }
         faults::report(&faults, simulation.tallies());
         Ok(())
     }
 
+    /// The recording, if there is one, and the file for the table of `truth`.
+    fn outputs(&self, machine: &Machine, truth: &str) -> Result<[Option<Claimed>; 2], Failure> {
+        let others = [self.faults.table(), self.plant.as_deref()];
+        let inputs = Inputs::new(machine.files(&self.config).chain(others.into_iter().flatten()));
+        let standard = self.interface.is_none().then_some(Path::new("-"));
+        let recording = (self.output.as_deref().or(standard), Mark::None);
+        inputs.claim([recording, (self.truth.as_deref(), Mark::Text(truth))], self.overwriting)
+    }
+
     /// Simulates to the end, into the recording and onto the interface. `name` is the interface's in
     /// the recording: that of the configuration, so that the same call gives the same bytes wherever
     /// it sends them.
-    fn go(&self, mut simulation: Simulation, name: &str) -> Result<Simulation, Failure> {
+    fn go(
+        &self,
+        mut simulation: Simulation,
+        name: &str,
+        output: Option<Claimed>,
+    ) -> Result<Simulation, Failure> {
         let mut broadcast = match &self.interface {
             Some(interface) => Some(Broadcast::open(interface, self.speed, self.real_bus)?),
             None => None,
         };
-        let mut recording = match (&self.output, &broadcast) {
-            (Some(path), _) => Some(Out::create(path)?),
-            (None, None) => Some(Out::create(Path::new("-"))?),
-            (None, Some(_)) => None,
-        };
+        let mut recording = output.map(Claimed::open).transpose()?;
         let (mut frames, mut line) = (0_u64, Vec::with_capacity(192));
         while let Some(frame) = simulation.next_frame()? {
             if let Some(broadcast) = &mut broadcast
@@ -156,13 +169,13 @@ impl Simulate {
             if let Some(recording) = &mut recording {
                 line.clear();
                 append_log_line(&mut line, name, frame);
-                recording.write(&line)?;
+                recording.put(&line)?;
             }
             frames += 1;
         }
         if let Some(recording) = recording {
             recording.close()?;
-            eprintln!("{frames} frames");
+            tell!("{frames} frames");
         }
         if let Some(broadcast) = &broadcast {
             broadcast.report();

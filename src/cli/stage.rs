@@ -1,6 +1,7 @@
 //! The embedded bus with who plays on it, where the gateway has a place.
 
 use super::Failure;
+use super::files::Writer;
 use super::player::{Pace, Player};
 use crate::alarm::OwnFrame;
 use crate::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
@@ -8,21 +9,21 @@ use crate::bus::{
     Identifiers, LogWriter, Port, PortCounts, PortError, Received, Recording, Sent, Source, Stamps,
 };
 use crate::frame::{Frame, Id};
+use crate::live::outbox::Limits;
 use crate::live::supervisor::Opener;
 use crate::time::{Span, Timestamp};
 use std::cell::RefCell;
-use std::fs::File;
-use std::io::BufWriter;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Frames that may wait for whoever listens; the player lets the gateway have a turn after each.
-const CAPACITY: usize = 64;
+/// Frames that may wait for whoever listens: two turns of the gateway, each with all that it may send
+/// at once. The player lets it have a turn after each frame.
+const CAPACITY: usize = 2 * (Limits::BURST as usize + 1);
 
 /// A file of frames as `candump -l` writes it.
-pub type Record = LogWriter<BufWriter<File>>;
+pub type Record = LogWriter<Writer>;
 
 /// The embedded bus and who plays on it. Clones are the same one.
 pub struct Stage<S>(Rc<RefCell<Play<S>>>);
@@ -96,8 +97,8 @@ impl Stage<Recording> {
         if let Some(failure) = play.failure.take() {
             return Err(failure);
         }
-        if let Some(record) = &mut play.record {
-            record.flush().map_err(|error| Failure::writing("the record", &error))?;
+        if let Some(record) = play.record.take() {
+            record.into_inner().finish().map_err(|error| Failure::writing("the record", &error))?;
         }
         play.player.finish()
     }

@@ -6,7 +6,9 @@ use super::machine::Machine;
 use super::progress::Bar;
 use super::replay::Stamps;
 use crate::bus::{Options, Recording, Source, Statistics};
+use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, Monitor, MonitorDesign};
+use crate::report::judgement::Recorded;
 use crate::survey::{Survey, Surveyor, Window};
 use crate::time::Timestamp;
 use clap::Args;
@@ -29,7 +31,8 @@ pub struct Field {
     /// Leaves out what is after: seconds since the first frame, or a part, like 75%
     #[arg(long, value_name = "TIME")]
     pub to: Option<Place>,
-    /// Takes only the frames of this interface [default: of all]
+    /// Takes only the frames of this interface [default: the configuration's where the recording has
+    /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     pub interface: Option<String>,
     /// What the time stamps of a console recording are
@@ -56,6 +59,8 @@ pub struct Surveyed {
     /// What is asked for of it.
     pub window: Window,
     pub statistics: Statistics,
+    /// What is to be said of frames from before the first one, if there are any.
+    backwards: Option<String>,
     logs: Vec<PathBuf>,
     options: Options,
 }
@@ -68,6 +73,63 @@ const TRAIL: f64 = 1.0;
 
 /// Frames between two looks at progress.
 const STRIDE: u64 = 1 << 16;
+
+/// What the first reading of a recording finds.
+#[derive(Debug, Default)]
+struct Extent {
+    /// The first frame's time stamp, and the latest of all.
+    ends: Option<(Timestamp, Timestamp)>,
+    frames: u64,
+    /// With an identifier of the configuration.
+    used: u64,
+    /// Stamped before the first one: time went backwards.
+    before: u64,
+}
+
+/// A recording of which more frames than this part are from before its first one is refused: what is
+/// learnt would leave them out.
+const LARGEST_LOSS: f64 = 0.01;
+
+impl Extent {
+    fn of(recording: &mut Recording, design: &MonitorDesign) -> Result<Self, Failure> {
+        let bar = Bar::new(recording.progress());
+        let mut extent = Self::default();
+        while let Some(frame) = recording.next_frame()? {
+            extent.take(frame, design);
+            if extent.frames.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        bar.finish();
+        Ok(extent)
+    }
+
+    fn take(&mut self, frame: &Frame, design: &MonitorDesign) {
+        let at = frame.timestamp;
+        let (first, last) = self.ends.unwrap_or((at, at));
+        self.ends = Some((first, last.max(at)));
+        self.frames += 1;
+        self.before += u64::from(at < first);
+        let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
+        self.used += u64::from(data && design.wiring.find(frame.id).is_some());
+    }
+
+    /// What is to be said of frames from before the first one, if there are any.
+    fn backwards(&self, first: Timestamp) -> Result<Option<String>, Failure> {
+        let Self { frames, before, .. } = *self;
+        if before == 0 {
+            return Ok(None);
+        }
+        let told = format!("{before} of {frames} frames are from before the first one, at {first}");
+        if before as f64 <= LARGEST_LOSS * frames as f64 {
+            return Ok(Some(format!("{told}, and are left out")));
+        }
+        Err(Failure::Wrong(format!(
+            "{told}, and would be left out: the clock was set back, or recordings are not in the order \
+             of time; learn from one part at a time"
+        )))
+    }
+}
 
 impl Field {
     /// Loads the machine and reads the recording once for its length.
@@ -82,37 +144,24 @@ impl Field {
                     .to_owned(),
             ));
         }
-        let machine = Machine::load(&self.config)?;
-        let design = machine.surveying()?;
-        let options =
-            Options { time_stamps: self.time_stamps.into(), interface: self.interface.clone() };
+        let machine = Machine::load_surveying(&self.config)?;
+        let design = machine.design.clone();
+        let interfaces = machine.interfaces(self.interface.as_deref());
+        let options = Options { time_stamps: self.time_stamps.into(), interfaces };
         let mut recording = Recording::open(&self.logs, options.clone())?;
-        let bar = Bar::new(recording.progress());
-        let mut ends: Option<(Timestamp, Timestamp)> = None;
-        let mut frames = 0_u64;
-        while let Some(frame) = recording.next_frame()? {
-            let at = frame.timestamp;
-            ends = Some(ends.map_or((at, at), |(first, last)| (first, last.max(at))));
-            frames += 1;
-            if frames.is_multiple_of(STRIDE) {
-                bar.show(recording.progress());
-            }
-        }
-        bar.finish();
+        let extent = Extent::of(&mut recording, &design)?;
         let statistics = recording.statistics().clone();
-        let Some((first, last)) = ends else { return Err(self.no_frame(&statistics)) };
+        let (interfaces, used) = (&options.interfaces, extent.used);
+        let recorded = Recorded { statistics: &statistics, interfaces, design: &design, used };
+        let nothing = recorded.nothing();
+        let Some((first, last)) = extent.ends.filter(|_| nothing.is_empty()) else {
+            let reasons = nothing.join("; ");
+            return Err(Failure::Failed(format!("nothing was judged: {reasons}")));
+        };
+        let backwards = extent.backwards(first)?;
         let window = self.window(last.since(first).as_seconds())?;
         let logs = self.logs.clone();
-        Ok(Surveyed { machine, design, first, last, window, statistics, logs, options })
-    }
-
-    fn no_frame(&self, statistics: &Statistics) -> Failure {
-        let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
-        let mut message = format!("{}: no frame in {} lines", logs.join(", "), statistics.lines);
-        if let Some(line) = statistics.first_bad_lines.first() {
-            message += &format!("; the first that is none: {line}");
-        }
-        Failure::Wrong(message)
+        Ok(Surveyed { machine, design, first, last, window, statistics, backwards, logs, options })
     }
 
     /// The part asked for of a recording of `length` seconds.
@@ -170,7 +219,8 @@ impl Surveyed {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
-        bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string)).collect()
+        let bad = bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string));
+        self.backwards.clone().into_iter().chain(bad).collect()
     }
 
     /// An input of which a part could not be read is a failure, though the rest was used.

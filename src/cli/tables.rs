@@ -1,60 +1,38 @@
 //! Files of tables that commands write for the configuration.
 
 use super::Failure;
+use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::survey::{Field, Surveyed};
-use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 
-/// Refuses `outputs` of which one is an input, or another one.
+/// Takes the files for the tables and the page of `command`, which reads `surveyed`.
 ///
 /// # Errors
-/// It is.
-pub fn refuse_overwriting(
-    outputs: &[Option<&Path>],
+/// One of them is an input, is not to be written over, or cannot be written.
+pub fn claim(
+    command: &str,
+    [tables, page]: [&Option<PathBuf>; 2],
+    overwriting: Overwriting,
     field: &Field,
     surveyed: &Surveyed,
-) -> Result<(), Failure> {
-    let machine = [&field.config, &surveyed.machine.loaded.dbc_path];
-    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
-    for (place, output) in outputs.iter().enumerate() {
-        let mut inputs = field.logs.iter().chain(machine);
-        if let Some(input) = inputs.find(|input| is_same(input, output)) {
-            return Err(Failure::Wrong(format!(
-                "{} would be written over the input {}; name another file",
-                output.display(),
-                input.display()
-            )));
-        }
-        if outputs[..place].iter().any(|other| is_same(other, output)) {
-            return Err(Failure::Wrong(format!(
-                "{} is to hold two outputs; name a file for each",
-                output.display()
-            )));
-        }
-    }
-    Ok(())
-}
-
-fn is_same(one: &Path, other: &Path) -> bool {
-    let canonical = |path: &Path| fs::canonicalize(path).ok();
-    one == other || canonical(one).is_some_and(|it| canonical(other) == Some(it))
+) -> Result<[Option<Claimed>; 2], Failure> {
+    let logs = field.logs.iter().map(PathBuf::as_path);
+    let inputs = Inputs::new(logs.chain(surveyed.machine.files(&field.config)));
+    let wanted =
+        [(tables.as_deref(), Mark::Tables(command)), (page.as_deref(), Mark::Page(command))];
+    inputs.claim(wanted, overwriting)
 }
 
 /// Shows `page` and writes `tables`, where both are there, to `output`.
 ///
 /// # Errors
 /// Neither standard output nor the file can be written.
-pub fn publish(page: &str, output: Option<&Path>, tables: Option<&str>) -> Result<(), Failure> {
+pub fn publish(page: &str, output: Option<Claimed>, tables: Option<&str>) -> Result<(), Failure> {
     std::io::stdout()
         .write_all(page.as_bytes())
         .map_err(|error| Failure::writing("standard output", &error))?;
-    match output.zip(tables) {
-        Some((path, tables)) => {
-            fs::write(path, tables).map_err(|error| Failure::creating(path, &error))
-        }
-        None => Ok(()),
-    }
+    output.zip(tables).map_or(Ok(()), |(output, tables)| output.write(tables))
 }
 
 /// A rate of false alarms, as the command line has it.

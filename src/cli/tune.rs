@@ -1,7 +1,8 @@
 //! `tertius tune`: the observer's weights and the thresholds from a healthy recording.
 
 use super::Failure;
-use super::page::PageFile;
+use super::files::Overwriting;
+use super::machine::Machine;
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::config::Settings;
@@ -33,6 +34,8 @@ pub struct Tune {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
     /// False alarms of FDE1 and FDE2, all cylinders together, that a year of monitoring may bring
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
     false_alarms_per_year: f64,
@@ -70,10 +73,12 @@ impl Tune {
     /// # Errors
     /// What is wrong with the call or its files; a recording that says too little.
     pub fn run(self) -> Result<(), Failure> {
+        // Weights are tuned for the model that is configured: it has to be one of this machine.
+        Machine::load(&self.field.config)?;
         let surveyed = self.field.open()?;
-        let output = self.output.as_deref();
-        tables::refuse_overwriting(&[output, self.report.as_deref()], &self.field, &surveyed)?;
-        let report = self.report.as_deref().map(PageFile::prepare).transpose()?;
+        let outputs = [&self.output, &self.report];
+        let [output, report] =
+            tables::claim("tune", outputs, self.overwriting, &self.field, &surveyed)?;
         let result = self.tuning(&surveyed)?;
         let usable = usable(&result, &surveyed.machine.loaded.settings);
         let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));

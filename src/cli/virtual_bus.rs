@@ -1,14 +1,13 @@
 //! `tertius run` on `interface = "virtual"`: a recording is played onto the embedded bus.
 
 use super::Failure;
+use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::player::Pace;
 use super::stage::{Record, Stage};
 use crate::bus::{LogWriter, Options, Recording};
 use crate::time::Span;
 use clap::Args;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// The name of the embedded bus in a configuration.
@@ -27,6 +26,8 @@ pub struct PlayOptions {
     /// Writes what the gateway sends on the embedded bus as candump -l would
     #[arg(long, value_name = "FILE.log", requires = "logs")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
 }
 
 impl PlayOptions {
@@ -38,32 +39,21 @@ impl PlayOptions {
         if self.logs.is_empty() {
             return Ok(None);
         }
-        let loaded = Machine::load(config)?.loaded;
-        let settings = &loaded.settings;
+        let machine = Machine::load(config)?;
+        let settings = &machine.loaded.settings;
         wanted(Some(()), &settings.bus.interface)?;
         let recording = Recording::open(&self.logs, Options::default())?;
-        let inputs = [config, &loaded.dbc_path];
-        let record = self.record.as_deref().map(|path| self.create(path, &inputs)).transpose()?;
+        let record = self.record(config, &machine)?;
         // The last open cycle ends, and what follows from it gets past the guard.
         let rest = settings.gateway.guard + settings.machine.sample_time;
         Stage::new(recording, self.speed, Span::from_seconds(rest), record).map(Some)
     }
 
-    fn create(&self, path: &Path, inputs: &[&Path]) -> Result<Record, Failure> {
-        let same = |other: &&Path| match (path.canonicalize(), other.canonicalize()) {
-            (Ok(one), Ok(other)) => one == other && one.is_file(),
-            _ => false,
-        };
+    fn record(&self, config: &Path, machine: &Machine) -> Result<Option<Record>, Failure> {
         let logs = self.logs.iter().map(PathBuf::as_path);
-        if let Some(input) = logs.chain(inputs.iter().copied()).find(same) {
-            return Err(Failure::Wrong(format!(
-                "--record {} would be written over the input {}; name another file",
-                path.display(),
-                input.display()
-            )));
-        }
-        let file = File::create(path).map_err(|error| Failure::creating(path, &error))?;
-        Ok(LogWriter::new(BufWriter::new(file), NAME))
+        let inputs = Inputs::new(logs.chain(machine.files(config)));
+        let [record] = inputs.claim([(self.record.as_deref(), Mark::None)], self.overwriting)?;
+        record.map(|record| Ok(LogWriter::new(record.open()?, NAME))).transpose()
     }
 }
 

@@ -67,7 +67,8 @@ static MACHINE: Table = Table { keys: &[
         whole(1, MOST_CYLINDERS as i128, "Fd_Status, the gateway's own frame, has room for six"),
         "6", "how many cylinders there are"),
     Key::required("sample_time",
-        number(Limits::above(0.0, "the time between two SYNC frames, in seconds").most(10.0)),
+        number(Limits::least(1e-3, "the time between two SYNC frames, in seconds: below 1 ms CAN carries few \
+            frames, and one that waits is in the next cycle; beyond 1 s a clock set back passes for disorder").most(1.0)),
         "0.02", "the sample time Ts, s"),
     Key::required("stroke",
         numbers(2, Limits::finite("the ends of the cylinder's reach in metres")),
@@ -141,7 +142,7 @@ static PLAUSIBILITY: Table = Table { keys: &[
     Key::optional("stale", number(Limits::above(0.0, DURATION).most(3600.0)), "0.1",
         "without a new reading for this long a signal is stale, s"),
     Key::optional("broken_wire_codes", counts(0, 64), "[32767]",
-        "raw counts that mean a broken wire"),
+        "raw counts that mean a broken wire; absent: 32767 of a signal of 16 bits, unless it is valid"),
     Key::optional("status_mask", whole(0, u64::MAX as i128, "bits of an unsigned signal"), "3",
         "the bits of a status signal that mean a broken wire"),
     Key::optional("valid_raw", counts(2, 2), "[1, 27648]",
@@ -163,6 +164,8 @@ static MODEL: Table = Table { keys: &[
         "gamma of (4-1)"),
     Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
         "the command at which a cylinder rests, m/s; (4-1) takes u less this"),
+    Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",
+        "the sample time that theta and gamma are of, s; absent: not known, but for Table 4-1"),
 ] };
 
 #[rustfmt::skip]
@@ -174,6 +177,8 @@ static OBSERVER: Table = Table { keys: &[
         "[1e-8, 1e-2]", "the diagonal of R: position, velocity"),
     Key::optional("settle", number(Limits::least(0.0, DURATION).most(600.0)), "1.0",
         "an observer judges after it has followed its readings for this long, s"),
+    Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",
+        "the sample time that q and r were tuned at, s; absent: not known"),
 ] };
 
 #[rustfmt::skip]
@@ -191,7 +196,7 @@ static COMPARATOR: Table = Table { keys: &[
     Key::optional("low", number(Limits::above(0.0, THRESHOLD)), "1.125e-3",
         "below this R3 counts towards clearing, m; absent: three quarters of bound"),
     Key::optional("critical", number(Limits::above(0.0, THRESHOLD)), "0.05",
-        "the machine's own limit of the difference, m"),
+        "the machine's own limit of the measured difference, m"),
 ] };
 
 #[rustfmt::skip]
@@ -211,8 +216,8 @@ static LEVELS: Table = Table { keys: &[
         "both observers disagree with readings that agree with each other"),
     Key::optional("implausible", level(), "\"orange\"",
         "a reading is stale, out of range, frozen or has a broken wire"),
-    Key::optional("both", level(), "\"red\"", "neither transducer can be relied on"),
-    Key::optional("critical", level(), "\"black\"", "R3 beyond the critical limit"),
+    Key::optional("both", level(), "\"black\"", "neither transducer can be relied on"),
+    Key::optional("critical", level(), "\"black\"", "the measured C1 - C2 beyond the critical limit"),
 ] };
 
 #[rustfmt::skip]
@@ -257,6 +262,8 @@ static CYLINDER: Table = Table { keys: &[
         "gamma of (4-1) for this cylinder"),
     Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
         "the command at which this cylinder rests, m/s"),
+    Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",
+        "the sample time that theta and gamma of this cylinder are of, s; absent: not known"),
     Key::optional("sequential", Kind::Table(&fitted::CYLINDER_SEQUENTIAL), "",
         "what `calibrate` has fitted for the sequential detector"),
 ] };

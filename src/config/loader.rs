@@ -2,6 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, Read};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use super::settings::Settings;
@@ -55,11 +56,10 @@ fn refuse_overwriting(
     inputs: &[&Path],
     document: &Document,
 ) -> Result<(), ConfigError> {
-    let real = fs::canonicalize(history);
-    let same = |input: &&&Path| match (&real, fs::canonicalize(input)) {
-        (Ok(history), Ok(input)) => *history == input,
-        _ => false,
-    };
+    // Under whatever name, hard links among them.
+    let identity = |path: &Path| fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
+    let real = identity(history);
+    let same = |input: &&&Path| real.is_some() && identity(input) == real;
     let Some(input) = inputs.iter().find(same) else { return Ok(()) };
     let message = format!("`sequential.history` would be written over {}", input.display());
     let help = "name a file of its own, for example \"/var/lib/tertius/e-type.dwells\"";
@@ -86,6 +86,11 @@ fn read_dbc(path: &Path, document: &Document) -> Result<Vec<u8>, ConfigError> {
 
 /// The file's bytes; `None` beyond `longest`, of which no more is read.
 fn read(path: &Path, longest: usize) -> io::Result<Option<Vec<u8>>> {
+    // Opening a pipe waits for who writes to it, and it need not end. A folder is told by reading it.
+    let kind = fs::metadata(path)?.file_type();
+    if !kind.is_file() && !kind.is_dir() {
+        return Err(io::Error::other("it is a pipe or a device, expected a file"));
+    }
     let mut bytes = Vec::new();
     File::open(path)?.take(longest as u64 + 1).read_to_end(&mut bytes)?;
     Ok((bytes.len() <= longest).then_some(bytes))

@@ -24,6 +24,7 @@ pub use loader::{Loaded, MAX_DBC_SIZE, load};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
 
+use keys::ROOT;
 use problem::Problems;
 
 /// The longest configuration file, bytes.
@@ -42,14 +43,15 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
     let mut document = Document::new(name, text);
     let mut problems = Problems::default();
     let (mut root, errors) = DeTable::parse_recoverable(text);
-    for error in errors {
-        problems.push_with(|| {
-            let message = format!("not TOML: {}", error.message());
-            let help = "a line is [table], key = value or # comment, each key and table once";
-            document.problem_at(error.span().unwrap_or(0..0), "", message, help.into())
-        });
-    }
-    if !problems.is_empty() {
+    if !errors.is_empty() {
+        let configures = root.get_ref().keys().any(|name| ROOT.key(name.get_ref()).is_some());
+        if !configures {
+            return Err(no_configuration(&document, &errors));
+        }
+        // What follows from the first ones says less and less.
+        for error in errors.iter().take(MAX_SYNTAX) {
+            problems.push_with(|| not_toml(&document, error));
+        }
         return Err(document.error(problems));
     }
     walk::walk(root.get_mut(), &mut document, &mut problems);
@@ -72,6 +74,34 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
             Err(document.error(problems))
         }
     }
+}
+
+/// Of the errors of syntax in a file so many are told.
+const MAX_SYNTAX: usize = 5;
+
+fn not_toml(document: &Document, error: &toml::de::Error) -> Problem {
+    let message = format!("not TOML: {}", error.message());
+    let help = "a line is [table], key = value or # comment, each key and table once";
+    document.problem_at(error.span().unwrap_or(0..0), "", message, help.into())
+}
+
+/// A file in which nothing is known: it is the wrong one, and its lines are not worth a word.
+fn no_configuration(document: &Document, errors: &[toml::de::Error]) -> ConfigError {
+    let is_dbc = |line: &str| line.starts_with("BO_ ") || line.starts_with("BU_:");
+    let problem = if document.text().lines().any(is_dbc) {
+        let help = "give the configuration (TOML) that names this file in `bus.dbc`, for example \
+                    config/e-type.toml; it is checked with its DBC";
+        Problem::of_file(document.name(), "this is a DBC, not a configuration".to_owned(), help)
+    } else {
+        let help = "a configuration is TOML: tables such as [machine] with lines of key = value, for \
+                    example config/e-type.toml; is this the right file?";
+        let first = errors.first().map(|error| not_toml(document, error));
+        let place = first.as_ref().and_then(Problem::place).cloned();
+        let reason = first.map_or_else(String::new, |first| format!(" ({})", first.message));
+        let message = format!("this is no configuration{reason}");
+        Problem { place, ..Problem::of_file(document.name(), message, help) }
+    };
+    document.refuse([problem]).expect("one problem is a refusal")
 }
 
 fn too_long(name: &str) -> ConfigError {

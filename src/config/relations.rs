@@ -137,15 +137,30 @@ impl Relations<'_> {
         );
     }
 
-    /// Estimates that come now and then are worse than none: who relies on them waits for the next.
+    /// Fd_Status is the gateway's proof of life; and estimates that come now and then are worse than
+    /// none: who relies on them waits for the next.
     fn share(&mut self, settings: &Settings) {
         let Settings { machine, bus, gateway, estimate, .. } = settings;
-        let frames = f64::from(machine.cylinders) / machine.sample_time + STATUSES;
-        let least = (frames * FRAME_BITS / f64::from(bus.bitrate) * 1e3).ceil() / 1e3;
+        let share_of = |frames: f64| frames * FRAME_BITS / f64::from(bus.bitrate);
+        let told = |share: f64| (share * 1e3).ceil() / 1e3;
         let default = self.default_note("gateway.bus_share");
         let share = gateway.bus_share;
+        let statuses = share_of(STATUSES);
         self.require(
-            !estimate.send || share >= least,
+            share >= statuses,
+            &["gateway.bus_share", "bus.bitrate"],
+            format!(
+                "`gateway.bus_share` is {share:?}{default}, but at {} bit/s it must be at least {:?}: \
+                 Fd_Status is sent every 100 ms",
+                bus.bitrate,
+                told(statuses)
+            ),
+            "raise it, with room for warnings, for example to twice that; is bus.bitrate right?",
+        );
+        let frames = f64::from(machine.cylinders) / machine.sample_time + STATUSES;
+        let least = told(share_of(frames));
+        self.require(
+            !estimate.send || share >= least || share < statuses,
             &["gateway.bus_share", "estimate.send"],
             format!(
                 "`gateway.bus_share` is {share:?}{default}, but with `estimate.send` it must be at \
@@ -160,8 +175,10 @@ impl Relations<'_> {
         let several = settings.machine.cylinders > 1;
         for (name, signal) in signals.named() {
             let key = format!("signals.cylinder.{name}");
+            // Readings that share a frame may share these; a frame of their own they have is told later.
+            let shared = name.ends_with("_counter") || name.ends_with("_status");
             self.require(
-                !several || signal.contains(PLACEHOLDER),
+                !several || shared || signal.contains(PLACEHOLDER),
                 &[&key],
                 format!(
                     "`{key}` is \"{signal}\" for all {} cylinders: {{n}} is missing in it",

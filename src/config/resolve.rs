@@ -1,12 +1,47 @@
 //! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
 
-use super::settings::{Cylinder, CylinderSequential, CylinderSignals, PLACEHOLDER, Settings};
+use super::settings::{
+    Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
+};
+use crate::decode::{Raw, Signal};
 use crate::sequential::{self, Limits};
 
 /// However many false alarms are allowed, less evidence than this is none, nats.
 const LEAST_LEVEL: f64 = 5.0;
 
+/// The sample time of the thesis's machine, on which Table 4-1 was identified, s.
+const TABLE_4_1_TIME: f64 = 0.02;
+
+/// The overflow code of an S7 analogue input, which has 16 bits.
+const S7_OVERFLOW: i64 = 32767;
+
 impl Settings {
+    /// The lengths that a position of `signal` can have, m: the stroke, and the DBC's [min|max] where no
+    /// raw counts are configured.
+    pub fn valid_lengths(&self, signal: &Signal) -> [f64; 2] {
+        let [lowest, highest] = self.machine.stroke;
+        match (signal.range, self.plausibility.valid_raw) {
+            (Some([minimum, maximum]), None) => [lowest.max(minimum), highest.min(maximum)],
+            _ => [lowest, highest],
+        }
+    }
+
+    /// The raw codes with which a position of `signal` tells a broken wire: those configured; else that
+    /// of an S7 analogue input, if the signal has its 16 bits and no healthy reading has that code.
+    pub fn broken_wire_codes(&self, signal: &Signal) -> Vec<i64> {
+        if let Some(codes) = &self.plausibility.broken_wire_codes {
+            return codes.clone();
+        }
+        let plan = &signal.plan;
+        let is_input = plan.bits() == 16 && !plan.is_float();
+        let [lowest, highest] = self.valid_lengths(signal);
+        let length = plan.physical(Raw::Signed(S7_OVERFLOW));
+        let by_count = self.plausibility.valid_raw;
+        let is_healthy = (lowest..=highest).contains(&length)
+            && by_count.is_none_or(|[low, high]| (low..=high).contains(&S7_OVERFLOW));
+        if is_input && !is_healthy { vec![S7_OVERFLOW] } else { Vec::new() }
+    }
+
     /// Whole cycles nearest to `seconds`.
     pub fn cycles(&self, seconds: f64) -> u32 {
         (seconds / self.machine.sample_time).round() as u32
@@ -23,6 +58,15 @@ impl Settings {
         let theta = own.and_then(|cylinder| cylinder.theta);
         let gamma = own.and_then(|cylinder| cylinder.gamma);
         (theta.unwrap_or(self.model.theta), gamma.unwrap_or(self.model.gamma))
+    }
+
+    /// The sample time that [`Self::model_of`] is of, s; `None` where nobody says. Table 4-1's is known.
+    pub fn model_time_of(&self, n: u8) -> Option<f64> {
+        let own = self.own(n).filter(|own| own.theta.is_some() || own.gamma.is_some());
+        let told = own.map_or(self.model.sample_time, |own| own.sample_time);
+        let table = Model::default();
+        let is_table = self.model_of(n) == (table.theta, table.gamma);
+        told.or(is_table.then_some(TABLE_4_1_TIME))
     }
 
     /// The command at which cylinder `n` rests, m/s: its own, else that of `[model]`.

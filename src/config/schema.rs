@@ -99,6 +99,11 @@ impl Key {
         }
     }
 
+    /// What it is for, and how a person writes it.
+    pub fn meaning(&self) -> String {
+        format!("{}; for example {}", self.what, self.written())
+    }
+
     /// What the value has to be, in words.
     pub fn expected(&self) -> String {
         match &self.kind {

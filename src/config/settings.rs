@@ -133,8 +133,8 @@ pub struct CylinderSignals {
 pub struct Plausibility {
     /// Without a new reading for this long a signal is stale, s.
     pub stale: f64,
-    /// Raw codes that mean a broken wire; 32767 is the overflow code of an S7 analogue input.
-    pub broken_wire_codes: Vec<i64>,
+    /// Raw codes that mean a broken wire; absent: see [`Settings::broken_wire_codes`].
+    pub broken_wire_codes: Option<Vec<i64>>,
     /// Status bits that mean a broken wire, where a status signal is configured.
     pub status_mask: u64,
     /// Valid raw counts `[lowest, highest]`; absent: the DBC's [min|max], and always the stroke.
@@ -151,7 +151,7 @@ impl Default for Plausibility {
     fn default() -> Self {
         Self {
             stale: 0.1,
-            broken_wire_codes: vec![32767],
+            broken_wire_codes: None,
             status_mask: u64::MAX,
             valid_raw: None,
             frozen: 0.1,
@@ -169,6 +169,8 @@ pub struct Model {
     pub gamma: [f64; 2],
     /// The command at which a cylinder rests, m/s; (4-1) has u less this as its input.
     pub command_offset: f64,
+    /// The sample time that they are of, s; absent: see [`Settings::model_time_of`].
+    pub sample_time: Option<f64>,
 }
 
 impl Default for Model {
@@ -177,6 +179,7 @@ impl Default for Model {
             theta: [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023],
             gamma: [0.0926, 6.5427],
             command_offset: 0.0,
+            sample_time: None,
         }
     }
 }
@@ -190,11 +193,13 @@ pub struct Observer {
     pub r: [f64; 2],
     /// An observer judges after it has followed its readings for this long, s.
     pub settle: f64,
+    /// The sample time at which the weights were tuned, s; absent: not known.
+    pub sample_time: Option<f64>,
 }
 
 impl Default for Observer {
     fn default() -> Self {
-        Self { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2], settle: 1.0 }
+        Self { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2], settle: 1.0, sample_time: None }
     }
 }
 
@@ -219,7 +224,7 @@ pub struct Comparator {
     pub bound: f64,
     /// Below this R3 counts towards clearing; absent: three quarters of `bound`.
     pub low: Option<f64>,
-    /// The machine's own "difference too big".
+    /// The machine's own "difference too big", of C1 − C2 as measured.
     pub critical: f64,
 }
 
@@ -260,7 +265,7 @@ pub struct Levels {
     pub implausible: Level,
     /// Neither transducer of a cylinder can be relied on.
     pub both: Level,
-    /// R3 beyond the critical limit, where the machine itself trips.
+    /// The measured C1 − C2 beyond the critical limit, where the machine itself trips.
     pub critical: Level,
 }
 
@@ -271,7 +276,7 @@ impl Default for Levels {
             undecided: Level::Yellow,
             process: Level::Yellow,
             implausible: Level::Orange,
-            both: Level::Red,
+            both: Level::Black,
             critical: Level::Black,
         }
     }
@@ -345,6 +350,8 @@ pub struct Cylinder {
     pub theta: Option<[f64; 5]>,
     pub gamma: Option<[f64; 2]>,
     pub command_offset: Option<f64>,
+    /// The sample time of its own theta and gamma, s; absent: not known.
+    pub sample_time: Option<f64>,
     /// What `calibrate` has fitted; absent: no sequential detector.
     pub sequential: Option<CylinderSequential>,
 }

@@ -14,7 +14,8 @@ use super::schema::{Key, Kind, Scalar, Table};
 
 /// How much of a key or value of the user's a message repeats, in characters.
 const SHOWN: usize = 60;
-/// An unknown key this similar to a missing one is taken for it (1: equal).
+/// What is this similar to a known word (1: equal) is taken for a slip of the pen. Of what is less so
+/// nobody knows what was meant: "amber" has two letters of "red".
 const SIMILAR: f64 = 0.6;
 
 /// Compares the file with the schema, notes where every known key is, and takes unknown keys out,
@@ -124,6 +125,7 @@ impl Walk<'_> {
         self.problems.push_with(|| {
             let found = shown(document.written(span.clone()));
             let message = format!("`{path}` is {found}, but must be {must}");
+            let help = if help.is_empty() { key.meaning() } else { help };
             document.problem_at(span, path, message, help)
         });
     }
@@ -157,7 +159,7 @@ impl Walk<'_> {
             };
             let help = match key.kind {
                 Kind::Table(schema) => format!("{}; write {}", key.what, sketch(&full, schema)),
-                _ => format!("{}; for example {}", key.what, key.written()),
+                _ => key.meaning(),
             };
             document.problem(&full, format!("{} lacks {lacks}", table_name(path)), help)
         });
@@ -174,7 +176,7 @@ impl Walk<'_> {
         let document = &*self.document;
         self.problems.push_with(|| {
             let message = format!("`{path}` is {}, but must be {expected}", type_name(found));
-            let help = format!("{}; for example {}", key.what, key.written());
+            let help = key.meaning();
             document.problem_at(span, path, message, help)
         });
     }
@@ -191,7 +193,7 @@ impl Walk<'_> {
         self.problems.push_with(|| {
             let must = if least == most { least.to_string() } else { format!("{least} to {most}") };
             let message = format!("`{path}` is a list of {found}, but must be one of {must}");
-            let help = format!("{}; for example {}", key.what, key.written());
+            let help = key.meaning();
             document.problem_at(span, path, message, help)
         });
     }
@@ -209,6 +211,7 @@ fn judge(scalar: &Scalar, value: &DeValue<'_>) -> Result<(), Fault> {
                 return Ok(());
             }
             let near = most_similar(text, choices.iter().copied())
+                .filter(|(_, score)| *score >= SIMILAR)
                 .map_or(String::new(), |(near, _)| format!("the nearest is {near}"));
             out_of(format!("one of {}", choices.join(", ")), &near)
         }

@@ -53,6 +53,7 @@ pub(super) fn compile(
     Ok(Some(Message {
         id,
         name: draft.name.clone(),
+        short: draft.short.clone(),
         length: draft.length as usize,
         signals,
         comment: draft.comment.clone(),
@@ -103,9 +104,11 @@ fn check_message(draft: &Draft, own: &mut Vec<Finding>) {
             "frames are padded to 12, 16, 20, 24, 32, 48 or 64 bytes",
         ));
     }
+    // Other statements know a signal by its short name, configurations by either.
     let mut names = HashSet::new();
     for signal in &draft.signals {
-        if !names.insert(signal.parsed.name.as_str()) {
+        let (short, long) = (signal.parsed.name.as_str(), signal.name());
+        if !names.insert(short) || (long != short && !names.insert(long)) {
             own.push(draft.finding(
                 Severity::Error,
                 Concern::DuplicateName,
@@ -222,7 +225,7 @@ fn check_overlaps(
                     Severity::Error,
                     Concern::Overlap,
                     Some(signal),
-                    format!("it shares bits with {}", draft.signals[earlier].parsed.name),
+                    format!("it shares bits with {}", draft.signals[earlier].name()),
                     "correct the start bit or length of one of them",
                 ));
                 break;
@@ -273,7 +276,8 @@ fn signal(draft: &Draft, at: usize, fields: &[Field], routes: &Routes) -> Signal
     let range = [number(parsed.min), number(parsed.max)];
     let meant = range != [0.0, 0.0] && range[0] <= range[1] && range.iter().all(|x| x.is_finite());
     Signal {
-        name: parsed.name.clone(),
+        name: source.name().to_owned(),
+        short: source.long.as_ref().map(|_| parsed.name.clone()),
         unit: parsed.unit.clone(),
         range: meant.then_some(range),
         values: source.values.clone(),

@@ -97,6 +97,7 @@ fn message(statement: &Statement, findings: &mut Findings) -> Result<Option<Draf
         draft.signals.push(DraftSignal {
             line,
             parsed,
+            long: None,
             bare_indicator: text
                 .split(':')
                 .next()
@@ -115,6 +116,7 @@ fn empty_draft(statement: &Statement, id: u64, name: String) -> Draft {
         line: statement.line(),
         id,
         name,
+        short: None,
         length: 0,
         comment: None,
         signals: Vec::new(),
@@ -153,6 +155,10 @@ impl<'a> Gathered<'a> {
     }
 
     fn attach(&mut self, statement: &Statement) -> Result<(), ParseError> {
+        if statement.keyword == Keyword::LongName {
+            self.attach_long_name(statement);
+            return Ok(());
+        }
         let optional = matches!(statement.keyword, Keyword::Values | Keyword::Comment);
         let about = match statement.keyword {
             // CM_ BO_ id …, CM_ SG_ id …; others are about nodes, variables or the whole.
@@ -192,6 +198,41 @@ impl<'a> Gathered<'a> {
                 Ok(())
             }
             Err(error) => Err(error),
+        }
+    }
+
+    /// A name beside the short one. One that is none, or about nothing, is left out: the short name
+    /// still leads to everything.
+    fn attach_long_name(&mut self, statement: &Statement) {
+        let Some(LongName { id, signal, name }) = LongName::read(&statement.text) else {
+            self.warn(statement, None, None, "not understood as a long name".to_owned());
+            return;
+        };
+        let Some(&index) = self.by_id.get(&id) else {
+            self.warn(statement, None, None, format!("there is no message with identifier {id}"));
+            return;
+        };
+        if name.is_empty() || name.len() > MAX_NAME {
+            let message = self.drafts[index].name.clone();
+            let what = format!("a long name of {} bytes, expected 1 to {MAX_NAME}", name.len());
+            self.warn(statement, Some(message), signal.map(str::to_owned), what);
+            return;
+        }
+        let draft = &mut self.drafts[index];
+        let Some(signal) = signal else {
+            if draft.name != name {
+                let short = std::mem::replace(&mut draft.name, name.to_owned());
+                draft.short.get_or_insert(short);
+            }
+            return;
+        };
+        match self.by_name.get(&(index, signal.to_owned())) {
+            Some(&at) => draft.signals[at].long = Some(name.to_owned()),
+            None => {
+                let message = draft.name.clone();
+                let what = "no such signal".to_owned();
+                self.warn(statement, Some(message), Some(signal.to_owned()), what);
+            }
         }
     }
 
@@ -277,6 +318,30 @@ impl<'a> Gathered<'a> {
             what,
             remedy: "the statement is ignored; correct or remove it",
         });
+    }
+}
+
+/// `BA_ "SystemSignalLongSymbol" SG_ 385 Short "Long";`, or of a message with `BO_ 385`.
+struct LongName<'a> {
+    id: u64,
+    signal: Option<&'a str>,
+    name: &'a str,
+}
+
+impl<'a> LongName<'a> {
+    fn read(text: &'a str) -> Option<Self> {
+        let mut parts = text.split('"');
+        let attribute = parts.nth(1)?;
+        let mut about = parts.next()?.split_ascii_whitespace();
+        let name = parts.next()?;
+        let kind = about.next()?;
+        let id = about.next()?.parse().ok()?;
+        let signal = about.next();
+        let fits = match attribute {
+            "SystemMessageLongSymbol" => kind == "BO_" && signal.is_none(),
+            _ => kind == "SG_" && signal.is_some(),
+        };
+        fits.then_some(Self { id, signal, name })
     }
 }
 

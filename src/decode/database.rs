@@ -54,6 +54,7 @@ impl Database {
                 }
             }
         }
+        database.add_short_names();
         findings.sort();
         database.findings = findings;
         Ok(database)
@@ -65,6 +66,22 @@ impl Database {
         self.by_name.insert(message.name.clone(), index);
         self.by_id.insert(message.id, index);
         self.messages.push(message);
+    }
+
+    /// Messages go by their short names, too, but for those that are another's name, or two of them.
+    fn add_short_names(&mut self) {
+        let mut short: HashMap<&str, Option<usize>> = HashMap::new();
+        for (index, message) in self.messages.iter().enumerate() {
+            if let Some(name) = message.short.as_deref() {
+                short.entry(name).and_modify(|known| *known = None).or_insert(Some(index));
+            }
+        }
+        short.retain(|name, _| !self.refused.contains_key(*name));
+        for (name, index) in short {
+            if let Some(index) = index {
+                self.by_name.entry(name.to_owned()).or_insert(index);
+            }
+        }
     }
 
     /// The usable messages, in the file's order.
@@ -93,7 +110,7 @@ impl Database {
         self.by_id.get(&id).map(|&index| &self.messages[index])
     }
 
-    /// The message of that name, letter case respected.
+    /// The message of that name, long or short, letter case respected.
     ///
     /// # Errors
     /// If there is none (with the nearest names), or it has an error.

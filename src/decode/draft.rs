@@ -9,7 +9,10 @@ pub(super) struct Draft {
     pub line: usize,
     /// The number in the file; a number beyond u64 is u64::MAX.
     pub id: u64,
+    /// The long one, where it has one.
     pub name: String,
+    /// The one that the format has room for, where `name` is longer.
+    pub short: Option<String>,
     pub length: u64,
     pub comment: Option<String>,
     pub signals: Vec<DraftSignal>,
@@ -20,7 +23,10 @@ pub(super) struct Draft {
 /// A signal as the file has it.
 pub(super) struct DraftSignal {
     pub line: usize,
+    /// Its name is the one that other statements know it by.
     pub parsed: can_dbc::Signal,
+    /// A name that the format has no room for.
+    pub long: Option<String>,
     /// `m` without a number, which the parser takes for a plain signal.
     pub bare_indicator: bool,
     pub value_type: Option<SignalExtendedValueType>,
@@ -34,6 +40,13 @@ pub(super) struct Multiplex {
     pub line: usize,
     pub multiplexor: String,
     pub ranges: Vec<(u64, u64)>,
+}
+
+impl DraftSignal {
+    /// The long name, where it has one.
+    pub fn name(&self) -> &str {
+        self.long.as_deref().unwrap_or(&self.parsed.name)
+    }
 }
 
 impl Draft {
@@ -50,7 +63,7 @@ impl Draft {
             concern,
             line: signal.map_or(self.line, |signal| signal.line),
             message: Some(self.name.clone()),
-            signal: signal.map(|signal| signal.parsed.name.clone()),
+            signal: signal.map(|signal| signal.name().to_owned()),
             what,
             remedy,
         }

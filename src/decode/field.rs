@@ -93,15 +93,29 @@ impl Field {
     /// The field's bits, right-aligned, zeros above.
     #[inline]
     pub fn bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
-        if self.wide {
-            return self.wide_bits(payload);
-        }
-        // `min` and `&` change nothing: they let the compiler drop its own checks.
-        let at = usize::from(self.at).min(LAST_LOAD);
+        if self.wide { self.wide_bits(payload) } else { self.narrow_bits(payload) }
+    }
+
+    /// Whether it touches nine bytes.
+    pub fn is_wide(&self) -> bool {
+        self.wide
+    }
+
+    /// The bits of a field that is not wide.
+    #[inline(always)]
+    fn narrow_bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
+        let at = usize::from(self.at);
         let bytes: [u8; 8] = payload[at..at + 8].try_into().expect("the slice is eight bytes");
         let word =
             if self.motorola { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) };
+        // `&` changes nothing: it lets the compiler drop its own check.
         (word >> (self.shift & 63)) & self.mask
+    }
+
+    /// As [`Self::integer`], of a field that is not wide.
+    #[inline(always)]
+    pub fn narrow_integer(&self, payload: &[u8; MAX_DATA]) -> i64 {
+        (self.narrow_bits(payload) ^ self.sign).wrapping_sub(self.sign) as i64
     }
 
     #[cold]

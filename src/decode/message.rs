@@ -7,7 +7,10 @@ use crate::frame::Id;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
     pub id: Id,
+    /// The long name (`SystemMessageLongSymbol`), where the file has one.
     pub name: String,
+    /// The name in its `BO_`, where there is a longer one.
+    pub short: Option<String>,
     /// The payload's length in bytes, 0 to 64.
     pub length: usize,
     /// In the file's order.
@@ -18,16 +21,20 @@ pub struct Message {
 }
 
 impl Message {
-    /// The signal of that name, letter case respected.
+    /// The signal of that name, long or short, letter case respected.
     pub fn signal(&self, name: &str) -> Option<&Signal> {
-        self.signals.iter().find(|signal| signal.name == name)
+        let is_it = |signal: &&Signal| signal.name == name || signal.short.as_deref() == Some(name);
+        self.signals.iter().find(is_it)
     }
 }
 
 /// A signal of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
+    /// The long name (`SystemSignalLongSymbol`), where the file has one.
     pub name: String,
+    /// The name in its `SG_`, where there is a longer one.
+    pub short: Option<String>,
     /// As in the file; empty where it has none.
     pub unit: String,
     /// \[min|max\] in the signal's unit; `None` where the file has \[0|0\] or no range that makes

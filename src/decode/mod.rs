@@ -26,7 +26,7 @@ pub use finding::{Concern, Finding, Severity};
 pub use lookup::LookupError;
 pub use message::{Message, Signal};
 pub use parse_error::ParseError;
-pub use plan::SignalPlan;
+pub use plan::{Plain, SignalPlan};
 pub use value::{Decoded, Inserted, Raw, Value};
 
 /// The longest DBC text that is read, in bytes.

@@ -187,7 +187,7 @@ impl Resolver<'_> {
                 Severity::Warning,
                 Concern::Multiplexing,
                 Some(signal),
-                format!("selected by {} only beyond its highest value {highest}", by.parsed.name),
+                format!("selected by {} only beyond its highest value {highest}", by.name()),
                 "no frame ever carries the signal; correct the number or the multiplexor's length",
             ));
         }

@@ -43,6 +43,26 @@ pub struct SignalPlan {
     gates: Box<[Gate]>,
 }
 
+/// A signal of the usual kind, which [`SignalPlan::plain`] gives: an integer that an i64 and eight bytes
+/// hold, in every frame of its message that is long enough, and always a finite number. Reading it asks
+/// nothing any more.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain {
+    factor: f64,
+    offset: f64,
+    field: Field,
+}
+
+impl Plain {
+    /// The count and the number that it stands for, as [`SignalPlan::decode`] has them; the payload must
+    /// have [`SignalPlan::needed_length`] bytes.
+    #[inline(always)]
+    pub fn read(&self, payload: &[u8; MAX_DATA]) -> (i64, f64) {
+        let integer = self.field.narrow_integer(payload);
+        (integer, integer as f64 * self.factor + self.offset)
+    }
+}
+
 impl SignalPlan {
     pub(super) fn new(
         field: Field,
@@ -52,6 +72,17 @@ impl SignalPlan {
         gates: Box<[Gate]>,
     ) -> Self {
         Self { factor, offset, field, form, gates }
+    }
+
+    /// The signal as one that is read without a question; `None` if it has to be asked.
+    pub fn plain(&self) -> Option<Plain> {
+        let Self { factor, offset, field, form, .. } = *self;
+        let largest = 2_f64.powi(field.length() as i32) * factor.abs() + offset.abs();
+        let plain = form == Form::Integer
+            && self.gates.is_empty()
+            && !field.is_wide()
+            && largest.is_finite();
+        plain.then_some(Plain { factor, offset, field })
     }
 
     /// Reads the signal. The frame's identifier is not looked at: it must be the message's.
@@ -203,6 +234,32 @@ impl SignalPlan {
     /// Whether a multiplexor decides if a frame carries the signal.
     pub fn is_multiplexed(&self) -> bool {
         !self.gates.is_empty()
+    }
+
+    /// Whether the multiplexors of `frame` select the signal; `None` if the frame is too short for
+    /// them.
+    pub fn is_carried_by(&self, frame: &Frame) -> Option<bool> {
+        match self.pass_gates(frame) {
+            Ok(()) => Some(true),
+            Err(Decoded::Short) => None,
+            Err(_) => Some(false),
+        }
+    }
+
+    /// Whether every frame that carries `other`, a signal of the same message, carries this one, too.
+    pub fn accompanies(&self, other: &Self) -> bool {
+        let within = |inner: &Gate, outer: &Gate| {
+            inner.field == outer.field
+                && inner.ranges.iter().all(|&(from, to)| {
+                    outer.ranges.iter().any(|&(low, high)| low <= from && to <= high)
+                })
+        };
+        self.gates.iter().all(|outer| other.gates.iter().any(|inner| within(inner, outer)))
+    }
+
+    /// Whether the same frames carry both, signals of one message.
+    pub fn is_on_page_of(&self, other: &Self) -> bool {
+        self.accompanies(other) && other.accompanies(self)
     }
 
     /// The bytes that a payload must have to carry the signal and its multiplexors.

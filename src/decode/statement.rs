@@ -20,6 +20,8 @@ pub(super) enum Keyword {
     Multiplex,
     /// `CM_`
     Comment,
+    /// `BA_ "System…LongSymbol"`: a name that is longer than the format allows.
+    LongName,
 }
 
 /// A statement, cleaned: no comments, no line breaks outside of strings but before `SG_`.
@@ -71,6 +73,10 @@ const IGNORED: [&str; 24] = [
     "BU_EV_REL_",
 ];
 
+/// Names are 32 characters in the format; Vector's tools keep longer ones in these attributes. Nodes
+/// and environment variables have such, too, but nobody asks for them here.
+const LONG_NAMES: [&str; 2] = ["\"SystemMessageLongSymbol\"", "\"SystemSignalLongSymbol\""];
+
 /// Splits `text` into the statements that matter, in their order. Unknown keywords become
 /// warnings.
 ///
@@ -115,6 +121,9 @@ impl Splitter<'_> {
             "SIG_VALTYPE_" => self.open(Keyword::ValueType, piece),
             "SG_MUL_VAL_" => self.open(Keyword::Multiplex, piece),
             "CM_" => self.open(Keyword::Comment, piece),
+            "BA_" if LONG_NAMES.iter().any(|name| text[end..].trim_start().starts_with(name)) => {
+                self.open(Keyword::LongName, piece);
+            }
             "SG_" => self.add_signal(piece)?,
             "NS_" | "BU_" => self.current = Current::Names,
             _ if IGNORED.contains(&word) => self.current = Current::Skipped,

@@ -106,6 +106,7 @@ fn syntax_at(keyword: Keyword, line: usize, text: &str, reason: String) -> Parse
         Keyword::Values => "VAL_ identifier Signal 0 \"off\" 1 \"on\" ;",
         Keyword::ValueType => "SIG_VALTYPE_ identifier Signal : 1;",
         Keyword::Multiplex => "SG_MUL_VAL_ identifier Signal Multiplexor 0-3, 5-5;",
+        Keyword::LongName => "BA_ \"SystemSignalLongSymbol\" SG_ identifier Signal \"LongName\";",
         Keyword::Comment => "CM_ SG_ identifier Signal \"text\";",
     };
     ParseError::Syntax { line, found: excerpt(text.trim()), reason, form }

@@ -1,5 +1,6 @@
 //! θ and γ of one cylinder by (4-7) and (4-8).
 
+use super::moments::Spread;
 use super::qr::{LARGEST_CONDITION, NoRegression, Regression, Triangle};
 use super::refusal::Refusal;
 use super::shaper::{Sample, Shaper};
@@ -72,7 +73,7 @@ pub struct Estimator {
     last: Option<Sample>,
     triangle: Triangle<COLUMNS>,
     /// Every row that was taken, for who wants to compare.
-    command: super::moments::Spread,
+    command: Spread,
 }
 
 impl Estimator {
@@ -104,7 +105,7 @@ impl Estimator {
     /// The parameters.
     ///
     /// # Errors
-    /// Too few rows, or signals that cannot be told apart.
+    /// Too few rows, signals that cannot be told apart, or a rest at a command that never was.
     pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, Refusal> {
         let plain = || self.fit(false);
         let estimate = match rule {
@@ -116,6 +117,12 @@ impl Estimator {
                 _ => plain()?,
             },
         };
+        if let Some(offset) = estimate.command_offset.filter(|offset| offset.is_finite())
+            && !(self.command.low..=self.command.high).contains(&offset)
+        {
+            let Spread { low, high, .. } = self.command;
+            return Err(Refusal::RestNeverCommanded { offset, low, high });
+        }
         let numbers = estimate.theta.iter().chain(&estimate.gamma).chain(&estimate.command_offset);
         if numbers.copied().all(f64::is_finite) { Ok(estimate) } else { Err(Refusal::NotFinite) }
     }

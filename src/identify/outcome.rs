@@ -131,8 +131,41 @@ impl Outcome {
     }
 }
 
-/// Open loop, below this a model says less of the position than its mean does, %.
+/// Open loop, below this a model says less of a signal than its mean does, %.
 const SAYS_NOTHING: f64 = 0.0;
+
+/// Open loop, below this a position is farther off than any other one of the recording, taken at
+/// random, would be: that has twice the variance, %.
+const SAYS_LESS_THAN_CHANCE: f64 = -100.0;
+
+/// What the thesis asks of a model, % (section 4-3).
+pub const ASKED: f64 = 90.0;
+
+/// A model that does not follow a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stray {
+    /// The cylinder that it was tried on.
+    pub on: u8,
+    /// VAF of position and velocity, simulated open loop, %.
+    pub position: f64,
+    pub velocity: f64,
+}
+
+impl Outcome {
+    /// The cylinders that the model of cylinder `of` does not follow: simulated by the commands alone
+    /// it says less of the velocity than that it is constant, or less of the position than chance. A
+    /// position that merely drifts off is none of these (see [`CylinderOutcome::runs_away`]).
+    pub fn strays(&self, of: u8) -> Vec<Stray> {
+        let stray = |on: u8| {
+            let fit = self.simulated(of, on).filter(|fit| fit.position.count() > 0)?;
+            let (position, velocity) = (fit.position.vaf(), fit.velocity.vaf());
+            // What ran beyond the finite numbers has no VAF at all.
+            let follows = velocity > SAYS_NOTHING && position >= SAYS_LESS_THAN_CHANCE;
+            (!follows).then_some(Stray { on, position, velocity })
+        };
+        self.cylinders.iter().filter_map(|cylinder| stray(cylinder.number)).collect()
+    }
+}
 
 impl CylinderOutcome {
     /// Whether the model of cylinder `of` runs away from this cylinder when it is simulated.

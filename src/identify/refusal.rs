@@ -60,6 +60,13 @@ pub enum Refusal {
          them, for example other speeds or loads"
     )]
     Collinear { equation: &'static str, among: String, condition: f64, most: f64 },
+    #[error(
+        "it would rest at a command of {offset:.4} m/s, but was commanded {low:.4} to {high:.4} m/s \
+         only: no rest was seen that this could come from; check the command's factor and offset in \
+         the DBC and whether it is the speed that was asked for, record motion both ways, or leave \
+         the offset out (--offset never)"
+    )]
+    RestNeverCommanded { offset: f64, low: f64, high: f64 },
     #[error("the fitted model holds a number that is not finite")]
     NotFinite,
 }

@@ -74,7 +74,7 @@ pub fn place(
     let shape = match fault.wanted {
         Wanted::Shape(shape) => shape,
         Wanted::BrokenWire(code) => {
-            let configured = settings.plausibility.broken_wire_codes.first().copied();
+            let configured = settings.broken_wire_codes(signal).first().copied();
             Shape::Constant(Code::Raw(code.or(configured).unwrap_or(BROKEN_WIRE)))
         }
         Wanted::OutOfRange(code) => {
@@ -99,12 +99,7 @@ impl Valid {
             return Self { codes: None, values: signal.range };
         }
         let codes = settings.plausibility.valid_raw;
-        let [low, high] = settings.machine.stroke;
-        let values = match (signal.range, codes) {
-            (Some([lowest, highest]), None) => [low.max(lowest), high.min(highest)],
-            _ => [low, high],
-        };
-        Self { codes, values: Some(values) }
+        Self { codes, values: Some(settings.valid_lengths(signal)) }
     }
 
     /// The value asked for, or one just above the range; refused where it would be within.

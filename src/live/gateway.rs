@@ -9,6 +9,7 @@ use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell, Moved};
 use crate::time::{Span, Timestamp};
 use std::time::Duration;
+use thiserror::Error;
 
 /// Hears what the gateway does, to log and count it. It must never wait for anything.
 pub trait Journal {
@@ -55,6 +56,20 @@ pub struct Turn {
     /// The interface takes no more for now.
     pub full: bool,
 }
+
+/// Why nobody on the bus was told that the gateway stops.
+#[derive(Debug, Error)]
+pub enum Unsaid {
+    #[error(transparent)]
+    Port(#[from] PortError),
+    #[error("the controller is bus-off")]
+    BusOff,
+    #[error("the interface takes no frame: its queue is full, and nobody acknowledges")]
+    Full,
+}
+
+/// How often the last words are handed to an interface that takes nothing.
+const LAST_TRIES: u32 = 25;
 
 /// The data path of the live gateway: what [`crate::monitor`] does to a recording, done to a port.
 /// Nothing on it waits for a disk, a log or a client; it waits for frames alone.
@@ -117,18 +132,33 @@ impl Gateway {
         Ok(Turn { received, sent, full })
     }
 
-    /// Says on the bus that nothing more will come.
+    /// Says on the bus that nothing more will come, within the gateway's share of it. An interface
+    /// that takes nothing gets some more tries, each after at most `patience`.
     ///
     /// # Errors
-    /// As [`Self::turn`].
+    /// Why the interface did not take it: nobody knows that the gateway stops.
     pub fn stop(
         &mut self,
         port: &mut dyn Port,
+        patience: Duration,
         journal: &mut impl Journal,
-    ) -> Result<(), PortError> {
+    ) -> Result<(), Unsaid> {
         let frame = self.monitor.last_words(self.now);
-        self.outbox.put(frame);
-        self.send(port, journal).map(drop)
+        self.outbox.close(frame);
+        for _ in 0..LAST_TRIES {
+            if self.health.is_off() {
+                return Err(Unsaid::BusOff);
+            }
+            self.send(port, journal)?;
+            if self.outbox.waiting() == 0 {
+                return Ok(());
+            }
+            let health = &mut self.health;
+            port.receive(patience, &mut |frame| {
+                _ = ErrorFrame::read(frame).map(|error| health.take(&error));
+            })?;
+        }
+        Err(Unsaid::Full)
     }
 
     fn receive(

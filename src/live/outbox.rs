@@ -2,6 +2,8 @@
 
 use crate::alarm::OwnFrame;
 use crate::alarm::frames::FRAME_BITS;
+use crate::alarm::register::PLACES;
+use crate::alarm::status::MAX_CYLINDERS;
 use crate::frame::Id;
 use crate::time::{Span, Timestamp};
 use std::collections::VecDeque;
@@ -19,9 +21,26 @@ pub struct Limits {
     pub bitrate: f64,
     /// The part of the bus that the gateway may take, 0 to 1.
     pub share: f64,
-    /// So many frames may go out at once after a quiet time.
+    /// So many frames may go out at once after a quiet time, the last words among them.
     pub burst: u32,
 }
+
+/// Warnings that can stand at once on the largest machine.
+const STANDING: usize = PLACES * MAX_CYLINDERS;
+
+impl Limits {
+    /// Warnings that wait at most: two for each that can stand, as where one is raised and cleared
+    /// before the first could be sent.
+    pub const WAITING: usize = 2 * STANDING;
+
+    /// Frames that may go out at once: every warning that can stand, the estimates of two cycles, a
+    /// status and the last words.
+    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + LAST_WORDS;
+}
+
+/// Frames that no other one takes from what may go out at once: the status of a gateway that stops
+/// goes out whatever went before it, and still keeps to the share.
+const LAST_WORDS: u32 = 1;
 
 /// What became of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,7 +61,8 @@ pub struct OutboxCounts {
 /// Frames on their way out, in the order in which they came to be. The status has a place of its own,
 /// so that a storm of warnings neither displaces nor, once the rate limit holds frames back, delays
 /// it; a newer one takes the place of one that still waits. Estimates come last of all, and leave what
-/// may go out at once to the others, but for two cycles' worth.
+/// may go out at once to the others, but for two cycles' worth. After the last words ([`Self::close`])
+/// nothing follows.
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: Limits,
@@ -55,6 +75,8 @@ pub struct Outbox {
     /// Frames that may go out now; fractions of one accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
+    /// The status that waits is the last of all frames.
+    closing: bool,
     counts: OutboxCounts,
 }
 
@@ -70,6 +92,7 @@ impl Outbox {
             estimates: VecDeque::with_capacity(limits.estimates),
             credit: f64::from(limits.burst),
             accrued: None,
+            closing: false,
             counts: OutboxCounts::default(),
         }
     }
@@ -89,6 +112,9 @@ impl Outbox {
 
     /// Takes a frame; its time stamp is when it came to be.
     pub fn put(&mut self, frame: OwnFrame) {
+        if self.closing {
+            return;
+        }
         if frame.as_frame().id == self.status_id {
             self.counts.superseded += u64::from(self.status.is_some());
             self.status = Some(frame);
@@ -110,6 +136,15 @@ impl Outbox {
         self.warnings.push_back(frame);
     }
 
+    /// Takes the last words, a status: warnings that wait still go before it where the rate limit
+    /// lets them, and nothing goes after it.
+    pub fn close(&mut self, last_words: OwnFrame) {
+        self.counts.outdated += self.estimates.len() as u64;
+        self.estimates.clear();
+        self.put(last_words);
+        self.closing = true;
+    }
+
     /// The frame that may be sent at `now`, if any; [`Self::sent`] takes it out.
     pub fn next(&mut self, now: Timestamp) -> Option<&OwnFrame> {
         self.accrue(now);
@@ -118,11 +153,17 @@ impl Outbox {
         if !urgent && self.estimates.is_empty() {
             return None;
         }
-        if self.credit < 1.0 + if urgent { 0.0 } else { self.reserve() } {
+        let status = self.is_status_next();
+        let reserve = match (urgent, status && self.closing) {
+            (false, _) => self.reserve(),
+            (true, false) => f64::from(LAST_WORDS),
+            (true, true) => 0.0,
+        };
+        if self.credit < 1.0 + reserve {
             self.counts.held_back += 1;
             return None;
         }
-        match (urgent, self.is_status_next()) {
+        match (urgent, status) {
             (false, _) => self.estimates.front(),
             (true, true) => self.status.as_ref(),
             (true, false) => self.warnings.front(),
@@ -131,7 +172,8 @@ impl Outbox {
 
     /// What estimates leave of the frames that may go out at once.
     fn reserve(&self) -> f64 {
-        (f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64).max(0.0)
+        let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
+        others.max(f64::from(LAST_WORDS))
     }
 
     /// The frame of the last [`Self::next`] went out.
@@ -140,6 +182,10 @@ impl Outbox {
             self.estimates.pop_front();
         } else if self.is_status_next() {
             self.status = None;
+            if self.closing {
+                self.counts.crowded_out += self.warnings.len() as u64;
+                self.warnings.clear();
+            }
         } else {
             self.take_warning();
         }
@@ -157,7 +203,7 @@ impl Outbox {
     }
 
     fn is_status_next(&self) -> bool {
-        let scarce = self.credit < self.urgent() as f64;
+        let scarce = self.credit - f64::from(LAST_WORDS) < self.urgent() as f64;
         self.status.is_some() && (self.ahead == 0 || scarce)
     }
 
@@ -176,7 +222,8 @@ impl Outbox {
     fn drop_old(&mut self, now: Timestamp) {
         let age = self.limits.age;
         let old = |frame: &OwnFrame| now.since(frame.as_frame().timestamp) > age;
-        if self.status.as_ref().is_some_and(old) {
+        // The last words stay true.
+        if !self.closing && self.status.as_ref().is_some_and(old) {
             self.status = None;
             self.counts.too_old += 1;
         }
@@ -193,170 +240,4 @@ impl Outbox {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::alarm::status::Status;
-    use crate::alarm::{Detector, Encoder, Finding, Level};
-    use crate::verdict::{Fault, Suspect};
-
-    const MS: i64 = 1_000_000;
-
-    fn at(ms: i64) -> Timestamp {
-        Timestamp::from_nanos(ms * MS)
-    }
-
-    fn limits() -> Limits {
-        // 13,500 bits a second: 100 frames, one every 10 ms.
-        Limits {
-            waiting: 4,
-            estimates: 6,
-            age: Span::from_seconds(0.05),
-            bitrate: 270_000.0,
-            share: 0.05,
-            burst: 2,
-        }
-    }
-
-    fn encoder() -> Encoder {
-        Encoder::new(81).expect("81 is a node")
-    }
-
-    fn outbox() -> Outbox {
-        Outbox::new(limits(), Id::standard(0x1D1).expect("eleven bits"))
-    }
-
-    fn warning(encoder: &mut Encoder, ms: i64, cylinder: u8) -> OwnFrame {
-        let finding = Finding {
-            fault: Fault::Abrupt,
-            suspect: Suspect::C1,
-            level: Level::Yellow,
-            residual: Some(0.0),
-            threshold: Some(0.0),
-            evidence: None,
-        };
-        encoder.warning(at(ms), cylinder, Detector::Fde1, &finding, true)
-    }
-
-    #[test]
-    fn a_storm_keeps_to_its_share_of_the_bus() {
-        let (mut outbox, mut encoder) = (outbox(), encoder());
-        let mut sent = Vec::new();
-        for ms in 0..2000 {
-            outbox.put(warning(&mut encoder, ms, 1));
-            while outbox.next(at(ms)).is_some() {
-                outbox.sent();
-                sent.push(ms);
-            }
-        }
-        assert!(sent.len() <= 2 + 200 && sent.len() >= 199, "{}", sent.len());
-        for (from, to) in sent.iter().zip(&sent[12..]) {
-            assert!(to - from >= 99, "never more than the burst beyond 10 frames in 100 ms");
-        }
-        assert!(outbox.counts().crowded_out > 1700);
-    }
-
-    #[test]
-    fn a_status_is_not_displaced_by_warnings() {
-        let (mut outbox, mut encoder) = (outbox(), encoder());
-        (0..9).for_each(|_| outbox.put(warning(&mut encoder, 0, 1)));
-        outbox.put(encoder.status(at(0), &Status::default()));
-        let first = outbox.next(at(0)).expect("there is credit").as_frame().id.value();
-        assert_eq!(first, 0x1D1);
-    }
-
-    #[test]
-    fn frames_go_out_in_the_order_in_which_they_came_to_be() {
-        let mut encoder = encoder();
-        let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
-        outbox.put(warning(&mut encoder, 0, 1));
-        outbox.put(encoder.status(at(0), &Status::default()));
-        outbox.put(warning(&mut encoder, 0, 2));
-        let mut ids = Vec::new();
-        while let Some(frame) = outbox.next(at(0)) {
-            ids.push(frame.as_frame().id.value());
-            outbox.sent();
-        }
-        assert_eq!(ids, [0x2D1, 0x1D1, 0x2D1]);
-    }
-
-    #[test]
-    fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
-        let mut encoder = encoder();
-        let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
-        for cycle in 0..3 {
-            for cylinder in 1..=6 {
-                outbox.put(encoder.estimate(at(cycle * 20), cylinder, None));
-            }
-        }
-        outbox.put(warning(&mut encoder, 40, 1));
-        outbox.put(encoder.status(at(40), &Status::default()));
-        let mut sent = Vec::new();
-        while let Some(frame) = outbox.next(at(40)) {
-            let frame = frame.as_frame();
-            sent.push((frame.id.value(), frame.data()[2], frame.timestamp));
-            outbox.sent();
-        }
-        let estimates = (12..18).map(|counter| (0x3D1, counter, at(40)));
-        let expected = [(0x2D1, 0, at(40)), (0x1D1, 0, at(40))].into_iter().chain(estimates);
-        assert!(sent.iter().copied().eq(expected), "{sent:?}");
-        assert_eq!((outbox.counts().outdated, outbox.counts().superseded), (12, 0));
-    }
-
-    /// 300 estimates a second, and 100 frames that may go out.
-    #[test]
-    fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
-        let (mut outbox, mut encoder) = (outbox(), encoder());
-        outbox.limits = Limits { burst: 20, ..outbox.limits };
-        let (mut estimates, mut warnings) = (0, 0);
-        for ms in 0..2000 {
-            if ms % 20 == 0 {
-                (1..=6).for_each(|n| outbox.put(encoder.estimate(at(ms), n, None)));
-            }
-            let warns = ms % 500 == 499;
-            if warns {
-                (0..4).for_each(|_| outbox.put(warning(&mut encoder, ms, 1)));
-            }
-            let before = warnings;
-            while let Some(frame) = outbox.next(at(ms)) {
-                (estimates, warnings) = match frame.is_estimate() {
-                    true => (estimates + 1, warnings),
-                    false => (estimates, warnings + 1),
-                };
-                outbox.sent();
-            }
-            assert_eq!(warnings - before, if warns { 4 } else { 0 }, "at once, at {ms}");
-        }
-        assert!((190..=200 + 20).contains(&(estimates + warnings)), "{estimates} {warnings}");
-    }
-
-    #[test]
-    fn what_is_too_old_is_never_sent() {
-        let (mut outbox, mut encoder) = (outbox(), encoder());
-        outbox.put(warning(&mut encoder, 0, 1));
-        outbox.put(encoder.status(at(0), &Status::default()));
-        outbox.put(warning(&mut encoder, 30, 2));
-        let next = outbox.next(at(51)).expect("the newest is young enough");
-        assert_eq!(next.as_frame().timestamp, at(30));
-        assert_eq!(outbox.counts().too_old, 2);
-        assert!(outbox.next(at(81)).is_none());
-    }
-
-    #[test]
-    fn a_clock_that_was_set_back_gives_no_credit() {
-        let (mut outbox, mut encoder) = (outbox(), encoder());
-        let mut send = |outbox: &mut Outbox, ms| {
-            outbox.put(warning(&mut encoder, ms, 1));
-            let may = outbox.next(at(ms)).is_some();
-            if may {
-                outbox.sent();
-            }
-            may
-        };
-        assert!(send(&mut outbox, 1_000_000));
-        assert!(send(&mut outbox, 1_000_000));
-        for _ in 0..100 {
-            assert!(!send(&mut outbox, 5), "the burst is used up");
-        }
-        assert!(send(&mut outbox, 15), "and it goes on from the new time");
-    }
-}
+mod tests;

@@ -39,6 +39,8 @@ pub trait Surroundings: Journal {
     fn opened(&mut self, port: &dyn Port);
     /// The port is lost, or could not be opened. Told once for each new reason.
     fn lost(&mut self, reason: &str);
+    /// The gateway stops, and the bus was not told, for `reason`.
+    fn unsaid(&mut self, reason: &str);
     /// `port` was open and is lost, whether or not the reason is a new one.
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         _ = (gateway, port);
@@ -77,7 +79,10 @@ pub fn run(
             Err(reason) => back_off.lost(&reason, surroundings),
         }
         match surroundings.wish() {
-            Wish::Stop => return gateway,
+            Wish::Stop => {
+                surroundings.unsaid("the interface is not open");
+                return gateway;
+            }
             Wish::Reload => {
                 if let Some(reloaded) = surroundings.reload(&gateway) {
                     (gateway, opener) = reloaded;
@@ -119,8 +124,9 @@ fn serve(
         match surroundings.wish() {
             Wish::GoOn => {}
             Wish::Stop => {
-                // The bus may be away just now; then nobody is there to be told.
-                _ = gateway.stop(port, surroundings);
+                if let Err(reason) = gateway.stop(port, FULL_PAUSE, surroundings) {
+                    surroundings.unsaid(&reason.to_string());
+                }
                 return End::Stop;
             }
             Wish::Reload => {

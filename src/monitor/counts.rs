@@ -15,10 +15,12 @@ pub struct Counts {
     pub incomplete: u64,
     /// Cycles that should have opened and did not.
     pub missing: u64,
-    /// Frames after the deadline of their cycle.
+    /// Frames that came when their cycle was decided: after its deadline, or in a later cycle.
     pub late: u64,
-    /// Frames that came twice in a cycle; the first one counts.
+    /// Frames that came twice.
     pub repeated: u64,
+    /// Frames that came before their cycle opened, and were kept for it.
+    pub held: u64,
     /// Signals that their frame was too short for, or whose value is not a finite number.
     pub bad_signals: u64,
     /// Frames with a time stamp before the one before.

@@ -1,23 +1,29 @@
 //! One cylinder: from what arrived in a cycle to what its detectors find.
 
 mod agreement;
+mod allowing;
 mod estimating;
 mod findings;
+mod judging;
+mod precedence;
+mod telling;
 
 use super::gate::Opening;
 use super::implausible::Implausible;
-use super::sink::Record;
 use crate::compare::Comparator;
 use crate::config::settings::Levels;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
-use crate::sample::plausibility::{Limits, Moment, Plausibility};
+use crate::observe::observer::{Design, Measurement, Observer, Restart};
+use crate::sample::motion::Motion;
+use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Dwell, DwellHistory, Moved, Sequential};
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Bank, BankDesign, Residuals, Verdict};
+use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
+use precedence::Precedence;
+pub use telling::Evaluated;
 
 /// What one cylinder is monitored by.
 #[derive(Clone, Debug)]
@@ -31,7 +37,6 @@ pub struct CylinderDesign {
     pub awaited: u16,
     /// C1 and C2; a cylinder without C2 never judges it.
     pub limits: [Limits; 2],
-    pub counter_bits: [Option<u32>; 2],
     /// The command at which the cylinder rests, m/s.
     pub command_offset: f64,
     /// Cycles without a command until it is stale.
@@ -44,7 +49,7 @@ pub struct CylinderDesign {
     /// `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
     pub estimate: estimate::Design,
-    /// |R3| at which the machine itself trips, m.
+    /// The measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
     /// Good readings for this long clear a plausibility warning.
@@ -90,39 +95,52 @@ pub struct Cylinder {
     /// Still to be evaluated in the open cycle.
     pub pending: bool,
     plausibility: [Plausibility; 2],
+    motions: [Motion; 2],
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     agreement: Agreement,
+    precedence: Precedence,
     /// `None` where nobody wants its estimates.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
+    /// Of the measured C1 − C2.
+    critical: Trigger,
+    /// C1 − C2 as measured last, m.
+    apart: f64,
     was_critical: bool,
     command_missing: u32,
-    moving: bool,
+    push: Option<Push>,
     judged: [bool; 2],
     tally: Tally,
 }
 
 impl Cylinder {
     pub fn new(design: CylinderDesign) -> Self {
-        let plausibility =
-            |i: usize| Plausibility::new(design.limits[i].clone(), design.counter_bits[i]);
+        let plausibility = |i: usize| Plausibility::new(design.limits[i].clone());
         Self {
             inputs: Inputs::default(),
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
+            motions: [Motion::default(); 2],
             implausible: std::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             agreement: Agreement::default(),
+            precedence: Precedence::default(),
             sensor: None,
             estimated: None,
+            critical: Trigger::new(Thresholds {
+                low: design.critical,
+                high: design.critical,
+                clear: design.clear,
+            }),
+            apart: 0.0,
             was_critical: false,
             command_missing: 0,
-            moving: false,
+            push: None,
             judged: [false; 2],
             tally: Tally::default(),
             design,
@@ -150,11 +168,6 @@ impl Cylinder {
         }
     }
 
-    /// Times that an alive counter of C1 and C2 jumped.
-    pub fn counter_jumps(&self) -> [u64; 2] {
-        [self.plausibility[0].counter_jumps(), self.plausibility[1].counter_jumps()]
-    }
-
     /// Puts a decoded value into its place; `false` if it is not a finite number there.
     pub fn put(&mut self, field: Field, value: Value) -> bool {
         let inputs = &mut self.inputs;
@@ -169,7 +182,7 @@ impl Cylinder {
                 true
             }
             Field::Counter(transducer) => {
-                inputs.counter(transducer, bits(value));
+                inputs.counted(transducer);
                 true
             }
             Field::Command => inputs.command(value.physical),
@@ -199,21 +212,24 @@ impl Cylinder {
         TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.judged[t as usize])
     }
 
-    /// Evaluates the cycle. `restarted` hears of observers that start anew.
+    /// Evaluates the cycle; afterwards its inputs are to be cleared. `restarted` hears of observers
+    /// that start anew.
     pub fn evaluate(
         &mut self,
         now: Evaluation,
         mut restarted: impl FnMut(Transducer, Restart),
-    ) -> Record {
+    ) -> Evaluated {
         self.pending = false;
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
         let moment = Moment {
-            cycle: now.cycle,
             live: now.live,
-            moving: self.moving && now.gate == Opening::Open,
+            push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
         };
-        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required).copied());
+        let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
+        for (motion, reading) in self.motions.iter_mut().zip(&readings) {
+            motion.follow(reading.as_ref().map(|reading| reading.position));
+        }
         let mut good = [None; 2];
         let mut innovations = [None; 2];
         for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
@@ -222,11 +238,7 @@ impl Cylinder {
             }
             let moment = Moment { other: self.relied_on(1 - i, &readings), ..moment };
             good[i] = self.check(i, readings[i].as_ref(), moment, now.at);
-            let measurement = good[i].map(|reading| Measurement {
-                position: reading.position,
-                velocity: reading.velocity,
-            });
-            let (innovation, restart) = self.observers[i].step(measurement, command);
+            let (innovation, restart) = self.observers[i].step(good[i], command);
             innovations[i] = innovation;
             if let Some(reason) = restart {
                 restarted(transducer, reason);
@@ -237,12 +249,16 @@ impl Cylinder {
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
-        self.judge_sequentially(now, good, &residuals);
-        self.estimate(now, good);
+        self.judge_measured(now.at, &readings);
+        if self.sequential.is_some() {
+            self.judge_sequentially(now, good, &residuals);
+        }
+        self.judge_precedence();
+        if self.sensor.is_some() {
+            self.estimate(now, good);
+        }
         self.count(&residuals);
-        let record = self.record(now, readings, innovations, difference);
-        self.inputs.clear();
-        record
+        Evaluated { readings, innovations, difference }
     }
 
     /// Time jumped or frames were lost: what was learnt of motion is void, what was found stands.
@@ -258,38 +274,45 @@ impl Cylinder {
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
-        self.moving = false;
+        self.motions = Default::default();
+        self.critical.interrupt();
+        self.precedence.interrupt();
+        self.push = None;
         self.pending = false;
         self.inputs.clear();
     }
 
     /// What a transducer reads, if it was sound when it was last judged.
-    fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<f64> {
+    fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<Other> {
         let sound = self.plausibility[i].quality().is_good();
-        readings[i].as_ref().filter(|_| sound).map(|reading| reading.position)
+        let reading = readings[i].as_ref().filter(|_| sound)?;
+        Some(Other::new(reading.position, &self.motions[i]))
     }
 
+    #[inline]
     fn check(
         &mut self,
         i: usize,
         reading: Option<&Reading>,
         moment: Moment,
         at: Timestamp,
-    ) -> Option<Reading> {
+    ) -> Option<Measurement> {
         let checks = &mut self.plausibility[i];
         let quality = checks.judge(reading, moment);
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
         self.implausible[i].judge(at, quality, beyond);
         let seen = !matches!(quality, Quality::Missing | Quality::Stale);
         self.tally.implausible[i] += u64::from(seen && !quality.is_good());
-        reading.filter(|_| quality.is_good()).copied()
+        let good = reading.filter(|_| quality.is_good());
+        good.map(|reading| Measurement { position: reading.position, velocity: reading.velocity })
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
         match command {
             Some(u) => {
                 self.command_missing = 0;
-                self.moving = u.abs() > self.design.moving_speed;
+                let push = if u > 0.0 { Push::Positive } else { Push::Negative };
+                self.push = (u.abs() > self.design.moving_speed).then_some(push);
             }
             None => {
                 let aged = u32::from(now.live);
@@ -305,49 +328,6 @@ impl Cylinder {
         self.implausible[2].judge(now.at, quality, 0.0);
     }
 
-    fn judge(
-        &mut self,
-        now: Evaluation,
-        innovations: [Option<Innovation>; 2],
-        difference: Option<f64>,
-    ) -> Residuals {
-        // Without a command the model predicts nothing, so its residual is no evidence.
-        let open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
-        let judged = innovations
-            .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
-        self.judged = judged.map(|residual| residual.is_some());
-        let residuals = Residuals { r: [judged[0], judged[1], difference] };
-        self.bank.judge(now.at, &residuals);
-        let critical = difference.is_some_and(|r3| r3.abs() >= self.design.critical);
-        let raised = self.bank.verdicts()[2] == Verdict::Faulty;
-        self.was_critical = raised && (self.was_critical || critical);
-        residuals
-    }
-
-    fn judge_sequentially(
-        &mut self,
-        now: Evaluation,
-        good: [Option<Reading>; 2],
-        residuals: &Residuals,
-    ) {
-        let Some(sequential) = &mut self.sequential else { return };
-        let [c1, c2] = good;
-        sequential.step(&sequential::Input {
-            lengths: [c1.map(|reading| reading.position), c2.map(|reading| reading.position)],
-            velocity: c2.and_then(|reading| reading.velocity),
-            // As it was sent: the drive has a constant of its own.
-            command: self.inputs.command_value(),
-            monitored: now.gate == Opening::Open,
-            at: now.opened,
-            at_stop: now.at_stop,
-        });
-        let [fde1, fde2, _] = self.bank.verdicts();
-        let [r1, r2, _] = residuals.r;
-        let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
-        let alarm = sequential.alarm().is_some();
-        self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
-    }
-
     fn count(&mut self, residuals: &Residuals) {
         let incomplete = u64::from(!self.is_complete());
         let tally = &mut self.tally;
@@ -355,44 +335,16 @@ impl Cylinder {
         tally.gated += u64::from(!self.judged.contains(&true));
         tally.incomplete += incomplete;
         for (worst, residual) in tally.worst.iter_mut().zip(residuals.r) {
-            if let Some(magnitude) = residual.map(f64::abs) {
-                *worst = Some(worst.map_or(magnitude, |w| w.max(magnitude)));
+            if let Some(magnitude) = residual.map(f64::abs)
+                && worst.is_none_or(|worst| worst < magnitude)
+            {
+                *worst = Some(magnitude);
             }
-        }
-    }
-
-    fn record(
-        &self,
-        now: Evaluation,
-        readings: [Option<Reading>; 2],
-        innovations: [Option<Innovation>; 2],
-        difference: Option<f64>,
-    ) -> Record {
-        let [c1, c2] = readings.map(|reading| reading.map(|reading| reading.position));
-        let residual = |i: usize| innovations[i].map(|innovation: Innovation| innovation.residual);
-        Record {
-            timestamp: now.opened,
-            cycle: now.cycle,
-            cylinder: self.design.number,
-            c1,
-            c2,
-            velocities: readings.map(|reading| reading?.velocity),
-            qualities: self.plausibility.each_ref().map(Plausibility::quality),
-            pressures: self.inputs.pressures(),
-            supply: self.inputs.supply_value(),
-            spool: self.inputs.spool_value(),
-            c2_corrected: c2.map(|c2| self.design.comparator.corrected(c2)),
-            command: self.inputs.command_value(),
-            estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
-            residuals: [residual(0), residual(1), difference],
-            judged: self.judged,
-            gated: !self.judged.contains(&true),
-            monitored: now.gate == Opening::Open,
         }
     }
 }
 
 /// The raw bits of an integer signal; a float has none, and its whole part is taken.
-fn bits(value: Value) -> u64 {
+pub(super) fn bits(value: Value) -> u64 {
     value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
 }

@@ -1,15 +1,17 @@
 //! From settings and a DBC to everything a monitor is made from.
 
 mod estimate;
+mod scale;
 mod sequential;
 mod state;
 mod surveyed;
+mod times;
 
 use super::cylinder::CylinderDesign;
 use super::gate::Gate;
-use super::wiring::{Target, Wire, Wiring};
+use super::wiring::{Line, Target, Wire, Wiring};
 use super::{Estimates, MonitorDesign};
-use crate::alarm::{Encoder, frames};
+use crate::alarm::frames;
 use crate::compare::Comparator;
 use crate::config::settings::{CylinderSignals, Settings};
 use crate::decode::{Database, LookupError, Message, Signal};
@@ -43,34 +45,42 @@ impl MonitorDesign {
     ///
     /// # Errors
     /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
-    /// that are the gateway's own, states without a number, weights without an observer gain.
+    /// that are the gateway's own, states without a number, weights without an observer gain, models
+    /// and tables of another sample time, estimates that do not fit Fd_Estimate.
     pub fn new(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        Self::build(settings, database, false)
+        let mut wirer = Wirer::new(settings, database, false);
+        wirer.refuse_other_times();
+        Self::build(wirer)
+    }
+
+    /// The same whatever sample time model and tables are of: for who asks where the signals are, and
+    /// judges nothing.
+    ///
+    /// # Errors
+    /// As [`Self::new`], but for sample times.
+    pub fn unjudging(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
+        Self::build(Wirer::new(settings, database, false))
     }
 
     /// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
     /// They are waited for until the deadline of a cycle, and are never missed.
     ///
     /// # Errors
-    /// As [`Self::new`]; and pressures that are not in bar.
+    /// As [`Self::unjudging`]; and pressures that are not in bar.
     pub fn surveying(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        Self::build(settings, database, true)
+        Self::build(Wirer::new(settings, database, true))
     }
 
-    fn build(settings: &Settings, database: &Database, surveys: bool) -> Result<Self, Vec<Flaw>> {
-        let (wiring, flaws) = (Wiring::new(), Vec::new());
-        let mut wirer = Wirer { settings, database, wiring, surveys, flaws };
+    fn build(mut wirer: Wirer<'_>) -> Result<Self, Vec<Flaw>> {
+        let settings = wirer.settings;
         wirer.connect_sync();
         let (monitored, stops) = wirer.connect_state();
         let cylinders = (1..=settings.machine.cylinders)
             .filter_map(|n| wirer.connect_cylinder(n))
             .collect::<Vec<_>>();
         wirer.refuse_own_identifiers();
-        let encoder = Encoder::new(settings.gateway.node);
-        if encoder.is_none() {
-            wirer.flaws.push(Flaw::new("gateway.node", "not a CANopen node", "use 1 to 127"));
-        }
-        match encoder {
+        wirer.refuse_crowded_cycles();
+        match wirer.encoder() {
             Some(encoder) if wirer.flaws.is_empty() => Ok(Self {
                 wiring: wirer.wiring,
                 timing: CycleTiming {
@@ -119,6 +129,10 @@ struct Connected<'a> {
 }
 
 impl<'a> Wirer<'a> {
+    fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
+        Self { settings, database, wiring: Wiring::new(), surveys, flaws: Vec::new() }
+    }
+
     fn connect_sync(&mut self) {
         let Some(name) = &self.settings.signals.sync else { return };
         match self.database.message(name) {
@@ -155,7 +169,6 @@ impl<'a> Wirer<'a> {
             number: n,
             required,
             awaited: self.connected(n),
-            counter_bits: [first.counter_bits, second.counter_bits],
             command_offset: settings.command_offset_of(n),
             command_stale: settings.cycles(settings.plausibility.stale).max(1),
             moving_speed: settings.plausibility.frozen_speed,
@@ -171,9 +184,9 @@ impl<'a> Wirer<'a> {
                 signatures: observers.each_ref().map(Signatures::of_innovation),
             },
             observers,
-            estimate: self.estimate(n, sequential.as_ref(), first.limits.lengths),
+            estimate: self.estimate(n, sequential.as_ref(), first.lengths),
             sequential,
-            limits: [first.limits, second.limits],
+            limits: [first, second],
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
             clear,
@@ -190,7 +203,7 @@ impl<'a> Wirer<'a> {
         bits.fold(0, |all, bit| all | bit)
     }
 
-    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Checks {
+    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Limits {
         let signals = &self.settings.signals.cylinder;
         let (prefix, velocity, status, counter) = match which {
             Transducer::C1 => ("c1", &signals.c1_velocity, &signals.c1_status, &signals.c1_counter),
@@ -201,40 +214,31 @@ impl<'a> Wirer<'a> {
             let key = |suffix| format!("{prefix}_{suffix}");
             self.connect(n, &key("velocity"), velocity.as_deref(), Field::Velocity(which));
             self.connect(n, &key("status"), status.as_deref(), Field::Status(which));
+            self.connect(n, &key("counter"), counter.as_deref(), Field::Counter(which));
         }
-        let counter = counter
-            .as_deref()
-            .filter(|_| name.is_some())
-            .and_then(|name| {
-                self.connect(n, &format!("{prefix}_counter"), Some(name), Field::Counter(which))
-            })
-            .map(|counter| counter.signal.plan.bits());
-        Checks { limits: self.limits(position), counter_bits: counter }
+        self.limits(position)
     }
 
     fn limits(&self, position: Option<Connected<'_>>) -> Limits {
         let plausibility = &self.settings.plausibility;
-        let [lowest, highest] = self.settings.machine.stroke;
-        let (mut lengths, mut half_count) = ((lowest, highest), 0.0);
-        if let Some(Connected { signal, .. }) = position {
-            if !signal.plan.is_float() {
-                half_count = signal.plan.factor().abs() / 2.0;
-            }
-            if let (Some([minimum, maximum]), None) = (signal.range, plausibility.valid_raw) {
-                lengths = (lowest.max(minimum), highest.min(maximum));
-            }
-        }
+        let signal = position.map(|Connected { signal, .. }| signal);
+        let [lowest, highest] =
+            signal.map_or(self.settings.machine.stroke, |it| self.settings.valid_lengths(it));
+        let counts = signal.filter(|signal| !signal.plan.is_float());
+        let half_count = counts.map_or(0.0, |signal| signal.plan.factor().abs() / 2.0);
+        // Half of the way of the slowest command that counts as moving, so that a stroke which just
+        // begins is not taken for one that stands still; yet where commands are in another unit it is
+        // no length, and healthy readings are never apart by more than the bound of R3.
+        let way = 0.5 * plausibility.frozen_speed * plausibility.frozen;
         Limits {
             stale: self.settings.cycles(plausibility.stale).max(1),
-            broken_wire_codes: plausibility.broken_wire_codes.clone(),
+            broken_wire_codes: signal.map_or(Vec::new(), |it| self.settings.broken_wire_codes(it)),
             status_mask: plausibility.status_mask,
             codes: plausibility.valid_raw.map(|[lowest, highest]| (lowest, highest)),
             // A limit in decimals lies beside its count by rounding.
-            lengths: (lengths.0 - half_count, lengths.1 + half_count),
+            lengths: (lowest - half_count, highest + half_count),
             frozen: self.settings.cycles(plausibility.frozen).max(1),
-            // Half of the way of the slowest command that counts as moving, so that a stroke which
-            // just begins is not taken for one that stands still.
-            travel: 0.5 * plausibility.frozen_speed * plausibility.frozen,
+            travel: way.min(self.settings.comparator.bound),
         }
     }
 
@@ -275,7 +279,7 @@ impl<'a> Wirer<'a> {
         let key = format!("signals.cylinder.{key}");
         let found = self.find(&key, &name)?;
         self.refuse_unit(&key, &name, found.signal, field);
-        self.refuse_twice(&key, &name, found.message, found.signal);
+        self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
         let line = self.wiring.line(found.message.id);
         line.reading |= field.is_reading();
         line.cyclic = true;
@@ -316,9 +320,15 @@ impl<'a> Wirer<'a> {
         }
     }
 
-    fn refuse_twice(&mut self, key: &str, name: &str, message: &Message, signal: &Signal) {
-        let line = self.wiring.find(message.id).map(|place| &self.wiring.lines()[place]);
-        if line.is_some_and(|line| line.wires.iter().any(|wire| wire.plan == signal.plan)) {
+    fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
+        let line = self.wiring.find(found.message.id).map(|place| &self.wiring.lines()[place]);
+        let used = |wire: &Wire| wire.plan == found.signal.plan && !wire.shares_with(target);
+        let alone = |line: &&Line| !line.has_position_of(target);
+        let taken = line.is_some_and(|line| {
+            line.wires.iter().any(used)
+                || alone(&line) && line.wires.iter().any(|wire| wire.plan == found.signal.plan)
+        });
+        if taken {
             self.flaws.push(Flaw::new(
                 key,
                 format!("{name} is used already for something else"),
@@ -337,9 +347,4 @@ impl<'a> Wirer<'a> {
             ));
         }
     }
-}
-
-struct Checks {
-    limits: Limits,
-    counter_bits: Option<u32>,
 }

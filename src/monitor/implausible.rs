@@ -20,6 +20,10 @@ impl Implausible {
     }
 
     pub fn judge(&mut self, at: Timestamp, quality: Quality, beyond: f64) {
+        // Nearly always: what is good and stands for nothing changes nothing.
+        if quality.is_good() && !self.raised() {
+            return;
+        }
         let fault = match quality {
             Quality::Good | Quality::Missing => None,
             Quality::Stale => Some(Fault::Stale),

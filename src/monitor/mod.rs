@@ -5,29 +5,36 @@
 //! that advances by its clock, some guard time behind the bus, and a replay of the same frames say
 //! the same.
 
+mod admission;
 mod counts;
 pub mod cylinder;
 pub mod design;
 mod estimates;
 pub mod gate;
 mod implausible;
+mod intake;
 mod memory;
+mod page;
 mod passage;
+mod sampling;
 pub mod sink;
+mod telling;
 pub mod wiring;
 
-use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
-use crate::alarm::{Detector, Encoder, OwnFrame, Register};
+use crate::alarm::status::{MAX_CYLINDERS, Status};
+use crate::alarm::{Detector, Encoder, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
-use crate::sample::cycle::{Arrival, CycleClock, CycleTiming, Due};
-use crate::sequential::Sequential;
+use crate::sample::Transducer;
+use crate::sample::cycle::{CycleClock, CycleTiming, Due};
+use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
 pub use estimates::Estimates;
 use gate::{Gate, Opening};
+use page::{Page, Station};
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
 use wiring::{Target, Wiring};
@@ -46,6 +53,9 @@ pub struct MonitorDesign {
     pub encoder: Encoder,
 }
 
+/// A page: the place of its message, and its own among the pages of that.
+type Place = (usize, usize);
+
 /// Fd_Status is sent this often.
 const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
 
@@ -53,10 +63,15 @@ const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
 #[derive(Clone, Debug)]
 pub struct Monitor {
     wiring: Wiring,
+    /// The messages of `wiring`, in its order.
+    stations: Vec<Station>,
+    /// Some page keeps a frame.
+    keeps: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
     cylinders: Vec<Cylinder>,
+    sampling: Sampling,
     /// Cylinders still to be evaluated in the open cycle.
     pending: usize,
     sends_estimates: bool,
@@ -66,6 +81,8 @@ pub struct Monitor {
     /// Something that belongs to a cycle arrived since the last cycle closed.
     live: bool,
     monitored_once: bool,
+    /// The platform was in a monitored state in some cycle.
+    opened_once: bool,
     register: Register,
     encoder: Encoder,
     counts: Counts,
@@ -85,18 +102,22 @@ impl Monitor {
             Estimates::Told | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
         };
         Self {
+            stations: design.wiring.lines().iter().map(Station::new).collect(),
             wiring: design.wiring,
+            keeps: false,
             clock: CycleClock::new(design.timing),
             gap_cycles: design.gap_cycles,
             gate: design.gate,
             register: Register::new(cylinders.len()),
             cylinders,
+            sampling: Sampling::default(),
             pending: 0,
             sends_estimates: design.estimates == Estimates::Sent,
             incomplete: false,
             missing_run: 0,
             live: false,
             monitored_once: false,
+            opened_once: false,
             encoder: design.encoder,
             counts: Counts::default(),
             last: None,
@@ -115,14 +136,20 @@ impl Monitor {
         self.cylinders.iter().map(Cylinder::tally)
     }
 
-    /// The sequential detectors of the cylinders that have one, with their numbers.
-    pub fn sequential(&self) -> impl Iterator<Item = (u8, &Sequential)> {
-        self.cylinders.iter().filter_map(Cylinder::sequential)
+    /// Whether the platform was in a monitored state in any cycle.
+    pub const fn has_opened(&self) -> bool {
+        self.opened_once
     }
 
     /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
     pub fn counter_jumps(&self) -> impl Iterator<Item = [u64; 2]> {
-        self.cylinders.iter().map(Cylinder::counter_jumps)
+        let pages = || self.stations.iter().flat_map(|station| &station.pages);
+        (0..self.cylinders.len() as u8).map(move |index| {
+            [Transducer::C1, Transducer::C2].map(|transducer| {
+                let counts = |page: &&Page| page.counted.contains(&(index, transducer));
+                pages().filter(counts).map(|page| page.slot.jumps()).sum()
+            })
+        })
     }
 
     /// The newest Fd_Status and its time.
@@ -130,7 +157,8 @@ impl Monitor {
         self.last_status.as_ref()
     }
 
-    /// Takes a frame from the bus. Frames must come in the order in which they were on it.
+    /// Takes a frame from the bus. Where its time stamp is before that of another frame that came
+    /// earlier, by less than a cycle, it is taken now as what it was by its stamp.
     pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
         let place = match frame.kind {
             Kind::Data | Kind::Fd { .. } => self.wiring.find(frame.id),
@@ -148,8 +176,8 @@ impl Monitor {
             return;
         };
         self.counts.used += 1;
-        let at = self.follow_time(frame.timestamp, sink);
-        self.sort(place, at, frame, sink);
+        let now = self.follow_time(frame.timestamp, sink);
+        self.sort(place, now, frame, sink);
     }
 
     /// Time has passed until `now`, and every frame before it has been taken. A clock that was set
@@ -176,52 +204,38 @@ impl Monitor {
         }
     }
 
-    fn sort(&mut self, place: usize, at: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        let line = &self.wiring.lines()[place];
-        let (sync, reading, cyclic) = (line.sync, line.reading, line.cyclic);
-        if sync {
-            if self.is_sync_repeated(at) {
-                self.counts.repeated += 1;
-            } else if !self.clock.confirms(at) {
-                self.open_cycle(at, true, sink);
+    fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        if self.stations[place].sync {
+            self.synchronise(frame.timestamp, now, sink);
+        }
+        for index in 0..self.stations[place].pages.len() {
+            let page = &self.stations[place].pages[index];
+            match page.is_in(frame) {
+                Some(true) if page.cyclic => self.admit((place, index), now, frame, sink),
+                Some(true) => self.fill((place, index), now, frame, sink),
+                Some(false) => {}
+                None => self.counts.bad_signals += 1,
             }
         }
-        if cyclic {
-            self.live = true;
-            let repeated = |monitor: &Self| {
-                monitor.wiring.lines()[place].arrived == Some(monitor.clock.number())
-            };
-            if reading && !sync && self.clock.arrival(at, repeated(self)) == Arrival::Opens {
-                self.open_cycle(at, false, sink);
+    }
+
+    /// Decodes the signals of a page into their places, and evaluates the cylinders that are complete
+    /// with it.
+    fn fill(&mut self, page: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let Self { stations, cylinders, gate, counts, .. } = self;
+        let page = &stations[page.0].pages[page.1];
+        if let Some(intake) = &page.intake {
+            let index = intake.cylinder();
+            let cylinder = &mut cylinders[index];
+            if intake.fill(frame, &mut cylinder.inputs) {
+                if cylinder.pending && cylinder.is_done() {
+                    self.evaluate(index, now, sink);
+                }
+                return;
             }
-            if !self.clock.is_open() {
-                self.counts.late += 1;
-                return self.take_state(place, at, frame);
-            }
-            if repeated(self) {
-                self.counts.repeated += 1;
-                return self.take_state(place, at, frame);
-            }
-            let number = self.clock.number();
-            self.wiring.lines_mut()[place].arrived = Some(number);
         }
-        self.fill(place, at, frame, sink);
-    }
-
-    /// Whether a Sync at `at` is that of the newest cycle once more, as where a bus is recorded on
-    /// two interfaces: it comes at once, and nothing of the cycle has come in between.
-    fn is_sync_repeated(&self, at: Timestamp) -> bool {
-        let number = Some(self.clock.number());
-        self.clock.has_just_opened(at)
-            && self.wiring.lines().iter().all(|line| line.arrived != number)
-    }
-
-    /// Decodes the signals of `frame` into their places, and evaluates the cylinders that are
-    /// complete with it.
-    fn fill(&mut self, place: usize, at: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        let Self { wiring, cylinders, gate, counts, .. } = self;
         let mut touched = 0_u8;
-        for wire in &wiring.lines()[place].wires {
+        for wire in &page.wires {
             let value = match wire.plan.decode(frame) {
                 Decoded::Value(value) => value,
                 Decoded::Absent => continue,
@@ -231,7 +245,7 @@ impl Monitor {
                 }
             };
             match wire.target {
-                Target::State => gate.state(at, state_number(value)),
+                Target::State => gate.state(now, state_number(value)),
                 Target::Cylinder(index, field) => {
                     touched |= 1 << index;
                     let taken = cylinders[usize::from(index)].put(field, value);
@@ -243,34 +257,32 @@ impl Monitor {
             let index = touched.trailing_zeros() as usize;
             touched &= touched - 1;
             if self.cylinders[index].pending && self.cylinders[index].is_done() {
-                self.evaluate(index, at, sink);
+                self.evaluate(index, now, sink);
             }
         }
     }
 
-    /// The platform's state does not belong to a cycle, even where a late frame carries it.
-    fn take_state(&mut self, place: usize, at: Timestamp, frame: &Frame) {
-        for wire in &self.wiring.lines()[place].wires {
-            if let (Target::State, Decoded::Value(value)) = (wire.target, wire.plan.decode(frame)) {
-                self.gate.state(at, state_number(value));
-            }
-        }
-    }
-
-    fn open_cycle(&mut self, at: Timestamp, by_sync: bool, sink: &mut impl Sink) {
+    /// A cycle opens with a frame stamped `stamp`.
+    fn open_cycle(
+        &mut self,
+        stamp: Timestamp,
+        now: Timestamp,
+        by_sync: bool,
+        sink: &mut impl Sink,
+    ) {
         if self.clock.is_open() {
-            self.close_cycle(at, sink);
+            self.close_cycle(now, sink);
         }
-        for _ in 0..self.clock.missing_before(at) {
-            self.miss_cycle(at, sink);
+        for _ in 0..self.clock.missing_before(stamp) {
+            self.miss_cycle(now, sink);
         }
         if self.missing_run > self.gap_cycles {
             let sample_time = self.clock.sample_time().as_nanos();
             let length = Span::from_nanos(sample_time.saturating_mul(self.missing_run as i64));
-            sink.notice(&Notice::Gap { at, length });
+            sink.notice(&Notice::Gap { at: now, length });
         }
         self.missing_run = 0;
-        self.clock.open(at, by_sync);
+        self.clock.open(stamp, by_sync);
         self.counts.cycles += 1;
         self.pending = self.cylinders.len();
         self.incomplete = false;
@@ -279,10 +291,16 @@ impl Monitor {
             cylinder.inputs.clear();
         }
         self.reckon_due();
+        if self.keeps {
+            self.take_held(now, sink);
+        }
     }
 
     /// Evaluates what the open cycle still owes.
     fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        if self.keeps {
+            self.take_waiting(at, sink);
+        }
         let lacks = |cylinder: &Cylinder| cylinder.pending && !cylinder.is_complete();
         self.incomplete |= self.pending > 0 && self.cylinders.iter().any(lacks);
         for index in 0..self.cylinders.len() {
@@ -291,6 +309,7 @@ impl Monitor {
             }
         }
         self.counts.incomplete += u64::from(self.incomplete);
+        self.follow_sampling(at, sink);
         self.clock.close();
         self.live = false;
     }
@@ -320,12 +339,16 @@ impl Monitor {
             gate: self.gate.opening(at),
             at_stop: self.gate.stop(at).is_some(),
         };
+        self.opened_once |= now.gate == Opening::Open;
         let number = index as u8 + 1;
-        let record = cylinder.evaluate(now, |transducer, reason| {
+        let evaluated = cylinder.evaluate(now, |transducer, reason| {
             let detector = [Detector::Fde1, Detector::Fde2][transducer as usize];
             sink.notice(&Notice::Restart { at, cylinder: number, detector, reason });
         });
-        sink.record(&record);
+        if sink.wants_records() {
+            sink.record(&cylinder.record(now, &evaluated));
+        }
+        cylinder.inputs.clear();
         if let Some((dwell, moved)) = cylinder.take_dwell() {
             sink.dwell(number, &dwell, moved.as_ref());
         }
@@ -343,14 +366,16 @@ impl Monitor {
     fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let findings = self.cylinders[index].findings();
         let Self { register, encoder, .. } = self;
-        register.update(at, index, &findings, |warning| {
+        let said = register.update(at, index, &findings, |warning| {
             let raised = warning.state != crate::alarm::State::Cleared;
             sink.warning(&warning);
             let frame =
                 encoder.warning(at, warning.cylinder, warning.detector, &warning.finding, raised);
             sink.transmit(&frame);
         });
-        self.reckon_due();
+        if said {
+            self.reckon_due();
+        }
     }
 
     fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
@@ -358,38 +383,6 @@ impl Monitor {
         register.repeat(at, |cylinder, detector, finding| {
             sink.transmit(&encoder.warning(at, cylinder, detector, finding, true));
         });
-    }
-
-    fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let status = self.status(at);
-        self.last_status = Some((at, status));
-        sink.transmit(&self.encoder.status(at, &status));
-        self.next_status = self.next_status.after(STATUS_PERIOD);
-    }
-
-    /// The Fd_Status of a gateway that stops at `at`: from now on nothing is known.
-    pub fn last_words(&mut self, at: Timestamp) -> OwnFrame {
-        let (level, active_warnings) = (self.register.level(), self.register.standing());
-        let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
-        self.encoder.status(at, &status)
-    }
-
-    /// The state of the whole at `at`.
-    pub fn status(&mut self, at: Timestamp) -> Status {
-        let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];
-        for (index, cylinder) in self.cylinders.iter().enumerate() {
-            transducers[index] = cylinder.health(&self.register.findings(index));
-        }
-        let all_judge = self.cylinders.iter().all(Cylinder::judges);
-        let mode = match (self.gate.opening(at), all_judge) {
-            (Opening::Closed, _) => Mode::Gated,
-            (Opening::Open, true) => Mode::Monitoring,
-            _ if self.monitored_once => Mode::Degraded,
-            _ => Mode::Starting,
-        };
-        self.monitored_once |= mode == Mode::Monitoring;
-        let (level, active_warnings) = (self.register.level(), self.register.standing());
-        Status { transducers, level, mode, active_warnings }
     }
 }
 

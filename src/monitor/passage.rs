@@ -14,7 +14,8 @@ pub(super) const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
 pub(super) const SMALLEST_SETBACK: Span = Span::from_nanos(-1_000_000_000);
 
 impl Monitor {
-    /// Brings time to `stamp`, or says at which earlier or later time the frame is taken instead.
+    /// Brings time to `stamp`, and says at which time a frame with it is taken: at the newest, where
+    /// it is out of order.
     #[inline]
     pub(super) fn follow_time(&mut self, stamp: Timestamp, sink: &mut impl Sink) -> Timestamp {
         let Some(last) = self.last else {
@@ -39,7 +40,7 @@ impl Monitor {
         if step < Span::ZERO {
             self.counts.backwards += 1;
             if step.as_nanos().saturating_neg() <= self.clock.sample_time().as_nanos() {
-                // Out of order by less than a cycle: the order of arrival is believed.
+                // Out of order by less than a cycle: what is decided stays so.
                 return last;
             }
         }
@@ -69,10 +70,13 @@ impl Monitor {
     /// The bus was lost, so that frames may be missing without a trace: nothing is known until it
     /// was judged again. What was found stands.
     pub fn interrupt(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let Some(last) = self.last else { return };
+        if self.last.is_none() {
+            return;
+        }
         self.counts.interruptions += 1;
         self.advance(at, sink);
-        let at = at.max(last);
+        // Not before what was told already; a clock that was set has told so, and counts anew.
+        let at = self.last.map_or(at, |last| last.max(at));
         sink.notice(&Notice::Interruption { at });
         self.start_anew(Restart::Interruption);
         self.reckon_due();
@@ -83,6 +87,7 @@ impl Monitor {
         let owing = self.clock.is_open() && (self.incomplete || self.pending > 0);
         self.counts.incomplete += u64::from(owing);
         self.clock.reset();
+        self.forget_arrivals();
         self.pending = 0;
         self.gate.reset();
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason));
@@ -94,14 +99,29 @@ impl Monitor {
         self.next_due = times.fold(self.next_status, Timestamp::min);
     }
 
+    /// The cycle due at `at` did not open. Once nothing is predicted over any more, a missing cycle
+    /// changes nothing but its number: all that are due before `now` are one step.
+    fn miss_cycles(&mut self, at: Timestamp, now: Timestamp, sink: &mut impl Sink) {
+        if self.live || self.missing_run <= self.gap_cycles {
+            return self.miss_cycle(at, sink);
+        }
+        let count = self.clock.missing_until(now);
+        self.clock.skip(count);
+        self.counts.missing += count;
+        self.missing_run += count;
+    }
+
     /// Does everything that falls due before `now`, in the order of time.
     #[cold]
     pub(super) fn do_due(&mut self, now: Timestamp, sink: &mut impl Sink) {
         while self.next_due < now {
             let at = self.next_due;
             match self.clock.due() {
-                Some(Due::Close(due)) if due == at => self.close_cycle(at, sink),
-                Some(Due::Missing(due)) if due == at => self.miss_cycle(at, sink),
+                Some(Due::Close(due)) if due == at => {
+                    self.close_cycle(at, sink);
+                    self.open_for_held(at, sink);
+                }
+                Some(Due::Missing(due)) if due == at => self.miss_cycles(at, now, sink),
                 _ if self.register.due() == Some(at) => self.repeat_warnings(at, sink),
                 _ => self.send_status(at, sink),
             }

@@ -4,7 +4,7 @@ use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
 use crate::observe::observer::Restart;
 use crate::sample::Quality;
-use crate::sequential::{Dwell, Moved};
+use crate::sequential::{Apart, Dwell, Moved};
 use crate::time::{Span, Timestamp};
 
 /// Everything known of one cylinder in one cycle; `None` where there was nothing.
@@ -57,10 +57,18 @@ pub enum Notice {
     Interruption { at: Timestamp },
     /// The observer of one transducer starts anew.
     Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
+    /// C1 and C2 are sampled further apart in time, in most cylinders, than when they were calibrated:
+    /// a matter of time and of no transducer. `None`: as calibrated again.
+    Timing { at: Timestamp, apart: Option<Apart> },
 }
 
 /// Takes what the monitor gives, in the order of time. What is not wanted need not be implemented.
 pub trait Sink {
+    /// Whether [`Self::record`] does anything: a record is made for nobody else.
+    fn wants_records(&self) -> bool {
+        true
+    }
+
     /// A cycle of one cylinder is complete.
     fn record(&mut self, record: &Record) {
         _ = record;

@@ -2,7 +2,7 @@
 
 use crate::decode::SignalPlan;
 use crate::frame::Id;
-use crate::sample::Field;
+use crate::sample::{Field, Transducer};
 
 /// Where a decoded signal goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,8 +31,85 @@ pub struct Line {
     /// It carries anything of a cylinder, and so belongs to a cycle.
     pub cyclic: bool,
     pub wires: Vec<Wire>,
-    /// Number of the cycle in which it last arrived.
-    pub arrived: Option<u64>,
+}
+
+impl Wire {
+    /// Whether it belongs to a cycle.
+    pub fn is_cyclic(&self) -> bool {
+        self.target != Target::State
+    }
+
+    /// Whether it comes from a transducer.
+    pub fn is_reading(&self) -> bool {
+        matches!(self.target, Target::Cylinder(_, field) if field.is_reading())
+    }
+
+    pub fn is_counter(&self) -> bool {
+        matches!(self.target, Target::Cylinder(_, Field::Counter(_)))
+    }
+
+    /// Whether its signal may be `target`'s, too: one status or counter for all readings in a frame.
+    pub fn shares_with(&self, target: Target) -> bool {
+        use Field::{Counter, Status};
+        let (Target::Cylinder(_, own), Target::Cylinder(_, other)) = (self.target, target) else {
+            return false;
+        };
+        matches!((own, other), (Counter(_), Counter(_)) | (Status(_), Status(_)))
+    }
+}
+
+impl Target {
+    /// The index of the cylinder, and which transducer of it.
+    fn transducer(self) -> Option<(u8, Transducer)> {
+        match self {
+            Self::Cylinder(index, field) => field.transducer().map(|which| (index, which)),
+            Self::State => None,
+        }
+    }
+}
+
+impl Line {
+    /// The alive counter that counts what `wire` carries, if frames that carry that have it.
+    pub fn counter_of(&self, wire: &Wire) -> Option<&Wire> {
+        let own = wire.target.transducer()?;
+        let counter =
+            self.wires.iter().find(|one| one.is_counter() && one.target.transducer() == Some(own));
+        counter.filter(|counter| counter.plan.accompanies(&self.anchor_of(wire).plan))
+    }
+
+    /// The wire whose frames are those in which `wire` matters: what is in every frame of the message,
+    /// or of several pages, belongs to the position of its transducer where that is in the same frame.
+    pub fn anchor_of<'a>(&'a self, wire: &'a Wire) -> &'a Wire {
+        let Some(own) = wire.target.transducer() else { return wire };
+        let is_position = |one: &&Wire| {
+            matches!(one.target, Target::Cylinder(_, Field::Position(_)))
+                && one.target.transducer() == Some(own)
+                && wire.plan.accompanies(&one.plan)
+        };
+        self.wires.iter().find(is_position).unwrap_or(wire)
+    }
+
+    /// Whether the message carries the position of the transducer of `target`.
+    pub fn has_position_of(&self, target: Target) -> bool {
+        let is_position =
+            |wire: &Wire| matches!(wire.target, Target::Cylinder(_, Field::Position(_)));
+        let same = |wire: &&Wire| wire.target.transducer() == target.transducer();
+        self.wires.iter().filter(same).any(is_position)
+    }
+
+    /// Frames of the message that make a cycle complete, one for each page.
+    pub fn pages(&self) -> usize {
+        let mut anchors: Vec<&Wire> = Vec::new();
+        for wire in self.wires.iter().filter(|wire| wire.is_cyclic()) {
+            let anchor = self.anchor_of(wire);
+            if anchors.iter().all(|known| !known.plan.is_on_page_of(&anchor.plan)) {
+                anchors.push(anchor);
+            }
+        }
+        // What every frame carries needs no frame of its own.
+        let paged = anchors.iter().filter(|wire| wire.plan.is_multiplexed()).count();
+        if paged > 0 { paged } else { anchors.len() }
+    }
 }
 
 const NO_LINE: u16 = u16::MAX;
@@ -74,10 +151,6 @@ impl Wiring {
         &self.lines
     }
 
-    pub(super) fn lines_mut(&mut self) -> &mut [Line] {
-        &mut self.lines
-    }
-
     fn add(&mut self, id: Id) -> usize {
         let place = self.lines.len();
         // A configuration names at most some dozen messages, far fewer than a u16 counts.
@@ -88,14 +161,7 @@ impl Wiring {
         } else {
             self.standard[id.value() as usize] = short;
         }
-        self.lines.push(Line {
-            id,
-            sync: false,
-            reading: false,
-            cyclic: false,
-            wires: Vec::new(),
-            arrived: None,
-        });
+        self.lines.push(Line { id, sync: false, reading: false, cyclic: false, wires: Vec::new() });
         place
     }
 }

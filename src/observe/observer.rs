@@ -2,7 +2,7 @@
 
 use super::model::{Model, POSITION, POSITION_AND_VELOCITY};
 use super::riccati::{self, RiccatiError};
-use nalgebra::{Matrix3, Matrix3x2, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
 
 /// What one observer runs on, fixed for its life: the model (4-1) and the gain of (5-4).
 #[derive(Clone, Debug)]
@@ -41,7 +41,26 @@ impl Design {
         };
         Ok(Self { a: model.a, b: model.b, l, settle, max_gap })
     }
+
+    /// Cycles until a correction that was missed shows in the innovation by less than a tenth of what it
+    /// shows at first, by the powers of A − L C; as long as it settles at most.
+    pub fn recovery(&self) -> u32 {
+        let mut c = Matrix2x3::identity();
+        c[(1, 1)] = if self.l.column(1).iter().all(|gain| *gain == 0.0) { 0.0 } else { 1.0 };
+        let decay = self.a - self.l * c;
+        let mut error: Vector3<f64> = self.l.column(0).into();
+        let shown = SHOWN * error[0].abs();
+        let mut cycles = 0;
+        while cycles < self.settle && error[0].abs() >= shown && error[0] != 0.0 {
+            error = decay * error;
+            cycles += 1;
+        }
+        cycles
+    }
 }
+
+/// See [`Design::recovery`].
+const SHOWN: f64 = 0.1;
 
 /// A reading that passed the plausibility checks.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +80,10 @@ pub struct Innovation {
     pub residual: f64,
     /// The observer has followed long enough for the residual to be judged.
     pub settled: bool,
+    /// Nothing that the prediction rests on was missing: neither a command nor a reading of the last
+    /// cycles ([`Design::recovery`]). Otherwise the residual is that of a longer prediction, for which no
+    /// threshold was made.
+    pub whole: bool,
 }
 
 /// Why an observer starts anew.
@@ -80,11 +103,14 @@ pub enum Restart {
 #[derive(Clone, Debug)]
 pub struct Observer {
     design: Design,
-    x: Vector3<f64>,
+    x: [f64; 3],
     /// Last known command, m/s.
     u: f64,
     followed: u32,
     coasted: u32,
+    /// Cycles of which the innovations are not whole, see [`Innovation::whole`].
+    recovering: u32,
+    recovery: u32,
     running: bool,
     stopped_by: Option<Restart>,
 }
@@ -92,8 +118,10 @@ pub struct Observer {
 impl Observer {
     pub fn new(design: Design) -> Self {
         Self {
+            recovery: design.recovery(),
+            recovering: 0,
             design,
-            x: Vector3::zeros(),
+            x: [0.0; 3],
             u: 0.0,
             followed: 0,
             coasted: 0,
@@ -107,13 +135,15 @@ impl Observer {
     /// `command` is u(k) of the same cycle, m/s; the last one is held where it is absent. Without a
     /// measurement the model alone predicts. The first measurement after a stop sets the state, and
     /// the second value then says why it had stopped.
+    #[inline]
     pub fn step(
         &mut self,
         measurement: Option<Measurement>,
         command: Option<f64>,
     ) -> (Option<Innovation>, Option<Restart>) {
         self.u = command.unwrap_or(self.u);
-        match (measurement, self.running) {
+        let lost = measurement.is_none() || command.is_none();
+        let stepped = match (measurement, self.running) {
             (Some(measurement), true) => (Some(self.follow(measurement)), None),
             (Some(measurement), false) => (Some(self.start(measurement)), self.stopped_by.take()),
             (None, true) => {
@@ -121,7 +151,9 @@ impl Observer {
                 (None, None)
             }
             (None, false) => (None, None),
-        }
+        };
+        self.recovering = if lost { self.recovery } else { self.recovering.saturating_sub(1) };
+        stepped
     }
 
     /// Stops; the next measurement starts it anew and names `reason`.
@@ -133,12 +165,13 @@ impl Observer {
     }
 
     fn start(&mut self, y: Measurement) -> Innovation {
-        self.x = Vector3::new(y.position, y.velocity.unwrap_or(0.0), 0.0);
+        self.x = [y.position, y.velocity.unwrap_or(0.0), 0.0];
         self.running = true;
         self.followed = 0;
         self.follow(y)
     }
 
+    #[inline]
     fn follow(&mut self, y: Measurement) -> Innovation {
         let estimate = self.x[0];
         let residual = y.position - estimate;
@@ -146,8 +179,8 @@ impl Observer {
         let settled = self.followed >= self.design.settle;
         self.followed = self.followed.saturating_add(1);
         self.coasted = 0;
-        self.predict(Vector2::new(residual, velocity));
-        Innovation { estimate, residual, settled }
+        self.predict([residual, velocity]);
+        Innovation { estimate, residual, settled, whole: self.recovering == 0 }
     }
 
     fn coast(&mut self) {
@@ -155,13 +188,19 @@ impl Observer {
         if self.coasted > self.design.max_gap {
             self.stop(Restart::Gap);
         } else {
-            self.predict(Vector2::zeros());
+            self.predict([0.0; 2]);
         }
     }
 
-    fn predict(&mut self, innovation: Vector2<f64>) {
+    /// x ← A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
+    #[inline]
+    fn predict(&mut self, innovation: [f64; 2]) {
         let Design { a, b, l, .. } = &self.design;
-        self.x = a * self.x + b * self.u + l * innovation;
+        let (x, v) = (self.x, innovation);
+        self.x = std::array::from_fn(|i| {
+            let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];
+            free + b[i] * self.u + (l[(i, 0)] * v[0] + l[(i, 1)] * v[1])
+        });
         if !self.x.iter().all(|value| value.is_finite()) {
             self.stop(Restart::Diverged);
         }

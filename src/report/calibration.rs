@@ -218,28 +218,30 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
             cylinder.number, line.gain, line.offset
         );
         if let Some((profile, scatter)) = &cylinder.sequential {
-            text += &sequential_table(profile, scatter);
+            text += &sequential_table(cylinder.sample_time, profile, scatter);
         }
     }
     Some(text)
 }
 
-fn sequential_table(profile: &Profile, scatter: &Scatter) -> String {
+fn sequential_table(sample_time: f64, profile: &Profile, scatter: &Scatter) -> String {
     let Profile { reference, samples, drive } = profile;
-    let Scatter { rate, square_rate, dependence, deviation, resolution, prediction, .. } = scatter;
+    let Scatter { rate, square_rate, dependence, deviation, spread, prediction, .. } = scatter;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
         format!("[{}]", texts.join(", "))
     };
     let mut text = format!(
-        "\n[cylinder.sequential]\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
-         velocity = {:e}\ndeviation = {deviation:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
+        "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
+         velocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
          square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
         reference.first,
         reference.spacing,
         six(&reference.nodes),
         reference.velocity,
-        six(resolution),
+        spread.noise.rest,
+        spread.noise.timing,
+        six(&spread.resolution),
         rate.spacing(),
         six(&rate.values()),
         six(&square_rate.values()),

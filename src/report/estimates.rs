@@ -4,7 +4,8 @@ use crate::estimate::Estimate;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
+/// The columns, which the first line names.
+pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
 
 /// Writes one row for each cylinder and cycle, in full double precision, m. What is not known is empty;
 /// what is not valid is there to be looked at, not to be used.
@@ -46,11 +47,8 @@ impl<W: Write> EstimateTable<W> {
         writeln!(self.out, ",{},{}", u8::from(*valid), source.name())
     }
 
-    /// Writes what is still buffered.
-    ///
-    /// # Errors
-    /// What the output says.
-    pub fn finish(mut self) -> io::Result<()> {
-        self.out.flush()
+    /// The writer underneath, which may still buffer rows.
+    pub fn into_inner(self) -> W {
+        self.out
     }
 }

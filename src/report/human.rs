@@ -5,6 +5,7 @@ use super::{Episode, Summary};
 use crate::monitor::Notice;
 use crate::time::Timestamp;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets};
+use console::style;
 use std::fmt::Write as _;
 
 /// Gaps, jumps and restarts that are kept for the page; the others are counted.
@@ -54,6 +55,12 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     let mut page = String::new();
     // Writing to a string cannot fail.
     _ = writeln!(page, "{}  with {} ({})\n", heading.inputs, heading.machine, heading.config);
+    let headline = summary.judgement.headline();
+    if !headline.is_empty() {
+        let red = || style(&headline).red().force_styling(true).to_string();
+        let headline = if heading.colour { red() } else { headline.clone() };
+        _ = writeln!(page, "{headline}");
+    }
     page += &overview(summary);
     page += &cylinders(heading, summary);
     page += &what_happened(heading, summary);
@@ -77,11 +84,13 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         counts.cycles, counts.incomplete, counts.missing
     );
     for (count, what) in [
-        (counts.late, "frames after the deadline of their cycle"),
-        (counts.repeated, "frames that came twice in a cycle (the first one counts)"),
+        (counts.late, "frames that came when their cycle was decided"),
+        (counts.repeated, "frames that came twice"),
+        (counts.held, "frames that came before their cycle (they were kept for it)"),
         (counts.bad_signals, "values that their frame was too short for, or not a number"),
         (counts.backwards, "frames with a time stamp before the one before"),
         (counts.time_jumps, "jumps of the time stamps (everything started anew)"),
+        (counts.interruptions, "× the bus was lost (everything started anew)"),
         (statistics.error_frames, "error frames of the controller"),
         (statistics.remote_frames, "remote frames"),
         (statistics.other_interface_frames, "frames of other interfaces"),
@@ -91,12 +100,7 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         }
     }
     if statistics.interfaces.len() > 1 {
-        let names = statistics.interfaces.iter().map(|i| format!("{} ({})", i.name, i.frames));
-        let names = names.collect::<Vec<_>>().join(", ");
-        _ = writeln!(text, "several interfaces, read as one: {names}; choose one with --interface");
-    }
-    if counts.cycles == 0 {
-        text += "no cycle was found: does the configuration fit this recording?\n";
+        _ = writeln!(text, "interfaces: {}", statistics.interfaces_found());
     }
     text + "\n"
 }
@@ -128,7 +132,7 @@ fn cylinders(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
 
 fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     let episodes = summary.episodes;
-    let mut text = format!("{}\n", wording::warnings(episodes));
+    let mut text = format!("{}\n", wording::warnings(summary));
     if episodes.kept().is_empty() {
         return text;
     }
@@ -208,6 +212,10 @@ pub(super) fn what_was_bad(summary: &Summary<'_>) -> String {
         for line in &statistics.first_bad_lines {
             _ = writeln!(text, "  {line}");
         }
+    }
+    // Else they are told above all.
+    for barren in statistics.barren.iter().filter(|_| summary.judgement.is_judged()) {
+        _ = writeln!(text, "\n{barren}");
     }
     for damage in &statistics.damage {
         _ = writeln!(text, "\n{damage}");

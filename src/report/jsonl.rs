@@ -7,14 +7,24 @@ use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::time::{Span, Timestamp};
 use serde::Serialize;
+use serde_json::value::RawValue;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::io::{self, Write};
+
+/// Seconds as a JSON number with all their digits.
+type Digits = Box<RawValue>;
+
+fn digits(time: impl Display) -> Digits {
+    // Seconds are written as JSON writes numbers: digits, one point, digits.
+    RawValue::from_string(time.to_string()).unwrap_or_default()
+}
 
 #[derive(Serialize)]
 struct WarningLine {
     r#type: &'static str,
-    t: f64,
-    timestamp: f64,
+    t: Digits,
+    timestamp: Digits,
     cylinder: u8,
     detector: &'static str,
     fault: &'static str,
@@ -32,7 +42,7 @@ struct WarningLine {
 struct EvidenceFields {
     evidence: f64,
     location_evidence: Option<f64>,
-    onset: f64,
+    onset: Digits,
     size: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     shape: Option<&'static str>,
@@ -43,22 +53,30 @@ struct EvidenceFields {
 #[derive(Serialize)]
 struct NoticeLine {
     r#type: &'static str,
-    t: f64,
-    timestamp: f64,
+    t: Digits,
+    timestamp: Digits,
     notice: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    seconds: Option<f64>,
+    seconds: Option<Digits>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cylinder: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     detector: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     reason: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    skew: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    jitter: Option<f64>,
 }
 
 #[derive(Serialize)]
-struct SummaryLine {
+struct SummaryLine<'a> {
     r#type: &'static str,
+    judged: bool,
+    /// Why not.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    reasons: &'a [String],
     frames: u64,
     ignored_frames: u64,
     error_frames: u64,
@@ -69,9 +87,11 @@ struct SummaryLine {
     missing_cycles: u64,
     late_frames: u64,
     repeated_frames: u64,
+    held_frames: u64,
     bad_signals: u64,
     backwards: u64,
     time_jumps: u64,
+    interruptions: u64,
     duration: f64,
     warnings: BTreeMap<Position, u64>,
     cylinders: Vec<CylinderLine>,
@@ -113,8 +133,8 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
         out,
         &WarningLine {
             r#type: "warning",
-            t: warning.timestamp.since(first).as_seconds(),
-            timestamp: warning.timestamp.as_seconds(),
+            t: digits(warning.timestamp.since(first)),
+            timestamp: digits(warning.timestamp),
             cylinder: warning.cylinder,
             detector: warning.detector.name(),
             fault: finding.fault.name(),
@@ -126,7 +146,7 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
             evidence: finding.evidence.map(|evidence| EvidenceFields {
                 evidence: evidence.fault,
                 location_evidence: evidence.location,
-                onset: evidence.onset.since(first).as_seconds(),
+                onset: digits(evidence.onset.since(first)),
                 size: finding.residual,
                 shape: evidence.gain.map(|_| "scale"),
                 gain_percent: evidence.gain.map(|gain| 100.0 * gain),
@@ -142,13 +162,15 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
 pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
     let line = |at: Timestamp, notice, seconds: Option<Span>| NoticeLine {
         r#type: "notice",
-        t: at.since(first).as_seconds(),
-        timestamp: at.as_seconds(),
+        t: digits(at.since(first)),
+        timestamp: digits(at),
         notice,
-        seconds: seconds.map(Span::as_seconds),
+        seconds: seconds.map(digits),
         cylinder: None,
         detector: None,
         reason: None,
+        skew: None,
+        jitter: None,
     };
     let line = match *notice {
         Notice::Gap { at, length } => line(at, "gap", Some(length)),
@@ -160,6 +182,12 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
             reason: Some(restart_name(reason)),
             ..line(at, "restart", None)
         },
+        Notice::Timing { at, apart: Some(apart) } => NoticeLine {
+            skew: Some(apart.mean),
+            jitter: Some(apart.spread),
+            ..line(at, "timing", None)
+        },
+        Notice::Timing { at, apart: None } => line(at, "timing_restored", None),
     };
     write_line(out, &line)
 }
@@ -173,6 +201,8 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
     let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();
     let line = SummaryLine {
         r#type: "summary",
+        judged: summary.judgement.is_judged(),
+        reasons: summary.judgement.reasons(),
         frames: statistics.frames,
         ignored_frames: summary.ignored_frames(),
         error_frames: statistics.error_frames,
@@ -183,9 +213,11 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         missing_cycles: counts.missing,
         late_frames: counts.late,
         repeated_frames: counts.repeated,
+        held_frames: counts.held,
         bad_signals: counts.bad_signals,
         backwards: counts.backwards,
         time_jumps: counts.time_jumps,
+        interruptions: counts.interruptions,
         duration: summary.duration,
         warnings: Detector::ALL.map(Position).into_iter().zip(*episodes.raised()).collect(),
         cylinders: cylinders

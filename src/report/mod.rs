@@ -7,6 +7,7 @@ pub mod evaluation;
 pub mod human;
 pub mod identification;
 pub mod jsonl;
+pub mod judgement;
 pub mod model_tables;
 pub mod nonlinear;
 pub mod page;
@@ -19,6 +20,7 @@ mod wording;
 
 pub use episode::{Episode, Episodes};
 pub use estimates::EstimateTable;
+pub use judgement::Judgement;
 pub use residuals::ResidualTable;
 pub use stops::Stops;
 
@@ -30,6 +32,7 @@ use crate::monitor::{Counts, cylinder::Tally};
 pub struct Summary<'a> {
     /// From the first to the last frame, s.
     pub duration: f64,
+    pub judgement: &'a Judgement,
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,
     pub tallies: &'a [Tally],

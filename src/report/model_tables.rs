@@ -16,7 +16,7 @@ pub fn tables(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<St
         text,
         "\n# (4-1), identified on cylinder {of}: {taken}; simulated on every cylinder its position \
          VAF is at least {worst:.2} %.\n[model]\n{}",
-        parameters(chosen)
+        parameters(chosen, outcome.shaping.sample_time)
     );
     for cylinder in &outcome.cylinders {
         let Ok(own) = &cylinder.result else { continue };
@@ -26,7 +26,7 @@ pub fn tables(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<St
         }
         _ = writeln!(text, "\n[[cylinder]]\nn = {}", cylinder.number);
         if per_cylinder {
-            _ = writeln!(text, "{}", parameters(own));
+            _ = writeln!(text, "{}", parameters(own, outcome.shaping.sample_time));
         }
         if let Some(offset) = offset {
             _ = writeln!(text, "command_offset = {offset:?}  # m/s; the command at which it rests");
@@ -68,9 +68,10 @@ fn provenance(outcome: &Outcome, version: &str) -> String {
     text
 }
 
-fn parameters(identified: &Identified) -> String {
+fn parameters(identified: &Identified, sample_time: f64) -> String {
     let estimate = &identified.estimate;
-    format!("theta = {:?}\ngamma = {:?}", estimate.theta, estimate.gamma)
+    let (theta, gamma) = (estimate.theta, estimate.gamma);
+    format!("theta = {theta:?}\ngamma = {gamma:?}\nsample_time = {sample_time:?}")
 }
 
 /// A name cannot end the comment that it stands in.

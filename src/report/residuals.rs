@@ -4,7 +4,8 @@ use crate::monitor::Record;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
+/// The columns, which the first line names.
+pub const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
 
 /// Writes one row for each cylinder and cycle, in full double precision. What is not there is
 /// empty; `gated` is 1 where neither FDE1 nor FDE2 judged.
@@ -41,11 +42,8 @@ impl<W: Write> ResidualTable<W> {
         writeln!(self.out, ",{}", u8::from(record.gated))
     }
 
-    /// Writes what is still buffered.
-    ///
-    /// # Errors
-    /// What the output says.
-    pub fn finish(mut self) -> io::Result<()> {
-        self.out.flush()
+    /// The writer underneath, which may still buffer rows.
+    pub fn into_inner(self) -> W {
+        self.out
     }
 }

@@ -233,9 +233,11 @@ pub fn tables(result: &Tuning, version: &str) -> String {
     _ = writeln!(
         text,
         "\n# {} sets of weights tried; threshold by exponential tails {:.4} mm, peak of a unit step \
-         {peak:.2}, over after {settled} cycles.\n[observer]\nq = {q:?}\nr = {r:?}\n",
+         {peak:.2}, over after {settled} cycles.\n[observer]\nq = {q:?}\nr = {r:?}\n\
+         sample_time = {:?}\n",
         result.search.tried,
-        threshold * 1e3
+        threshold * 1e3,
+        result.sample_time
     );
     for line in meaning(result) {
         _ = writeln!(text, "# {line}");

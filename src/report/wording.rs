@@ -1,9 +1,10 @@
 //! What a replay is told in, wherever it is told: rows, lines and numbers.
 
 use super::jsonl::restart_name;
-use super::{Episode, Episodes, Summary};
+use super::{Episode, Summary};
 use crate::alarm::Detector;
 use crate::monitor::Notice;
+use crate::sequential::Apart;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
 
@@ -56,10 +57,13 @@ pub fn counter_jumps(summary: &Summary<'_>) -> String {
 }
 
 /// How many there were, by detector.
-pub fn warnings(episodes: &Episodes) -> String {
+pub fn warnings(summary: &Summary<'_>) -> String {
+    let episodes = summary.episodes;
     let total: u64 = episodes.raised().iter().sum();
-    if total == 0 {
-        return "No warnings.".to_owned();
+    match (total, summary.judgement.is_judged()) {
+        (0, true) => return "No warnings.".to_owned(),
+        (0, false) => return "No warnings, as nothing was judged.".to_owned(),
+        _ => {}
     }
     let by_detector = Detector::ALL
         .iter()
@@ -112,8 +116,27 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
             let (label, reason) = (label(detector), words(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
         }
+        Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
+        Notice::Timing { at, apart: None } => {
+            (at, "timing: C1 and C2 are sampled as they were calibrated again".to_owned())
+        }
     };
     [clock(at.since(first).as_seconds()), what]
+}
+
+/// How far apart in time C1 and C2 are sampled.
+fn timing(apart: &Apart) -> String {
+    let Apart { mean, spread } = apart;
+    let skew = match mean {
+        0.0 => String::new(),
+        _ if *mean > 0.0 => format!("C2 {:.2} ms sooner than calibrated, ", 1e3 * mean),
+        _ => format!("C2 {:.2} ms later than calibrated, ", -1e3 * mean),
+    };
+    let jitter = 1e3 * spread;
+    format!(
+        "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
+         transducer is at fault, look at Sync and the devices' clocks"
+    )
 }
 
 pub fn label(detector: Detector) -> &'static str {
@@ -141,10 +164,13 @@ fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1e3)
 }
 
-/// As candump writes it, so that the place is found in the log with a search.
+/// As candump writes it, so that the place is found in the log with a search: six decimals, or nine
+/// where the recording has them.
 fn log_time(at: Timestamp) -> String {
-    let micros = at.as_nanos().div_euclid(1000);
-    format!("{}.{:06}", micros.div_euclid(1_000_000), micros.rem_euclid(1_000_000))
+    let exact = at.to_string();
+    let decimals = exact.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let missing = if decimals > 6 { 9 - decimals } else { 6 - decimals };
+    exact + &"0".repeat(missing)
 }
 
 /// Hours, minutes and seconds, as few as there are.

@@ -1,49 +1,182 @@
-//! The alive counter of a transducer's frames.
+//! The alive counter of a frame: which cycle the frame is of.
+//!
+//! A sender counts its frames, one or several in each cycle, and so a counter tells a frame that is
+//! late by a cycle from the punctual one, and a repetition from both. It tells nothing where the
+//! sender counts something else, or sends freely: then it is not believed until it fits again.
 
-/// What the counter of a new frame says.
+/// A frame that is up to so many cycles behind is late; a counter that is further off is another
+/// count.
+pub const BEHIND: i64 = 5;
+
+/// So many frames running that fit each other make a counter believed again.
+const FITTING: u32 = 16;
+
+/// What the counter of a frame says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// As expected after the cycles that passed.
-    Advanced,
-    /// The counter stands still: the sender repeats itself, the reading is not new.
-    Repeated,
-    /// The counter advanced, but not by the cycles that passed.
+pub enum Count {
+    /// Nothing: it is the first one, or the counter is not believed.
+    Silent,
+    /// It stands still: the sender, or the way from it, repeats a frame.
+    Same,
+    /// The frame is of so many cycles after the newest: −[`BEHIND`] to 1.
+    Off(i64),
+    /// It fits no cycle near.
     Jumped,
+}
+
+/// A count and the cycle in which it came.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    cycle: u64,
+    value: u64,
+    /// Counts a cycle since the point before, where that is a whole number.
+    step: Option<u64>,
 }
 
 /// Follows one alive counter.
 #[derive(Clone, Debug)]
 pub struct AliveCounter {
-    mask: u64,
-    last: Option<(u64, u64)>,
+    /// Bits of the counter.
+    bits: u32,
+    /// Counts in a cycle.
+    step: u64,
+    /// Of the newest frame that was taken.
+    last: Option<Point>,
+    /// The newest frame since that did not fit.
+    misfit: Option<Point>,
+    believed: bool,
+    fitting: u32,
+    jumps: u64,
 }
 
 impl AliveCounter {
-    /// A counter of `bits` bits (1 to 64) that wraps to zero.
-    pub fn new(bits: u32) -> Self {
-        Self { mask: u64::MAX >> (64 - bits.clamp(1, 64)), last: None }
-    }
-
-    /// Takes the counter `value` of the frame of cycle number `cycle`.
-    pub fn follow(&mut self, cycle: u64, value: u64) -> Progress {
-        let value = value & self.mask;
-        let progress = match self.last {
-            None => Progress::Advanced,
-            Some((_, last)) if value == last => Progress::Repeated,
-            Some((since, last)) => {
-                let expected = last.wrapping_add(cycle.wrapping_sub(since)) & self.mask;
-                if value == expected { Progress::Advanced } else { Progress::Jumped }
-            }
-        };
-        if progress != Progress::Repeated {
-            self.last = Some((cycle, value));
+    /// A counter of `bits` bits (1 to 64) that wraps to zero and goes up by `step` in a cycle: by the
+    /// number of pages that share it.
+    pub fn new(bits: u32, step: u64) -> Self {
+        Self {
+            bits: bits.clamp(1, 64),
+            step: step.max(1),
+            last: None,
+            misfit: None,
+            believed: true,
+            fitting: 0,
+            jumps: 0,
         }
-        progress
     }
 
-    /// Forgets the last value, after a gap in time.
-    pub fn reset(&mut self) {
+    /// Counts that fitted no cycle.
+    pub const fn jumps(&self) -> u64 {
+        self.jumps
+    }
+
+    /// What the count `value` says of a frame that came in cycle number `cycle`.
+    #[inline]
+    pub fn read(&self, cycle: u64, value: u64) -> Count {
+        let Some(last) = self.last else { return Count::Silent };
+        let elapsed = cycle.wrapping_sub(last.cycle);
+        let expected = last.value.wrapping_add(elapsed.wrapping_mul(self.step));
+        // The difference as a signed number of as many bits.
+        let unused = 64 - self.bits;
+        let off = (value.wrapping_sub(expected) << unused) as i64 >> unused;
+        if value.wrapping_sub(last.value) << unused == 0 {
+            Count::Same
+        } else if !self.believed {
+            Count::Silent
+        } else if off == 0 {
+            Count::Off(0)
+        } else {
+            let step = self.step as i64;
+            match (off % step, off / step) {
+                (0, cycles) if (-BEHIND..=1).contains(&cycles) => Count::Off(cycles),
+                _ => Count::Jumped,
+            }
+        }
+    }
+
+    /// The frame was taken as that of `cycle`.
+    #[inline]
+    pub fn accept(&mut self, cycle: u64, value: u64) {
+        if !self.believed {
+            self.regain(cycle, value);
+        }
+        self.misfit = None;
+        self.last = Some(Point { cycle, value, step: None });
+    }
+
+    /// The frame is not of `cycle`, in which it came; `empty` if nothing else was taken in it yet, and
+    /// `behind` if it seems to be a late one. Returns whether it is to be taken after all, since the
+    /// sender has begun another count.
+    ///
+    /// That is told by two misfits with the known step from cycle to cycle, as after a restart, or by
+    /// three with another one. What is only behind by the same number of cycles is late, however.
+    #[cold]
+    pub fn reject(&mut self, cycle: u64, value: u64, empty: bool, behind: bool) -> bool {
+        let Some(before) = self.misfit.or(self.last) else { return empty };
+        let counts = self.distance(before.value, value);
+        let elapsed = cycle.wrapping_sub(before.cycle);
+        if elapsed == 0 && counts == 0 {
+            return false;
+        }
+        self.jumps += u64::from(!behind);
+        if elapsed == 0 && self.misfit.is_some() && !behind && counts == self.step {
+            // Several in a cycle: it counts frames.
+            self.disbelieve();
+            return empty;
+        }
+        let whole = elapsed > 0 && counts > 0 && counts.is_multiple_of(elapsed);
+        let step = whole.then(|| counts / elapsed);
+        let again = self.misfit.is_some_and(|misfit| step.is_some() && misfit.step == step);
+        let same_step = step == Some(self.step);
+        let goes_on = if same_step { self.misfit.is_some() && !behind } else { again };
+        if empty && goes_on {
+            self.step = step.unwrap_or(self.step);
+            return true;
+        }
+        if empty || !behind {
+            self.misfit = Some(Point { cycle, value, step: step.filter(|_| empty) });
+        }
+        false
+    }
+
+    /// From now on only a repeated count says anything, until the counts fit again.
+    pub fn disbelieve(&mut self) {
+        self.believed = false;
+        self.fitting = 0;
+        self.misfit = None;
+    }
+
+    /// A frame came beside the one of its cycle: the counter does not count cycles.
+    pub const fn surplus(&mut self) {
+        self.fitting = 0;
+    }
+
+    /// Forgets the last count, after a gap in time.
+    pub const fn forget(&mut self) {
         self.last = None;
+        self.misfit = None;
+    }
+
+    fn regain(&mut self, cycle: u64, value: u64) {
+        let Some(last) = self.last else { return };
+        let counts = self.distance(last.value, value);
+        let elapsed = cycle.wrapping_sub(last.cycle).max(1);
+        if counts.is_multiple_of(elapsed) && counts / elapsed == self.step {
+            self.fitting += 1;
+            self.believed = self.fitting >= FITTING;
+        } else {
+            self.fitting = 0;
+            // Another step is one to be tried, if it is a small part of the counter.
+            if counts.is_multiple_of(elapsed) && counts / elapsed <= self.distance(0, u64::MAX) / 4
+            {
+                self.step = (counts / elapsed).max(1);
+            }
+        }
+    }
+
+    /// From the count `from` up to `to`.
+    const fn distance(&self, from: u64, to: u64) -> u64 {
+        let unused = 64 - self.bits;
+        to.wrapping_sub(from) << unused >> unused
     }
 }
 
@@ -51,22 +184,87 @@ impl AliveCounter {
 mod tests {
     use super::*;
 
+    fn at(last: u64, cycle: u64) -> AliveCounter {
+        let mut counter = AliveCounter::new(8, 1);
+        counter.accept(cycle, last);
+        counter
+    }
+
     #[test]
-    fn wraps_and_notices_repetition_and_loss() {
-        let mut counter = AliveCounter::new(8);
-        assert_eq!(counter.follow(1, 254), Progress::Advanced);
-        assert_eq!(counter.follow(2, 255), Progress::Advanced);
-        assert_eq!(counter.follow(3, 0), Progress::Advanced);
-        assert_eq!(counter.follow(4, 0), Progress::Repeated);
-        assert_eq!(counter.follow(5, 0), Progress::Repeated);
-        assert_eq!(counter.follow(6, 3), Progress::Advanced, "three cycles after the last new one");
-        assert_eq!(counter.follow(7, 9), Progress::Jumped);
+    fn wraps_and_tells_repetition_loss_and_lateness() {
+        assert_eq!(AliveCounter::new(8, 1).read(7, 3), Count::Silent);
+        let counter = at(254, 10);
+        assert_eq!(counter.read(11, 255), Count::Off(0));
+        assert_eq!(counter.read(11, 254), Count::Same);
+        assert_eq!(counter.read(12, 0), Count::Off(0), "one was lost");
+        assert_eq!(counter.read(12, 255), Count::Off(-1), "late by a cycle");
+        assert_eq!(counter.read(12, 1), Count::Off(1), "early");
+        assert_eq!(counter.read(12, 250), Count::Jumped);
+        assert_eq!(counter.read(12, 77), Count::Jumped);
+        assert_eq!(counter.read(10 + 300, 42), Count::Off(0), "300 cycles are 44 counts");
     }
 
     #[test]
     fn a_counter_of_full_width_does_not_overflow() {
-        let mut counter = AliveCounter::new(64);
-        assert_eq!(counter.follow(0, u64::MAX), Progress::Advanced);
-        assert_eq!(counter.follow(1, 0), Progress::Advanced);
+        let mut counter = AliveCounter::new(64, 1);
+        counter.accept(0, u64::MAX);
+        assert_eq!(counter.read(1, 0), Count::Off(0));
+        assert_eq!(counter.read(2, 0), Count::Off(-1));
+    }
+
+    #[test]
+    fn pages_that_share_a_counter_make_its_step() {
+        let mut counter = AliveCounter::new(8, 6);
+        counter.accept(1, 250);
+        assert_eq!(counter.read(2, 0), Count::Off(0));
+        assert_eq!(counter.read(3, 0), Count::Off(-1));
+        assert_eq!(counter.read(2, 6), Count::Off(1));
+        assert_eq!(counter.read(2, 3), Count::Jumped);
+    }
+
+    #[test]
+    fn two_misfits_one_cycle_apart_are_another_count() {
+        let mut counter = at(100, 10);
+        assert_eq!(counter.read(11, 0), Count::Jumped);
+        assert!(!counter.reject(11, 0, true, false));
+        assert!(counter.reject(12, 1, true, false));
+        counter.accept(12, 1);
+        assert_eq!((counter.read(13, 2), counter.jumps()), (Count::Off(0), 2));
+    }
+
+    #[test]
+    fn another_step_takes_three() {
+        let mut counter = AliveCounter::new(8, 6);
+        counter.accept(0, 0);
+        // One page in each cycle: the counter goes up by one, and the page comes each sixth.
+        assert_eq!(counter.read(6, 6), Count::Off(-5));
+        assert!(!counter.reject(6, 6, true, true));
+        assert!(counter.reject(12, 12, true, true));
+        counter.accept(12, 12);
+        assert_eq!(counter.read(18, 18), Count::Off(0));
+    }
+
+    #[test]
+    fn what_is_behind_alone_stays_late() {
+        let mut counter = at(10, 10);
+        for (cycle, value) in [(12, 11), (13, 12), (14, 13), (15, 14)] {
+            assert_eq!(counter.read(cycle, value), Count::Off(-1));
+            assert!(!counter.reject(cycle, value, true, true));
+        }
+    }
+
+    #[test]
+    fn who_counts_frames_is_not_believed_until_it_counts_cycles() {
+        let mut counter = at(10, 1);
+        assert_eq!(counter.read(1, 11), Count::Off(1));
+        assert!(!counter.reject(1, 11, false, false));
+        assert!(!counter.reject(1, 12, false, false));
+        assert_eq!(counter.read(1, 13), Count::Silent);
+        assert_eq!(counter.read(2, 10), Count::Same);
+        for cycle in 2..=19 {
+            assert_eq!(counter.read(cycle, 40 + cycle), Count::Silent, "{cycle}");
+            counter.accept(cycle, 40 + cycle);
+        }
+        assert_eq!(counter.read(20, 60), Count::Off(0));
     }
 }

@@ -1,10 +1,14 @@
 //! When a cycle opens and closes, from time stamps alone.
 //!
-//! A cycle is opened by Sync where one is configured, else by the first transducer frame at least
-//! half a sample time after the last opening: readings come first and the command that answers
-//! them follows, so a valve frame never opens a cycle. It closes a deadline after its opening.
-//! When the deadline of the next cycle passes without an opening, that cycle is missing.
+//! A cycle is opened by Sync where one is configured, else by the first transducer frame about a
+//! sample time after the last opening: readings come first and the command that answers them
+//! follows, so a valve frame never opens a cycle. It closes a deadline after its opening. When the
+//! deadline of the next cycle passes without an opening, that cycle is missing.
+//!
+//! An opening by Sync is when Sync came. Without it the openings are a grid of sample times, which
+//! follows the frames that open cycles slowly, so that one that is early or late moves no cycle.
 
+use super::arrival::When;
 use crate::time::{Span, Timestamp};
 
 /// Sample time and deadline of the cycles.
@@ -16,17 +20,6 @@ pub struct CycleTiming {
     pub deadline: Span,
     /// Whether a Sync message opens cycles.
     pub synchronised: bool,
-}
-
-/// What the arrival of a transducer frame does to the cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrival {
-    /// It belongs to the open cycle.
-    Current,
-    /// It opens a new one.
-    Opens,
-    /// Its cycle is closed, and it is too early for the next.
-    Late,
 }
 
 /// A point of time at which the cycle changes by itself.
@@ -56,11 +49,16 @@ pub struct CycleClock {
     /// The newest cycle was opened by a reading although Sync is configured.
     without_sync: bool,
     number: u64,
+    /// Openings by readings that the grid has followed, up to [`SLOWNESS`].
+    followed: i64,
 }
+
+/// The grid moves by this part of how far an opening is beside it, once it has followed as many.
+const SLOWNESS: i64 = 16;
 
 impl CycleClock {
     pub fn new(timing: CycleTiming) -> Self {
-        Self { timing, opened: None, open: false, without_sync: false, number: 0 }
+        Self { timing, opened: None, open: false, without_sync: false, number: 0, followed: 0 }
     }
 
     /// Ts.
@@ -93,6 +91,14 @@ impl CycleClock {
         })
     }
 
+    /// How many cycles in a row are missing before `now`, if nothing opens.
+    pub fn missing_until(&self, now: Timestamp) -> u64 {
+        let Some(Due::Missing(first)) = self.due() else { return 0 };
+        let beyond = now.since(first).as_nanos();
+        let more = beyond.saturating_sub(1) / self.timing.sample_time.as_nanos();
+        if beyond > 0 { more as u64 + 1 } else { 0 }
+    }
+
     /// The open cycle has closed.
     pub fn close(&mut self) {
         self.open = false;
@@ -106,34 +112,55 @@ impl CycleClock {
         self.open = false;
     }
 
-    /// Whether a Sync at `at` only confirms a cycle that a reading opened just before it.
+    /// Whether a Sync at `at` is that of a cycle that a reading has opened for it. The cycle then
+    /// begins with the Sync.
     pub fn confirms(&mut self, at: Timestamp) -> bool {
-        let confirms = self.without_sync && self.has_just_opened(at);
+        let near =
+            |elapsed: Span| elapsed < self.half() && elapsed.as_nanos() > -self.half().as_nanos();
+        let confirms = self.without_sync && self.since_opening(at).is_some_and(near);
         if confirms {
             self.without_sync = false;
+            self.opened = Some(at);
         }
         confirms
     }
 
-    /// Whether the newest cycle opened less than half a sample time before `at`.
-    pub fn has_just_opened(&self, at: Timestamp) -> bool {
-        self.since_opening(at).is_some_and(|elapsed| elapsed < self.half())
+    /// Whether a Sync at `at` is that of the newest cycle once more, as where a bus is recorded on two
+    /// interfaces: the next one comes no earlier than three quarters of a sample time after it.
+    pub fn has_had_sync(&self, at: Timestamp) -> bool {
+        let soon = Span::from_nanos(self.timing.sample_time.as_nanos() / 4 * 3);
+        !self.without_sync && self.since_opening(at).is_some_and(|elapsed| elapsed < soon)
     }
 
-    /// What a transducer frame at `at` does, if its message was `repeated` within this cycle.
-    pub fn arrival(&self, at: Timestamp, repeated: bool) -> Arrival {
-        let Some(elapsed) = self.since_opening(at) else { return Arrival::Opens };
-        let opens = if self.timing.synchronised {
+    /// The newest cycle, as frames find it; `None` before the first one.
+    #[inline]
+    pub fn when(&self) -> Option<When> {
+        Some(When {
+            cycle: self.number,
+            opened: self.opened?,
+            open: self.open,
+            by_sync: self.timing.synchronised && !self.without_sync,
+            sample_time: self.timing.sample_time,
+        })
+    }
+
+    /// Whether a transducer frame at `at` could open the next cycle by its time; `has` if its place
+    /// has had a frame in the newest one.
+    #[inline]
+    pub fn could_open(&self, at: Timestamp, has: bool) -> bool {
+        let Some(elapsed) = self.since_opening(at) else { return true };
+        if self.timing.synchronised {
             // Sync was lost: only a reading about one sample time later may stand in for it.
-            elapsed >= self.earliest_without_sync() && (repeated || !self.open)
+            (has || !self.open) && elapsed >= self.earliest_without_sync()
         } else {
-            elapsed >= self.half()
-        };
-        match (opens, self.open) {
-            (true, _) => Arrival::Opens,
-            (false, true) => Arrival::Current,
-            (false, false) => Arrival::Late,
+            !self.open && elapsed >= self.half()
         }
+    }
+
+    /// Whether readings open cycles, so that one that came early opens its cycle when the one before
+    /// it has closed.
+    pub const fn is_opened_by_readings(&self) -> bool {
+        !self.timing.synchronised
     }
 
     /// How many cycles went missing between the newest one and an opening at `at`.
@@ -144,12 +171,27 @@ impl CycleClock {
         (cycles.max(1) - 1) as u64
     }
 
-    /// Opens the next cycle at `at`, after [`Self::skip`] of those that went missing.
+    /// Opens the next cycle for a frame at `at`, after [`Self::skip`] of those that went missing.
     pub fn open(&mut self, at: Timestamp, by_sync: bool) {
-        self.opened = Some(at);
+        self.opened = Some(if by_sync { at } else { self.on_grid(at) });
         self.open = true;
         self.without_sync = self.timing.synchronised && !by_sync;
         self.number += 1;
+    }
+
+    /// Where the cycle opens that a reading at `at` opens.
+    fn on_grid(&mut self, at: Timestamp) -> Timestamp {
+        let expected = self.opened.map(|opened| opened.after(self.timing.sample_time));
+        let beside = expected.map(|expected| at.since(expected));
+        let near = |beside: &Span| beside.as_nanos().abs() <= self.half().as_nanos();
+        let Some((expected, beside)) = expected.zip(beside.filter(near)) else {
+            self.followed = 0;
+            return at;
+        };
+        self.followed = (self.followed + 1).min(SLOWNESS);
+        // Behind Sync a reading that stands in for it tells nothing of where Sync would have been.
+        let slowness = if self.timing.synchronised { SLOWNESS } else { self.followed };
+        expected.after(Span::from_nanos(beside.as_nanos() / slowness))
     }
 
     /// Forgets the phase, after a jump in time.
@@ -157,6 +199,7 @@ impl CycleClock {
         self.opened = None;
         self.open = false;
         self.without_sync = false;
+        self.followed = 0;
     }
 
     fn since_opening(&self, at: Timestamp) -> Option<Span> {

@@ -1,7 +1,10 @@
 //! From decoded values to the sample of a cycle: what belongs together, and what it is worth.
 
+pub mod arrival;
 pub mod counter;
 pub mod cycle;
+pub mod motion;
+pub mod phase;
 pub mod plausibility;
 pub mod quality;
 pub mod reading;

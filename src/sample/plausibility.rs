@@ -1,7 +1,7 @@
 //! The checks of a reading before any model, in a fixed order: stale, broken wire, out of range,
 //! frozen.
 
-use super::counter::{AliveCounter, Progress};
+use super::motion::Motion;
 use super::quality::Quality;
 use super::reading::Reading;
 
@@ -24,53 +24,104 @@ pub struct Limits {
     pub travel: f64,
 }
 
-/// While the other transducer does not move either, a constant reading is frozen only after so many
-/// times [`Limits::frozen`]: where a slow stroke turns, friction holds the rod still for a while
-/// under a command that moves again.
+/// Where no other transducer can tell, a constant reading is frozen only after so many times
+/// [`Limits::frozen`]: where a slow stroke turns, friction holds the rod still for a while under a
+/// command that moves again. And the command must have moved either way: a rod that stands on its stop
+/// is held by it against one of the two only.
 const UNWITNESSED: u32 = 5;
+
+/// Which way a command moves the cylinder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Push {
+    Positive,
+    Negative,
+}
+
+/// The other transducer of the cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct Other {
+    /// m.
+    pub position: f64,
+    /// It is in motion, see [`Motion::goes_on`].
+    pub goes_on: bool,
+}
+
+impl Other {
+    /// What `position` is, m, to one who has followed the `motion` up to it.
+    pub fn new(position: f64, motion: &Motion) -> Self {
+        Self { position, goes_on: motion.goes_on() }
+    }
+}
 
 /// What is known of the cycle beside the reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    pub cycle: u64,
     /// Something of the machine was on the bus in this cycle. In silence nothing ages: a quiet bus
     /// is not the fault of a transducer.
     pub live: bool,
-    /// The command that acted since the last cycle moves the cylinder, and the platform's state is
-    /// one in which it follows.
-    pub moving: bool,
-    /// What the other transducer reads in this cycle, m; `None` where there is none to be relied on.
-    pub other: Option<f64>,
+    /// Which way the command that acted since the last cycle moves the cylinder, where the platform's
+    /// state is one in which it follows; `None` if it does not move it.
+    pub push: Option<Push>,
+    /// The other transducer in this cycle; `None` where there is none to be relied on.
+    pub other: Option<Other>,
+}
+
+/// A reading that is exactly constant, since when it is and what was seen meanwhile.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stillness {
+    cycles: u32,
+    /// Of these, cycles under a command that moves, by its [`Push`].
+    pushed: [u32; 2],
+    /// What the other transducer read at the beginning, m.
+    beside: Option<f64>,
+    /// The other one has read anything else since.
+    stirred: bool,
+    /// How far it has moved since, as one that is in motion does, m.
+    travelled: f64,
+}
+
+impl Stillness {
+    fn begin(other: Option<Other>) -> Self {
+        Self { beside: other.map(|other| other.position), ..Self::default() }
+    }
+
+    fn go_on(&mut self, push: Option<Push>, other: Option<Other>) {
+        self.cycles = self.cycles.saturating_add(1);
+        if let Some(push) = push {
+            let pushed = &mut self.pushed[push as usize];
+            *pushed = pushed.saturating_add(1);
+        }
+        let Some((then, now)) = self.beside.zip(other) else { return };
+        let travel = (now.position - then).abs();
+        self.stirred |= travel > 0.0;
+        if now.goes_on {
+            self.travelled = self.travelled.max(travel);
+        }
+    }
 }
 
 /// The plausibility of one transducer's readings.
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     limits: Limits,
-    counter: Option<AliveCounter>,
-    counter_jumps: u64,
     missing: u32,
     last: Option<f64>,
-    constant: u32,
-    /// What the other transducer read when this one stopped.
-    beside: Option<f64>,
-    /// Whether it moved since, or cannot be asked.
-    witnessed: bool,
+    /// Since the reading changed.
+    still: Stillness,
+    /// Since then and since the command moves.
+    held: Stillness,
     quality: Quality,
 }
 
 impl Plausibility {
-    /// Checks by `limits`; `counter_bits` is the size of the alive counter, where there is one.
-    pub fn new(limits: Limits, counter_bits: Option<u32>) -> Self {
+    /// Checks by `limits`.
+    pub fn new(limits: Limits) -> Self {
         Self {
             limits,
-            counter: counter_bits.map(AliveCounter::new),
-            counter_jumps: 0,
             missing: 0,
             last: None,
-            constant: 0,
-            beside: None,
-            witnessed: false,
+            still: Stillness::default(),
+            held: Stillness::default(),
             quality: Quality::default(),
         }
     }
@@ -78,11 +129,6 @@ impl Plausibility {
     /// The quality of the newest cycle.
     pub const fn quality(&self) -> Quality {
         self.quality
-    }
-
-    /// Times that the alive counter advanced by another number than the cycles that passed.
-    pub const fn counter_jumps(&self) -> u64 {
-        self.counter_jumps
     }
 
     /// How far `position` is beyond the valid lengths, m, signed; zero within them.
@@ -93,8 +139,7 @@ impl Plausibility {
 
     /// Judges what arrived in the cycle of `moment`.
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
-        let fresh = reading.filter(|reading| self.is_new(reading, moment.cycle));
-        self.quality = match fresh {
+        self.quality = match reading {
             None => self.without_reading(moment.live),
             Some(reading) => {
                 self.missing = 0;
@@ -105,21 +150,25 @@ impl Plausibility {
         self.quality
     }
 
-    /// Forgets the counter's last value, after a jump in time.
+    /// Forgets for how long the reading has stood still, after a jump in time.
     pub fn reset(&mut self) {
-        if let Some(counter) = &mut self.counter {
-            counter.reset();
-        }
-        self.constant = 0;
+        (self.still, self.held) = Default::default();
     }
 
-    fn is_new(&mut self, reading: &Reading, cycle: u64) -> bool {
-        let Some((counter, value)) = self.counter.as_mut().zip(reading.counter) else {
-            return true;
-        };
-        let progress = counter.follow(cycle, value);
-        self.counter_jumps += u64::from(progress == Progress::Jumped);
-        progress != Progress::Repeated
+    /// The reading stands while the other one goes on: frozen perhaps, though not yet for long enough,
+    /// or not under a command that moves.
+    pub fn stands_alone(&self) -> bool {
+        self.still.cycles > 0 && self.still.travelled >= 0.5 * self.limits.travel
+    }
+
+    /// The other transducer has moved while this one was held: its rod does not stand still.
+    pub fn is_witnessed(&self) -> bool {
+        self.held.travelled >= self.limits.travel
+    }
+
+    /// Cycles in which nothing new has been read: none, or the same.
+    pub fn idle(&self) -> u32 {
+        self.still.cycles.saturating_add(self.missing)
     }
 
     fn without_reading(&mut self, live: bool) -> Quality {
@@ -130,21 +179,29 @@ impl Plausibility {
     /// Once frozen it stays so until the reading changes, even if the command comes to rest.
     fn follow(&mut self, position: f64, moment: Moment) {
         let same = self.last == Some(position);
-        let moving = moment.moving || self.is_frozen();
+        let moving = moment.push.is_some() || self.is_frozen();
         self.last = Some(position);
-        if !(same && moving) {
-            (self.constant, self.beside, self.witnessed) = (0, moment.other, false);
-            return;
-        }
-        self.constant = self.constant.saturating_add(1);
-        let travel = self.beside.zip(moment.other).map(|(then, now)| (now - then).abs());
-        self.witnessed |= travel.is_none_or(|travel| travel >= self.limits.travel);
+        let follow = |stillness: &mut Stillness, goes_on: bool| {
+            if goes_on {
+                stillness.go_on(moment.push, moment.other);
+            } else {
+                *stillness = Stillness::begin(moment.other);
+            }
+        };
+        follow(&mut self.still, same);
+        follow(&mut self.held, same && moving);
     }
 
-    /// The command moves and the reading does not, nor is it the rod that stands still.
+    /// The command moves and the reading does not, nor is it the rod that stands still. Another reading
+    /// that changes and yet goes nowhere says that the rod is at rest.
     fn is_frozen(&self) -> bool {
-        let alone = self.limits.frozen.saturating_mul(UNWITNESSED);
-        self.constant >= if self.witnessed { self.limits.frozen } else { alone }
+        let frozen = self.limits.frozen;
+        let Stillness { cycles, pushed, stirred, .. } = self.held;
+        if self.is_witnessed() {
+            return cycles >= frozen;
+        }
+        let either_way = pushed.into_iter().all(|pushed| pushed >= frozen);
+        !stirred && either_way && cycles >= frozen.saturating_mul(UNWITNESSED)
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {
@@ -188,12 +245,17 @@ mod tests {
         Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
     }
 
-    const MOVING: Moment = Moment { cycle: 0, live: true, moving: true, other: None };
-    const STILL: Moment = Moment { moving: false, ..MOVING };
+    const MOVING: Moment = Moment { live: true, push: Some(Push::Positive), other: None };
+    const STILL: Moment = Moment { push: None, ..MOVING };
+
+    /// The other transducer in motion, at `position`.
+    fn passing(position: f64) -> Moment {
+        Moment { other: Some(Other { position, goes_on: true }), ..MOVING }
+    }
 
     #[test]
     fn the_order_is_stale_broken_wire_out_of_range_frozen() {
-        let mut checks = Plausibility::new(limits(), None);
+        let mut checks = Plausibility::new(limits());
         let worst = Reading { code: Some(32767), position: 2.0, status: Some(1), ..reading(2.0) };
         for _ in 0..6 {
             assert_eq!(checks.judge(Some(&worst), MOVING), Quality::BrokenWire);
@@ -206,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_status_bit_outside_the_mask_is_no_fault() {
-        let mut checks = Plausibility::new(limits(), None);
+        let mut checks = Plausibility::new(limits());
         let other_bit = Reading { status: Some(0b10), ..reading(0.0) };
         assert_eq!(checks.judge(Some(&other_bit), MOVING), Quality::Good);
         let masked = Reading { status: Some(0b11), ..reading(0.0) };
@@ -215,40 +277,89 @@ mod tests {
 
     #[test]
     fn frozen_needs_a_moving_command_and_ends_with_a_change() {
-        let mut checks = Plausibility::new(limits(), None);
+        let mut checks = Plausibility::new(limits());
         for _ in 0..50 {
             assert_eq!(checks.judge(Some(&reading(0.5)), STILL), Quality::Good);
         }
-        for _ in 0..3 {
-            assert_eq!(checks.judge(Some(&reading(0.5)), MOVING), Quality::Good);
+        checks.judge(Some(&reading(0.4)), passing(0.0));
+        for cycle in 0..4 {
+            let moment = passing(1e-3 * f64::from(cycle));
+            assert_eq!(checks.judge(Some(&reading(0.5)), moment), Quality::Good);
         }
-        assert_eq!(checks.judge(Some(&reading(0.5)), MOVING), Quality::Frozen);
+        assert_eq!(checks.judge(Some(&reading(0.5)), passing(5e-3)), Quality::Frozen);
         assert_eq!(checks.judge(Some(&reading(0.5)), STILL), Quality::Frozen, "it did not thaw");
         assert_eq!(checks.judge(Some(&reading(0.500_1)), STILL), Quality::Good);
     }
 
-    /// The cycle in which a reading that stops in cycle 0 is frozen, the other one at `other`.
-    fn frozen_in(other: impl Fn(u64) -> Option<f64>) -> u64 {
-        let mut checks = Plausibility::new(limits(), None);
+    /// The cycle in which a reading that stops in cycle 0 is frozen, the other one at `other` and the
+    /// command as `push` says.
+    fn frozen_in(
+        other: impl Fn(u64) -> Option<f64>,
+        push: impl Fn(u64) -> Option<Push>,
+    ) -> Option<u64> {
+        let mut checks = Plausibility::new(limits());
+        let mut motion = Motion::default();
         let judge = |cycle: &u64| {
-            let moment = Moment { other: other(*cycle), ..MOVING };
+            motion.follow(other(*cycle));
+            let other = other(*cycle).map(|position| Other::new(position, &motion));
+            let moment = Moment { other, push: push(*cycle), ..MOVING };
             checks.judge(Some(&reading(0.5)), moment) == Quality::Frozen
         };
-        (0..100).find(judge).expect("it is frozen in the end")
+        (0..100).find(judge)
     }
 
     #[test]
-    fn while_the_other_one_stands_still_too_it_is_the_rod_for_a_while() {
-        assert_eq!(frozen_in(|_| None), 4, "nobody to ask");
-        assert_eq!(frozen_in(|cycle| Some(3e-4 * cycle as f64)), 4, "it moves slowly");
-        assert_eq!(frozen_in(|cycle| (cycle < 2).then_some(0.0)), 4, "it cannot be asked any more");
-        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 3) as f64)), 20, "it flickers");
-        assert_eq!(frozen_in(|cycle| Some(if cycle < 9 { 0.1 } else { 0.2 })), 9, "it moves later");
+    fn a_reading_that_stands_while_the_other_goes_on_is_frozen() {
+        let out = |_| Some(Push::Positive);
+        let ramp = |cycle: u64| Some(3e-4 * cycle as f64);
+        assert_eq!(frozen_in(ramp, out), Some(4), "it moves slowly");
+        let later = |cycle: u64| Some(3e-4 * cycle.saturating_sub(6) as f64);
+        assert_eq!(frozen_in(later, out), Some(10), "it moves later");
+        let lost = |cycle| ramp(cycle).filter(|_| cycle < 9);
+        assert_eq!(frozen_in(lost, out), Some(4), "it has moved before it was lost");
+    }
+
+    /// What the other one may do while the rod stands on its stop, pushed against it.
+    #[test]
+    fn at_rest_is_not_frozen() {
+        let out = |_| Some(Push::Positive);
+        assert_eq!(frozen_in(|_| None, out), None, "it is lost, or frozen itself");
+        assert_eq!(frozen_in(|_| Some(0.2), out), None, "it stands, too");
+        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 3) as f64), out), None, "it flickers");
+        assert_eq!(
+            frozen_in(|cycle| Some(if cycle < 9 { 0.1 } else { 0.2 }), out),
+            None,
+            "it jumps"
+        );
+        let noise =
+            |cycle: u64| Some(1e-3 * [0.0, 1.0, -1.0, -1.0, 0.0, 1.0][(cycle % 6) as usize]);
+        assert_eq!(frozen_in(noise, out), None, "it is noisy");
+    }
+
+    /// A stop holds the rod against one of the two.
+    #[test]
+    fn without_a_witness_the_command_has_to_move_either_way() {
+        let turning = |cycle| Some(if cycle % 40 < 20 { Push::Positive } else { Push::Negative });
+        assert_eq!(frozen_in(|_| None, turning), Some(23));
+        assert_eq!(frozen_in(|_| Some(0.2), turning), Some(23), "the cylinder does not follow");
+        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 2) as f64), turning), None);
+    }
+
+    #[test]
+    fn who_stands_alone_is_known_before_it_is_frozen() {
+        let mut checks = Plausibility::new(limits());
+        checks.judge(Some(&reading(0.5)), passing(0.0));
+        assert!(!checks.stands_alone());
+        let resting = Moment { push: None, ..passing(6e-4) };
+        assert_eq!(checks.judge(Some(&reading(0.5)), resting), Quality::Good);
+        assert!(checks.stands_alone() && !checks.is_witnessed());
+        checks.judge(Some(&reading(0.6)), passing(7e-4));
+        assert!(!checks.stands_alone());
     }
 
     #[test]
     fn stale_after_the_configured_cycles_but_not_in_silence() {
-        let mut checks = Plausibility::new(limits(), None);
+        let mut checks = Plausibility::new(limits());
         assert_eq!(checks.judge(Some(&reading(0.0)), MOVING), Quality::Good);
         for _ in 0..100 {
             let silence = Moment { live: false, ..MOVING };
@@ -261,21 +372,8 @@ mod tests {
     }
 
     #[test]
-    fn a_repeated_counter_is_no_new_reading() {
-        let mut checks = Plausibility::new(limits(), Some(8));
-        let counted = |counter| Reading { counter: Some(counter), ..reading(0.0) };
-        let at = |cycle| Moment { cycle, ..STILL };
-        assert_eq!(checks.judge(Some(&counted(7)), at(1)), Quality::Good);
-        assert_eq!(checks.judge(Some(&counted(7)), at(2)), Quality::Missing);
-        assert_eq!(checks.judge(Some(&counted(7)), at(3)), Quality::Missing);
-        assert_eq!(checks.judge(Some(&counted(7)), at(4)), Quality::Stale);
-        assert_eq!(checks.judge(Some(&counted(12)), at(5)), Quality::Good);
-        assert_eq!(checks.counter_jumps(), 1);
-    }
-
-    #[test]
     fn not_a_number_is_out_of_range() {
-        let mut checks = Plausibility::new(limits(), None);
+        let mut checks = Plausibility::new(limits());
         let nan = Reading { code: None, ..reading(f64::NAN) };
         assert_eq!(checks.judge(Some(&nan), MOVING), Quality::OutOfRange);
     }

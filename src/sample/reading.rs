@@ -35,22 +35,35 @@ pub enum Field {
 }
 
 impl Field {
+    /// Its place among the inputs of a cylinder.
+    pub const fn place(self) -> u8 {
+        match self {
+            Self::Position(t) => 4 * t as u8,
+            Self::Velocity(t) => 4 * t as u8 + 1,
+            Self::Status(t) => 4 * t as u8 + 2,
+            Self::Counter(t) => 4 * t as u8 + 3,
+            Self::Command => 8,
+            Self::Pressure(p) => 9 + p as u8,
+            Self::Spool => 13,
+        }
+    }
+
     /// The bit of this field in [`Inputs::got`].
     pub const fn bit(self) -> u16 {
-        match self {
-            Self::Position(t) => 1 << (4 * t as u16),
-            Self::Velocity(t) => 2 << (4 * t as u16),
-            Self::Status(t) => 4 << (4 * t as u16),
-            Self::Counter(t) => 8 << (4 * t as u16),
-            Self::Command => 1 << 8,
-            Self::Pressure(p) => 1 << (9 + p as u16),
-            Self::Spool => 1 << 13,
-        }
+        1 << self.place()
     }
 
     /// Whether it comes from a transducer.
     pub const fn is_reading(self) -> bool {
-        !matches!(self, Self::Command | Self::Pressure(_) | Self::Spool)
+        self.transducer().is_some()
+    }
+
+    /// The transducer that it comes from.
+    pub const fn transducer(self) -> Option<Transducer> {
+        match self {
+            Self::Position(t) | Self::Velocity(t) | Self::Status(t) | Self::Counter(t) => Some(t),
+            Self::Command | Self::Pressure(_) | Self::Spool => None,
+        }
     }
 }
 
@@ -64,28 +77,27 @@ pub struct Reading {
     /// l̇, m/s.
     pub velocity: Option<f64>,
     pub status: Option<u64>,
-    pub counter: Option<u64>,
 }
 
-/// What has arrived so far in the open cycle.
+/// A power of two, so that a place needs no check.
+const PLACES: usize = 16;
+
+/// Beside the bits of the fields: the position of C1 or C2 came with a code.
+const CODED: [u16; 2] = [1 << 14, 1 << 15];
+
+/// What has arrived so far in the open cycle: by [`Field::place`], a count and a number. Neither says
+/// anything without its bit in `got`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs {
     got: u16,
-    readings: [Reading; 2],
-    command: f64,
-    pressures: [f64; 4],
-    spool: f64,
+    counts: [i64; PLACES],
+    numbers: [f64; PLACES],
 }
 
 impl Inputs {
     /// Forgets everything, for the next cycle.
     pub fn clear(&mut self) {
         self.got = 0;
-        for reading in &mut self.readings {
-            // Position and command stand behind `got`; writing all of it anew would cost more.
-            (reading.code, reading.velocity) = (None, None);
-            (reading.status, reading.counter) = (None, None);
-        }
     }
 
     /// The fields that have arrived, by [`Field::bit`].
@@ -93,99 +105,132 @@ impl Inputs {
         self.got
     }
 
+    /// The bits by which [`Self::got`] knows a field that came as a count.
+    pub const fn counted_bits(field: Field) -> u16 {
+        match field {
+            Field::Position(transducer) => field.bit() | CODED[transducer as usize],
+            _ => field.bit(),
+        }
+    }
+
+    /// Takes what stands at `place` ([`Field::place`]) of a frame, as a count and as the finite number
+    /// that the count means; `bits` are its [`Self::counted_bits`].
+    #[inline(always)]
+    pub fn count(&mut self, place: u8, bits: u16, count: i64, number: f64) {
+        let place = usize::from(place) % PLACES;
+        self.counts[place] = count;
+        self.numbers[place] = number;
+        self.got |= bits;
+    }
+
+    fn note(&mut self, field: Field, number: f64) {
+        self.numbers[usize::from(field.place())] = number;
+        self.got |= field.bit();
+    }
+
+    fn note_finite(&mut self, field: Field, number: f64) -> bool {
+        let finite = number.is_finite();
+        if finite {
+            self.note(field, number);
+        }
+        finite
+    }
+
+    fn note_bits(&mut self, field: Field, bits: u64) {
+        self.counts[usize::from(field.place())] = bits as i64;
+        self.got |= field.bit();
+    }
+
     /// Takes a position with its raw code.
     pub fn position(&mut self, transducer: Transducer, metres: f64, code: Option<i64>) {
-        let reading = &mut self.readings[transducer as usize];
-        (reading.position, reading.code) = (metres, code);
-        self.got |= Field::Position(transducer).bit();
+        let field = Field::Position(transducer);
+        self.note(field, metres);
+        self.got &= !CODED[transducer as usize];
+        if let Some(code) = code {
+            self.counts[usize::from(field.place())] = code;
+            self.got |= CODED[transducer as usize];
+        }
     }
 
     /// Takes a velocity, m/s; one that is not finite is bad data.
     #[must_use]
     pub fn velocity(&mut self, transducer: Transducer, metres_per_second: f64) -> bool {
-        let finite = metres_per_second.is_finite();
-        if finite {
-            self.readings[transducer as usize].velocity = Some(metres_per_second);
-            self.got |= Field::Velocity(transducer).bit();
-        }
-        finite
+        self.note_finite(Field::Velocity(transducer), metres_per_second)
     }
 
     pub fn status(&mut self, transducer: Transducer, status: u64) {
-        self.readings[transducer as usize].status = Some(status);
-        self.got |= Field::Status(transducer).bit();
+        self.note_bits(Field::Status(transducer), status);
     }
 
-    pub fn counter(&mut self, transducer: Transducer, counter: u64) {
-        self.readings[transducer as usize].counter = Some(counter);
+    /// The alive counter says that the reading is new.
+    pub fn counted(&mut self, transducer: Transducer) {
         self.got |= Field::Counter(transducer).bit();
     }
 
     /// Takes the command, m/s; one that is not finite is bad data.
     #[must_use]
     pub fn command(&mut self, metres_per_second: f64) -> bool {
-        let finite = metres_per_second.is_finite();
-        if finite {
-            self.command = metres_per_second;
-            self.got |= Field::Command.bit();
-        }
-        finite
+        self.note_finite(Field::Command, metres_per_second)
     }
 
     /// u(k), m/s.
     pub fn command_value(&self) -> Option<f64> {
-        (self.got & Field::Command.bit() != 0).then_some(self.command)
+        self.number(Field::Command)
     }
 
     /// Takes a pressure, bar; one that is not finite is bad data.
     #[must_use]
     pub fn pressure(&mut self, pressure: Pressure, bar: f64) -> bool {
-        let finite = bar.is_finite();
-        if finite {
-            self.pressures[pressure as usize] = bar;
-            self.got |= Field::Pressure(pressure).bit();
-        }
-        finite
+        self.note_finite(Field::Pressure(pressure), bar)
     }
 
     /// Takes a spool position, in its own unit; one that is not finite is bad data.
     #[must_use]
     pub fn spool(&mut self, position: f64) -> bool {
-        let finite = position.is_finite();
-        if finite {
-            self.spool = position;
-            self.got |= Field::Spool.bit();
-        }
-        finite
+        self.note_finite(Field::Spool, position)
     }
 
     /// P_S, bar.
     pub fn supply_value(&self) -> Option<f64> {
-        self.pressure_value(Pressure::Supply)
+        self.number(Field::Pressure(Pressure::Supply))
     }
 
     /// x_m, in its own unit.
     pub fn spool_value(&self) -> Option<f64> {
-        (self.got & Field::Spool.bit() != 0).then_some(self.spool)
+        self.number(Field::Spool)
     }
 
     /// Those of the cylinder, bar, by [`Pressure`].
     pub fn pressures(&self) -> [Option<f64>; 3] {
-        [Pressure::Bottom, Pressure::Rod, Pressure::Load].map(|which| self.pressure_value(which))
+        [Pressure::Bottom, Pressure::Rod, Pressure::Load]
+            .map(|which| self.number(Field::Pressure(which)))
     }
 
-    fn pressure_value(&self, pressure: Pressure) -> Option<f64> {
-        let here = self.got & Field::Pressure(pressure).bit() != 0;
-        here.then_some(self.pressures[pressure as usize])
+    #[inline]
+    fn number(&self, field: Field) -> Option<f64> {
+        (self.got & field.bit() != 0).then_some(self.numbers[usize::from(field.place())])
+    }
+
+    #[inline]
+    fn bits(&self, field: Field) -> Option<u64> {
+        (self.got & field.bit() != 0).then_some(self.counts[usize::from(field.place())] as u64)
     }
 
     /// The reading of `transducer`, if its position came, and with it all of status and counter
     /// that `required` names: without them it is not known to be good.
-    pub fn reading(&self, transducer: Transducer, required: u16) -> Option<&Reading> {
-        let vital = Field::Position(transducer).bit()
-            | Field::Status(transducer).bit()
-            | Field::Counter(transducer).bit();
-        let wanted = (required & vital) | Field::Position(transducer).bit();
-        (self.got & wanted == wanted).then(|| &self.readings[transducer as usize])
+    #[inline]
+    pub fn reading(&self, transducer: Transducer, required: u16) -> Option<Reading> {
+        let position = Field::Position(transducer);
+        let vital =
+            position.bit() | Field::Status(transducer).bit() | Field::Counter(transducer).bit();
+        let wanted = (required & vital) | position.bit();
+        let place = usize::from(position.place());
+        let coded = self.got & CODED[transducer as usize] != 0;
+        (self.got & wanted == wanted).then(|| Reading {
+            position: self.numbers[place],
+            code: coded.then_some(self.counts[place]),
+            velocity: self.number(Field::Velocity(transducer)),
+            status: self.bits(Field::Status(transducer)),
+        })
     }
 }

@@ -6,7 +6,8 @@
 //! outgrows its rarity.
 
 use super::rate::Magnitudes;
-use super::statistic::{Dependence, History, INDEPENDENT, Scales};
+use super::samples::History;
+use super::statistic::{Bands, Dependence, INDEPENDENT, Scales};
 use super::windows::WIDTHS;
 
 /// The tail that is looked at: this part of the windows, …
@@ -22,8 +23,9 @@ const BIN: f64 = 1e-7;
 /// Healthy windows of every width.
 #[derive(Clone, Debug)]
 pub struct Measuring {
+    /// What their means are beyond their dead bands, m.
     means: Vec<Magnitudes>,
-    /// Their root mean squares.
+    /// Their root mean squares, m.
     squares: Vec<Magnitudes>,
 }
 
@@ -36,12 +38,13 @@ impl Default for Measuring {
 
 impl Measuring {
     /// Takes the windows that end with the newest sample.
-    pub fn take(&mut self, history: &History) {
+    pub fn take(&mut self, history: &History, bands: &Bands) {
         let both = self.means.iter_mut().zip(&mut self.squares);
-        for (width, (means, squares)) in WIDTHS.into_iter().zip(both) {
-            let Some([sum, square, ..]) = history.over(width) else { break };
-            means.add(sum / width as f64);
-            squares.add((square / width as f64).max(0.0).sqrt());
+        for (index, (means, squares)) in both.enumerate() {
+            let width = WIDTHS[index] as f64;
+            let Some([sum, square, shares, ..]) = history.over(WIDTHS[index]) else { break };
+            means.add(bands.beyond(index, sum / width, shares / width));
+            squares.add((square / width).max(0.0).sqrt());
         }
     }
 
@@ -50,7 +53,7 @@ impl Measuring {
     pub fn dependence(&self, scales: &Scales) -> Dependence {
         let mut dependence = INDEPENDENT;
         for index in 0..WIDTHS.len() {
-            let by_mean = |mean: f64| scales.by_mean(index, mean);
+            let by_mean = |beyond: f64| scales.by_mean(index, beyond);
             let by_square = |root: f64| scales.by_square(index, root * root);
             dependence[0][index] = outgrown(&self.means[index], WIDTHS[index], by_mean);
             dependence[1][index] = outgrown(&self.squares[index], WIDTHS[index], by_square);
@@ -81,6 +84,7 @@ mod tests {
     use super::super::clip::Clip;
     use super::super::novelty::News;
     use super::super::rate::{Of, Rate};
+    use super::super::samples::Sample;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -93,17 +97,20 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let (mut history, mut measuring) = (History::default(), Measuring::default());
         let mut magnitudes = Magnitudes::new(1e-6);
+        let bands = Bands::new(DEVIATION, 1e-6, [0.0; 2]);
+        let clip = Clip::new(&bands);
         for _ in 0..200_000 / hold {
             let normal: f64 = StandardNormal.sample(&mut rng);
             for _ in 0..hold {
                 magnitudes.add(DEVIATION * normal);
-                history.push(DEVIATION * normal, &Clip::NONE, News::InMotion);
-                measuring.take(&history);
+                history.push(Sample::at_rest(DEVIATION * normal), &clip, News::InMotion);
+                measuring.take(&history, &bands);
             }
         }
-        let [mean, square] = [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what));
+        let [mean, square] =
+            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
         let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
-        measuring.dependence(&Scales::new(mean, square, INDEPENDENT, DEVIATION, 1e-6))
+        measuring.dependence(&Scales::new(mean, square, INDEPENDENT, bands))
     }
 
     #[test]

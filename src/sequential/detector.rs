@@ -7,12 +7,16 @@ use super::baseline::{Baseline, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
+use super::noise::Noise;
 use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
+use super::samples::{History, Sample};
+use super::sampling::{Apart, Said};
 use super::scale::Proportion;
-use super::statistic::{DEAD_BAND, Dependence, History, Peak, Scales};
+use super::skew::Skew;
+use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales, Search};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
 use crate::time::Timestamp;
@@ -28,12 +32,14 @@ const CALM: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct Design {
     pub reference: Reference,
-    /// Of the residual, and of its square.
+    /// Of the weighed residual, and of its square.
     pub rate: Rate,
     pub square_rate: Rate,
     pub dependence: Dependence,
-    /// Standard deviation of the healthy residual, m.
+    /// Standard deviation of the healthy residual, m, whatever the speed.
     pub deviation: f64,
+    /// How it goes with the speed.
+    pub noise: Noise,
     /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
     pub resolution: [f64; 2],
     /// `None` where the calibration has no drive: then nothing is located.
@@ -73,6 +79,11 @@ pub struct Sequential {
     slow: Slow,
     novelty: Novelty,
     history: History,
+    search: Search,
+    /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
+    noise: Noise,
+    sooner: f64,
+    skew: Skew,
     proportion: Proportion,
     pair: Option<Pair>,
     velocity: Velocity,
@@ -90,17 +101,21 @@ pub struct Sequential {
 
 impl Sequential {
     pub fn new(design: Design) -> Self {
-        let Design { rate, square_rate, dependence, deviation, .. } = &design;
-        let (rate, square_rate) = (rate.clone(), square_rate.clone());
-        let scales = Scales::new(rate, square_rate, *dependence, *deviation, DEAD_BAND)
-            .rounded(design.resolution);
+        let bands = Bands::new(design.noise.rest, DEAD_BAND, design.resolution);
+        let clip = Clip::new(&bands);
+        let (rate, square_rate) = (design.rate.clone(), design.square_rate.clone());
+        let scales = Scales::new(rate, square_rate, design.dependence, bands);
         Self {
-            clip: Clip::new(&scales, design.level),
+            clip,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
-            novelty: Novelty::new(design.sample_time, design.deviation, scales.farthest()),
+            novelty: Novelty::new(design.sample_time, design.deviation, clip.farthest),
             scales,
             history: History::default(),
+            search: Search::default(),
+            noise: design.noise.relied_on(),
+            sooner: 0.0,
+            skew: Skew::new(design.sample_time, design.noise.timing),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
             velocity: Velocity::new(design.sample_time),
@@ -139,9 +154,20 @@ impl Sequential {
     /// How far the readings have been apart in the newest cycles, m, beside what is healthy; `None`
     /// where that is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
-        let [_, _, _, squares, _] =
-            self.history.newest().filter(|_| self.verdict == Verdict::Healthy)?;
-        Some(squares.max(0.0).sqrt())
+        self.history.apart().filter(|_| self.verdict == Verdict::Healthy)
+    }
+
+    /// What its residuals say of when C1 and C2 are sampled; `None` while one of both is at fault.
+    pub fn said(&self) -> Option<Said> {
+        let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
+        self.alarm.is_none().then(said)
+    }
+
+    /// C1 and C2 are sampled so far apart, as all cylinders together have it.
+    pub fn allow(&mut self, apart: &Apart) {
+        let Noise { rest, timing } = self.design.noise.relied_on();
+        self.noise = Noise { rest, timing: apart.timing(timing) };
+        self.sooner = apart.mean;
     }
 
     /// The alarm that stands.
@@ -161,6 +187,7 @@ impl Sequential {
             alarm.clear_suspect();
         }
         self.leave();
+        self.skew.reset();
         self.dwelling = Dwelling::default();
         self.was_monitored = false;
     }
@@ -188,9 +215,11 @@ impl Sequential {
         let [c1, c2] = input.lengths;
         let lengths = c1.zip(c2);
         let reference = &self.design.reference;
-        let residual = lengths
+        let calibrated = lengths
             .zip(velocity)
             .and_then(|((c1, c2), velocity)| reference.residual(c1, c2, velocity));
+        let velocity = velocity.unwrap_or(0.0);
+        let residual = calibrated.map(|residual| residual - self.sooner * velocity);
         let baseline = self.baseline.value();
         self.follow(input, residual.zip(baseline));
         let Some((residual, (c1, c2))) = residual.zip(lengths) else {
@@ -205,18 +234,25 @@ impl Sequential {
             self.verdict = self.without_evidence();
             return;
         };
-        let news = self.novelty.step([c1, c2], residual - baseline);
-        if let Some(alarm) = self.alarm.filter(|_| news == News::InMotion) {
-            self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual - baseline);
+        let residual = residual - baseline;
+        let sample = Sample { residual, share: self.noise.share(velocity) };
+        let news = self.novelty.step([c1, c2], sample);
+        match &self.alarm {
+            _ if news != News::InMotion => {}
+            Some(alarm) => self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual),
+            None => {
+                let calibrated = residual + self.sooner * velocity;
+                self.skew.take(calibrated, velocity, &self.noise, self.sooner);
+            }
         }
-        self.residual = Some(residual - baseline);
-        self.judge(input.at, residual - baseline, news);
+        self.residual = Some(residual);
+        self.judge(input.at, sample, news);
     }
 
     /// What is learnt of a state is void in another one. What was found stands, and its baseline
     /// with it: or else the fault would be the new one.
     fn leave(&mut self) {
-        self.history.clear();
+        self.forget();
         self.novelty.reset();
         self.velocity.reset();
         self.peaks = [Peak::default(); 2];
@@ -228,6 +264,12 @@ impl Sequential {
             self.baseline.reset();
             self.slow.reset();
         }
+    }
+
+    /// What was evidence is none any more.
+    fn forget(&mut self) {
+        self.history.clear();
+        self.search = Search::default();
     }
 
     /// The stop tells which reading has drifted, also where nothing else could: while the machine
@@ -270,10 +312,10 @@ impl Sequential {
         pair.step(lengths, input.command);
     }
 
-    fn judge(&mut self, at: Timestamp, residual: f64, news: News) {
-        self.history.push(residual, &self.clip, news);
+    fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
+        self.history.push(sample, &self.clip, news);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
-        self.peaks = self.scales.peaks(&self.history, widest);
+        self.peaks = self.search.step(&self.scales, &self.history, widest);
         let [mean, variance] = self.peaks;
         let level = self.design.level;
         if self.alarm.is_some() {

@@ -1,6 +1,6 @@
 //! Of what kind a fault is, how large and since when, from the residuals since.
 
-use super::statistic::History;
+use super::samples::History;
 use super::windows::Sums;
 use crate::verdict::Fault;
 
@@ -74,7 +74,7 @@ fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> (Shape, f64) {
 /// The newest `span` residuals, the newest first, m.
 fn newest<const N: usize>(samples: &Sums<N>, span: usize) -> impl Iterator<Item = f64> + '_ {
     let mut newer = 0.0;
-    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, total, ..]| {
+    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, _, total, ..]| {
         let value = total - newer;
         newer = total;
         value
@@ -92,7 +92,7 @@ pub enum Looks {
 
 /// What the newest `span` samples are; `None` if there are not so many.
 pub fn looks(history: &History, span: usize) -> Option<Looks> {
-    let [_, _, sum, squares, _] = history.all.over(span)?;
+    let [_, _, _, sum, squares, _] = history.all.over(span)?;
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
     if mean * mean > STEADY * square {
@@ -115,12 +115,13 @@ mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
     use crate::sequential::novelty::News;
+    use crate::sequential::samples::Sample;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(healthy + residual(k), &Clip::NONE, News::InMotion);
+            history.push(Sample::at_rest(healthy + residual(k)), &Clip::NONE, News::InMotion);
         }
         history
     }
@@ -141,7 +142,8 @@ mod tests {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
             let mut history = History::default();
             let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
-            (0..40).for_each(|k| history.push(fault(k), &Clip::NONE, News::InMotion));
+            (0..40)
+                .for_each(|k| history.push(Sample::at_rest(fault(k)), &Clip::NONE, News::InMotion));
             let step = shape(&history, 5e-5);
             assert_eq!((step.onset, step.seen), (40 - begin, seen));
         }
@@ -155,7 +157,7 @@ mod tests {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
             let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };
             let fault = if k < 450 { 0.0 } else { 5e-4 };
-            history.push(healthy + fault, &Clip::NONE, news);
+            history.push(Sample::at_rest(healthy + fault), &Clip::NONE, news);
         }
         let step = shape(&history, 5e-5);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 150));

@@ -1,13 +1,15 @@
 //! Beyond fixed thresholds: sequential detection, and which transducer it is.
 //!
 //! ```text
-//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ novelty ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
+//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ noise, novelty ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
 //!    └────→ pair (with u) ─ innovations ──────────────────────────────────────→ suspect, kind
 //! ```
 //!
 //! A threshold on one sample finds millimetres. Here the evidence of all windows up to 1024 samples
 //! is weighed, in nats, against what the calibration has seen of healthy residuals: a mean that
-//! moved ([`statistic`]), or a spread that grew. The level h is one number, from the wanted rate of
+//! moved ([`statistic`]), or a spread that grew. Residuals are weighed by what they scatter by at their
+//! velocity ([`noise`]), no sample proves more than a wild one does ([`wild`]), and what is in all
+//! cylinders alike and goes with the velocity is a matter of time ([`sampling`]). The level h is one number, from the wanted rate of
 //! false alarms. Which transducer it is, is told only where the evidence is there: steps and noise
 //! by the command ([`pair`]); a slow drift stays undecided, because in the closed loop the machine
 //! follows it. A gain that is off is told by its going with the length ([`scale`]). Memory is
@@ -24,14 +26,19 @@ pub mod dwell;
 pub mod history;
 pub mod kind;
 pub mod motion;
+pub mod noise;
 pub mod novelty;
 pub mod pair;
 pub mod rate;
 pub mod reference;
+pub mod samples;
+pub mod sampling;
 pub mod scale;
+pub mod skew;
 pub mod statistic;
 pub mod trend;
 pub mod velocity;
+pub mod wild;
 pub mod windows;
 
 use crate::extremes::per_second;
@@ -41,9 +48,11 @@ pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
 pub use dwell::Dwell;
 pub use history::{Blame, DwellHistory, Moved};
+pub use noise::Noise;
 pub use pair::{Pair, PairDesign};
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
+pub use sampling::{Apart, Sampling};
 pub use scale::Scale;
 pub use trend::{Forecast, Limits, Trend};
 

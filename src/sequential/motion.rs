@@ -1,4 +1,6 @@
 //! Whether the rod moves.
+//!
+//! One wild sample is a displacement, and another one back; it takes two successive ones the same way.
 
 /// Cycles over which a displacement is looked at.
 const OVER: usize = 10;
@@ -13,28 +15,35 @@ pub struct Motion {
     ring: [[f64; 2]; OVER],
     next: usize,
     held: usize,
+    /// Which way each reading went with the cycle before: −1, 0 or 1.
+    way: [i8; 2],
 }
 
 impl Motion {
     /// For samples every `sample_time` seconds.
     pub fn new(sample_time: f64) -> Self {
         let least = SLOWEST * OVER as f64 * sample_time;
-        Self { least, ring: [[0.0; 2]; OVER], next: 0, held: 0 }
+        Self { least, ring: [[0.0; 2]; OVER], next: 0, held: 0, way: [0; 2] }
     }
 
     pub fn reset(&mut self) {
-        self.held = 0;
+        (self.held, self.way) = (0, [0; 2]);
     }
 
     /// Takes the readings of a cycle, m; `true` if the rod moves by either of them.
     pub fn step(&mut self, lengths: [f64; 2]) -> bool {
         let before = std::mem::replace(&mut self.ring[self.next], lengths);
-        self.next = (self.next + 1) % OVER;
+        self.next = if self.next + 1 == OVER { 0 } else { self.next + 1 };
         if self.held < OVER {
             self.held += 1;
             return false;
         }
-        before.iter().zip(lengths).any(|(before, now)| (now - before).abs() > self.least)
+        let way = [0, 1].map(|which: usize| {
+            let displaced = lengths[which] - before[which];
+            i8::from(displaced > self.least) - i8::from(displaced < -self.least)
+        });
+        let last = std::mem::replace(&mut self.way, way);
+        (0..2).any(|which| way[which] != 0 && way[which] == last[which])
     }
 }
 
@@ -48,6 +57,16 @@ mod tests {
             let mut motion = Motion::new(0.02);
             let moved = (0..40).map(|k| motion.step([speed * 0.02 * f64::from(k), 0.0]));
             assert_eq!(moved.last(), Some(expected), "{speed}");
+        }
+    }
+
+    #[test]
+    fn a_wild_sample_is_no_motion() {
+        for size in [2e-3, -0.3] {
+            let mut motion = Motion::new(0.02);
+            let moved =
+                (0..80).filter(|k| motion.step([if k % 25 == 20 { size } else { 0.0 }, 0.0]));
+            assert_eq!(moved.count(), 0, "{size}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What a cycle is evidence of: the statistics take samples for independent ones.
 
 use super::motion::Motion;
+use super::samples::Sample;
 
 /// What a sample counts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,8 +25,8 @@ const ALIKE: f64 = 0.5;
 /// Where a rod goes whole counts from cycle to cycle, each reading is rounded at the same place between
 /// two counts again and again, and the difference of both stays as it is for as long as the speed does.
 /// Such samples are no more evidence than one. They are known by both readings moving by what they have
-/// moved by in the cycle before; readings with a noise of a count or more hardly ever do. What is farther
-/// off than healthy readings ever are, no rounding explains, and each sample of it counts.
+/// moved by in the cycle before; readings with a noise of a count or more hardly ever do. What is as far
+/// off as a wild sample, no rounding explains, and each sample of it counts.
 #[derive(Clone, Debug)]
 pub struct Novelty {
     motion: Motion,
@@ -39,8 +40,8 @@ pub struct Novelty {
 }
 
 impl Novelty {
-    /// For samples every `sample_time` seconds, of healthy residuals of this `deviation` which are never
-    /// beyond `farthest`, m.
+    /// For samples every `sample_time` seconds, of healthy residuals of this `deviation`, m, which
+    /// rounding alone has not beyond `farthest`, m, when they are weighed.
     pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
         Self {
             motion: Motion::new(sample_time),
@@ -56,22 +57,23 @@ impl Novelty {
         (self.newest, self.moved) = (None, None);
     }
 
-    /// Takes the readings of a cycle and their residual, m.
-    pub fn step(&mut self, lengths: [f64; 2], residual: f64) -> News {
-        match (self.motion.step(lengths), self.repeats(lengths, residual)) {
+    /// Takes the readings of a cycle, m, and what they differ by.
+    pub fn step(&mut self, lengths: [f64; 2], sample: Sample) -> News {
+        match (self.motion.step(lengths), self.repeats(lengths, sample)) {
             (_, true) => News::Repeated,
             (true, false) => News::InMotion,
             (false, false) => News::AtRest,
         }
     }
 
-    fn repeats(&mut self, lengths: [f64; 2], residual: f64) -> bool {
+    fn repeats(&mut self, lengths: [f64; 2], sample: Sample) -> bool {
+        let Sample { residual, share } = sample;
         let Some((from, before)) = self.newest.replace((lengths, residual)) else { return false };
         let moved = [lengths[0] - from[0], lengths[1] - from[1]];
         let same = self.moved.replace(moved).is_some_and(|before| {
             before.iter().zip(moved).all(|(before, now)| (now - before).abs() < ROUNDING)
         });
-        same && (residual - before).abs() < self.alike && residual.abs() <= self.farthest
+        same && (residual - before).abs() < self.alike && (share * residual).abs() <= self.farthest
     }
 }
 
@@ -85,7 +87,11 @@ mod tests {
     fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
         let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
-        counts.into_iter().map(read).map(|read| novelty.step(read, read[0] - read[1])).collect()
+        counts
+            .into_iter()
+            .map(read)
+            .map(|read| novelty.step(read, Sample::at_rest(read[0] - read[1])))
+            .collect()
     }
 
     #[test]
@@ -124,16 +130,19 @@ mod tests {
         let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
         let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
         let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
-        let news = (0..30).map(|k| novelty.step(read(k), read(k)[0] - read(k)[1]));
+        let news = (0..30).map(|k| novelty.step(read(k), Sample::at_rest(read(k)[0] - read(k)[1])));
         assert_eq!(news.filter(|news| *news == News::Repeated).count(), 28);
     }
 
     #[test]
     fn nothing_outlasts_a_reset() {
         let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
-        (0..20).for_each(|_| _ = novelty.step([0.0; 2], 0.0));
+        (0..20).for_each(|_| _ = novelty.step([0.0; 2], Sample::at_rest(0.0)));
         novelty.reset();
-        assert_eq!([(); 3].map(|()| novelty.step([0.0; 2], 0.0))[..2], [News::AtRest; 2]);
-        assert_eq!(novelty.step([0.0; 2], 0.0), News::Repeated);
+        assert_eq!(
+            [(); 3].map(|()| novelty.step([0.0; 2], Sample::at_rest(0.0)))[..2],
+            [News::AtRest; 2]
+        );
+        assert_eq!(novelty.step([0.0; 2], Sample::at_rest(0.0)), News::Repeated);
     }
 }

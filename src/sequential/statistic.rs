@@ -1,9 +1,9 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
-use super::clip::Clip;
-use super::novelty::News;
 use super::rate::Rate;
-use super::windows::{Sums, VALUES, WIDTHS};
+use super::samples::History;
+use super::wild;
+use super::windows::WIDTHS;
 
 /// A statistic and the window that it comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,87 +14,9 @@ pub struct Peak {
     pub width: usize,
 }
 
-impl Peak {
-    fn or(self, nats: f64, width: usize) -> Self {
-        if nats > self.nats { Self { nats, width } } else { self }
-    }
-}
-
-/// Up to this width a window takes every sample that is news; wider ones only those in motion, because
-/// at rest the count hardly changes and one sample says much of what the one before has said.
-pub const AT_REST: usize = 4;
-
-/// Of all samples, in motion or not, so many are held.
-const NEWEST: usize = 64;
-
-/// The sums of the clipped residual, m, of its clipped square, m², of the residual itself, m, of its
-/// square, m², and of the cycles since the sample before.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    /// Over all samples.
-    pub all: Sums<{ NEWEST + 1 }>,
-    /// Over those that do not repeat others.
-    news: Sums<{ AT_REST + 1 }>,
-    /// Over those of them that are in motion.
-    pub moving: Sums<1025>,
-    /// Cycles since the newest of each of the two.
-    since: [u32; 2],
-}
-
-impl History {
-    /// Takes a residual, m, as far as `clip` lets it count: a wild one must not be a mean of many.
-    pub fn push(&mut self, residual: f64, clip: &Clip, news: News) {
-        let square = residual * residual;
-        let clipped = residual.clamp(-clip.farthest, clip.farthest);
-        let values = |cycles| [clipped, square.min(clip.square), residual, square, cycles];
-        self.all.push(values(1.0));
-        self.since = self.since.map(|cycles| cycles.saturating_add(1));
-        let [said, moved] = &mut self.since;
-        let cycles = |since: &mut u32| f64::from(std::mem::take(since));
-        if news != News::Repeated {
-            self.news.push(values(cycles(said)));
-        }
-        if news == News::InMotion {
-            self.moving.push(values(cycles(moved)));
-        }
-    }
-
-    pub fn clear(&mut self) {
-        self.all.clear();
-        self.news.clear();
-        self.moving.clear();
-        self.since = [0; 2];
-    }
-
-    /// The sums over the newest few samples, news or not.
-    pub fn newest(&self) -> Option<[f64; VALUES]> {
-        self.all.over(AT_REST)
-    }
-
-    /// The cycles that the newest `width` samples that count go back.
-    pub fn cycles(&self, width: usize) -> usize {
-        self.over(width).map_or(width, |[.., cycles]| cycles as usize)
-    }
-
-    /// The sums over the newest `width` samples that count; `None` if there are not so many.
-    pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        if width <= AT_REST { self.news.over(width) } else { self.moving.over(width) }
-    }
-}
-
-/// What is weighed against what.
-#[derive(Clone, Debug)]
-pub struct Scales {
-    mean: Rate,
-    square: Rate,
-    /// Of healthy residuals, m.
-    deviation: f64,
-    /// Of the mean, m, for each of [`WIDTHS`].
-    dead_bands: [f64; WIDTHS.len()],
-    /// Samples of mean and of mean square that say as much as one, for each of [`WIDTHS`].
-    dependence: Dependence,
-    /// Of the mean square, m².
-    spread_band: f64,
+/// The larger of two.
+fn larger(one: Peak, other: Peak) -> Peak {
+    if other.nats > one.nats { other } else { one }
 }
 
 /// So many samples of a window say as much as one, 1 at least: of the mean and of the mean square, for
@@ -113,82 +35,191 @@ const BY_DEAD_BAND: f64 = 1.0;
 /// The least dead band of the mean square, in healthy ones.
 const LEAST_SPREAD_BAND: f64 = 0.25;
 
-impl Scales {
-    /// By the rate functions of the mean and of the mean square of residuals with this `deviation`,
-    /// m. A displacement of `dead_band`, m, is no fault.
+/// What of the weighed residuals is no evidence: what may be a bend, and what may be wild.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bands {
+    /// Of the mean, m, at rest.
+    dead_band: f64,
+    /// The same for each of [`WIDTHS`].
+    dead_bands: [f64; WIDTHS.len()],
+    /// Of the mean square, m².
+    spread_band: f64,
+    /// As far as one sample is evidence, m.
+    farthest: f64,
+}
+
+impl Bands {
+    /// Of residuals that scatter by `noise` at rest, m, of readings that move in counts of this
+    /// `resolution`, m. A displacement of `dead_band`, m, is no fault.
     ///
     /// In a short window a displacement of ε is hardly evidence, and the healthy residuals of the
     /// rate function have been displaced, too; so the dead band grows with the window, ε w/(w + w₀),
     /// with w₀ so that a window of samples that are all ε has 1 nat at the most.
-    pub fn new(
-        mean: Rate,
-        square: Rate,
-        dependence: Dependence,
-        deviation: f64,
-        dead_band: f64,
-    ) -> Self {
-        let grown = 8.0 * BY_DEAD_BAND * (deviation / dead_band).powi(2);
-        let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
-        let spread_band = (dead_band * dead_band).max(LEAST_SPREAD_BAND * deviation * deviation);
-        Self { mean, square, dead_bands: WIDTHS.map(of), deviation, dependence, spread_band }
-    }
-
-    /// Of readings C1 and C2 that move in counts of this `resolution`, m.
     ///
     /// Where a rod goes whole counts from cycle to cycle and both readings lie between two of them, the
     /// noise rounds each up or down as long as the speed lasts: a mean square of q²/4 of each, however
     /// little it is elsewhere. So much is no noise.
-    pub fn rounded(self, resolution: [f64; 2]) -> Self {
+    pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2]) -> Self {
+        let grown = 8.0 * BY_DEAD_BAND * (noise / dead_band).powi(2);
+        let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
         let tossed: f64 = resolution.iter().map(|count| 0.25 * count * count).sum();
-        let beyond = tossed - self.deviation * self.deviation;
-        Self { spread_band: self.spread_band.max(beyond), ..self }
+        let least = (dead_band * dead_band).max(LEAST_SPREAD_BAND * noise * noise);
+        Self {
+            dead_band,
+            dead_bands: WIDTHS.map(of),
+            spread_band: least.max(tossed - noise * noise),
+            farthest: wild::reach() * noise,
+        }
     }
 
-    /// As far as one sample is evidence, m.
-    pub fn farthest(&self) -> f64 {
-        self.mean.farthest()
+    pub const fn farthest(&self) -> f64 {
+        self.farthest
     }
 
-    /// Of both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| − ε_w),
-    /// and w/κ₂ I₂(mean square − δ), where these are above 0.
+    pub const fn dead_band(&self) -> f64 {
+        self.dead_band
+    }
+
+    pub const fn spread_band(&self) -> f64 {
+        self.spread_band
+    }
+
+    /// What the mean of the weighed residuals is worth, m, whose shares have this mean, in the window of
+    /// `index`: the dead band is one of the residuals as they are.
+    pub fn beyond(&self, index: usize, mean: f64, share: f64) -> f64 {
+        (mean.abs() - self.dead_bands[index] * share).max(0.0)
+    }
+}
+
+/// What is weighed against what.
+#[derive(Clone, Debug)]
+pub struct Scales {
+    mean: Rate,
+    square: Rate,
+    bands: Bands,
+    windows: [Window; WIDTHS.len()],
+}
+
+/// What the statistics of one window need, with the width multiplied out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Window {
+    width: usize,
+    /// 1/w.
+    part: f64,
+    /// ε_w, m.
+    dead_band: f64,
+    /// Of the sum of squares, m².
+    spread_band: f64,
+    /// Samples that count, w/κ, of mean and of mean square.
+    worth: [f64; 2],
+    /// The most nats in a square of what the sum is beyond its band, and in what that of the squares
+    /// is, 1/m²: no need to look closer where that is less than what another window has.
+    most: [f64; 2],
+}
+
+/// So many windows, up to 16 samples, are looked at with every sample, …
+const NARROW: usize = 8;
+
+/// … and wider ones every so many: what fills them comes no sooner.
+const EVERY: u32 = 4;
+
+/// The largest evidence of a history, as it grows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Search {
+    /// Samples since the wide windows were looked at, and what they had.
+    age: u32,
+    wide: [Peak; 2],
+}
+
+impl Search {
+    /// The largest of both statistics with a sample more.
+    #[inline]
+    pub fn step(&mut self, scales: &Scales, history: &History, widest: usize) -> [Peak; 2] {
+        let narrow = scales.largest(history, &scales.windows[..NARROW], widest);
+        if self.age == 0 {
+            self.wide = scales.largest(history, &scales.windows[NARROW..], widest);
+        }
+        self.age = (self.age + 1) % EVERY;
+        [larger(narrow[0], self.wide[0]), larger(narrow[1], self.wide[1])]
+    }
+}
+
+impl Scales {
+    /// By the rate functions of the mean and of the mean square of weighed residuals.
+    pub fn new(mean: Rate, square: Rate, dependence: Dependence, bands: Bands) -> Self {
+        let steepest = [mean.steepest(), square.steepest()];
+        let windows = std::array::from_fn(|index| {
+            let width = WIDTHS[index] as f64;
+            let worth = dependence.map(|of| width / of[index]);
+            Window {
+                width: WIDTHS[index],
+                part: 1.0 / width,
+                dead_band: bands.dead_bands[index],
+                spread_band: width * bands.spread_band,
+                worth,
+                most: [worth[0] * steepest[0] / (width * width), worth[1] * steepest[1] / width],
+            }
+        });
+        Self { mean, square, bands, windows }
+    }
+
+    pub const fn bands(&self) -> &Bands {
+        &self.bands
+    }
+
+    /// Of both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
+    /// ε_w share), and w/κ₂ I₂(mean square − δ), where these are above 0.
     pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
+        self.largest(history, &self.windows, widest)
+    }
+
+    #[inline]
+    fn largest(&self, history: &History, windows: &[Window], widest: usize) -> [Peak; 2] {
         let mut peaks = [Peak::default(); 2];
-        for (index, width) in WIDTHS.into_iter().take_while(|width| *width <= widest).enumerate() {
-            let Some([sum, squares, ..]) = history.over(width) else { continue };
-            let count = width as f64;
-            peaks[0] = peaks[0].or(self.by_mean(index, sum / count), width);
-            peaks[1] = peaks[1].or(self.by_square(index, squares / count), width);
+        for window in windows.iter().take_while(|window| window.width <= widest) {
+            let Some([sum, squares, shares, ..]) = history.over(window.width) else { continue };
+            let beyond = sum.abs() - window.dead_band * shares;
+            if beyond > 0.0 && window.most[0] * beyond * beyond > peaks[0].nats {
+                let nats = window.worth[0] * self.mean.at(beyond * window.part);
+                peaks[0] = larger(peaks[0], Peak { nats, width: window.width });
+            }
+            let beyond = squares - window.spread_band;
+            if beyond > 0.0 && window.most[1] * beyond > peaks[1].nats {
+                let nats = window.worth[1] * self.square.at((beyond * window.part).sqrt());
+                peaks[1] = larger(peaks[1], Peak { nats, width: window.width });
+            }
         }
         peaks
     }
 
-    /// The evidence of a `mean`, m, of as many samples as the window of `index` has, nats.
-    pub fn by_mean(&self, index: usize, mean: f64) -> f64 {
-        let beyond = mean.abs() - self.dead_bands[index];
-        if beyond <= 0.0 {
-            return 0.0;
-        }
-        WIDTHS[index] as f64 / self.dependence[0][index] * self.mean.at(beyond)
+    /// The evidence of a mean that is so much `beyond` its band, m, of as many samples as the window of
+    /// `index` has, nats.
+    pub fn by_mean(&self, index: usize, beyond: f64) -> f64 {
+        self.windows[index].worth[0] * self.mean.at(beyond)
     }
 
     /// The same of a mean `square`, m².
     pub fn by_square(&self, index: usize, square: f64) -> f64 {
-        let beyond = square - self.spread_band;
-        if beyond <= 0.0 {
-            return 0.0;
-        }
-        WIDTHS[index] as f64 / self.dependence[1][index] * self.square.at(beyond.sqrt())
+        let beyond = (square - self.bands.spread_band).max(0.0);
+        self.windows[index].worth[1] * self.square.at(beyond.sqrt())
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::clip::Clip;
+    use super::super::novelty::News;
+    use super::super::samples::{AT_REST, Sample};
     use super::*;
 
     const DEVIATION: f64 = 1e-4;
 
-    /// Of a normal distribution of 0.1 mm, up to 0.5 mm.
     fn scales(dead_band: f64) -> Scales {
+        counted(dead_band, INDEPENDENT, [0.0; 2])
+    }
+
+    /// Of a normal distribution of 0.1 mm, up to 0.5 mm.
+    fn counted(dead_band: f64, dependence: Dependence, resolution: [f64; 2]) -> Scales {
         let mean: Vec<f64> = (0..=50).map(|i| f64::from(i * i) / 200.0).collect();
         let square = |i: i32| match f64::from(i * i) / 100.0 {
             rho if rho > 1.0 => 0.5 * (rho - 1.0 - rho.ln()),
@@ -196,14 +227,48 @@ mod tests {
         };
         let square: Vec<f64> = (0..=50).map(square).collect();
         let [mean, square] = [mean, square].map(|values| Rate::new(1e-5, &values));
-        Scales::new(mean, square, INDEPENDENT, DEVIATION, dead_band)
+        Scales::new(mean, square, dependence, Bands::new(DEVIATION, dead_band, resolution))
     }
 
     fn after(residuals: impl IntoIterator<Item = f64>, news: News) -> [Peak; 2] {
+        weighed(residuals, 1.0, news)
+    }
+
+    fn weighed(residuals: impl IntoIterator<Item = f64>, share: f64, news: News) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
-        let clip = Clip::new(&scales, f64::INFINITY);
-        residuals.into_iter().for_each(|r| history.push(r, &clip, news));
+        let clip = Clip::new(scales.bands());
+        for residual in residuals {
+            history.push(Sample { residual, share }, &clip, news);
+        }
         scales.peaks(&history, 1024)
+    }
+
+    /// What is twice as wide by its speed is worth what half of it is at rest, and its dead band, too.
+    #[test]
+    fn what_scatters_more_by_its_speed_proves_less() {
+        let alternating = (0..200).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1)));
+        let [_, variance] = weighed(alternating.clone(), 0.5, News::InMotion);
+        assert_eq!(variance, Peak::default());
+        assert!(weighed(alternating, 1.0, News::InMotion)[1].nats > 20.0);
+        for length in [1, 5, 20, 80, 300] {
+            let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
+            assert!(mean.nats < BY_DEAD_BAND, "{length}: {mean:?}");
+        }
+    }
+
+    #[test]
+    fn wide_windows_are_looked_at_now_and_then_and_remembered() {
+        let (mut history, scales) = (History::default(), scales(1e-4));
+        let (clip, mut search) = (Clip::new(scales.bands()), Search::default());
+        let mut all: Vec<f64> = Vec::new();
+        for k in 0..300_usize {
+            history.push(Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }), &clip, News::InMotion);
+            all.push(scales.peaks(&history, 1024)[0].nats);
+            let [found, _] = search.step(&scales, &history, 1024);
+            let before = all[k.saturating_sub(EVERY as usize - 1)];
+            assert!(found.nats < all[k] + 1e-9 && found.nats > before - 1e-9, "{k}: {found:?}");
+        }
+        assert!(all[299] > 20.0, "{}", all[299]);
     }
 
     #[test]
@@ -236,8 +301,7 @@ mod tests {
 
     #[test]
     fn what_is_said_twice_is_evidence_once() {
-        let Scales { mean, square, .. } = scales(1e-4);
-        let twice = Scales::new(mean, square, [[2.0; WIDTHS.len()]; 2], DEVIATION, 1e-4);
+        let twice = counted(1e-4, [[2.0; WIDTHS.len()]; 2], [0.0; 2]);
         for index in 0..WIDTHS.len() {
             let (once, twice) = (scales(1e-4), &twice);
             assert!((once.by_mean(index, 3e-4) / twice.by_mean(index, 3e-4) - 2.0).abs() < 1e-12);
@@ -251,19 +315,19 @@ mod tests {
     fn readings_that_lie_between_two_counts_are_no_noise() {
         let tossed = (0..96).map(|k| 4e-4 * f64::from((k & 1) - ((k / 3) & 1)));
         let most = |scales: Scales| {
-            let (mut history, clip) = (History::default(), Clip::new(&scales, f64::INFINITY));
-            tossed.clone().for_each(|r| history.push(r, &clip, News::InMotion));
+            let (mut history, clip) = (History::default(), Clip::new(scales.bands()));
+            let samples = tossed.clone().map(Sample::at_rest);
+            samples.for_each(|sample| history.push(sample, &clip, News::InMotion));
             scales.peaks(&history, 1024)[1].nats
         };
-        let (unknown, known) = (most(scales(1e-4)), most(scales(1e-4).rounded([4e-4; 2])));
-        assert!(unknown > 10.0 && known < 1.0, "{unknown} {known}");
-        assert_eq!(most(scales(1e-4).rounded([0.0; 2])), unknown);
+        let known = most(counted(1e-4, INDEPENDENT, [4e-4; 2]));
+        assert!(most(scales(1e-4)) > 10.0 && known < 1.0, "{known}");
     }
 
     #[test]
     fn at_rest_only_short_windows_count() {
         let [mean, _] = after((0..100).map(|_| 3e-4), News::AtRest);
-        assert_eq!(mean.width, 4);
+        assert_eq!(mean.width, AT_REST);
         let nothing = after((0..100).map(|_| 3e-4), News::Repeated);
         assert_eq!(nothing, [Peak::default(); 2]);
     }

@@ -1,28 +1,39 @@
 //! How fast the rod moves, by C2.
 
-/// The velocity as it is measured, or else from one reading to the next.
+/// How much of the newest difference of two readings counts: they move in counts.
+const GAIN: f64 = 0.35;
+
+/// The velocity as it is measured, or else by what the readings differ from one to the next.
 #[derive(Clone, Debug)]
 pub struct Velocity {
     sample_time: f64,
     /// C2 of the cycle before, m.
     before: Option<f64>,
+    /// By differences, m/s.
+    derived: Option<f64>,
 }
 
 impl Velocity {
     /// For samples every `sample_time` seconds.
     pub const fn new(sample_time: f64) -> Self {
-        Self { sample_time, before: None }
+        Self { sample_time, before: None, derived: None }
     }
 
     pub fn reset(&mut self) {
-        self.before = None;
+        (self.before, self.derived) = (None, None);
     }
 
     /// Takes a cycle: C2, m, and its velocity where it is `measured`, m/s.
     pub fn step(&mut self, c2: Option<f64>, measured: Option<f64>) -> Option<f64> {
         let before = std::mem::replace(&mut self.before, c2);
-        let derived = || Some((c2? - before?) / self.sample_time);
-        measured.or_else(derived)
+        if measured.is_some() {
+            return measured;
+        }
+        self.derived = c2.zip(before).map(|(c2, before)| {
+            let newest = (c2 - before) / self.sample_time;
+            self.derived.map_or(newest, |derived| derived + GAIN * (newest - derived))
+        });
+        self.derived
     }
 }
 
@@ -36,6 +47,7 @@ mod tests {
         let steps = [
             (Some(1.0), None, None),
             (Some(1.25), None, Some(0.5)),
+            (Some(1.75), None, Some(0.5 + 0.35 * 0.5)),
             (Some(1.5), Some(7.0), Some(7.0)),
             (None, None, None),
             (Some(9.0), None, None),

@@ -6,7 +6,7 @@ pub const WIDTHS: [usize; 20] =
     [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
 
 /// Values that are summed.
-pub const VALUES: usize = 5;
+pub const VALUES: usize = 6;
 
 /// Running sums of some values over the newest `N` − 1 samples at most, in constant time.
 #[derive(Clone, Debug)]
@@ -33,6 +33,7 @@ impl<const N: usize> Sums<N> {
     }
 
     /// Takes a sample.
+    #[inline]
     pub fn push(&mut self, values: [f64; VALUES]) {
         self.before[self.next] = self.total;
         for (total, value) in self.total.iter_mut().zip(values) {
@@ -57,6 +58,7 @@ impl<const N: usize> Sums<N> {
     }
 
     /// Sums that run for years lose their last digits.
+    #[cold]
     fn rebase(&mut self) {
         let base = self.total;
         for before in self.before.iter_mut() {
@@ -81,7 +83,7 @@ mod tests {
     #[test]
     fn the_sums_are_those_of_the_newest_samples() {
         let mut sums = Sums::<9>::new();
-        let value = |k: i32| [f64::from(k * k % 17), f64::from(k), 1.0, -f64::from(k), 0.5];
+        let value = |k: i32| [f64::from(k * k % 17), f64::from(k), 1.0, -f64::from(k), 0.5, 2.0];
         for k in 0..200 {
             sums.push(value(k));
             let held = (k as usize + 1).min(8);
@@ -101,7 +103,7 @@ mod tests {
     fn months_lose_no_digits() {
         let mut sums = Sums::<1025>::new();
         for _ in 0..20_000_000 {
-            sums.push([0.1, 1.0, 0.0, 0.0, 1.0]);
+            sums.push([0.1, 1.0, 0.0, 0.0, 1.0, 1.0]);
         }
         let [sum, count, ..] = sums.over(1024).expect("it is full");
         assert!((sum - 102.4).abs() < 1e-10 && count == 1024.0, "{sum}");

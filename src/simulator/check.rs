@@ -133,6 +133,16 @@ fn disturbance(it: &Disturbance) -> Result<(), TableError> {
         ordered_within("disturbance.sticking.time", sticking.time, time)?;
         within("disturbance.sticking.band", sticking.band, [0.0, 0.5])?;
     }
+    if let Some(spikes) = &it.spikes {
+        ordered_within("disturbance.spikes.time", spikes.time, time)?;
+        each_within("disturbance.spikes.share", &spikes.share, [0.0, 1.0])?;
+        within("disturbance.spikes.counts", spikes.counts, [0.0, MUCH])?;
+    }
+    if let Some(sampling) = &it.sampling {
+        ordered_within("disturbance.sampling.time", sampling.time, time)?;
+        within("disturbance.sampling.skew", sampling.skew, [-0.1, 0.1])?;
+        within("disturbance.sampling.jitter", sampling.jitter, [0.0, 0.1])?;
+    }
     it.valve.as_ref().map_or(Ok(()), |table| valve("disturbance.valve", table))
 }
 

@@ -1,7 +1,10 @@
-//! What befalls the process, and is no fault of a transducer.
+//! What befalls the process and the wiring of all transducers, and is no fault of a single one.
 
 use crate::controller::Commands;
 use crate::plant::{CYLINDERS, ValveTable};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 /// The table of it; what is not there does not happen.
@@ -17,6 +20,45 @@ pub struct Disturbance {
     /// The valves that are built in, where they are others than those that the controller's look-up
     /// tables were measured on.
     pub valve: Option<ValveTable>,
+    /// Single samples that are off.
+    pub spikes: Option<Spikes>,
+    /// C2 is sampled beside C1.
+    pub sampling: Option<Sampling>,
+}
+
+/// Single samples of each transducer are off, up or down, each by chance.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spikes {
+    /// From and until, s after the first cycle.
+    pub time: [f64; 2],
+    /// The part of the samples of C1 and of C2, 0 to 1.
+    pub share: [f64; 2],
+    /// By so many counts.
+    pub counts: f64,
+}
+
+/// Each C2 is sampled at another time than its C1.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sampling {
+    /// From and until, s after the first cycle.
+    pub time: [f64; 2],
+    /// Always so much later, s.
+    #[serde(default)]
+    pub skew: f64,
+    /// And by chance sooner or later, standard deviation, s.
+    #[serde(default)]
+    pub jitter: f64,
+}
+
+/// What befalls one reading.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Misread {
+    /// It is sampled so much later, s.
+    pub late: f64,
+    /// Counts that it is off by.
+    pub counts: f64,
 }
 
 /// Something is another part of what it is usually.
@@ -62,6 +104,21 @@ impl Disturbance {
             if (wanted - before).abs() < band { before } else { wanted }
         })
     }
+
+    /// What befalls C1 (0) or C2 (1) of a cylinder at `time`, s.
+    pub fn reading(&self, time: f64, which: usize, rng: &mut ChaCha8Rng) -> Misread {
+        let mut misread = Misread::default();
+        if let Some(it) = self.sampling.filter(|it| which == 1 && is_in(it.time, time)) {
+            let normal: f64 = StandardNormal.sample(rng);
+            misread.late = it.skew + it.jitter * normal;
+        }
+        if let Some(it) = self.spikes.filter(|it| is_in(it.time, time))
+            && rng.random::<f64>() < it.share[which]
+        {
+            misread.counts = if rng.random::<bool>() { it.counts } else { -it.counts };
+        }
+        misread
+    }
 }
 
 fn is_in([from, until]: [f64; 2], time: f64) -> bool {
@@ -75,6 +132,7 @@ fn part(change: Option<Change>, time: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::SeedableRng;
 
     #[test]
     fn a_sticking_spool_goes_only_where_it_is_far_from() {
@@ -97,5 +155,28 @@ mod tests {
     fn without_a_table_nothing_happens() {
         let none = Disturbance::default();
         assert_eq!((none.load(7.0), none.pump_lost(7.0)), (1.0, 0.0));
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        assert_eq!([0, 1].map(|which| none.reading(7.0, which, &mut rng)), [Misread::default(); 2]);
+    }
+
+    #[test]
+    fn readings_are_off_by_chance_in_their_time() {
+        let disturbance = Disturbance {
+            spikes: Some(Spikes { time: [1.0, 2.0], share: [0.1, 0.0], counts: 4.0 }),
+            sampling: Some(Sampling { time: [1.0, 2.0], skew: 3e-4, jitter: 2e-4 }),
+            ..Disturbance::default()
+        };
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut read = |time, which| -> Vec<Misread> {
+            (0..10_000).map(|_| disturbance.reading(time, which, &mut rng)).collect()
+        };
+        assert!(read(0.5, 0).iter().chain(&read(2.0, 1)).all(|it| *it == Misread::default()));
+        let (c1, c2) = (read(1.5, 0), read(1.5, 1));
+        assert!(c1.iter().all(|it| it.late == 0.0) && c2.iter().all(|it| it.counts == 0.0));
+        let count = |counts| c1.iter().filter(|it| it.counts == counts).count();
+        assert!([4.0, -4.0].into_iter().all(|counts| (430..570).contains(&count(counts))));
+        let mean = c2.iter().map(|it| it.late).sum::<f64>() / 1e4;
+        let square = c2.iter().map(|it| (it.late - mean).powi(2)).sum::<f64>() / 1e4;
+        assert!((mean - 3e-4).abs() < 1e-5 && (square.sqrt() - 2e-4).abs() < 1e-5);
     }
 }

@@ -1,7 +1,7 @@
 //! The machine without its bus.
 
 use super::Options;
-use super::disturbance::Disturbance;
+use super::disturbance::{Disturbance, Misread};
 use super::tables::{Gangway, SensorTable, Tables};
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
 use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
@@ -29,6 +29,8 @@ pub enum MachineError {
 /// Streams of the seed.
 const SEA_STREAM: u64 = u64::MAX;
 const SENSOR_STREAM: u64 = u64::MAX - 1;
+/// Of its own, so that what befalls readings changes nothing else.
+const MISREAD_STREAM: u64 = u64::MAX - 3;
 
 /// What there is to measure at Sync.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,6 +67,7 @@ pub struct Machine {
     /// Sub-steps under the command of the cycle before, and under this one's.
     sub_steps: [u32; 2],
     rng: ChaCha8Rng,
+    misreads: ChaCha8Rng,
     sample: u64,
     sample_time: f64,
 }
@@ -129,6 +132,7 @@ impl Machine {
             spools: [[0.0; CYLINDERS]; 2],
             sub_steps: [late, sub_steps - late],
             rng: random(SENSOR_STREAM),
+            misreads: random(MISREAD_STREAM),
             sample: 0,
             sample_time,
         };
@@ -194,11 +198,17 @@ impl Machine {
     /// Measures everything, once a cycle.
     pub fn sample(&mut self) -> Sample {
         let mut sample = Sample { motion: self.motion, ..Sample::default() };
+        let time = self.time();
         for leg in 0..CYLINDERS {
             let state = self.plant.states()[leg];
             for which in 0..2 {
-                sample.transducers[leg][which] =
-                    self.transducers[leg][which].read(state.length, state.speed, &mut self.rng);
+                let Misread { late, counts } =
+                    self.disturbance.reading(time, which, &mut self.misreads);
+                sample.transducers[leg][which] = self.transducers[leg][which].read(
+                    [state.length, state.speed],
+                    [late, counts],
+                    &mut self.rng,
+                );
             }
             let chambers = self.plant.chamber_pressures(leg);
             let [bottom, rod] = chambers.map(|pressure| {

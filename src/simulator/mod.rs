@@ -21,7 +21,7 @@ mod tables;
 pub mod truth;
 mod values;
 
-pub use disturbance::{Change, Disturbance, Sticking};
+pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
 pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
 pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};

@@ -23,7 +23,7 @@ pub trait Surveyor {
     fn row(&mut self, row: &Row);
 
     /// The next row of `cylinder` does not follow the one before: cycles are missing, the clock
-    /// jumped, or the window ended. Told once, whether or not a row follows.
+    /// jumped, the bus was lost, or the window ended. Told once, whether or not a row follows.
     fn gap(&mut self, cylinder: u8);
 }
 
@@ -95,7 +95,7 @@ impl<S: Surveyor> Sink for Survey<S> {
     }
 
     fn notice(&mut self, notice: &Notice) {
-        if let Notice::TimeJump { .. } = notice {
+        if let Notice::TimeJump { .. } | Notice::Interruption { .. } = notice {
             (0..MAX_CYLINDERS).for_each(|index| self.interrupt(index));
         }
     }

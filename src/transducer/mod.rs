@@ -107,12 +107,18 @@ impl Transducer {
         }
     }
 
-    /// Reads a piston that is at `length`, m, at Sync and moves at `speed`, m/s.
-    pub fn read(&mut self, length: f64, speed: f64, rng: &mut ChaCha8Rng) -> Reading {
+    /// Reads a piston that is at `length`, m, at Sync and moves at `speed`, m/s; `late` s later than
+    /// it usually does, and off by `counts`.
+    pub fn read(
+        &mut self,
+        [length, speed]: [f64; 2],
+        [late, counts]: [f64; 2],
+        rng: &mut ChaCha8Rng,
+    ) -> Reading {
         let [length_noise, speed_noise]: [f64; 2] = [(); 2].map(|()| StandardNormal.sample(rng));
-        let true_length = length + speed * self.skew;
+        let true_length = length + speed * (self.skew + late);
         let noise = self.common.noise * length_noise + self.fluctuation(rng);
-        let unrounded = self.calibrated(true_length) + noise;
+        let unrounded = self.calibrated(true_length) + noise + counts * self.common.grid().count;
         Reading {
             length: self.quantised(unrounded),
             unrounded,

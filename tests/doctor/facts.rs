@@ -70,6 +70,7 @@ fn wanted() -> Wanted {
         sync: id == 0x80,
         reading: (0x181..0x1A0).contains(&id),
         cyclic: (0x181..0x1B0).contains(&id),
+        pages: 1,
     };
     let mut messages = vec![message(0x080, "Sync".to_owned(), 0)];
     for n in 1..=6 {

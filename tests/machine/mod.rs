@@ -8,7 +8,7 @@ use tertius::decode::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::monitor::design::Flaw;
 use tertius::monitor::{Estimates, Monitor, MonitorDesign, Notice, Record, Sink};
-use tertius::time::Timestamp;
+use tertius::time::{Span, Timestamp};
 
 /// A millisecond in nanoseconds.
 pub const MS: i64 = 1_000_000;
@@ -156,6 +156,23 @@ pub fn without_sync() -> Monitor {
     design("sync = ").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
+/// The same with cycles of a microsecond, of which no configuration is read.
+pub fn hasty() -> Monitor {
+    let design = from_files("no such line", |settings, database| {
+        let mut design = MonitorDesign::new(settings, database)?;
+        design.timing.sample_time = Span::from_nanos(1000);
+        design.timing.deadline = Span::from_nanos(800);
+        Ok(design)
+    });
+    design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
+/// The same without the keys whose lines begin so.
+pub fn without(left_out: &[&str]) -> Monitor {
+    let design = from_files_without(left_out, MonitorDesign::new);
+    design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+}
+
 /// Plays `frames` through the default machine's monitor.
 pub fn play(frames: impl IntoIterator<Item = Frame>) -> (Monitor, Collected) {
     let mut monitor = monitor();
@@ -176,10 +193,18 @@ fn from_files(
     left_out: &str,
     make: fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>,
 ) -> Result<MonitorDesign, String> {
+    from_files_without(&[left_out], make)
+}
+
+fn from_files_without(
+    left_out: &[&str],
+    make: fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>,
+) -> Result<MonitorDesign, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |path: &str| std::fs::read(root.join(path)).map_err(|error| error.to_string());
     let text = String::from_utf8(read("config/e-type.toml")?).map_err(|error| error.to_string())?;
-    let kept: Vec<&str> = text.lines().filter(|line| !line.starts_with(left_out)).collect();
+    let kept = |line: &&str| !left_out.iter().any(|key| line.starts_with(key));
+    let kept: Vec<&str> = text.lines().filter(kept).collect();
     let (settings, _) =
         config::parse("e-type.toml", &kept.join("\n")).map_err(|error| error.to_string())?;
     let dbc = read("dbc/e-type.dbc")?;

@@ -80,12 +80,12 @@ impl Journal for Witness {
 
 pub fn gateway() -> Gateway {
     let limits = Limits {
-        waiting: 72,
+        waiting: Limits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share: 0.05,
-        burst: 37,
+        burst: Limits::BURST,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
     Gateway::new(monitor(), outbox, Span::from_seconds(0.01))

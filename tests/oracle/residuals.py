@@ -6,16 +6,26 @@ LOG is a recording in the form of candump -l, CSV what `tertius replay --residua
 are found with cantools' reading of the DBC, the gain L is from SciPy's solve_discrete_are, and the
 rules are those of the description:
 
-- A cycle opens with Sync. When Sync was lost, a reading three quarters of Ts after the last opening
-  stands in for it; where no Sync is configured, the first reading half of Ts after it opens a cycle.
-  It closes 0.8 Ts later; what comes after that, and what comes twice, is not used.
+- A cycle opens with Sync, unless that comes within three quarters of Ts after the last one. When it was
+  lost, a reading 19/20 of Ts after the last opening stands in for it; where no Sync is configured, the
+  first reading half of Ts after it opens a cycle. Such an opening is a Ts after the last, and a sixteenth
+  of how far the reading is beside that. A cycle closes 0.8 Ts later.
+- A counter says of which cycle a frame is: the last one's and as many counts as cycles have passed. What
+  is up to five cycles old is late, the same count is repeated, one of the next cycle is held for it, and
+  another count is believed with the second frame in a row that goes on with it. What is refused for five
+  cycles running is taken by its time.
+- Without a counter a frame that follows a lost one waits until the cycle closes; one that comes meanwhile
+  is better unless it is further from the usual phase (median of 64) by more than 1 ms and 4.4 deviations.
+  Half of Ts after the usual phase the same payload is a repetition, another one is held.
 - A cylinder is evaluated when everything of it has come, or when the cycle closes.
 - A cycle that does not open is evaluated without readings, until the observers have stopped.
 - A reading is used unless its sender repeats itself, its code or status says broken wire, it is
   beyond codes or stroke, or it has been exactly constant for `frozen` seconds under a command that
-  moved since the cycle before in a monitored state. It stays frozen until it changes. As long as the
-  other transducer, good when last judged, has not moved meanwhile by half of frozen_speed times
-  `frozen`, that takes five times as long.
+  moved since the cycle before in a monitored state. It stays frozen until it changes. The other
+  transducer, good when last judged, has to have moved meanwhile by half of frozen_speed times `frozen`
+  or by the comparator's bound if that is less: in three steps one way, the newest of no more than twice
+  the two before it together. Unless it has, that takes five times as long, of which the command moved
+  `frozen` seconds either way, and the other one has read nothing else.
 - (5-4): x(k+1) = A x(k) + B u(k) + L (y(k) - C x(k)); the residual is y - C x before this step. It
   starts with the first reading as [length, speed or 0, 0]. Without a reading the model alone goes on,
   for at most max_gap seconds; then it starts anew. The last command is held.
@@ -165,9 +175,30 @@ class Transducer:
             low, high = max(low, signal.minimum), min(high, signal.maximum)
         self.lengths = low - half_count, high + half_count
         self.frozen = round(plausibility["frozen"] / config["machine"]["sample_time"])
-        self.travel = 0.5 * plausibility["frozen_speed"] * plausibility["frozen"]
-        self.last = self.counter = self.beside = None
-        self.constant, self.witnessed, self.sound = 0, False, False
+        way = 0.5 * plausibility["frozen_speed"] * plausibility["frozen"]
+        self.travel = min(way, config.get("comparator", {}).get("bound", 1.5e-3))
+        self.last = self.counter = None
+        self.sound, self.steps, self.goes_on, self.passed = False, [], False, None
+        self.hold(None)
+
+    def hold(self, beside):
+        self.beside, self.constant, self.pushed = beside, 0, {1: 0, -1: 0}
+        self.witnessed = self.stirred = False
+
+    def pass_by(self, reading):
+        """What its steps are, before anybody judges it."""
+        if reading is None:
+            self.steps, self.passed, self.goes_on = [], None, False
+            return
+        before, self.passed = self.passed, reading["position"]
+        step = 0.0 if before is None else self.passed - before
+        self.goes_on = False
+        if step == 0.0:
+            return
+        self.steps = self.steps[-2:] + [step]
+        one_way = len({step > 0 for step in self.steps}) == 1
+        if len(self.steps) == 3 and one_way:
+            self.goes_on = abs(step) <= 2 * abs(sum(self.steps[:2]))
 
     def good(self, reading, moving, other):
         self.sound = self.judged(reading, moving, other)
@@ -176,18 +207,18 @@ class Transducer:
     def judged(self, reading, moving, other):
         if reading is None:
             return False
-        if "counter" in reading:
-            if reading["counter"] == self.counter:
-                return False
-            self.counter = reading["counter"]
         same = reading["position"] == self.last
         self.last = reading["position"]
-        if same and (moving or self.is_frozen()):
-            self.constant += 1
-            if self.beside is None or other is None or abs(other - self.beside) >= self.travel:
-                self.witnessed = True
+        if not (same and (moving or self.is_frozen())):
+            self.hold(other and other[0])
         else:
-            self.constant, self.beside, self.witnessed = 0, other, False
+            self.constant += 1
+            if moving:
+                self.pushed[moving] += 1
+            if self.beside is not None and other is not None:
+                travel = abs(other[0] - self.beside)
+                self.stirred |= travel > 0
+                self.witnessed |= other[1] and travel >= self.travel
         return not (self.is_broken(reading) or self.is_outside(reading) or self.is_frozen())
 
     def is_broken(self, reading):
@@ -201,7 +232,10 @@ class Transducer:
         return not (inside and low <= reading["code"] <= high)
 
     def is_frozen(self):
-        return self.constant >= (self.frozen if self.witnessed else 5 * self.frozen)
+        if self.witnessed:
+            return self.constant >= self.frozen
+        either_way = min(self.pushed.values()) >= self.frozen
+        return not self.stirred and either_way and self.constant >= 5 * self.frozen
 
 
 class Cylinder:
@@ -218,16 +252,20 @@ class Cylinder:
         ts = config["machine"]["sample_time"]
         self.stale = round(config["plausibility"]["stale"] / ts)
         self.speed = config["plausibility"]["frozen_speed"]
-        self.moving = False
+        self.moving = 0
         self.without_command = 0
 
     def row(self, at, opened, live, readings, u, restarts):
         monitored = self.gate.is_open(at)
         estimates, residuals, judged, used = [None] * 2, [None] * 3, False, []
         positions = [reading and reading["position"] for reading in readings]
+        for transducer, reading in zip(self.transducers, readings):
+            transducer.pass_by(reading)
         for i, reading in enumerate(readings):
-            other = positions[1 - i] if self.transducers[1 - i].sound else None
-            good = self.transducers[i].good(reading, self.moving and monitored, other)
+            beside = self.transducers[1 - i]
+            known = beside.sound and positions[1 - i] is not None
+            other = (positions[1 - i], beside.goes_on) if known else None
+            good = self.transducers[i].good(reading, self.moving if monitored else 0, other)
             self.tried["refused"] += reading is not None and not good
             self.tried["frozen"] += self.transducers[i].is_frozen()
             used.append(reading["position"] if good else None)
@@ -238,7 +276,8 @@ class Cylinder:
                 estimates[i], residuals[i], settled = result
                 judged |= settled
         if u is not None:
-            self.moving, self.without_command = abs(u) > self.speed, 0
+            self.moving = (1 if u > 0 else -1) if abs(u) > self.speed else 0
+            self.without_command = 0
         else:
             self.without_command += live
         judged = judged and monitored and self.without_command < self.stale
@@ -264,6 +303,137 @@ class Gate:
         return self.state in self.monitored and at - self.since <= self.timeout
 
 
+TAKEN, REPLACES, SETTLES, WAITS, HELD, TWICE, LATE = range(7)
+
+
+class Slot:
+    """The arrivals of one message."""
+
+    def __init__(self, ts, bits):
+        self.ts, self.bits = ts, bits
+        self.last = self.misfit = None
+        self.believed, self.fitting = True, 0
+        self.filled, self.payload, self.phases = None, None, []
+        self.kept = None
+        self.starved, self.starved_in = 0, None
+
+    def off(self, cycle, count):
+        """Cycles beside the newest, "same", "jumped", or None if the counter says nothing."""
+        if self.bits is None or count is None or self.last is None:
+            return None
+        if count == self.last[1]:
+            return "same"
+        if not self.believed:
+            return None
+        half = 1 << (self.bits - 1)
+        off = (count - self.last[1] - (cycle - self.last[0]) + half) % (2 * half) - half
+        return off if -5 <= off <= 1 else "jumped"
+
+    def rejects(self, cycle, count, empty, behind):
+        before = self.misfit or self.last
+        counts, cycles = (count - before[1]) % (1 << self.bits), cycle - before[0]
+        if (cycles, counts) == (0, 0):
+            return True
+        if cycles == 0 and self.misfit and not behind and counts == 1:
+            self.believed, self.fitting, self.misfit = False, 0, None
+            return not empty
+        assert cycles == 0 or counts % cycles or counts == cycles, "another step is not tried here"
+        same = cycles > 0 and counts == cycles
+        if empty and same and self.misfit and not behind:
+            return False
+        if empty or not behind:
+            self.misfit = cycle, count
+        return True
+
+    def usual(self):
+        if len(self.phases) < 8:
+            return None
+        newest = sorted(self.phases[-64:])
+        middle = newest[len(newest) // 2]
+        scatter = sorted(abs(phase - middle) for phase in newest)[len(newest) // 2]
+        return middle * 1000, max(1000, int(4.4 * scatter)) * 1000
+
+    def starves(self, cycle):
+        if not self.starved or self.starved_in != cycle:
+            self.starved, self.starved_in = self.starved + 1, cycle
+        if self.starved >= 5:
+            self.believed, self.fitting, self.misfit = False, 0, None
+        return self.starved >= 5
+
+    def take(self, frame, cycle, opened, believed=False):
+        at, payload, count, _ = frame
+        self.filled, self.starved = cycle, 0
+        if count is not None:
+            if not self.believed and self.last:
+                fits = (count - self.last[1]) % (1 << self.bits) == max(cycle - self.last[0], 1)
+                self.fitting = self.fitting + 1 if fits else 0
+                self.believed = self.fitting >= 16
+            self.misfit, self.last = None, (cycle, count)
+        if not believed:
+            self.payload = payload
+            phase = at - opened
+            self.phases.append(abs(phase) // 1000 * (1 if phase >= 0 else -1))
+        return TAKEN
+
+    def judge(self, frame, cycle, opened, is_open):
+        at, payload, count, _ = frame
+        phase, half = at - opened, self.ts // 2
+        lacks = self.filled != cycle
+        empty = lacks and is_open
+        off = self.off(cycle, count)
+        if off is not None:
+            if off == "same" or (off == 0 and not lacks):
+                return TWICE
+            if off == 0 and empty:
+                return self.take(frame, cycle, opened, believed=True)
+            if off == 1 and phase >= half:
+                return HELD
+            behind = off != "jumped" and off < 0
+            if off != 0 and not self.rejects(cycle, count, empty, behind):
+                return self.take(frame, cycle, opened)
+            if not (lacks and self.starves(cycle)):
+                return LATE
+        usual, tolerance = self.usual() or (0, 0)
+        copied, for_next = payload == self.payload, phase >= usual + half
+        if not lacks:
+            self.fitting = self.fitting if copied else 0
+            return HELD if for_next and not copied else TWICE
+        if not is_open:
+            return HELD if self.starves(cycle) else LATE
+        if self.kept and self.kept[1] == cycle:
+            first = abs(self.kept[0][0] - opened - usual)
+            if abs(phase - usual) <= first + tolerance:
+                self.kept = None
+                self.take(frame, cycle, opened)
+                return REPLACES
+            return HELD if for_next and not copied else SETTLES
+        if self.usual() and self.filled is not None and 2 <= cycle - self.filled <= 6:
+            return WAITS
+        return self.take(frame, cycle, opened)
+
+    def keep(self, fate, frame, cycle):
+        sure = fate == HELD and self.filled == cycle or self.off(cycle, frame[2]) == 1
+        self.kept = frame, cycle + (fate == HELD), sure
+
+    def settle(self, cycle, opened, is_open):
+        if self.kept and self.filled != cycle and self.kept[1] == cycle and (self.kept[2] or not is_open):
+            frame, self.kept = self.kept[0], None
+            starved = self.starved
+            self.take(frame, cycle, opened)
+            self.starved = starved
+            return frame
+        return None
+
+    def may_open(self, frame, cycle, opened):
+        off = self.off(cycle, frame[2])
+        if off is not None:
+            return off in (1, "jumped")
+        usual = (self.usual() or (0, 0))[0]
+        copied = self.filled == cycle and frame[1] == self.payload
+        least = self.ts // 2 // 2 * 3 if copied else self.ts // 2
+        return self.filled != cycle or frame[0] - opened >= usual + least
+
+
 class Machine:
     def __init__(self, config, signals, first):
         self.first = first
@@ -279,7 +449,8 @@ class Machine:
         self.rows, self.restarts = [], []
         self.opened, self.is_open, self.by_reading = None, False, False
         self.live, self.silent = False, 0
-        self.inputs, self.pending, self.came = {}, set(), set()
+        self.inputs, self.pending = {}, set()
+        self.number, self.followed = 0, 0
         self.wire(config["signals"], signals)
 
     def wire(self, named, signals):
@@ -298,73 +469,136 @@ class Machine:
                 place = index, key, *signals.of(full)
                 self.places.setdefault(signals.find(full)[0].frame_id, []).append(place)
                 self.fields[index].add(key)
+        self.counters = {
+            identifier: raw for identifier, places in self.places.items()
+            for _, key, raw, _ in places if key.endswith("_counter")
+        }
+        self.slots = {
+            identifier: Slot(self.ts, 8 if identifier in self.counters else None)
+            for identifier in self.places
+        }
         self.readings = {
             identifier for identifier, places in self.places.items()
             if any(key != "control_speed" for _, key, _, _ in places)
         }
 
-    def take(self, at, identifier, row):
+    def take(self, at, identifier, row, payload):
         if identifier == self.sync:
             self.pass_time(at)
-            # One that comes just after the reading that stood in for it only confirms the cycle.
-            if not (self.by_reading and at - self.opened < self.ts // 2):
+            since = None if self.opened is None else at - self.opened
+            if not self.by_reading and since is not None and since < self.ts // 4 * 3:
+                self.tried["twice"] += 1
+            elif self.by_reading and -(self.ts // 2) < since < self.ts // 2:
+                # It only confirms the cycle, which begins with it.
+                self.opened, self.by_reading = at, False
+            else:
                 self.open(at, by_reading=False)
         elif identifier == self.state:
             self.pass_time(at)
             self.gate.state, self.gate.since = self.states[row], at
         elif identifier in self.places:
             self.pass_time(at)
-            self.take_of_cylinders(at, identifier, row)
+            count = self.counters.get(identifier)
+            frame = at, payload, None if count is None else int(count[row]), row
+            self.take_of_cylinders(identifier, frame)
 
-    def take_of_cylinders(self, at, identifier, row):
+    def take_of_cylinders(self, identifier, frame):
         self.live = True
-        if identifier in self.readings and self.opens(at, identifier in self.came):
-            self.open(at, by_reading=True)
-        if not self.is_open:
-            self.tried["late"] += 1
-            return
-        if identifier in self.came:
-            self.tried["twice"] += 1
-            return
-        self.came.add(identifier)
+        slot = self.slots[identifier]
+        if identifier in self.readings and self.opens(frame, slot):
+            self.open(frame[0], by_reading=True)
+        fate = LATE
+        if self.opened is not None:
+            fate = slot.judge(frame, self.number, self.opened, self.is_open)
+        if fate in (TAKEN, REPLACES):
+            self.fill(identifier, frame, frame[0])
+        if fate in (WAITS, HELD, SETTLES):
+            self.settle(identifier, frame[0], is_open=False)
+        if fate in (WAITS, HELD):
+            slot.keep(fate, frame, self.number)
+        self.tried["late"] += fate in (LATE, REPLACES, SETTLES)
+        self.tried["twice"] += fate == TWICE
+
+    def settle(self, identifier, at, is_open):
+        frame = self.slots[identifier].settle(self.number, self.opened, is_open)
+        if frame is not None:
+            self.fill(identifier, frame, at)
+
+    def fill(self, identifier, frame, at):
+        row = frame[3]
+        done = set()
         for index, key, raw, physical in self.places[identifier]:
             self.inputs[index][key] = raw[row], physical[row]
-            if index in self.pending and self.inputs[index].keys() == self.fields[index]:
+            done.add(index)
+        for index in sorted(done & self.pending):
+            if self.inputs[index].keys() == self.fields[index]:
                 self.evaluate(index, at)
 
-    def opens(self, at, twice):
+    def opens(self, frame, slot):
         if self.opened is None:
             return True
+        since = frame[0] - self.opened
         if self.sync is None:
-            return at - self.opened >= self.ts // 2
-        return at - self.opened >= self.ts // 4 * 3 and (twice or not self.is_open)
+            could = not self.is_open and since >= self.ts // 2
+        else:
+            could = since >= self.ts // 20 * 19 and (slot.filled == self.number or not self.is_open)
+        return could and slot.may_open(frame, self.number, self.opened)
 
     def pass_time(self, now):
         while self.opened is not None:
             due = self.opened + self.deadline + (0 if self.is_open else self.ts)
             if due >= now:
                 return
-            self.close(due) if self.is_open else self.miss(due)
+            if not self.is_open:
+                self.miss(due)
+                continue
+            self.close(due)
+            held = [
+                slot.kept[0][0] for identifier, slot in self.slots.items()
+                if identifier in self.readings and slot.kept and slot.kept[2]
+                and slot.kept[1] == self.number + 1
+            ]
+            if held and self.sync is None:
+                self.open(min(held), by_reading=True, now=due)
 
-    def open(self, at, by_reading):
+    def open(self, at, by_reading, now=None):
+        now = at if now is None else now
         if self.is_open:
-            self.close(at)
+            self.close(now)
         if self.opened is not None:
             for _ in range(max((at - self.opened + self.ts // 2) // self.ts, 1) - 1):
-                self.miss(at)
-        self.opened, self.is_open, self.silent = at, True, 0
+                self.miss(now)
+        self.opened = self.on_grid(at) if by_reading else at
+        self.is_open, self.silent = True, 0
         self.by_reading = by_reading and self.sync is not None
-        self.came = set()
+        self.number += 1
         self.inputs = {index: {} for index in range(len(self.cylinders))}
         self.pending = set(self.inputs)
+        for identifier, slot in self.slots.items():
+            self.settle(identifier, now, is_open=True)
+            if slot.kept and slot.kept[1] != self.number:
+                slot.kept = None
+                self.tried["late"] += 1
+
+    def on_grid(self, at):
+        beside = None if self.opened is None else at - self.opened - self.ts
+        if beside is None or abs(beside) > self.ts // 2:
+            self.followed = 0
+            return at
+        self.followed = min(self.followed + 1, 16)
+        slowness = 16 if self.sync is not None else self.followed
+        return at - beside + abs(beside) // slowness * (1 if beside >= 0 else -1)
 
     def close(self, at):
+        for identifier in self.slots:
+            self.settle(identifier, at, is_open=False)
         for index in sorted(self.pending):
             self.evaluate(index, at)
         self.is_open = self.live = False
 
     def miss(self, at):
         self.opened += self.ts
+        self.number += 1
         self.is_open = False
         self.silent += 1
         self.tried["missing"] += 1
@@ -438,10 +672,10 @@ def main():
     times, ids, data = read_log(log)
     machine = Machine(config, Signals(dbc, ids, data), times[0])
     rows = {}
-    for at, identifier in zip(times, ids):
+    for at, identifier, payload in zip(times, ids, data):
         row = rows.get(identifier, 0)
         rows[identifier] = row + 1
-        machine.take(at, identifier, row)
+        machine.take(at, identifier, row, payload)
     machine.finish()
     answer = compare(machine.rows, csv)
     answer["restarts"] = [

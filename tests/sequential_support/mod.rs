@@ -11,7 +11,7 @@ use tertius::controller::State;
 use tertius::decode::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
-use tertius::monitor::{Monitor, MonitorDesign, Sink};
+use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
 use tertius::sequential::{Dwell, Moved};
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Window};
@@ -93,6 +93,12 @@ impl Setup {
         simulator
     }
 
+    /// The same with detectors that are calibrated to its own plant.
+    pub fn calibrated(mut self) -> Self {
+        self.calibrate();
+        self
+    }
+
     fn calibrate(&mut self) {
         let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
         let settings = &self.settings;
@@ -170,6 +176,7 @@ pub struct Heard {
     /// Of the other detectors.
     pub others: Vec<Warning>,
     pub dwells: Vec<(u8, Dwell, Option<Moved>)>,
+    pub notices: Vec<Notice>,
 }
 
 impl Sink for Heard {
@@ -177,6 +184,10 @@ impl Sink for Heard {
         let sequential = warning.detector == Detector::Sequential;
         let heard = if sequential { &mut self.warnings } else { &mut self.others };
         heard.push(*warning);
+    }
+
+    fn notice(&mut self, notice: &Notice) {
+        self.notices.push(*notice);
     }
 
     fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {

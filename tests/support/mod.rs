@@ -7,6 +7,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
+use toml::{Table, Value as Toml};
 
 /// The configuration of the `e-type-*` recordings.
 pub const E_TYPE: &str = "tests/recordings/e-type.toml";
@@ -190,6 +191,25 @@ pub fn changed(text: &str, changes: &[(&str, &str)]) -> String {
         assert_eq!(text.matches(from).count(), 1, "{from:?} is not once in the text");
         text.replace(from, to)
     })
+}
+
+/// Puts the tables of a learning command into a configuration; those of a cylinder by their number.
+pub fn merge(into: &mut Table, tables: &Table) {
+    for (key, value) in tables {
+        match (into.get_mut(key), value) {
+            (Some(Toml::Table(into)), Toml::Table(from)) => merge(into, from),
+            (Some(Toml::Array(into)), Toml::Array(from)) if key == "cylinder" => {
+                for table in from.iter().filter_map(Toml::as_table) {
+                    let same = |known: &&mut Toml| known.get("n") == table.get("n");
+                    match into.iter_mut().find(same).and_then(Toml::as_table_mut) {
+                        Some(known) => merge(known, table),
+                        None => into.push(Toml::Table(table.clone())),
+                    }
+                }
+            }
+            _ => _ = into.insert(key.clone(), value.clone()),
+        }
+    }
 }
 
 /// SplitMix64: the same numbers in every run, and no more than the tests need.

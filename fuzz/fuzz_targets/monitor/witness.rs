@@ -97,7 +97,10 @@ impl Sink for Witness {
     fn notice(&mut self, notice: &Notice) {
         match notice {
             Notice::TimeJump { at, .. } => self.newest = Some(*at),
-            Notice::Gap { at, .. } | Notice::Restart { at, .. } => self.see(*at),
+            Notice::Gap { at, .. }
+            | Notice::Interruption { at }
+            | Notice::Restart { at, .. }
+            | Notice::Timing { at, .. } => self.see(*at),
         }
         self.said.push(Said::Notice(*notice));
     }

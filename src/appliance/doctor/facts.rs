@@ -49,8 +49,10 @@ pub struct Message {
     pub sync: bool,
     /// It carries a reading of a transducer.
     pub reading: bool,
-    /// It comes once each cycle.
+    /// It comes once each cycle, or once for each page.
     pub cyclic: bool,
+    /// How many pages of it are read.
+    pub pages: usize,
 }
 
 /// What there is of a bus.

@@ -119,7 +119,8 @@ fn not_once(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
     }
     let is_odd = |message: &&Message| {
         let per_cycle = hearing.of(message.id).map(|heard| heard.count as f64 / cycles);
-        let [least, most] = ONCE;
+        // Of a message with pages one may come in each cycle, or all of them.
+        let [least, most] = [ONCE[0], ONCE[1] * message.pages.max(1) as f64];
         message.cyclic && per_cycle.is_some_and(|times| !(least..=most).contains(&times))
     };
     wanted.messages.iter().any(|message| is_odd(&message)).then(|| {
@@ -137,7 +138,8 @@ fn not_once(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
 
 fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
     let opens = wanted.messages.iter().find(|message| message.sync);
-    let message = opens.or_else(|| wanted.messages.iter().find(|message| message.reading))?;
+    let reads = |message: &&Message| message.reading && message.pages <= 1;
+    let message = opens.or_else(|| wanted.messages.iter().find(reads))?;
     let Intervals { mean, jitter, largest_deviation } = hearing.of(message.id)?.intervals()?;
     let found = format!(
         "{} each {:.3} ms, jitter {:.3} ms (at most {:.3} ms)",

@@ -6,14 +6,14 @@ use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
-use crate::live::outbox::OutboxCounts;
+use crate::live::outbox::{Limits, OutboxCounts};
 use crate::monitor::{Counts, Record};
 use crate::time::Timestamp;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Warnings whose frame may still wait to be sent; as many as can be on their way at once.
-const ON_THEIR_WAY: usize = 64;
+const ON_THEIR_WAY: usize = Limits::WAITING;
 
 /// Writes to a [`Telemetry`]. There is one alone for each, since what it adds to has one writer.
 pub struct Recorder {
@@ -157,5 +157,50 @@ impl Recorder {
         (self.port, self.outbox, self.monitor) = (port, outbox, monitor);
         let cylinders = gateway.monitor().tallies().count().min(MAX_CYLINDERS) as u8;
         telemetry.used.store(cylinders, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::alarm::register::{DETECTORS, PLACES};
+    use crate::alarm::{Encoder, Finding, Level};
+    use crate::appliance::telemetry::clock::SystemClock;
+    use crate::verdict::{Fault, Suspect};
+
+    /// Every place is raised and cleared in one turn, and all of it is sent after that.
+    #[test]
+    fn the_way_of_every_warning_that_can_wait_is_timed() {
+        let mut recorder = Recorder::new(Arc::new(SystemClock::new()));
+        let mut encoder = Encoder::new(81).expect("81 is a node");
+        let finding = Finding {
+            fault: Fault::Abrupt,
+            suspect: Suspect::C1,
+            level: Level::Yellow,
+            residual: None,
+            threshold: None,
+            evidence: None,
+        };
+        let mut frames = Vec::new();
+        for (turn, state) in [State::Raised, State::Cleared].into_iter().enumerate() {
+            for cylinder in 1..=MAX_CYLINDERS as u8 {
+                for (place, detector) in DETECTORS.into_iter().enumerate() {
+                    let nanos = (turn * MAX_CYLINDERS + usize::from(cylinder)) * PLACES + place;
+                    let timestamp = Timestamp::from_nanos(nanos as i64);
+                    recorder.warning(&Warning {
+                        timestamp,
+                        cylinder,
+                        detector,
+                        place,
+                        state,
+                        finding,
+                    });
+                    frames.push(encoder.warning(timestamp, cylinder, detector, &finding, true));
+                }
+            }
+        }
+        frames.iter().for_each(|frame| recorder.sent(frame));
+        let count: u64 = recorder.telemetry.latency.buckets().iter().map(|bucket| bucket.1).sum();
+        assert_eq!(count, 2 * (MAX_CYLINDERS * PLACES) as u64);
     }
 }

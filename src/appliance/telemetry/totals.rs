@@ -27,6 +27,7 @@ pub(super) struct Totals {
     pub missing: Total,
     pub late: Total,
     pub repeated: Total,
+    pub held: Total,
     pub bad_signals: Total,
     pub backwards: Total,
     pub time_jumps: Total,
@@ -72,6 +73,7 @@ impl Totals {
         self.missing.follow(last.missing, now.missing);
         self.late.follow(last.late, now.late);
         self.repeated.follow(last.repeated, now.repeated);
+        self.held.follow(last.held, now.held);
         self.bad_signals.follow(last.bad_signals, now.bad_signals);
         self.backwards.follow(last.backwards, now.backwards);
         self.time_jumps.follow(last.time_jumps, now.time_jumps);
@@ -83,7 +85,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Those that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 29] {
+    pub fn described(&self) -> [Described<'_>; 30] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor listens to.", &self.used),
@@ -102,8 +104,9 @@ impl Totals {
             ("cycles", "Cycles that opened.", &self.cycles),
             ("cycles_incomplete", "Cycles in which something configured did not arrive.", &self.incomplete),
             ("cycles_missing", "Cycles that should have opened and did not.", &self.missing),
-            ("frames_late", "Frames after the deadline of their cycle.", &self.late),
-            ("frames_repeated", "Frames that came twice in a cycle; the first one counts.", &self.repeated),
+            ("frames_late", "Frames that came when their cycle was decided.", &self.late),
+            ("frames_repeated", "Frames that came twice.", &self.repeated),
+            ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
             ("signals_bad", "Signals that their frame was too short for, or that are no finite number.", &self.bad_signals),
             ("frames_backwards", "Frames with a time stamp before that of the one before.", &self.backwards),
             ("time_jumps", "Jumps in time after which everything started anew.", &self.time_jumps),

@@ -18,7 +18,7 @@ pub use clock::TimeStamps;
 pub(super) use common::{Common, Known};
 pub(super) use line::Line;
 pub use reason::{Found, Reason};
-use stamp::Extent;
+pub(super) use stamp::Extent;
 
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;

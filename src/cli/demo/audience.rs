@@ -9,6 +9,7 @@ use super::{view, words};
 use crate::bus::embedded::Endpoint;
 use crate::bus::{LogWriter, Port, append_log_line};
 use crate::cli::Failure;
+use crate::cli::files::Claimed;
 use crate::cli::player::Pace;
 use crate::cli::simulation::Simulation;
 use crate::cli::stage::{Record, Stage};
@@ -158,6 +159,9 @@ impl Surroundings for Audience {
         self.failure = Some(Failure::Failed(format!("the embedded bus: {reason}")));
     }
 
+    /// Likewise: it takes every frame.
+    fn unsaid(&mut self, _: &str) {}
+
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {
         self.attend();
     }
@@ -168,7 +172,6 @@ impl Surroundings for Audience {
 }
 
 /// A file for all frames of the bus.
-pub fn record(path: &std::path::Path) -> Result<Record, Failure> {
-    let file = std::fs::File::create(path).map_err(|error| Failure::creating(path, &error))?;
-    Ok(LogWriter::new(io::BufWriter::new(file), NAME))
+pub fn record(claimed: Claimed) -> Result<Record, Failure> {
+    Ok(LogWriter::new(claimed.open()?, NAME))
 }

@@ -10,6 +10,7 @@ mod view;
 mod words;
 
 use super::Failure;
+use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::player::Pace;
 use super::run;
@@ -42,7 +43,7 @@ const PRELUDE: f64 = 6.0;
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   tertius demo
-  tertius demo --speed max --record demo.log
+  tertius demo --speed max --record demo.log --force
   tertius replay demo.log --config config/e-type-simulated.toml
 
 On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as it goes.
@@ -58,6 +59,8 @@ pub struct Demo {
     /// Writes all frames of the bus as candump -l would
     #[arg(long, value_name = "FILE.log")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    overwriting: Overwriting,
 }
 
 impl Demo {
@@ -106,7 +109,9 @@ impl Demo {
                 .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         }
         stage.stop_at_end(Arc::clone(&over));
-        let record = self.record.as_deref().map(audience::record).transpose()?;
+        let wanted = [(self.record.as_deref(), Mark::None)];
+        let [record] = Inputs::default().claim(wanted, self.overwriting)?;
+        let record = record.map(audience::record).transpose()?;
         let settings = &machine.loaded.settings;
         let (fde, comparator) = (settings.fde.high, settings.comparator.bound);
         let screen = Screen::new();
@@ -144,8 +149,8 @@ const INTRODUCTION: [&str; 4] = [
 
 /// Says how it went.
 fn end(mut audience: Audience) -> Result<(), Failure> {
-    if let Some(record) = &mut audience.record {
-        record.flush().map_err(|error| Failure::writing("the record", &error))?;
+    if let Some(record) = audience.record.take() {
+        record.into_inner().finish().map_err(|error| Failure::writing("the record", &error))?;
     }
     if let Some(failure) = audience.failure {
         return Err(failure);

@@ -16,6 +16,8 @@ struct Outcome {
     found: Option<f64>,
     suspect: String,
     named: String,
+    /// By a plausibility check.
+    known: bool,
 }
 
 /// Which warning: cylinder, detector, and whom plausibility blames, which judges each transducer.
@@ -63,8 +65,12 @@ impl Score {
         if at < until {
             let outcome = &mut self.outcomes[index];
             outcome.found.get_or_insert(at - from);
-            // FDE3 stays undecided beside a check that knows which transducer it is.
-            if is_decided(&warning.suspect) || !is_decided(&outcome.suspect) {
+            // FDE3 stays undecided beside a check that knows which transducer it is, and what it knows
+            // goes before what the others make of it.
+            let decides = is_decided(&warning.suspect) || !is_decided(&outcome.suspect);
+            let knows = is_decided(&warning.suspect) && warning.detector == "plausibility";
+            if knows || (decides && !outcome.known) {
+                outcome.known |= knows;
                 outcome.suspect.clone_from(&warning.suspect);
                 outcome.named.clone_from(&warning.fault);
             }

@@ -40,6 +40,8 @@ const fn dependence() -> Kind {
 
 #[rustfmt::skip]
 pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
+    Key::optional("sample_time", number(Limits::above(0.0, FITTED)), "0.02",
+        "the sample time of the readings that it was calibrated to, s; absent: not known"),
     Key::required("first", number(Limits::finite(FITTED)), "-1.5",
         "where on the stroke the first node is, m"),
     Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",
@@ -52,6 +54,11 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
         "what C1 - C2 grows by with the velocity, s"),
     Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
         "the standard deviation of the residual, m"),
+    Key::required("noise", number(Limits::above(0.0, FITTED)), "0.0001",
+        "the same of a rod at rest, m; a table without it is of an earlier version: make it anew with \
+         `tertius calibrate`"),
+    Key::required("timing", number(Limits::least(0.0, FITTED)), "0.0001",
+        "what it grows by with the speed, s; `tertius calibrate` writes it"),
     Key::optional("resolution", numbers(2, Limits::least(0.0, FITTED)), "[1e-4, 1e-4]",
         "what the readings of C1 and of C2 move in, m"),
     Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",

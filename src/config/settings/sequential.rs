@@ -39,6 +39,8 @@ impl Default for Sequential {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderSequential {
+    /// Of the readings that it was calibrated to, s; absent: not known.
+    pub sample_time: Option<f64>,
     /// The first node on the stroke and the distance to the next, m.
     pub first: f64,
     pub spacing: f64,
@@ -48,12 +50,17 @@ pub struct CylinderSequential {
     pub samples: Vec<u64>,
     /// What C1 − C2 grows by with the velocity, s.
     pub velocity: f64,
-    /// Standard deviation of the residual, m.
+    /// Standard deviation of the residual, m, whatever the speed, …
     pub deviation: f64,
+    /// … at rest, m, …
+    pub noise: f64,
+    /// … and what it grows by with the speed, s: how far apart both are sampled by chance.
+    pub timing: f64,
     /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
     #[serde(default)]
     pub resolution: [f64; 2],
-    /// The rate functions of the mean and of the root mean square, nats, from 0 in steps of
+    /// The rate functions of the mean and of the root mean square of residuals that are weighed to
+    /// scatter as at rest, nats, from 0 in steps of
     /// `rate_spacing`, m.
     pub rate_spacing: f64,
     pub rate: Vec<f64>,

@@ -4,9 +4,17 @@
 //! are not those of the model both innovations grow, and one of them crosses its threshold first, or
 //! alone. But a fault of a reading is in C1 − C2, too, and at its onset no less than in the innovation:
 //! the sequential detector's residual has it to a tenth of a millimetre.
+//!
+//! At its onset only: noise that began a cycle earlier is in the observer by then, and may be in the
+//! innovation twice and more. But what the machine does differently from the model is in both
+//! innovations, since both observers hear of the same command; a fault is in its own.
 
 /// At less than this part of the innovation, C1 − C2 does not have it.
 const PART: f64 = 0.5;
+
+/// With at least this part of it the other observer sees it, too. Readings have noise of their own, and
+/// one innovation is beyond its threshold first: it is not the whole.
+const SHARED: f64 = 0.25;
 
 /// Of FDE1 and FDE2.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,7 +34,12 @@ impl Agreement {
         contradicted: bool,
     ) {
         for i in 0..2 {
-            let agree = || apart.zip(residuals[i]).is_some_and(|(apart, r)| apart < PART * r.abs());
+            let agree = || {
+                let [own, other] = [residuals[i], residuals[1 - i]];
+                own.zip(other).zip(apart).is_some_and(|((own, other), apart)| {
+                    apart < PART * own.abs() && other * own.signum() > SHARED * own.abs()
+                })
+            };
             self.process[i] = match (self.raised[i], raised[i]) {
                 (_, false) => false,
                 (false, true) => agree(),
@@ -57,6 +70,16 @@ mod tests {
         assert!(agreement.is_process(0));
         agreement.judge([true, false], r, None, true);
         assert!(!agreement.is_process(0));
+    }
+
+    /// Noise of 0.7 mm, its second sample against its first: the observer had followed that one.
+    #[test]
+    fn what_only_one_observer_sees_is_not_the_process() {
+        for other in [Some(4e-4), Some(-4e-4), None] {
+            let mut agreement = Agreement::default();
+            agreement.judge([true, false], [Some(-2e-3), other], Some(9.8e-4), false);
+            assert!(!agreement.is_process(0), "{other:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::{Cylinder, Evaluation};
 use crate::alarm::Finding;
 use crate::estimate::{Estimate, Input, VirtualSensor};
 use crate::monitor::gate::Opening;
-use crate::sample::Reading;
+use crate::observe::observer::Measurement;
 use crate::verdict::Suspect;
 
 impl Cylinder {
@@ -21,10 +21,7 @@ impl Cylinder {
     }
 
     /// Everything that blames somebody in this cycle has done so.
-    pub(super) fn estimate(&mut self, now: Evaluation, good: [Option<Reading>; 2]) {
-        if self.sensor.is_none() {
-            return;
-        }
+    pub(super) fn estimate(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
         let found = if self.finds_anything() { self.findings() } else { Default::default() };
         let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
         let trusted = [!blames(Suspect::C1), !blames(Suspect::C2)];

@@ -11,6 +11,7 @@ impl Cylinder {
     #[inline]
     pub fn finds_anything(&self) -> bool {
         self.bank.any_found()
+            || self.was_critical
             || self.implausible.iter().any(Implausible::raised)
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
     }
@@ -20,9 +21,9 @@ impl Cylinder {
         let [fde1, fde2, fde3] = self.bank.detections();
         let levels = &self.design.levels;
         let mut findings = [
-            fde1.map(|detection| self.observer_finding(self.agreed(0, detection))),
-            fde2.map(|detection| self.observer_finding(self.agreed(1, detection))),
-            fde3.map(|detection| self.difference_finding(detection)),
+            fde1.map(|detection| self.observer_finding(self.told(0, self.agreed(0, detection)))),
+            fde2.map(|detection| self.observer_finding(self.told(1, self.agreed(1, detection)))),
+            self.difference_finding(fde3.map(|detection| self.told(2, detection))),
             self.implausible_finding(0, Suspect::C1),
             self.implausible_finding(1, Suspect::C2),
             self.implausible_finding(2, Suspect::Process),
@@ -47,8 +48,20 @@ impl Cylinder {
         detection
     }
 
+    /// The detection, if whom it blames is not cleared by what is known of the readings themselves.
+    fn told(&self, k: usize, detection: Detection) -> Detection {
+        Detection { suspect: self.precedence.suspect(k, detection.suspect), ..detection }
+    }
+
     fn observer_finding(&self, detection: Detection) -> Finding {
-        finding(detection, self.level(detection.suspect), detection.threshold)
+        Finding {
+            fault: detection.fault,
+            suspect: detection.suspect,
+            level: self.level(detection.suspect),
+            residual: Some(detection.residual),
+            threshold: Some(detection.threshold),
+            evidence: None,
+        }
     }
 
     const fn level(&self, suspect: Suspect) -> Level {
@@ -62,10 +75,11 @@ impl Cylinder {
 
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
+        let suspect = self.precedence.suspect(3, alarm.suspect);
         Some(Finding {
             fault: if alarm.scale.is_some() { Fault::Unclassified } else { alarm.fault },
-            suspect: alarm.suspect,
-            level: self.level(alarm.suspect),
+            suspect,
+            level: self.level(suspect),
             residual: Some(alarm.size),
             threshold: None,
             evidence: Some(Evidence {
@@ -77,19 +91,45 @@ impl Cylinder {
         })
     }
 
-    fn difference_finding(&self, detection: Detection) -> Finding {
-        if self.was_critical {
-            return finding(detection, self.design.levels.critical, self.design.critical);
+    /// R3, or the machine's own rule where that is broken: then the measured difference and its limit.
+    fn difference_finding(&self, found: Option<Detection>) -> Option<Finding> {
+        if !self.was_critical {
+            return found.map(|detection| self.observer_finding(detection));
         }
-        self.observer_finding(detection)
+        let (fault, suspect) = match found {
+            Some(detection) => (detection.fault, detection.suspect),
+            // C1 − Ĉ2 is not judged, since a reading is frozen; or it is within its bound.
+            None => self.frozen_one().unwrap_or_default(),
+        };
+        Some(Finding {
+            fault,
+            suspect,
+            level: self.design.levels.critical,
+            residual: Some(self.apart),
+            threshold: Some(self.design.critical),
+            evidence: None,
+        })
+    }
+
+    /// The only transducer that is frozen.
+    fn frozen_one(&self) -> Option<(Fault, Suspect)> {
+        match [0, 1].map(|i| self.is_frozen(i)) {
+            [true, false] => Some((Fault::Frozen, Suspect::C1)),
+            [false, true] => Some((Fault::Frozen, Suspect::C2)),
+            _ => None,
+        }
+    }
+
+    fn is_frozen(&self, i: usize) -> bool {
+        self.implausible[i].raised() && self.implausible[i].fault == Fault::Frozen
     }
 
     fn implausible_finding(&self, i: usize, suspect: Suspect) -> Option<Finding> {
         let implausible = self.implausible.get(i).filter(|implausible| implausible.raised())?;
-        let frozen =
-            |i: usize| self.implausible[i].raised() && self.implausible[i].fault == Fault::Frozen;
-        // Two transducers do not freeze at once: it is the cylinder that does not follow.
-        let suspect = if i < 2 && frozen(0) && frozen(1) { Suspect::Process } else { suspect };
+        // Two transducers do not freeze at once: it is the cylinder that does not follow. But one that
+        // stood while the other moved is frozen, wherever that has come to rest since.
+        let at_once = |i: usize| self.is_frozen(i) && !self.plausibility[i].is_witnessed();
+        let suspect = if i < 2 && at_once(0) && at_once(1) { Suspect::Process } else { suspect };
         let out_of_range = implausible.fault == Fault::OutOfRange;
         Some(Finding {
             fault: implausible.fault,
@@ -101,9 +141,8 @@ impl Cylinder {
         })
     }
 
-    /// The state of each transducer, given the `findings` that stand for this cylinder.
-    pub fn health(&self, findings: &[Option<Finding>; PLACES]) -> [Health; 2] {
-        let stands = |suspect| findings.iter().flatten().any(|finding| finding.suspect == suspect);
+    /// The state of each transducer, where `stands` knows whom the warnings of this cylinder blame.
+    pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.bank.verdicts();
         std::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
@@ -120,16 +159,5 @@ impl Cylinder {
                 Health::Unknown
             }
         })
-    }
-}
-
-fn finding(detection: Detection, level: Level, threshold: f64) -> Finding {
-    Finding {
-        fault: detection.fault,
-        suspect: detection.suspect,
-        level,
-        residual: Some(detection.residual),
-        threshold: Some(threshold),
-        evidence: None,
     }
 }

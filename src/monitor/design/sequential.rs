@@ -3,7 +3,7 @@
 use super::{Flaw, Wirer};
 use crate::calibrate::LEAST_SAMPLES;
 use crate::config::settings::CylinderSequential;
-use crate::sequential::{Design, Drive, PairDesign, Rate, Reference};
+use crate::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
 impl Wirer<'_> {
     /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
@@ -25,6 +25,7 @@ impl Wirer<'_> {
             square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
             dependence: [fitted.mean_dependence, fitted.square_dependence],
             deviation: fitted.deviation,
+            noise: Noise { rest: fitted.noise, timing: fitted.timing },
             resolution: fitted.resolution,
             pair: self.pair(n, fitted),
             level: settings.sequential_level(),

@@ -8,6 +8,9 @@ use crate::evaluate::{
     SuspectFigures, WITHIN,
 };
 
+/// What the JSON begins with, between the values.
+pub const JSON_PARTS: [&str; 3] = ["{\n  \"machine\": \"", "\",\n  \"seed\": ", ",\n  \"rows\": ["];
+
 /// All of it, for scripts: the same evaluation is the same text.
 pub fn json(evaluation: &Evaluation) -> String {
     let mut text = serde_json::to_string_pretty(evaluation)

@@ -16,7 +16,7 @@ const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 
 /// The whole page; `configured`: the bound of R3 that the configuration has, m.
 pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
-    let mut page = Page::new(&format!("Calibration: {}", result.machine));
+    let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&result.inputs);
     page.paragraph(&capitalised(&text::parts(result)));
     page.lines(&text::remarks(result));

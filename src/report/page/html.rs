@@ -19,6 +19,7 @@ h1 { font-size: 1.5rem; margin: 0 0 .2rem; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
 h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
 p { margin: .4rem 0; max-width: 52rem; }
+.alarm { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #b00020; background: #fdecee; }
 ul.lines { list-style: none; margin: .4rem 0; padding: 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .5rem 0; font-variant-numeric: tabular-nums; }
@@ -59,13 +60,15 @@ footer { margin-top: 2.5rem; color: #666; font-size: 12px; }
 /// A page that is being written.
 #[derive(Clone, Debug)]
 pub struct Page {
+    command: &'static str,
     title: String,
     body: String,
 }
 
 impl Page {
-    pub fn new(title: &str) -> Self {
-        Self { title: title.to_owned(), body: String::new() }
+    /// An empty page of `command`, which the page names as what made it.
+    pub fn new(command: &'static str, title: &str) -> Self {
+        Self { command, title: title.to_owned(), body: String::new() }
     }
 
     /// A section.
@@ -82,6 +85,16 @@ impl Page {
     pub fn paragraph(&mut self, text: &str) {
         if !text.trim().is_empty() {
             self.element("p", text);
+        }
+    }
+
+    /// What has to be read before anything else, each line on a line of its own; nothing where there is
+    /// nothing to say.
+    pub fn alarm(&mut self, text: &str) {
+        if !text.trim().is_empty() {
+            self.body += "<div class=\"alarm\" role=\"alert\">\n";
+            self.lines(text);
+            self.body += "</div>\n";
         }
     }
 
@@ -166,8 +179,11 @@ impl Page {
              <meta charset=\"utf-8\"/>\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <meta name=\"generator\" content=\"tertius {} {}\"/>\n\
              <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}\
              <footer>tertius {}</footer>\n</body>\n</html>\n",
+            env!("CARGO_PKG_VERSION"),
+            self.command,
             self.body,
             env!("CARGO_PKG_VERSION")
         )
@@ -238,7 +254,7 @@ mod tests {
     #[test]
     fn nothing_that_is_said_becomes_markup() {
         let evil = "</title><script>alert('1')</script>\u{0}\u{1b}[2J&\"";
-        let mut page = Page::new(evil);
+        let mut page = Page::new("replay", evil);
         page.heading(evil);
         page.paragraph(evil);
         page.lines(evil);
@@ -253,7 +269,7 @@ mod tests {
 
     #[test]
     fn nothing_is_said_where_there_is_nothing() {
-        let mut page = Page::new("Empty");
+        let mut page = Page::new("replay", "Empty");
         let before = page.body.clone();
         page.paragraph(" ");
         page.lines("\n\n");
@@ -263,7 +279,7 @@ mod tests {
 
     #[test]
     fn numbers_stand_at_the_right() {
-        let mut page = Page::new("");
+        let mut page = Page::new("replay", "");
         let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
         page.table(
             &["name", "size", "mixed"],

@@ -19,7 +19,7 @@ type Captioned = (Figure, String);
 
 /// The whole page; `sample_time`: s.
 pub fn page(outcome: &Outcome) -> String {
-    let mut page = Page::new(&format!("Identification: {}", outcome.machine));
+    let mut page = Page::new("identify", &format!("Identification: {}", outcome.machine));
     page.paragraph(&outcome.inputs);
     page.lines(&capitalised(&text::parts(outcome)));
     page.lines(&text::remarks(outcome));

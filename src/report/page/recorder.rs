@@ -9,8 +9,8 @@ use crate::monitor::{MonitorDesign, Notice, Record};
 use crate::report::episode;
 use crate::time::{Span, Timestamp};
 
-/// Jumps in time that are marked; the others are counted.
-const JUMPS: usize = 100;
+/// Jumps in time that are marked, and losses of the bus; the others are counted.
+const MARKED: usize = 100;
 
 /// The thresholds of one residual, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +59,8 @@ pub struct Recorder {
     zooms: Zooms,
     raised: Vec<Raised>,
     count: usize,
+    /// When the bus was lost.
+    lost_at: Vec<f64>,
 }
 
 /// Everything gathered.
@@ -73,6 +75,8 @@ pub struct Recorded {
     /// How often the time stamps jumped, and where (of the first ones).
     pub jumps: u64,
     pub jumped_at: Vec<f64>,
+    /// When the bus was lost (the first times).
+    pub lost_at: Vec<f64>,
 }
 
 impl Axis {
@@ -85,7 +89,7 @@ impl Axis {
         let skipped = self.skipped.as_nanos().saturating_add(by.as_nanos());
         self.skipped = Span::from_nanos(skipped);
         self.jumps += 1;
-        if self.at.len() < JUMPS {
+        if self.at.len() < MARKED {
             self.at.push(self.place(first, at));
         }
     }
@@ -112,6 +116,7 @@ impl Recorder {
             zooms: Zooms::new(design.cylinders.len()),
             raised: Vec::new(),
             count: 0,
+            lost_at: Vec::new(),
         }
     }
 
@@ -148,9 +153,26 @@ impl Recorder {
     }
 
     pub fn notice(&mut self, first: Timestamp, notice: &Notice) {
-        if let Notice::TimeJump { at, by } = *notice {
-            self.axis.jump(first, at, by);
+        match *notice {
+            Notice::TimeJump { at, by } => {
+                self.axis.jump(first, at, by);
+                self.interrupt(self.axis.place(first, at));
+            }
+            Notice::Interruption { at } => {
+                let t = self.axis.place(first, at);
+                if self.lost_at.len() < MARKED {
+                    self.lost_at.push(t);
+                }
+                self.interrupt(t);
+            }
+            Notice::Gap { .. } | Notice::Restart { .. } | Notice::Timing { .. } => {}
         }
+    }
+
+    /// Values before and behind `t` do not belong together.
+    fn interrupt(&mut self, t: f64) {
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.residuals.interrupt());
+        self.zooms.interrupt(t);
     }
 
     pub fn finish(self) -> Recorded {
@@ -161,6 +183,7 @@ impl Recorder {
             raised: self.raised,
             jumps: self.axis.jumps,
             jumped_at: self.axis.at,
+            lost_at: self.lost_at,
         }
     }
 }

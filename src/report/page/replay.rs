@@ -24,10 +24,11 @@ pub fn page(
     notices: &Notices,
     recorded: &Recorded,
 ) -> String {
-    let mut page = Page::new(&format!("Replay: {}", heading.machine));
+    let mut page = Page::new("replay", &format!("Replay: {}", heading.machine));
     page.paragraph(&format!("{} with {}", heading.inputs, heading.config));
+    page.alarm(&summary.judgement.headline());
     page.lines(&human::overview(summary));
-    page.paragraph(&wording::warnings(summary.episodes));
+    page.paragraph(&wording::warnings(summary));
     page.heading("Cylinders");
     let rows: Vec<Vec<String>> =
         wording::cylinder_rows(summary).into_iter().map(Vec::from).collect();
@@ -118,8 +119,10 @@ fn residual(
         raised.cylinder == number && place(raised.detector).is_none_or(|place| place == i)
     };
     panel.marks.extend(recorded.raised.iter().filter(shows).map(mark));
-    let jump = |at: &f64| Mark { name: "time jump".to_owned(), colour: palette::GREY, at: *at };
-    panel.marks.extend(recorded.jumped_at.iter().map(jump));
+    for (name, places) in [("time jump", &recorded.jumped_at), ("bus lost", &recorded.lost_at)] {
+        let broken = |at: &f64| Mark { name: name.to_owned(), colour: palette::GREY, at: *at };
+        panel.marks.extend(places.iter().map(broken));
+    }
     if i < 2 {
         panel.bands = cylinder.residuals.shaded().into_iter().map(not_judged).collect();
     }

@@ -13,11 +13,18 @@ struct Bucket<const N: usize> {
     /// Cycles, and those of them that are to be shaded.
     count: u32,
     shaded: u32,
+    /// What came before it does not belong to it.
+    breaks: bool,
 }
 
 impl<const N: usize> Bucket<N> {
-    const EMPTY: Self =
-        Self { low: [f64::INFINITY; N], high: [f64::NEG_INFINITY; N], count: 0, shaded: 0 };
+    const EMPTY: Self = Self {
+        low: [f64::INFINITY; N],
+        high: [f64::NEG_INFINITY; N],
+        count: 0,
+        shaded: 0,
+        breaks: false,
+    };
 
     fn with(&self, other: &Self) -> Self {
         Self {
@@ -25,6 +32,7 @@ impl<const N: usize> Bucket<N> {
             high: std::array::from_fn(|i| self.high[i].max(other.high[i])),
             count: self.count.saturating_add(other.count),
             shaded: self.shaded.saturating_add(other.shaded),
+            breaks: self.breaks || other.breaks,
         }
     }
 }
@@ -37,12 +45,14 @@ pub struct Trace<const N: usize> {
     width: f64,
     buckets: Vec<Bucket<N>>,
     end: f64,
+    /// What comes next does not belong to what came before.
+    broken: bool,
 }
 
 impl<const N: usize> Trace<N> {
     /// A trace of signals that come every `sample_time` seconds.
     pub fn new(sample_time: f64) -> Self {
-        Self { width: sample_time.max(1e-6), buckets: Vec::new(), end: 0.0 }
+        Self { width: sample_time.max(1e-6), buckets: Vec::new(), end: 0.0, broken: false }
     }
 
     /// Takes the values at `t` seconds; `shaded`: this cycle is part of a shaded stretch. A time
@@ -61,6 +71,7 @@ impl<const N: usize> Trace<N> {
             self.buckets.resize(place + 1, Bucket::EMPTY);
         }
         let bucket = &mut self.buckets[place];
+        bucket.breaks |= std::mem::take(&mut self.broken);
         bucket.count = bucket.count.saturating_add(1);
         bucket.shaded = bucket.shaded.saturating_add(u32::from(shaded));
         for (i, value) in values.into_iter().enumerate() {
@@ -69,6 +80,11 @@ impl<const N: usize> Trace<N> {
                 bucket.high[i] = bucket.high[i].max(value);
             }
         }
+    }
+
+    /// What comes next does not belong to what came before: no line goes from the one to the other.
+    pub const fn interrupt(&mut self) {
+        self.broken = true;
     }
 
     fn halve(&mut self) {
@@ -96,16 +112,19 @@ impl<const N: usize> Trace<N> {
     }
 
     /// The signal `i` as a line that goes through the extremes of each bucket, broken where nothing
-    /// came.
+    /// came and where it was interrupted.
     pub fn runs(&self, i: usize) -> Vec<Vec<(f64, f64)>> {
         let mut runs: Vec<Vec<(f64, f64)>> = Vec::new();
         let mut newest: Option<usize> = None;
+        let mut broken = false;
         for (place, bucket) in self.buckets.iter().enumerate() {
             let (low, high) = (bucket.low[i], bucket.high[i]);
+            broken |= bucket.breaks;
             if low > high {
                 continue;
             }
-            if newest.is_none_or(|newest| place - newest > GAP + 1) {
+            let breaks = std::mem::take(&mut broken);
+            if breaks || newest.is_none_or(|newest| place - newest > GAP + 1) {
                 runs.push(Vec::new());
             }
             newest = Some(place);
@@ -174,6 +193,24 @@ mod tests {
         assert!((t - 60_000.0).abs() <= trace.width(), "{t}");
         assert_eq!(trace.extremes(0), Some([0.0, 0.05]));
         assert!(trace.runs(1).is_empty() && trace.extremes(1).is_none());
+    }
+
+    #[test]
+    fn an_interruption_breaks_the_curve_however_long_the_recording_gets() {
+        let mut trace = Trace::<2>::new(0.02);
+        for k in 0..10_000 {
+            if k == 5000 {
+                trace.interrupt();
+            }
+            // The second signal comes again only some time after.
+            let second = (!(5000..6000).contains(&k)).then_some(1.0);
+            trace.add(0.02 * f64::from(k), [Some(0.0), second], false);
+        }
+        for (i, begins) in [(0, 100.0), (1, 120.0)] {
+            let runs = trace.runs(i);
+            assert_eq!(runs.len(), 2, "signal {i}");
+            assert!((runs[1][0].0 - begins).abs() <= trace.width(), "{:?}", runs[1][0]);
+        }
     }
 
     #[test]

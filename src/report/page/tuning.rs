@@ -24,7 +24,7 @@ const HOUR: f64 = 3600.0;
 
 /// The whole page.
 pub fn page(result: &Tuning) -> String {
-    let mut page = Page::new(&format!("Tuning: {}", result.machine));
+    let mut page = Page::new("tune", &format!("Tuning: {}", result.machine));
     page.paragraph(&result.inputs);
     page.paragraph(&capitalised(&text::part(result)));
     page.lines(&result.remarks.join("\n"));

@@ -58,6 +58,12 @@ pub struct Zooms {
 }
 
 impl Moment {
+    /// Nothing is known.
+    pub const fn nothing(t: f64) -> Self {
+        let (readings, estimates, residuals) = ([None; 2], [None; 2], [None; 3]);
+        Self { t, readings, estimates, residuals, gated: true }
+    }
+
     /// With the `residuals` that are judged; `correct` makes Ĉ2 of C2.
     pub fn new(
         t: f64,
@@ -94,6 +100,13 @@ impl Zooms {
         *left -= 1;
         if *left == 0 {
             self.done.extend(watch.open.take().map(|(zoom, _)| zoom));
+        }
+    }
+
+    /// At `t` the bus was lost or the time jumped: no curve goes on over it.
+    pub fn interrupt(&mut self, t: f64) {
+        for number in 1..=self.watches.len() {
+            self.moment(number as u8, Moment::nothing(t));
         }
     }
 

@@ -146,7 +146,7 @@ impl Sequential {
     /// The alarm is over. A baseline that may have followed the fault begins anew.
     pub(super) fn end(&mut self) {
         let ended = self.alarm.take();
-        self.history.clear();
+        self.forget();
         self.slow.reset();
         if ended.is_some_and(|alarm| matches!(alarm.cause, Cause::Slow | Cause::Dwell)) {
             self.baseline.reset();

@@ -5,9 +5,9 @@ use crate::time::Span;
 
 const SAMPLE_TIME: f64 = 0.02;
 
-/// Of residuals of 0.1 mm, up to 0.5 mm; `nats` of deviations.
+/// Of residuals of 0.1 mm, as far as one is evidence; `nats` of deviations.
 fn rate(nats: impl Fn(f64) -> f64) -> Rate {
-    let values: Vec<f64> = (0..=50).map(|i| nats(f64::from(i) / 10.0)).collect();
+    let values: Vec<f64> = (0..=30).map(|i| nats(f64::from(i) / 10.0)).collect();
     Rate::new(1e-5, &values)
 }
 
@@ -30,6 +30,7 @@ fn of_counts(resolution: [f64; 2]) -> Sequential {
         square_rate: rate(|z| if z > 1.0 { 0.5 * (z * z - 1.0 - (z * z).ln()) } else { 0.0 }),
         dependence: INDEPENDENT,
         deviation: 1e-4,
+        noise: Noise { rest: 1e-4, timing: 0.0 },
         resolution,
         pair: None,
         level: 23.0,
@@ -107,7 +108,7 @@ fn what_lies_between_two_counts_is_no_noise() {
     for (count, noisy) in [(0.0, true), (4e-4, false)] {
         let mut detector = of_counts([count; 2]);
         let mut t = go(&mut detector, 0.0, 20.0, |_| 0.0);
-        for k in 0..40 {
+        for k in 0..100 {
             let length = 0.4 * (0.8 * t).sin();
             let up = [k & 1, (k / 3) & 1].map(|up| length + 4e-4 * f64::from(up));
             detector.step(&Input {

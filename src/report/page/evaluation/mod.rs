@@ -39,7 +39,7 @@ const COLOURS: [RGBColor; 6] = [
 
 /// The whole page, from the same tables as the text for a terminal.
 pub fn page(plan: &Plan, result: &Evaluation) -> String {
-    let mut page = Page::new(&format!("Evaluation: {}", result.machine));
+    let mut page = Page::new("evaluate", &format!("Evaluation: {}", result.machine));
     page.paragraph(&capitalised(&evaluation::extent(plan)));
     let figures = [Grade::Fine, Grade::Coarse]
         .into_iter()

@@ -1,0 +1,87 @@
+//! Whether recordings are named in the order of time.
+
+use std::path::Path;
+
+use crate::time::Timestamp;
+
+use super::candump::{Extent, Line, blank_frame};
+use super::input::Place;
+use super::selection::Interfaces;
+use super::source::SourceError;
+
+/// Bytes of a recording that are looked at for its first frame.
+const PEEK: usize = 64 * 1024;
+
+/// Right orders of more recordings are not told in full.
+const LISTED: usize = 16;
+
+/// Refuses recordings of which one begins before one that is named ahead of it. Only files are looked
+/// at, and time stamps that count from somewhere of their own say nothing.
+///
+/// # Errors
+/// The two, and the right order.
+pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceError> {
+    if places.len() < 2 {
+        return Ok(());
+    }
+    let begins = |place: &&Place| Some((place.name(), beginning(place, interfaces)?));
+    let mut known: Vec<(String, Timestamp)> = places.iter().filter_map(begins).collect();
+    let Some(wrong) = known.windows(2).position(|pair| pair[1].1 < pair[0].1) else {
+        return Ok(());
+    };
+    let [ahead, later] = [wrong, wrong + 1].map(|place| known[place].clone());
+    known.sort_by_key(|(_, begin)| *begin);
+    let names: Vec<&str> = known.iter().map(|(name, _)| name.as_str()).collect();
+    let advice = if names.len() <= LISTED {
+        format!("name them in the order of time: {}", names.join(" "))
+    } else {
+        "name them in the order of time".to_owned()
+    };
+    Err(SourceError::Order { ahead: ahead.0, at: ahead.1, later: later.0, before: later.1, advice })
+}
+
+/// The time stamp of the first frame of a file, of the interface that is meant if it comes soon.
+fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
+    let Place::File(path) = place else { return None };
+    let text = first_bytes(path)?;
+    let meant = match interfaces {
+        Interfaces::All => None,
+        Interfaces::Only(name) | Interfaces::One(name) => Some(name.as_bytes()),
+    };
+    let mut scratch = blank_frame();
+    let mut first = None;
+    for text in text.split(|byte| *byte == b'\n') {
+        let Ok(Some(line)) = Line::parse(text) else { continue };
+        if line.stamp.extent != Extent::Absolute || line.read_frame(&mut scratch).is_err() {
+            continue;
+        }
+        let at = Timestamp::from_nanos(line.stamp.nanos);
+        if meant.is_none_or(|meant| meant == line.interface) {
+            return Some(at);
+        }
+        first.get_or_insert(at);
+    }
+    // Of another interface, which is read where the one that is meant is nowhere.
+    first.filter(|_| matches!(interfaces, Interfaces::One(_)))
+}
+
+/// `None` of what is no file: opening a pipe and closing it would end its writer.
+fn first_bytes(path: &Path) -> Option<Vec<u8>> {
+    if !path.metadata().ok()?.is_file() {
+        return None;
+    }
+    let mut input = Place::File(path.to_owned()).open().ok()?;
+    let mut bytes = vec![0; PEEK];
+    let mut length = 0;
+    while length < PEEK {
+        match input.read(&mut bytes[length..]) {
+            Ok(0) => break,
+            Ok(more) => length += more,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+            // What is damaged behind it is told when it is read.
+            Err(_) => break,
+        }
+    }
+    bytes.truncate(length);
+    Some(bytes)
+}

@@ -1,0 +1,366 @@
+//! The files of a command: what it reads is never written over, and what it writes is there whole,
+//! or is as it was before.
+
+use super::Failure;
+use clap::Args;
+use std::fs::{self, File, Metadata, OpenOptions, Permissions};
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::os::fd::AsFd;
+use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile, TempPath};
+
+/// Whether what exists may be written over.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Overwriting {
+    /// Writes over files that exist. Without it only an empty file is written over, or one that
+    /// this command wrote, as its first lines show; recordings have no such lines. What the command
+    /// reads is never written over
+    #[arg(long)]
+    force: bool,
+}
+
+/// How an existing file shows that the same command wrote it.
+#[derive(Clone, Copy, Debug)]
+pub enum Mark<'a> {
+    /// The comment of the tables of this command, see [`crate::report::provenance`].
+    Tables(&'a str),
+    /// The generator of a page of this command.
+    Page(&'a str),
+    /// It begins with the first, and the others follow somewhere at its beginning, in this order.
+    Parts(&'a [&'a str]),
+    /// It is this text.
+    Text(&'a str),
+    /// Nothing shows it: a recording.
+    None,
+    /// The command reads it, and knows itself what it may write over.
+    Judged,
+}
+
+/// The most of a file that is read to know who wrote it, bytes.
+const HEAD: u64 = 4096;
+
+impl Mark<'_> {
+    /// Whether the file `path` has it.
+    fn is_on(self, path: &Path) -> io::Result<bool> {
+        let longest = if let Self::Text(text) = self { text.len() as u64 + 1 } else { HEAD };
+        let mut bytes = Vec::new();
+        File::open(path)?.take(longest).read_to_end(&mut bytes)?;
+        let head = String::from_utf8_lossy(&bytes);
+        let first = head.lines().next().unwrap_or_default();
+        Ok(match self {
+            Self::Tables(command) => {
+                first.starts_with("# By tertius ") && first.contains(&format!(" {command}, for "))
+            }
+            Self::Page(command) => head
+                .split_once("<meta name=\"generator\" content=\"tertius ")
+                .and_then(|(_, rest)| rest.split('"').next())
+                .is_some_and(|by| by.ends_with(&format!(" {command}"))),
+            Self::Parts(parts) => {
+                let rest = |rest: &'_ str, part: &&str| rest.find(*part).map(|at| at + part.len());
+                let mut text: &str = &head;
+                parts.first().is_some_and(|first| text.starts_with(first))
+                    && parts.iter().all(|part| {
+                        rest(text, part).is_some_and(|at| {
+                            text = &text[at..];
+                            true
+                        })
+                    })
+            }
+            Self::Text(text) => bytes == text.as_bytes(),
+            Self::None | Self::Judged => false,
+        })
+    }
+}
+
+/// One file under all of its names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Identity {
+    /// Device and inode of a regular file.
+    Known(u64, u64),
+    /// Where it will be.
+    Future(PathBuf),
+}
+
+impl Identity {
+    /// Of the regular file `path`, also where it will be; `None` of pipes and devices, which may be
+    /// named more than once.
+    fn of(path: &Path) -> Option<Self> {
+        match fs::metadata(path) {
+            Ok(found) => Self::found(&found),
+            Err(_) => leads_to(path).ok().map(Self::Future),
+        }
+    }
+
+    fn found(found: &Metadata) -> Option<Self> {
+        found.is_file().then(|| Self::Known(found.dev(), found.ino()))
+    }
+}
+
+/// What a command reads, known before anything is opened for writing.
+#[derive(Debug, Default)]
+pub struct Inputs(Vec<(PathBuf, Identity)>);
+
+impl Inputs {
+    /// `paths` are what is read; `-` is standard input.
+    pub fn new<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Self {
+        let identity = |path: &Path| match path.as_os_str().as_encoded_bytes() {
+            b"-" => Identity::found(&descriptor(io::stdin()).ok()?.metadata().ok()?),
+            _ => Identity::of(path),
+        };
+        let known = |path: &Path| Some((path.to_owned(), identity(path)?));
+        Self(paths.into_iter().filter_map(known).collect())
+    }
+
+    /// Takes the outputs of a call, each with its mark, in the order given. Nothing that is there is
+    /// touched before an output is finished.
+    ///
+    /// # Errors
+    /// One of them is an input, or another one; it exists and is not to be written over, or cannot
+    /// be written.
+    pub fn claim<const N: usize>(
+        &self,
+        wanted: [(Option<&Path>, Mark); N],
+        overwriting: Overwriting,
+    ) -> Result<[Option<Claimed>; N], Failure> {
+        let mut seen: Vec<Identity> = Vec::new();
+        for path in wanted.iter().filter_map(|(path, _)| *path) {
+            let Some(identity) = identity_of_output(path) else { continue };
+            self.refuse(path, &identity)?;
+            if seen.contains(&identity) {
+                return Err(Failure::Wrong(format!(
+                    "{} is to hold two outputs; name a file for each",
+                    path.display()
+                )));
+            }
+            seen.push(identity);
+        }
+        let mut claimed = [const { None }; N];
+        for (place, (path, mark)) in claimed.iter_mut().zip(wanted) {
+            if let Some(path) = path.filter(|_| !matches!(mark, Mark::Judged)) {
+                *place = Some(Claimed::new(path, mark, overwriting)?);
+            }
+        }
+        Ok(claimed)
+    }
+
+    fn refuse(&self, output: &Path, identity: &Identity) -> Result<(), Failure> {
+        let Some((input, _)) = self.0.iter().find(|(_, known)| known == identity) else {
+            return Ok(());
+        };
+        Err(Failure::Wrong(format!(
+            "{} would be written over the input {}; name another file",
+            output.display(),
+            input.display()
+        )))
+    }
+}
+
+/// Of an output; `-` is standard output.
+fn identity_of_output(path: &Path) -> Option<Identity> {
+    if is_standard(path) {
+        return Identity::found(&descriptor(io::stdout()).ok()?.metadata().ok()?);
+    }
+    Identity::of(path)
+}
+
+fn is_standard(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn descriptor(of: impl AsFd) -> io::Result<File> {
+    of.as_fd().try_clone_to_owned().map(File::from)
+}
+
+/// Where an output goes, once the command has done its work.
+#[derive(Debug)]
+pub struct Claimed {
+    /// As it was named.
+    name: String,
+    place: Place,
+}
+
+#[derive(Debug)]
+enum Place {
+    /// A file that takes the place of what is at the path.
+    Beside(NamedTempFile, PathBuf),
+    /// A pipe or a device: nothing can be put beside it, and nothing of it can be lost.
+    Direct(PathBuf),
+    /// What standard output or standard error goes to, where it is.
+    Open(File),
+}
+
+impl Claimed {
+    fn new(path: &Path, mark: Mark, overwriting: Overwriting) -> Result<Self, Failure> {
+        let fail = |error: io::Error| Failure::creating(path, &error);
+        let name = path.display().to_string();
+        if is_standard(path) {
+            let place = Place::Open(descriptor(io::stdout()).map_err(fail)?);
+            return Ok(Self { name: "standard output".to_owned(), place });
+        }
+        let there = match fs::metadata(path) {
+            Ok(there) => Some(there),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(fail(error)),
+        };
+        let place = match &there {
+            Some(there) if there.is_dir() => return Err(fail(ErrorKind::IsADirectory.into())),
+            Some(there) if !there.is_file() => Place::Direct(path.to_owned()),
+            Some(there) => match standard(there) {
+                Some(file) => Place::Open(file),
+                None => {
+                    if there.len() > 0 && !overwriting.force && !mark.is_on(path).map_err(fail)? {
+                        return Err(exists(&name, mark));
+                    }
+                    // Who may not write to it does not replace it, either.
+                    OpenOptions::new().write(true).open(path).map_err(fail)?;
+                    beside(path, Some(there)).map_err(fail)?
+                }
+            },
+            None => beside(path, None).map_err(fail)?,
+        };
+        Ok(Self { name, place })
+    }
+
+    /// Begins to write.
+    ///
+    /// # Errors
+    /// A pipe or device that cannot be opened.
+    pub fn open(self) -> Result<Writer, Failure> {
+        let (file, target) = match self.place {
+            Place::Beside(file, path) => {
+                let (file, temporary) = file.into_parts();
+                (file, Some((temporary, path)))
+            }
+            Place::Direct(path) => {
+                (File::create(&path).map_err(|error| Failure::creating(&path, &error))?, None)
+            }
+            Place::Open(file) => (file, None),
+        };
+        Ok(Writer { file: BufWriter::with_capacity(1 << 16, file), target, name: self.name })
+    }
+
+    /// Writes `text` and is done.
+    ///
+    /// # Errors
+    /// It cannot be written; then what was there still is.
+    pub fn write(self, text: &str) -> Result<(), Failure> {
+        let mut writer = self.open()?;
+        writer.put(text.as_bytes())?;
+        writer.close()
+    }
+}
+
+/// An output that is being written. It takes its place when it is finished; if it never is, what was
+/// there stays.
+#[derive(Debug)]
+pub struct Writer {
+    file: BufWriter<File>,
+    /// What is written now, and what it becomes.
+    target: Option<(TempPath, PathBuf)>,
+    name: String,
+}
+
+impl Writer {
+    /// Writes all of `bytes`.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn put(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        self.file.write_all(bytes).map_err(|error| Failure::writing(&self.name, &error))
+    }
+
+    /// As [`Self::finish`], for the command line.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn close(self) -> Result<(), Failure> {
+        let name = self.name.clone();
+        self.finish().map_err(|error| Failure::writing(&name, &error))
+    }
+
+    /// Writes out what is buffered, and puts the file in its place.
+    ///
+    /// # Errors
+    /// It cannot be written; then what was there still is.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.file.flush()?;
+        match self.target {
+            Some((temporary, path)) => Ok(temporary.persist(path)?),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Write for Writer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.write_all(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+fn exists(name: &str, mark: Mark) -> Failure {
+    let why = match mark {
+        Mark::None => "it exists, and a recording does not show who wrote it",
+        Mark::Text(_) => "it exists and holds something else",
+        _ => "it exists, and this command did not write it",
+    };
+    Failure::Wrong(format!("{name}: {why}; name another file, or write over it with --force"))
+}
+
+/// Standard output or standard error, if `there` is the file that it goes to: a shell has put it
+/// there to be written to, from where it stands.
+fn standard(there: &Metadata) -> Option<File> {
+    let identity = Identity::found(there)?;
+    [descriptor(io::stdout()), descriptor(io::stderr())].into_iter().flatten().find(|file| {
+        file.metadata().is_ok_and(|open| Identity::found(&open).as_ref() == Some(&identity))
+    })
+}
+
+/// A file in the folder of what `path` leads to, which goes away by itself unless it is finished.
+fn beside(path: &Path, there: Option<&Metadata>) -> io::Result<Place> {
+    let target = leads_to(path)?;
+    let mut prefix = target.file_name().unwrap_or_default().to_owned();
+    prefix.push(".");
+    // As any new file, less what the umask takes.
+    let permissions = Permissions::from_mode(0o666);
+    let mut builder = Builder::new();
+    builder.prefix(&prefix).suffix(".part").permissions(permissions);
+    let file = builder.tempfile_in(folder(&target))?;
+    if let Some(there) = there {
+        // Only the superuser can keep a file another's.
+        _ = chown(file.path(), Some(there.uid()), Some(there.gid()));
+        let permissions = Permissions::from_mode(there.mode() & 0o777);
+        file.as_file().set_permissions(permissions)?;
+    }
+    Ok(Place::Beside(file, target))
+}
+
+/// Links that are followed at most, as in the kernel.
+const LINKS: usize = 40;
+
+/// The file itself, also where it is not there yet: a link stays one.
+fn leads_to(path: &Path) -> io::Result<PathBuf> {
+    let mut at = path.to_owned();
+    for _ in 0..LINKS {
+        match fs::read_link(&at) {
+            Ok(next) => at = folder(&at).join(next),
+            Err(_) => {
+                let name = at.file_name().ok_or(ErrorKind::InvalidInput)?;
+                return Ok(fs::canonicalize(folder(&at))?.join(name));
+            }
+        }
+    }
+    Err(io::Error::other("too many links lead on from it"))
+}
+
+fn folder(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}

@@ -1,0 +1,142 @@
+//! Which frames are taken: those of the open cycle, once each, and those that were kept for it.
+
+use super::sink::Sink;
+use super::{Monitor, Place};
+use crate::frame::Frame;
+use crate::sample::arrival::Fate;
+use crate::time::Timestamp;
+
+impl Monitor {
+    /// A Sync stamped `stamp` has come.
+    pub(super) fn synchronise(&mut self, stamp: Timestamp, now: Timestamp, sink: &mut impl Sink) {
+        if self.clock.has_had_sync(stamp) {
+            self.counts.repeated += 1;
+        } else if self.clock.confirms(stamp) {
+            self.reckon_due();
+        } else {
+            self.open_cycle(stamp, now, true, sink);
+        }
+    }
+
+    /// Takes a page of `frame` if it is that of its cycle.
+    pub(super) fn admit(
+        &mut self,
+        place: Place,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) {
+        self.live = true;
+        let station = &mut self.stations[place.0];
+        let page = &mut station.pages[place.1];
+        let count = page.count(frame);
+        if page.reading && !station.sync {
+            let has = page.slot.has(self.clock.number());
+            if self.clock.could_open(frame.timestamp, has)
+                && self.clock.when().is_none_or(|when| page.slot.may_open(frame, count, &when))
+            {
+                self.open_cycle(frame.timestamp, now, false, sink);
+            }
+        }
+        let Some(when) = self.clock.when() else {
+            self.counts.late += 1;
+            return;
+        };
+        let page = &mut self.stations[place.0].pages[place.1];
+        match page.slot.judge(frame, count, &when) {
+            Fate::Taken => self.take_page(place, now, frame, sink),
+            Fate::Replaces => {
+                self.counts.late += 1;
+                self.take_page(place, now, frame, sink);
+            }
+            Fate::Settles => {
+                self.counts.late += 1;
+                self.settle(place, now, sink);
+            }
+            fate @ (Fate::Waits | Fate::Held) => {
+                self.settle(place, now, sink);
+                self.stations[place.0].pages[place.1].slot.keep(fate, frame, count, &when);
+                self.keeps = true;
+            }
+            Fate::Repeated => self.counts.repeated += 1,
+            Fate::Late => self.counts.late += 1,
+            // The counter's own tally has it.
+            Fate::Jumped => {}
+        }
+    }
+
+    fn take_page(&mut self, place: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        let Self { stations, cylinders, .. } = self;
+        let page = &stations[place.0].pages[place.1];
+        for (index, transducer) in &page.counted {
+            cylinders[usize::from(*index)].inputs.counted(*transducer);
+        }
+        self.fill(place, now, frame, sink);
+    }
+
+    /// What waits at `place` for something better is that of the open cycle.
+    fn settle(&mut self, place: Place, now: Timestamp, sink: &mut impl Sink) {
+        let Some(when) = self.clock.when() else { return };
+        let slot = &mut self.stations[place.0].pages[place.1].slot;
+        if let Some(frame) = slot.settle(&when, false) {
+            self.take_page(place, now, &frame, sink);
+        }
+    }
+
+    /// The open cycle closes: nothing better than what waits has come.
+    #[cold]
+    pub(super) fn take_waiting(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        self.each_page(|monitor, place| monitor.settle(place, now, sink));
+    }
+
+    /// A cycle has opened: what came for it before is taken, and what came for another one was late.
+    #[cold]
+    pub(super) fn take_held(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        let Some(when) = self.clock.when() else { return };
+        self.keeps = false;
+        self.each_page(|monitor, place| {
+            let slot = &mut monitor.stations[place.0].pages[place.1].slot;
+            if let Some(frame) = slot.settle(&when, true) {
+                monitor.counts.held += 1;
+                return monitor.take_page(place, now, &frame, sink);
+            }
+            match slot.kept() {
+                Some(cycle) if cycle == when.cycle => monitor.keeps = true,
+                Some(_) => {
+                    slot.drop_kept();
+                    monitor.counts.late += 1;
+                }
+                None => {}
+            }
+        });
+    }
+
+    /// Where readings open cycles, one that came before the cycle before its own had closed opens it
+    /// when that has.
+    #[cold]
+    pub(super) fn open_for_held(&mut self, now: Timestamp, sink: &mut impl Sink) {
+        if !self.keeps || !self.clock.is_opened_by_readings() {
+            return;
+        }
+        let number = self.clock.number();
+        let pages = self.stations.iter().flat_map(|station| &station.pages);
+        let readings = pages.filter(|page| page.reading);
+        if let Some(stamp) = readings.filter_map(|page| page.slot.held_after(number)).min() {
+            self.open_cycle(stamp, now, false, sink);
+        }
+    }
+
+    /// Nothing that has come says anything of what comes.
+    pub(super) fn forget_arrivals(&mut self) {
+        self.keeps = false;
+        self.each_page(|monitor, place| monitor.stations[place.0].pages[place.1].slot.reset());
+    }
+
+    fn each_page(&mut self, mut act: impl FnMut(&mut Self, Place)) {
+        for station in 0..self.stations.len() {
+            for page in 0..self.stations[station].pages.len() {
+                act(self, (station, page));
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! What the detectors of a cylinder are told of a cycle.
+
+use super::precedence::Standing;
+use super::{Cylinder, Evaluation};
+use crate::monitor::gate::Opening;
+use crate::observe::observer::{Innovation, Measurement};
+use crate::sample::{Quality, Reading};
+use crate::sequential;
+use crate::time::Timestamp;
+use crate::verdict::{Residuals, Verdict};
+
+impl Cylinder {
+    pub(super) fn judge(
+        &mut self,
+        now: Evaluation,
+        innovations: [Option<Innovation>; 2],
+        difference: Option<f64>,
+    ) -> Residuals {
+        // Without a command the model predicts nothing, so its residual is no evidence.
+        let open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
+        let judged = innovations
+            .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
+        self.judged = judged.map(|residual| residual.is_some());
+        // After a loss it is no evidence either way.
+        let whole = |i: usize| judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole));
+        let residuals = Residuals { r: [whole(0), whole(1), difference] };
+        self.bank.judge(now.at, &residuals);
+        residuals
+    }
+
+    /// The machine's own rule, "difference too big" (thesis, section 1-1), on the readings as they are
+    /// measured: it knows neither a nor b of (5-20), nor that a reading is frozen. One without a signal,
+    /// or beyond what there can be, it replaces by the other, and then has nothing to compare.
+    pub(super) fn judge_measured(&mut self, at: Timestamp, readings: &[Option<Reading>; 2]) {
+        let measured = |i: usize| {
+            let taken = matches!(self.plausibility[i].quality(), Quality::Good | Quality::Frozen);
+            readings[i].as_ref().filter(|_| taken).map(|reading| reading.position)
+        };
+        let apart = measured(0).zip(measured(1)).map(|(c1, c2)| c1 - c2);
+        self.apart = apart.unwrap_or(self.apart);
+        self.critical.judge(at, apart);
+        // It has tripped: that is over when the two agree again.
+        let differ = self.bank.verdicts()[2] == Verdict::Faulty;
+        self.was_critical = self.critical.raised().is_some() || (self.was_critical && differ);
+    }
+
+    /// What a reading that stands, or is not there, makes of those who disagree with it.
+    pub(super) fn judge_precedence(&mut self) {
+        let standing = std::array::from_fn(|i| Standing {
+            known: self.implausible[i].raised().then_some(self.implausible[i].fault),
+            alone: self.plausibility[i].stands_alone(),
+            idle: self.plausibility[i].idle(),
+        });
+        let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
+        let sequential = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
+        self.precedence.judge([fde1, fde2, fde3, sequential], standing);
+    }
+
+    pub(super) fn judge_sequentially(
+        &mut self,
+        now: Evaluation,
+        good: [Option<Measurement>; 2],
+        residuals: &Residuals,
+    ) {
+        let Some(sequential) = &mut self.sequential else { return };
+        let [c1, c2] = good;
+        sequential.step(&sequential::Input {
+            lengths: [c1.map(|reading| reading.position), c2.map(|reading| reading.position)],
+            velocity: c2.and_then(|reading| reading.velocity),
+            // As it was sent: the drive has a constant of its own.
+            command: self.inputs.command_value(),
+            monitored: now.gate == Opening::Open,
+            at: now.opened,
+            at_stop: now.at_stop,
+        });
+        let [fde1, fde2, _] = self.bank.verdicts();
+        let [r1, r2, _] = residuals.r;
+        let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
+        let alarm = sequential.alarm().is_some();
+        self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+    }
+}

@@ -1,0 +1,182 @@
+//! What is known of a reading goes before what a model, or a difference, makes of it.
+//!
+//! A reading that stands still, or is not there, is a fact. While it lasts the other reading goes on with
+//! the rod, and where the model of the rod is not exact, or the machine's controller reads the one that
+//! stands, the observer of the healthy one disagrees first: Figure 5-17 then blames that. So whoever warns
+//! while a reading stands is told whose it is, until it clears.
+
+use crate::verdict::{Fault, Suspect};
+
+/// FDE1, FDE2, FDE3 and the sequential detector.
+pub const DETECTORS: usize = 4;
+
+/// A detector sees what a plausibility check finds up to so many cycles before the reading stops: it
+/// has been faulty in between, too.
+const BEFORE: u32 = 10;
+
+/// Where one reading has stood for so many cycles and the other one leaves it, so many more tell whether
+/// that is a motion, which begins like a fault; and as long as it stands on, nobody can tell.
+const STOOD: u32 = 3;
+const AWAITED: u32 = 5;
+
+const FDE3: usize = 2;
+
+/// A transducer in a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Standing {
+    /// What the plausibility checks have found, as long as they do.
+    pub known: Option<Fault>,
+    /// Its reading stands while the other one goes on.
+    pub alone: bool,
+    /// Cycles in which nothing new was read.
+    pub idle: u32,
+}
+
+/// Whose reading stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Culprit {
+    transducer: usize,
+    /// The plausibility checks have said so, too.
+    known: bool,
+}
+
+/// What each detector has to know.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Precedence {
+    culprits: [Option<Culprit>; DETECTORS],
+    /// Cycles since each has been raised.
+    ages: [Option<u32>; DETECTORS],
+    /// FDE3 was raised while this one stood: whose it is has to be awaited.
+    awaited: Option<usize>,
+}
+
+impl Precedence {
+    /// Takes a cycle: which detectors are raised, and how the transducers stand.
+    pub fn judge(&mut self, raised: [bool; DETECTORS], standing: [Standing; 2]) {
+        for (k, raised) in raised.into_iter().enumerate() {
+            if !raised {
+                (self.culprits[k], self.ages[k]) = (None, None);
+                continue;
+            }
+            let age = self.ages[k].map_or(0, |age| age.saturating_add(1));
+            self.ages[k] = Some(age);
+            let met = |one: &Standing| age <= one.idle.saturating_add(BEFORE);
+            let newest = only(standing.map(|one| met(&one) && (one.known.is_some() || one.alone)));
+            let newest = newest.map(|transducer| Culprit {
+                transducer,
+                known: standing[transducer].known.is_some(),
+            });
+            self.culprits[k] = match (self.culprits[k], newest) {
+                (Some(old), Some(new)) if new.known && !old.known => Some(new),
+                (None, new) => new,
+                (old, _) => old,
+            };
+        }
+        self.awaited = self.ages[FDE3].and_then(|age| {
+            let since_before = |one: Standing| one.idle >= age.saturating_add(STOOD);
+            let just = |one: Standing| age < AWAITED && one.idle >= STOOD;
+            only(standing.map(since_before)).or_else(|| only(standing.map(just)))
+        });
+    }
+
+    /// Time jumped: as with R3, a side does not outlast a time of which nothing is known.
+    pub fn interrupt(&mut self) {
+        self.culprits = Default::default();
+        self.awaited = None;
+    }
+
+    /// Whom the detector `k`, of [`DETECTORS`], may suspect, if `suspect` is whom it suspects itself.
+    pub fn suspect(&self, k: usize, suspect: Suspect) -> Suspect {
+        const BLAMED: [Suspect; 2] = [Suspect::C1, Suspect::C2];
+        let Some(Culprit { transducer, known }) = self.culprits[k] else {
+            let awaited = self.awaited.filter(|_| k == FDE3);
+            let waits = awaited.is_some_and(|i| suspect == BLAMED[1 - i]);
+            return if waits { Suspect::Undecided } else { suspect };
+        };
+        let other = 1 - transducer;
+        match known {
+            // The observer of the other one says nothing of the one that stands. Perhaps it is the
+            // machine that follows that; perhaps it has a fault of its own.
+            true if k == other => match suspect {
+                Suspect::Process => Suspect::Undecided,
+                suspect if suspect == BLAMED[other] => Suspect::Undecided,
+                suspect => suspect,
+            },
+            true => BLAMED[transducer],
+            false if suspect == BLAMED[other] => Suspect::Undecided,
+            false => suspect,
+        }
+    }
+}
+
+/// Which of two it is that holds, if it is one alone.
+const fn only(holds: [bool; 2]) -> Option<usize> {
+    match holds {
+        [true, false] => Some(0),
+        [false, true] => Some(1),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOUND: Standing = Standing { known: None, alone: false, idle: 0 };
+    const ALONE: Standing = Standing { known: None, alone: true, idle: 3 };
+    const FROZEN: Standing = Standing { known: Some(Fault::Frozen), alone: true, idle: 5 };
+    const ALL: [bool; 4] = [true; 4];
+
+    fn of_c2(precedence: &Precedence) -> [Suspect; 4] {
+        std::array::from_fn(|k| precedence.suspect(k, Suspect::C2))
+    }
+
+    #[test]
+    fn who_stands_goes_before_who_goes_on_then_and_afterwards() {
+        use Suspect::{C1, C2, Undecided};
+        let mut precedence = Precedence::default();
+        precedence.judge(ALL, [SOUND; 2]);
+        assert_eq!(of_c2(&precedence), [C2; 4]);
+        precedence.judge(ALL, [ALONE, SOUND]);
+        assert_eq!(of_c2(&precedence), [Undecided; 4]);
+        precedence.judge(ALL, [FROZEN, SOUND]);
+        assert_eq!(of_c2(&precedence), [C1, Undecided, C1, C1]);
+        assert_eq!(precedence.suspect(1, Suspect::Process), Undecided, "what C1 made of the rod");
+        precedence.judge(ALL, [SOUND; 2]);
+        assert_eq!(of_c2(&precedence), [C1, Undecided, C1, C1], "it reads again");
+        precedence.judge([false; 4], [SOUND; 2]);
+        precedence.judge(ALL, [SOUND; 2]);
+        assert_eq!(of_c2(&precedence), [C2; 4], "that was another fault");
+    }
+
+    #[test]
+    fn what_was_found_long_before_is_another_fault() {
+        let mut precedence = Precedence::default();
+        (0..100).for_each(|_| precedence.judge(ALL, [SOUND; 2]));
+        precedence.judge(ALL, [FROZEN, SOUND]);
+        assert_eq!(of_c2(&precedence), [Suspect::C2; 4]);
+    }
+
+    /// A rod that starts looks like a reading that steps, as long as the other one stands.
+    #[test]
+    fn fde3_does_not_blame_one_that_leaves_another_that_stands() {
+        let mut precedence = Precedence::default();
+        let fde3 = [false, false, true, false];
+        for age in 0..3 * AWAITED {
+            // It stands where it has gone to.
+            let standing = [Standing { idle: 20 + age, ..SOUND }, Standing { idle: age, ..SOUND }];
+            precedence.judge(fde3, standing);
+            assert_eq!(precedence.suspect(FDE3, Suspect::C2), Suspect::Undecided);
+            assert_eq!(precedence.suspect(FDE3, Suspect::C1), Suspect::C1);
+        }
+        precedence.judge(fde3, [SOUND; 2]);
+        assert_eq!(precedence.suspect(FDE3, Suspect::C2), Suspect::C2, "it has stepped");
+    }
+
+    #[test]
+    fn of_two_that_stand_neither_is_blamed_for_the_other() {
+        let mut precedence = Precedence::default();
+        precedence.judge(ALL, [FROZEN; 2]);
+        assert_eq!(of_c2(&precedence), [Suspect::C2; 4]);
+    }
+}

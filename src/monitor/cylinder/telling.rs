@@ -1,0 +1,45 @@
+//! What is told of a cycle of a cylinder.
+
+use super::{Cylinder, Evaluation};
+use crate::monitor::gate::Opening;
+use crate::monitor::sink::Record;
+use crate::observe::observer::Innovation;
+use crate::sample::Reading;
+use crate::sample::plausibility::Plausibility;
+
+/// What an evaluation leaves for [`Cylinder::record`].
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluated {
+    pub(super) readings: [Option<Reading>; 2],
+    pub(super) innovations: [Option<Innovation>; 2],
+    /// R3, m.
+    pub(super) difference: Option<f64>,
+}
+
+impl Cylinder {
+    /// What is told of the newest cycle, as long as its inputs are there.
+    pub fn record(&self, now: Evaluation, evaluated: &Evaluated) -> Record {
+        let Evaluated { readings, innovations, difference } = *evaluated;
+        let [c1, c2] = readings.map(|reading| reading.map(|reading| reading.position));
+        let residual = |i: usize| innovations[i].map(|innovation: Innovation| innovation.residual);
+        Record {
+            timestamp: now.opened,
+            cycle: now.cycle,
+            cylinder: self.design.number,
+            c1,
+            c2,
+            velocities: readings.map(|reading| reading?.velocity),
+            qualities: self.plausibility.each_ref().map(Plausibility::quality),
+            pressures: self.inputs.pressures(),
+            supply: self.inputs.supply_value(),
+            spool: self.inputs.spool_value(),
+            c2_corrected: c2.map(|c2| self.design.comparator.corrected(c2)),
+            command: self.inputs.command_value(),
+            estimates: innovations.map(|innovation| innovation.map(|i| i.estimate)),
+            residuals: [residual(0), residual(1), difference],
+            judged: self.judged,
+            gated: !self.judged.contains(&true),
+            monitored: now.gate == Opening::Open,
+        }
+    }
+}

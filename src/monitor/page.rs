@@ -1,0 +1,122 @@
+//! What of a message comes together, and what came of it.
+
+use super::intake::Intake;
+use super::wiring::{Line, Target, Wire};
+use crate::decode::{Decoded, SignalPlan};
+use crate::frame::Frame;
+use crate::sample::arrival::Slot;
+use crate::sample::counter::AliveCounter;
+use crate::sample::{Field, Transducer};
+
+/// A message as its frames are taken.
+#[derive(Clone, Debug)]
+pub(super) struct Station {
+    /// It opens a cycle.
+    pub sync: bool,
+    pub pages: Box<[Page]>,
+}
+
+/// Signals of a message that come together: carried by the same frames and counted by the same alive
+/// counter. A message without multiplexor is one page, if all of its signals share a counter.
+#[derive(Clone, Debug)]
+pub(super) struct Page {
+    /// Carries a reading of a transducer.
+    pub reading: bool,
+    /// Belongs to a cycle; the platform's state does not.
+    pub cyclic: bool,
+    /// But for the counter.
+    pub wires: Box<[Wire]>,
+    /// The short way of them.
+    pub intake: Option<Intake>,
+    counter: Option<SignalPlan>,
+    /// Whose readings the counter counts.
+    pub counted: Box<[(u8, Transducer)]>,
+    pub slot: Slot,
+    /// A signal that is where the page is; `None` where every frame carries it.
+    carried_with: Option<SignalPlan>,
+}
+
+impl Station {
+    pub fn new(line: &Line) -> Self {
+        let mut drafts: Vec<Draft<'_>> = Vec::new();
+        for wire in &line.wires {
+            let counter = line.counter_of(wire);
+            let anchor = line.anchor_of(wire);
+            let belongs = |draft: &&mut Draft<'_>| {
+                draft.cyclic == wire.is_cyclic()
+                    && draft.counter.map(|known| &known.plan) == counter.map(|wire| &wire.plan)
+                    && draft.anchor.plan.is_on_page_of(&anchor.plan)
+            };
+            match drafts.iter_mut().find(belongs) {
+                Some(draft) => draft.wires.push(wire),
+                None => drafts.push(Draft {
+                    cyclic: wire.is_cyclic(),
+                    anchor,
+                    counter,
+                    wires: vec![wire],
+                }),
+            }
+        }
+        let pages = drafts.iter().map(|draft| {
+            let sharing = drafts.iter().filter(|other| {
+                let plans = other.counter.zip(draft.counter);
+                plans.is_some_and(|(other, own)| other.plan == own.plan)
+            });
+            // Where a page is in every frame, a cycle has one frame as far as one can tell.
+            let each_has_its_frame =
+                sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
+            draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
+        });
+        Self { sync: line.sync, pages: pages.collect() }
+    }
+}
+
+/// A page while it is put together.
+struct Draft<'a> {
+    cyclic: bool,
+    /// The wire that says which frames carry the page.
+    anchor: &'a Wire,
+    counter: Option<&'a Wire>,
+    wires: Vec<&'a Wire>,
+}
+
+impl Draft<'_> {
+    /// `sharing` pages have its counter.
+    fn page(&self, sharing: u64) -> Page {
+        let counted = self.wires.iter().filter_map(|wire| match wire.target {
+            Target::Cylinder(index, Field::Counter(transducer)) => Some((index, transducer)),
+            _ => None,
+        });
+        let others = self.wires.iter().filter(|wire| !wire.is_counter());
+        let wires: Box<[Wire]> = others.map(|wire| (*wire).clone()).collect();
+        let plan = self.counter.map(|wire| wire.plan.clone());
+        let alive = plan.as_ref().map(|plan| AliveCounter::new(plan.bits(), sharing));
+        Page {
+            reading: self.wires.iter().any(|wire| wire.is_reading()),
+            cyclic: self.cyclic,
+            intake: Intake::of(&wires),
+            wires,
+            counter: plan,
+            counted: counted.collect(),
+            slot: Slot::new(alive),
+            carried_with: { self.anchor.plan.is_multiplexed() }.then(|| self.anchor.plan.clone()),
+        }
+    }
+}
+
+impl Page {
+    /// Whether `frame` has this page; `None` if it is too short to tell.
+    #[inline]
+    pub fn is_in(&self, frame: &Frame) -> Option<bool> {
+        self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
+    }
+
+    /// The alive counter in `frame`.
+    #[inline]
+    pub fn count(&self, frame: &Frame) -> Option<u64> {
+        match self.counter.as_ref()?.decode(frame) {
+            Decoded::Value(value) => Some(super::cylinder::bits(value)),
+            Decoded::Absent | Decoded::Short => None,
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What the monitor tells of itself: Fd_Status.
+
+use super::cylinder::Cylinder;
+use super::gate::Opening;
+use super::{Monitor, STATUS_PERIOD, Sink};
+use crate::alarm::OwnFrame;
+use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
+use crate::time::Timestamp;
+
+impl Monitor {
+    pub(super) fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let status = self.status(at);
+        self.last_status = Some((at, status));
+        sink.transmit(&self.encoder.status(at, &status));
+        self.next_status = self.next_status.after(STATUS_PERIOD);
+    }
+
+    /// The Fd_Status of a gateway that stops at `at`: from now on nothing is known.
+    pub fn last_words(&mut self, at: Timestamp) -> OwnFrame {
+        let (level, active_warnings) = (self.register.level(), self.register.standing());
+        let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
+        self.encoder.status(at, &status)
+    }
+
+    /// The state of the whole at `at`.
+    pub fn status(&mut self, at: Timestamp) -> Status {
+        let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];
+        for (index, cylinder) in self.cylinders.iter().enumerate() {
+            let stands = |suspect| self.register.blames(index, suspect);
+            transducers[index] = cylinder.health(stands);
+        }
+        let all_judge = self.cylinders.iter().all(Cylinder::judges);
+        let mode = match (self.gate.opening(at), all_judge) {
+            (Opening::Closed, _) => Mode::Gated,
+            (Opening::Open, true) => Mode::Monitoring,
+            _ if self.monitored_once => Mode::Degraded,
+            _ => Mode::Starting,
+        };
+        self.monitored_once |= mode == Mode::Monitoring;
+        let (level, active_warnings) = (self.register.level(), self.register.standing());
+        Status { transducers, level, mode, active_warnings }
+    }
+}

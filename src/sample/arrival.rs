@@ -1,0 +1,327 @@
+//! Which frame of a place belongs to which cycle.
+//!
+//! A place is what comes together: the signals of one page of one message that share an alive counter.
+//! In each cycle it takes one frame. The counter decides where there is one ([`AliveCounter`]);
+//! without it what decides is when frames usually come, and a frame after a lost one waits, since it
+//! may be the lost one, late.
+
+use super::counter::{AliveCounter, BEHIND, Count};
+use super::phase::{Phases, Usual};
+use crate::frame::Frame;
+use crate::time::{Span, Timestamp};
+
+/// After so many cycles running in which frames came and none was in time, what refuses them is
+/// believed no more: the counter, or the deadline.
+const STARVED: u32 = 5;
+
+/// The newest cycle, as frames find it.
+#[derive(Clone, Copy, Debug)]
+pub struct When {
+    pub cycle: u64,
+    pub opened: Timestamp,
+    pub open: bool,
+    /// Whether it was a Sync that opened it, so that what is stamped before belongs to an earlier one.
+    pub by_sync: bool,
+    /// Ts.
+    pub sample_time: Span,
+}
+
+impl When {
+    const fn phase(&self, stamp: Timestamp) -> i64 {
+        stamp.since(self.opened).as_nanos()
+    }
+
+    const fn half(&self) -> i64 {
+        self.sample_time.as_nanos() / 2
+    }
+}
+
+/// What becomes of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// It is that of the newest cycle.
+    Taken,
+    /// The same, and the one that waits was late.
+    Replaces,
+    /// It is late, and the one that waits is that of the newest cycle.
+    Settles,
+    /// It is that of the newest cycle unless a better one comes before the deadline: to be kept.
+    Waits,
+    /// It is that of the next cycle: to be kept.
+    Held,
+    /// The place has had it, or another one in this cycle.
+    Repeated,
+    /// Its cycle is decided.
+    Late,
+    /// Its counter belongs to no cycle near.
+    Jumped,
+}
+
+/// A frame that waits for its cycle to open, or to close.
+#[derive(Clone, Debug)]
+struct Kept {
+    frame: Frame,
+    counter: Option<u64>,
+    cycle: u64,
+    /// Nothing better is expected.
+    sure: bool,
+}
+
+/// The arrivals at one place.
+#[derive(Clone, Debug)]
+pub struct Slot {
+    counter: Option<AliveCounter>,
+    /// The newest cycle of which it has a frame.
+    filled: Option<u64>,
+    /// Stands for the payload of that frame, where no counter is believed.
+    digest: u64,
+    phases: Phases,
+    /// Of `phases`, once asked for.
+    usual: Option<Option<Usual>>,
+    kept: Option<Kept>,
+    /// Cycles running in which frames came, and none in time.
+    starved: u32,
+    starved_in: u64,
+}
+
+impl Slot {
+    /// A place whose frames have this alive counter.
+    pub const fn new(counter: Option<AliveCounter>) -> Self {
+        Self {
+            counter,
+            filled: None,
+            digest: 0,
+            phases: Phases::new(),
+            usual: None,
+            kept: None,
+            starved: 0,
+            starved_in: 0,
+        }
+    }
+
+    /// Times that the alive counter fitted no cycle.
+    pub fn jumps(&self) -> u64 {
+        self.counter.as_ref().map_or(0, AliveCounter::jumps)
+    }
+
+    /// Whether it has a frame of `cycle`.
+    pub fn has(&self, cycle: u64) -> bool {
+        self.filled == Some(cycle)
+    }
+
+    /// Whether `frame`, which comes about when a cycle could open, is none of the cycles before.
+    pub fn may_open(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> bool {
+        let count = self.counter.as_ref().zip(counter);
+        match count.map_or(Count::Silent, |(alive, value)| alive.read(when.cycle, value)) {
+            Count::Same | Count::Off(..=0) => return false,
+            Count::Off(_) | Count::Jumped => return true,
+            Count::Silent => {}
+        }
+        let usual = self.usual_phase();
+        let copied = self.has(when.cycle) && digest(frame) == self.digest;
+        // A rod at rest sends the same again, so a copy is told by its time alone.
+        let least = if copied { when.half() / 2 * 3 } else { when.half() };
+        !self.has(when.cycle) || when.phase(frame.timestamp) >= usual + least
+    }
+
+    /// What becomes of `frame` with this `counter`, where it could be read. What is to be kept is
+    /// given to [`Self::keep`].
+    #[inline]
+    pub fn judge(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
+        let empty = when.open && self.filled != Some(when.cycle);
+        if let (Some(alive), Some(value)) = (&mut self.counter, counter) {
+            let count = alive.read(when.cycle, value);
+            if count == Count::Off(0) && empty {
+                alive.accept(when.cycle, value);
+                self.filled = Some(when.cycle);
+                self.starved = 0;
+                return Fate::Taken;
+            }
+            if let Some(fate) = self.judge_misfit(count, frame, value, when) {
+                return fate;
+            }
+        } else if empty && self.filled.is_some_and(|filled| filled + 1 == when.cycle) {
+            let phase = when.phase(frame.timestamp);
+            if phase >= 0 || !when.by_sync {
+                self.take(frame, counter, when.cycle, phase);
+                self.starved = 0;
+                return Fate::Taken;
+            }
+        }
+        self.judge_by_phase(frame, counter, when)
+    }
+
+    /// What a counter says that is not just one on; `None` if it says nothing.
+    fn judge_misfit(
+        &mut self,
+        count: Count,
+        frame: &Frame,
+        value: u64,
+        when: &When,
+    ) -> Option<Fate> {
+        let phase = when.phase(frame.timestamp);
+        let lacks = self.filled != Some(when.cycle);
+        let fate = match count {
+            Count::Silent => return None,
+            Count::Same => return Some(Fate::Repeated),
+            Count::Off(1) if phase >= when.half() => return Some(Fate::Held),
+            Count::Off(0) if !lacks => return Some(Fate::Repeated),
+            Count::Off(..=0) => Fate::Late,
+            Count::Off(_) | Count::Jumped => Fate::Jumped,
+        };
+        let empty = lacks && when.open;
+        if count != Count::Off(0)
+            && let Some(alive) = &mut self.counter
+            && alive.reject(when.cycle, value, empty, fate == Fate::Late)
+        {
+            self.take(frame, Some(value), when.cycle, phase);
+            self.starved = 0;
+            return Some(Fate::Taken);
+        }
+        (!lacks || !self.starves(when.cycle)).then_some(fate)
+    }
+
+    fn judge_by_phase(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
+        let (cycle, phase) = (when.cycle, when.phase(frame.timestamp));
+        let usual = self.usual_phase();
+        let copied = digest(frame) == self.digest;
+        if phase < 0 && when.by_sync {
+            // By its stamp it is of the cycle before, unless that has its own.
+            let early = self.filled.is_some_and(|filled| filled + 1 == cycle)
+                && !copied
+                && phase + when.half() >= usual;
+            return if early && when.open { self.taken(frame, counter, when) } else { Fate::Late };
+        }
+        let for_next = phase >= usual + when.half();
+        if self.has(cycle) {
+            if !copied && let Some(alive) = &mut self.counter {
+                alive.surplus();
+            }
+            return if for_next && !copied { Fate::Held } else { Fate::Repeated };
+        }
+        if !when.open {
+            let out_of_time = self.starves(cycle);
+            return if out_of_time { Fate::Held } else { Fate::Late };
+        }
+        let waiting = self.kept.as_ref().filter(|kept| kept.cycle == cycle);
+        let Some(waiting) = waiting.map(|kept| when.phase(kept.frame.timestamp)) else {
+            let lost = 2..=BEHIND as u64 + 1;
+            let may_be_late = self.filled.is_some_and(|filled| lost.contains(&(cycle - filled)))
+                && self.usual().is_some();
+            return if may_be_late { Fate::Waits } else { self.taken(frame, counter, when) };
+        };
+        let tolerance = self.usual().map_or(0, |usual| usual.tolerance);
+        if (phase - usual).abs() <= (waiting - usual).abs() + tolerance {
+            self.kept = None;
+            self.taken(frame, counter, when);
+            Fate::Replaces
+        } else if for_next && !copied {
+            Fate::Held
+        } else {
+            Fate::Settles
+        }
+    }
+
+    fn taken(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
+        self.take(frame, counter, when.cycle, when.phase(frame.timestamp));
+        self.starved = 0;
+        Fate::Taken
+    }
+
+    fn take(&mut self, frame: &Frame, counter: Option<u64>, cycle: u64, phase: i64) {
+        self.filled = Some(cycle);
+        if let (Some(alive), Some(value)) = (&mut self.counter, counter) {
+            alive.accept(cycle, value);
+        }
+        self.digest = digest(frame);
+        self.phases.push(phase);
+        self.usual = None;
+    }
+
+    /// Keeps a frame that waits in the newest cycle, or is held for the next.
+    pub fn keep(&mut self, fate: Fate, frame: &Frame, counter: Option<u64>, when: &When) {
+        let held = fate == Fate::Held;
+        let sure = held && self.has(when.cycle) || self.is_next(counter, when.cycle);
+        let cycle = when.cycle + u64::from(held);
+        self.kept = Some(Kept { frame: frame.clone(), counter, cycle, sure });
+    }
+
+    fn is_next(&self, counter: Option<u64>, cycle: u64) -> bool {
+        let count = self.counter.as_ref().zip(counter);
+        count.is_some_and(|(alive, value)| alive.read(cycle, value) == Count::Off(1))
+    }
+
+    /// The kept frame of the newest cycle, taken now; nothing if it is of another cycle, or if
+    /// something better than it may come while the cycle is `open`.
+    pub fn settle(&mut self, when: &When, open: bool) -> Option<Frame> {
+        let empty = !self.has(when.cycle);
+        let due = |kept: &Kept| empty && kept.cycle == when.cycle && (kept.sure || !open);
+        if !self.kept.as_ref().is_some_and(due) {
+            return None;
+        }
+        let kept = self.kept.take()?;
+        self.take(&kept.frame, kept.counter, when.cycle, when.phase(kept.frame.timestamp));
+        Some(kept.frame)
+    }
+
+    /// The cycle of the frame that is kept.
+    pub fn kept(&self) -> Option<u64> {
+        self.kept.as_ref().map(|kept| kept.cycle)
+    }
+
+    /// When the frame came that surely is of the cycle after `cycle`.
+    pub fn held_after(&self, cycle: u64) -> Option<Timestamp> {
+        let held = |kept: &&Kept| kept.sure && kept.cycle == cycle + 1;
+        self.kept.as_ref().filter(held).map(|kept| kept.frame.timestamp)
+    }
+
+    /// Drops the frame that is kept.
+    pub fn drop_kept(&mut self) {
+        self.kept = None;
+    }
+
+    /// Time jumped, or frames were lost: cycles and counts have no past.
+    pub fn reset(&mut self) {
+        self.filled = None;
+        self.kept = None;
+        self.starved = 0;
+        if let Some(alive) = &mut self.counter {
+            alive.forget();
+        }
+    }
+
+    /// Nothing came in time in `cycle`. Whether that has been so for too long.
+    fn starves(&mut self, cycle: u64) -> bool {
+        if self.starved == 0 || self.starved_in != cycle {
+            self.starved = self.starved.saturating_add(1);
+            self.starved_in = cycle;
+        }
+        let too_long = self.starved >= STARVED;
+        if too_long && let Some(alive) = &mut self.counter {
+            alive.disbelieve();
+        }
+        too_long
+    }
+
+    fn usual(&mut self) -> Option<Usual> {
+        *self.usual.get_or_insert_with(|| self.phases.usual())
+    }
+
+    /// ns; the opening while it is not known.
+    fn usual_phase(&mut self) -> i64 {
+        self.usual().map_or(0, |usual| usual.phase)
+    }
+}
+
+/// A number that stands for a payload.
+#[inline]
+fn digest(frame: &Frame) -> u64 {
+    let mut words = frame.data().chunks(8).map(|chunk| {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        u64::from_le_bytes(word)
+    });
+    let first = words.next().unwrap_or_default();
+    // A prime keeps words from cancelling each other.
+    words.fold(first, |all, word| all.wrapping_mul(0x0100_0000_01B3) ^ word)
+}

@@ -1,0 +1,75 @@
+//! Whether a reading is that of a rod on its way, by its own steps.
+
+/// So many steps one way are a motion: noise of three values makes two at the most.
+const STEPS: u32 = 3;
+
+/// How many times the two before it together a step may be: a rod has a mass.
+const STEEPEST: f64 = 2.0;
+
+/// The newest steps of a reading.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    last: Option<f64>,
+    /// Of the newest cycle, m.
+    newest: f64,
+    /// The newest that were none of 0, m, newest first, …
+    recent: [f64; 3],
+    /// … and how many of them went the same way.
+    steps: u32,
+}
+
+impl Motion {
+    /// Takes the reading of a cycle, m; `None` where there is none.
+    pub fn follow(&mut self, position: Option<f64>) {
+        let Some(position) = position else {
+            *self = Self::default();
+            return;
+        };
+        self.newest = self.last.replace(position).map_or(0.0, |last| position - last);
+        if self.newest == 0.0 {
+            return;
+        }
+        let [first, second, _] = self.recent;
+        self.steps = if self.newest * first < 0.0 { 1 } else { self.steps.saturating_add(1) };
+        self.recent = [self.newest, first, second];
+    }
+
+    /// It moves, and has moved this way for a few steps, of which the newest is no leap: what steps
+    /// once, or to and fro, is a reading with a fault and no motion.
+    pub fn goes_on(&self) -> bool {
+        let [newest, first, second] = self.recent;
+        let is_leap = newest.abs() > STEEPEST * (first + second).abs();
+        self.newest != 0.0 && self.steps >= STEPS && !is_leap
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(positions: &[f64]) -> bool {
+        let mut motion = Motion::default();
+        positions.iter().for_each(|position| motion.follow(Some(*position)));
+        motion.goes_on()
+    }
+
+    #[test]
+    fn a_motion_is_several_steps_one_way() {
+        assert!(after(&[0.0, 1.0, 2.0, 3.0]));
+        assert!(after(&[0.0, 1.0, 4.0, 10.0]), "it speeds up");
+        assert!(after(&[0.0, -1.0, -2.0, -2.0, -3.0]), "slow and coarse");
+        assert!(!after(&[0.0, 1.0, 2.0]), "two steps");
+        assert!(!after(&[0.0, 1.0, 2.0, 3.0, 3.0]), "it has come to rest");
+        assert!(!after(&[0.0, 1.0, 2.0, 60.0]), "a jump");
+        assert!(!after(&[-1.0, 0.0, 1.0, -1.0, 0.0, 1.0]), "noise");
+    }
+
+    #[test]
+    fn what_was_before_a_gap_is_no_motion() {
+        let mut motion = Motion::default();
+        for position in [Some(0.0), Some(1.0), Some(2.0), None, Some(3.0), Some(4.0)] {
+            motion.follow(position);
+        }
+        assert!(!motion.goes_on());
+    }
+}

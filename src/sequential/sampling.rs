@@ -1,0 +1,146 @@
+//! Whether both transducers are sampled as they were when they were calibrated.
+//!
+//! Another time between the samples of C1 and C2 leaves residuals that go with the velocity, in all
+//! cylinders alike. It is a matter of time and of no transducer: what most cylinders show is taken
+//! away from the residuals, or expected of them, and told for itself. A fault of one transducer is in
+//! one cylinder and moves no median.
+
+use super::skew::Seen;
+
+/// Fewer cylinders have no majority.
+const LEAST: usize = 3;
+
+/// More cylinders than these are not asked.
+const MOST: usize = 16;
+
+/// What is less, s, a calibration leaves.
+const LEAST_APART: f64 = 1e-4;
+
+/// The scatter that counts beyond the known one, …
+const MORE: f64 = 1.25;
+
+/// … and how much more than seen is expected then.
+const MARGIN: f64 = 1.15;
+
+/// Standard errors that something told is beyond.
+const SURE: f64 = 3.0;
+
+/// How far apart in time C1 and C2 are sampled, beside what the calibration has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Apart {
+    /// C2 sooner than C1, s.
+    pub mean: f64,
+    /// Standard deviation of what chance adds, s.
+    pub spread: f64,
+}
+
+impl Apart {
+    /// The timing that a cylinder is judged with, s, whose own is `known`.
+    pub fn timing(&self, known: f64) -> f64 {
+        if self.spread > MORE * known { MARGIN * self.spread } else { known }
+    }
+}
+
+/// What one cylinder says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Said {
+    /// In the newest half second, and in the newest half minute ([`super::skew::Skew`]).
+    pub seen: [Seen; 2],
+    /// The timing that was calibrated, s.
+    pub known: f64,
+}
+
+/// Follows the cylinders of a machine.
+#[derive(Clone, Debug, Default)]
+pub struct Sampling {
+    changed: bool,
+}
+
+impl Sampling {
+    /// What the cylinders say together, and whether that is from now on something to tell (`true`) or
+    /// nothing any more. `None` where they are too few.
+    pub fn judge(
+        &mut self,
+        cylinders: impl Iterator<Item = Said>,
+    ) -> Option<(Apart, Option<bool>)> {
+        let (mut said, mut count) = ([Said::default(); MOST], 0);
+        for (place, one) in said.iter_mut().zip(cylinders) {
+            *place = one;
+            count += 1;
+        }
+        let said = &said[..count];
+        if count < LEAST {
+            return None;
+        }
+        let [fast, slow] = [0, 1].map(|which: usize| {
+            let mean = middle(said, |one| one.seen[which].mean);
+            Apart { mean, spread: middle(said, |one| one.seen[which].square).max(0.0).sqrt() }
+        });
+        let mean = if (fast.mean - slow.mean).abs() > LEAST_APART { fast.mean } else { slow.mean };
+        let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
+        let apart = Apart { mean, spread: fast.spread.max(slow.spread) };
+        Some((apart, self.tell(said, slow)))
+    }
+
+    /// Of what is known for sure.
+    fn tell(&mut self, said: &[Said], slow: Apart) -> Option<bool> {
+        let known = middle(said, |one| one.known);
+        let error = middle(said, |one| one.seen[1].mean_error);
+        let surely =
+            middle(said, |Said { seen: [_, slow], .. }| slow.square - SURE * slow.square_error);
+        let limit = LEAST_APART.max(MORE * known);
+        let changed = slow.mean.abs() - SURE * error > LEAST_APART || surely > limit * limit;
+        let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.spread < limit;
+        let now = if self.changed { !over } else { changed };
+        (std::mem::replace(&mut self.changed, now) != now).then_some(now)
+    }
+}
+
+/// The lower median.
+fn middle(said: &[Said], of: impl Fn(&Said) -> f64) -> f64 {
+    let mut values = [0.0; MOST];
+    let values = &mut values[..said.len()];
+    for (value, one) in values.iter_mut().zip(said) {
+        *value = of(one);
+    }
+    values.sort_unstable_by(f64::total_cmp);
+    values[(values.len() - 1) / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(mean: f64, spread: f64) -> Said {
+        let seen = Seen { mean, mean_error: 1e-5, square: spread * spread, square_error: 1e-9 };
+        Said { seen: [seen; 2], known: 1e-4 }
+    }
+
+    fn judge(sampling: &mut Sampling, all: &[Said]) -> Option<(Apart, Option<bool>)> {
+        sampling.judge(all.iter().copied())
+    }
+
+    #[test]
+    fn what_most_cylinders_show_is_told_once_and_when_it_is_over() {
+        let mut sampling = Sampling::default();
+        let (healthy, jitter) = (said(1e-5, 1e-4), said(0.0, 5e-4));
+        assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(None));
+        let (apart, told) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
+        assert_eq!((apart, told), (Apart { mean: 0.0, spread: 5e-4 }, Some(true)));
+        assert!((apart.timing(2e-4) - 1.15 * 5e-4).abs() < 1e-12 && apart.timing(5e-4) == 5e-4);
+        assert_eq!(judge(&mut sampling, &[jitter; 6]).map(|it| it.1), Some(None));
+        assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
+        let skew = judge(&mut sampling, &[said(-3e-4, 1e-4); 6]);
+        assert_eq!(skew.map(|(apart, told)| (apart.mean, told)), Some((-3e-4, Some(true))));
+    }
+
+    #[test]
+    fn two_cylinders_of_six_are_no_majority_and_two_alone_have_none() {
+        let (healthy, off) = (said(0.0, 1e-4), said(2e-3, 2e-3));
+        let (apart, told) =
+            judge(&mut Sampling::default(), &[off, healthy, healthy, off, healthy, healthy])
+                .expect("they are enough");
+        assert_eq!((apart, told), (Apart { mean: 0.0, spread: 1e-4 }, None));
+        assert_eq!(judge(&mut Sampling::default(), &[off; 2]), None);
+    }
+}

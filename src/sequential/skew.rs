@@ -1,0 +1,147 @@
+//! How far apart in time C1 and C2 are sampled now, by what that times the velocity leaves in the
+//! residuals of one cylinder.
+
+use super::noise::Noise;
+
+/// Time constants, s: of what has just begun, and of what is known for sure.
+const TIMES: [f64; 2] = [0.5, 20.0];
+
+/// Beyond so many deviations, squared, a residual says no more of the noise than there.
+const CLIP: f64 = 4.0;
+
+/// Beyond so many, squared, it is wild and says nothing at all.
+const WILD: f64 = 25.0;
+
+/// What the square of a normal residual is on average when it is clipped so, in variances.
+const CLIPPED: f64 = 0.920_5;
+
+/// As if so many samples at such a speed, m/s, had said what the calibration has said.
+const SAMPLES: f64 = 12.0;
+const SPEED: f64 = 0.2;
+
+/// What some seconds say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// By how much C1 − C2 grows with the velocity more than calibrated, s: C2 is sampled so much
+    /// sooner.
+    pub mean: f64,
+    /// Its standard error at most, s.
+    pub mean_error: f64,
+    /// The mean square of what chance adds to the time between both samples, s².
+    pub square: f64,
+    /// Its standard error at most, s².
+    pub square_error: f64,
+}
+
+/// Sums over the newest samples of a cylinder, the older the less.
+#[derive(Clone, Debug)]
+pub struct Skew {
+    known: f64,
+    newest: [Forgetting; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Forgetting {
+    keep: f64,
+    /// Of v² and v⁴.
+    speeds: [f64; 2],
+    /// Of v e, and of v² times what e² is beyond the noise at rest.
+    products: [f64; 2],
+    /// Of the variances of these two.
+    variances: [f64; 2],
+}
+
+impl Skew {
+    /// Of samples every `sample_time` seconds, of a calibration with the timing `known`, s.
+    pub fn new(sample_time: f64, known: f64) -> Self {
+        let forgetting =
+            |time: f64| Forgetting { keep: (-sample_time / time).exp(), ..Forgetting::default() };
+        Self { known, newest: TIMES.map(forgetting) }
+    }
+
+    /// The bus was lost: the devices may have started anew.
+    pub fn reset(&mut self) {
+        self.newest =
+            self.newest.map(|newest| Forgetting { keep: newest.keep, ..Forgetting::default() });
+    }
+
+    /// Takes a residual as the calibration has it, m, at a `velocity`, m/s; `noise` and `mean`, s, are
+    /// what is believed of the timing.
+    pub fn take(&mut self, residual: f64, velocity: f64, noise: &Noise, mean: f64) {
+        let square = velocity * velocity;
+        let variance = noise.variance(velocity);
+        let left = residual - mean * velocity;
+        if left * left > WILD * variance {
+            return;
+        }
+        let clipped = (left * left).min(CLIP * variance) / CLIPPED;
+        let excess = clipped - noise.rest * noise.rest;
+        for newest in &mut self.newest {
+            let add = |sum: &mut f64, value: f64| *sum = *sum * newest.keep + value;
+            add(&mut newest.speeds[0], square);
+            add(&mut newest.speeds[1], square * square);
+            add(&mut newest.products[0], velocity * residual);
+            add(&mut newest.products[1], square * excess);
+            add(&mut newest.variances[0], square * variance);
+            add(&mut newest.variances[1], square * square * variance * variance);
+        }
+    }
+
+    /// What the newest half second says, and what the newest half minute does.
+    pub fn seen(&self) -> [Seen; 2] {
+        self.newest.map(|newest| {
+            let [square, fourth] = newest.speeds;
+            let [few, fewer] = [SAMPLES * SPEED * SPEED, SAMPLES * SPEED.powi(4)];
+            Seen {
+                mean: newest.products[0] / (square + few),
+                mean_error: newest.variances[0].sqrt() / (square + few),
+                square: (newest.products[1] + fewer * self.known * self.known) / (fourth + fewer),
+                square_error: (2.0 * newest.variances[1]).sqrt() / (fourth + fewer),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    const NOISE: Noise = Noise { rest: 8e-5, timing: 2e-4 };
+
+    /// After so many seconds of a rod that goes up and down, sampled with this skew and jitter, s;
+    /// one sample in so many is wild.
+    fn after(seconds: f64, skew: f64, jitter: f64, wild: usize) -> [Seen; 2] {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let mut it = Skew::new(0.02, 0.0);
+        for k in 0..(seconds / 0.02) as usize {
+            let velocity = 0.4 * (0.016 * k as f64).cos();
+            let apart = velocity * (skew + jitter * normal());
+            let wild = if k % wild == 7 { 4e-4 } else { 0.0 };
+            it.take(NOISE.rest * normal() + apart + wild, velocity, &NOISE, 0.0);
+        }
+        it.seen()
+    }
+
+    #[test]
+    fn skew_and_jitter_are_seen_for_what_they_are() {
+        let [_, slow] = after(60.0, 0.0, 4e-4, usize::MAX);
+        assert!((slow.square.sqrt() - 4e-4).abs() < 1e-4 && slow.mean.abs() < 3e-5, "{slow:?}");
+        let [fast, slow] = after(60.0, -3e-4, 0.0, usize::MAX);
+        assert!((fast.mean + 3e-4).abs() < 1e-4 && (slow.mean + 3e-4).abs() < 3e-5, "{slow:?}");
+        assert!(slow.mean_error < 2e-5, "{slow:?}");
+        let [fast, slow] = after(1.0, 0.0, 5e-4, usize::MAX);
+        assert!(fast.square > 9e-8 && slow.square > 4e-8, "{fast:?} {slow:?}");
+    }
+
+    #[test]
+    fn wild_samples_are_hardly_taken_for_it() {
+        let [_, none] = after(60.0, 0.0, 0.0, usize::MAX);
+        let [_, wild] = after(60.0, 0.0, 0.0, 20);
+        assert!(none.square < 1e-8, "{none:?}");
+        assert!(wild.square < 2.5e-8 && wild.mean.abs() < 1e-4, "{wild:?}");
+    }
+}
