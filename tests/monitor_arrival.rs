@@ -246,3 +246,57 @@ fn a_sender_whose_phase_wanders_is_never_locked_out() {
         }
     }
 }
+
+/// A box that stalls for `stall` µs at a time, somewhere in each 200 ms, and then hears all that has
+/// waited at once. Readings that are missing, and those of another cycle.
+fn stalled(stall: i64, counted: bool) -> (usize, usize) {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let stalls: Vec<i64> =
+        (1..CYCLES / 10).map(|i| i * 200_000 + rng.random_range(0..100_000)).collect();
+    let mut monitor = without(if counted { &[] } else { &["c1_counter", "c2_counter"] });
+    let mut seen = Collected::default();
+    let mut last = 0;
+    for k in 0..CYCLES {
+        for mut frame in Cycle::new(k).frames() {
+            if [C1, C1 + 0x10].contains(&frame.id.value()) {
+                frame.buffer_mut()[..2].copy_from_slice(&position(k).to_le_bytes());
+            }
+            let at = (frame.timestamp.as_nanos() - START) / US;
+            let waits = stalls.iter().find(|from| (**from..**from + stall).contains(&at));
+            let heard = waits.map_or(at, |from| from + stall).max(last + 20);
+            last = heard;
+            monitor.take(&delayed(&frame, heard - at), &mut seen);
+        }
+    }
+    monitor.finish(&mut seen);
+    let of_1 = seen.records.iter().filter(|record| record.cylinder == 1);
+    let (mut missing, mut wrong) = (0, 0);
+    for (record, k) in of_1.zip(0..CYCLES - 2) {
+        for reading in [record.c1, record.c2] {
+            let count = reading.map(|metres| ((metres + 1.5) * 9216.0).round() as u16);
+            missing += usize::from(count.is_none());
+            wrong += usize::from(count.is_some_and(|count| count != position(k)));
+        }
+    }
+    (missing, wrong)
+}
+
+#[test]
+fn what_a_stalled_box_hears_at_once_is_of_the_cycles_it_was_sent_in() {
+    for counted in [true, false] {
+        for stall in [1_000, 4_000, 8_000, 12_000, 14_000] {
+            let found = stalled(stall, counted);
+            assert_eq!(found, (0, 0), "{stall} µs, counter {counted}: missing and wrong");
+        }
+        for stall in [18_000, 30_000, 60_000] {
+            let (missing, wrong) = stalled(stall, counted);
+            println!("{stall} µs, counter {counted}: {missing} missing, {wrong} wrong");
+            // Those of 29 stalls whose deadline has passed, of two transducers.
+            let most = 2 * 29 * (stall / 20_000 + 1) as usize;
+            assert!(missing <= most, "{stall} µs, counter {counted}: {missing} missing");
+            assert_eq!(wrong, 0, "{stall} µs, counter {counted}");
+        }
+    }
+    let (_, wrong) = stalled(95_000, true);
+    assert_eq!(wrong, 0, "five cycles and more at once need a counter");
+}

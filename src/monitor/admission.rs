@@ -9,10 +9,10 @@ use crate::time::Timestamp;
 impl Monitor {
     /// A Sync stamped `stamp` has come.
     pub(super) fn synchronise(&mut self, stamp: Timestamp, now: Timestamp, sink: &mut impl Sink) {
-        if self.clock.has_had_sync(stamp) {
-            self.counts.repeated += 1;
-        } else if self.clock.confirms(stamp) {
+        if self.clock.confirms(stamp) {
             self.reckon_due();
+        } else if self.clock.has_had_sync(stamp) {
+            self.counts.repeated += 1;
         } else {
             self.open_cycle(stamp, now, true, sink);
         }
@@ -54,8 +54,12 @@ impl Monitor {
                 self.settle(place, now, sink);
             }
             fate @ (Fate::Waits | Fate::Held) => {
-                self.settle(place, now, sink);
-                self.stations[place.0].pages[place.1].slot.keep(fate, frame, count, &when);
+                if fate == Fate::Held {
+                    self.settle(place, now, sink);
+                }
+                let slot = &mut self.stations[place.0].pages[place.1].slot;
+                self.counts.late += u64::from(slot.kept() == Some(when.cycle));
+                slot.keep(fate, frame, count, &when);
                 self.keeps = true;
             }
             Fate::Repeated => self.counts.repeated += 1,

@@ -22,6 +22,8 @@ pub struct When {
     pub open: bool,
     /// Whether it was a Sync that opened it, so that what is stamped before belongs to an earlier one.
     pub by_sync: bool,
+    /// It opened late, so that phases tell nothing: all that has waited comes at once, in its order.
+    pub held_up: bool,
     /// Ts.
     pub sample_time: Span,
 }
@@ -45,7 +47,8 @@ pub enum Fate {
     Replaces,
     /// It is late, and the one that waits is that of the newest cycle.
     Settles,
-    /// It is that of the newest cycle unless a better one comes before the deadline: to be kept.
+    /// It is that of the newest cycle unless a better one comes before the deadline: to be kept in place
+    /// of one that waits.
     Waits,
     /// It is that of the next cycle: to be kept.
     Held,
@@ -65,6 +68,8 @@ struct Kept {
     cycle: u64,
     /// Nothing better is expected.
     sure: bool,
+    /// So many have waited for the same cycle before it, each of which was late.
+    before: u64,
 }
 
 /// The arrivals at one place.
@@ -203,15 +208,20 @@ impl Slot {
             let out_of_time = self.starves(cycle);
             return if out_of_time { Fate::Held } else { Fate::Late };
         }
+        // As many frames as cycles without one may come at once, and the last of them is the newest.
+        let lost = self.filled.map_or(0, |filled| cycle - filled - 1);
         let waiting = self.kept.as_ref().filter(|kept| kept.cycle == cycle);
-        let Some(waiting) = waiting.map(|kept| when.phase(kept.frame.timestamp)) else {
-            let lost = 2..=BEHIND as u64 + 1;
-            let may_be_late = self.filled.is_some_and(|filled| lost.contains(&(cycle - filled)))
-                && self.usual().is_some();
+        let waiting = waiting.map(|kept| (when.phase(kept.frame.timestamp), kept.before));
+        let Some((waiting, before)) = waiting else {
+            let may_be_late = (1..=BEHIND as u64).contains(&lost) && self.usual().is_some();
             return if may_be_late { Fate::Waits } else { self.taken(frame, counter, when) };
         };
         let tolerance = self.usual().map_or(0, |usual| usual.tolerance);
-        if (phase - usual).abs() <= (waiting - usual).abs() + tolerance {
+        let punctual = (phase - usual).abs() <= (waiting - usual).abs() + tolerance;
+        if punctual || when.held_up && !copied {
+            if before + 1 < lost {
+                return Fate::Waits;
+            }
             self.kept = None;
             self.taken(frame, counter, when);
             Fate::Replaces
@@ -243,7 +253,9 @@ impl Slot {
         let held = fate == Fate::Held;
         let sure = held && self.has(when.cycle) || self.is_next(counter, when.cycle);
         let cycle = when.cycle + u64::from(held);
-        self.kept = Some(Kept { frame: frame.clone(), counter, cycle, sure });
+        let before = self.kept.as_ref().filter(|kept| kept.cycle == cycle);
+        let before = before.map_or(0, |kept| kept.before + 1);
+        self.kept = Some(Kept { frame: frame.clone(), counter, cycle, sure, before });
     }
 
     fn is_next(&self, counter: Option<u64>, cycle: u64) -> bool {

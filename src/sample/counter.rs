@@ -8,6 +8,10 @@
 /// count.
 pub const BEHIND: i64 = 5;
 
+/// After a silence of up to so many cycles, as of a box that stalled, what was sent in it may come all at
+/// once, late.
+const BACKLOG: u64 = 32;
+
 /// So many frames running that fit each other make a counter believed again.
 const FITTING: u32 = 16;
 
@@ -112,6 +116,9 @@ impl AliveCounter {
     #[cold]
     pub fn reject(&mut self, cycle: u64, value: u64, empty: bool, behind: bool) -> bool {
         let Some(before) = self.misfit.or(self.last) else { return empty };
+        if !behind && self.believed && self.is_of_silence(cycle, value) {
+            return false;
+        }
         let counts = self.distance(before.value, value);
         let elapsed = cycle.wrapping_sub(before.cycle);
         if elapsed == 0 && counts == 0 {
@@ -171,6 +178,18 @@ impl AliveCounter {
                 self.step = (counts / elapsed).max(1);
             }
         }
+    }
+
+    /// Whether `value` was counted in a silence that lasts until `cycle`, and is longer than what a frame
+    /// is late otherwise.
+    fn is_of_silence(&self, cycle: u64, value: u64) -> bool {
+        self.last.is_some_and(|last| {
+            let silent = cycle.wrapping_sub(last.cycle);
+            let counts = self.distance(last.value, value);
+            (BEHIND as u64 + 1..=BACKLOG).contains(&silent)
+                && counts.is_multiple_of(self.step)
+                && counts / self.step < silent
+        })
     }
 
     /// From the count `from` up to `to`.

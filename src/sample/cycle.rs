@@ -5,8 +5,9 @@
 //! follows, so a valve frame never opens a cycle. It closes a deadline after its opening. When the
 //! deadline of the next cycle passes without an opening, that cycle is missing.
 //!
-//! An opening by Sync is when Sync came. Without it the openings are a grid of sample times, which
-//! follows the frames that open cycles slowly, so that one that is early or late moves no cycle.
+//! Cycles are numbered on a grid of sample times that follows the openings slowly: one that is early or
+//! late, as on a box that stalls and then hears all that has waited at once, neither counts as two nor
+//! hides the one after it. An opening by Sync is when Sync came; without it the grid says when.
 
 use super::arrival::When;
 use crate::time::{Span, Timestamp};
@@ -45,20 +46,33 @@ pub struct CycleClock {
     timing: CycleTiming,
     /// Opening of the newest cycle, real or missing.
     opened: Option<Timestamp>,
+    /// Where on the grid it belongs; the same as `opened` without Sync.
+    nominal: Option<Timestamp>,
     open: bool,
-    /// The newest cycle was opened by a reading although Sync is configured.
-    without_sync: bool,
+    /// What opened the newest cycle was perhaps not its Sync, although Sync is configured: a reading, or
+    /// a Sync before its time, which may be a late one of the cycle before.
+    provisional: bool,
     number: u64,
-    /// Openings by readings that the grid has followed, up to [`SLOWNESS`].
+    /// Openings that the grid has followed, up to [`SLOWNESS`].
     followed: i64,
 }
 
-/// The grid moves by this part of how far an opening is beside it, once it has followed as many.
+/// The grid moves by this part of how far an opening is beside it, once it has followed as many. A
+/// Sync may keep another time than this clock by a part in a hundred and still be no quarter of a
+/// sample time beside it.
 const SLOWNESS: i64 = 16;
 
 impl CycleClock {
     pub fn new(timing: CycleTiming) -> Self {
-        Self { timing, opened: None, open: false, without_sync: false, number: 0, followed: 0 }
+        Self {
+            timing,
+            opened: None,
+            nominal: None,
+            open: false,
+            provisional: false,
+            number: 0,
+            followed: 0,
+        }
     }
 
     /// Ts.
@@ -107,29 +121,35 @@ impl CycleClock {
     /// Steps over `count` cycles in which nothing opened.
     pub fn skip(&mut self, count: u64) {
         let nanos = self.timing.sample_time.as_nanos().saturating_mul(count as i64);
-        self.opened = self.opened.map(|opened| opened.after(Span::from_nanos(nanos)));
+        let later = |at: Timestamp| at.after(Span::from_nanos(nanos));
+        self.opened = self.opened.map(later);
+        self.nominal = self.nominal.map(later);
         self.number += count;
         self.open = false;
     }
 
-    /// Whether a Sync at `at` is that of a cycle that a reading has opened for it. The cycle then
+    /// Whether a Sync at `at` is that of a cycle that something else has opened for it. The cycle then
     /// begins with the Sync.
     pub fn confirms(&mut self, at: Timestamp) -> bool {
-        let near =
-            |elapsed: Span| elapsed < self.half() && elapsed.as_nanos() > -self.half().as_nanos();
-        let confirms = self.without_sync && self.since_opening(at).is_some_and(near);
+        let (Some(opened), Some(beside)) = (self.since_opening(at), self.beyond_nominal(at)) else {
+            return false;
+        };
+        let near = opened.as_nanos().abs() < self.half().as_nanos() && beside >= -self.early();
+        let confirms = self.provisional && near;
         if confirms {
-            self.without_sync = false;
+            self.provisional = false;
             self.opened = Some(at);
+            self.follow(beside);
         }
         confirms
     }
 
-    /// Whether a Sync at `at` is that of the newest cycle once more, as where a bus is recorded on two
-    /// interfaces: the next one comes no earlier than three quarters of a sample time after it.
+    /// Whether a Sync at `at` that confirms nothing is that of the newest cycle once more, as where a
+    /// bus is recorded on two interfaces, or late: the next one comes no earlier than three quarters of
+    /// a sample time after the place of this one on the grid.
     pub fn has_had_sync(&self, at: Timestamp) -> bool {
-        let soon = Span::from_nanos(self.timing.sample_time.as_nanos() / 4 * 3);
-        !self.without_sync && self.since_opening(at).is_some_and(|elapsed| elapsed < soon)
+        let soon = self.timing.sample_time.as_nanos() - self.quarter();
+        self.beyond_nominal(at).is_some_and(|elapsed| elapsed < soon)
     }
 
     /// The newest cycle, as frames find it; `None` before the first one.
@@ -139,7 +159,8 @@ impl CycleClock {
             cycle: self.number,
             opened: self.opened?,
             open: self.open,
-            by_sync: self.timing.synchronised && !self.without_sync,
+            by_sync: self.timing.synchronised && !self.provisional,
+            held_up: self.opened?.since(self.nominal?).as_nanos() > self.early(),
             sample_time: self.timing.sample_time,
         })
     }
@@ -148,12 +169,12 @@ impl CycleClock {
     /// has had a frame in the newest one.
     #[inline]
     pub fn could_open(&self, at: Timestamp, has: bool) -> bool {
-        let Some(elapsed) = self.since_opening(at) else { return true };
+        let Some(elapsed) = self.beyond_nominal(at) else { return true };
         if self.timing.synchronised {
             // Sync was lost: only a reading about one sample time later may stand in for it.
             (has || !self.open) && elapsed >= self.earliest_without_sync()
         } else {
-            !self.open && elapsed >= self.half()
+            !self.open && elapsed >= self.half().as_nanos()
         }
     }
 
@@ -165,45 +186,87 @@ impl CycleClock {
 
     /// How many cycles went missing between the newest one and an opening at `at`.
     pub fn missing_before(&self, at: Timestamp) -> u64 {
-        let Some(elapsed) = self.since_opening(at) else { return 0 };
+        let Some(elapsed) = self.beyond_nominal(at) else { return 0 };
         let period = self.timing.sample_time.as_nanos();
-        let cycles = (elapsed.as_nanos().saturating_add(period / 2)) / period;
+        // Sync comes late more often than it is lost, and hardly early.
+        let early = if self.timing.synchronised { self.quarter() } else { period / 2 };
+        let cycles = elapsed.saturating_add(early) / period;
         (cycles.max(1) - 1) as u64
     }
 
     /// Opens the next cycle for a frame at `at`, after [`Self::skip`] of those that went missing.
     pub fn open(&mut self, at: Timestamp, by_sync: bool) {
-        self.opened = Some(if by_sync { at } else { self.on_grid(at) });
+        let beside = self.beside(at);
+        let early = beside.is_some_and(|beside| beside < -self.early());
+        self.provisional = self.timing.synchronised && (!by_sync || early);
+        match (self.nominal, beside) {
+            (Some(nominal), Some(beside)) => {
+                self.nominal = Some(nominal.after(self.timing.sample_time));
+                self.follow(beside);
+            }
+            _ => {
+                self.followed = 0;
+                self.nominal = Some(at);
+            }
+        }
+        self.opened = if by_sync { Some(at) } else { self.nominal };
         self.open = true;
-        self.without_sync = self.timing.synchronised && !by_sync;
         self.number += 1;
     }
 
-    /// Where the cycle opens that a reading at `at` opens.
-    fn on_grid(&mut self, at: Timestamp) -> Timestamp {
-        let expected = self.opened.map(|opened| opened.after(self.timing.sample_time));
-        let beside = expected.map(|expected| at.since(expected));
-        let near = |beside: &Span| beside.as_nanos().abs() <= self.half().as_nanos();
-        let Some((expected, beside)) = expected.zip(beside.filter(near)) else {
-            self.followed = 0;
-            return at;
-        };
+    /// How far beside the grid an opening at `at` is, ns; `None` if it begins a new one.
+    fn beside(&self, at: Timestamp) -> Option<i64> {
+        let beside = self.beyond_nominal(at)? - self.timing.sample_time.as_nanos();
+        (beside.abs() <= self.farthest()).then_some(beside)
+    }
+
+    /// Moves the grid towards an opening that is `beside` it, ns.
+    fn follow(&mut self, beside: i64) {
         self.followed = (self.followed + 1).min(SLOWNESS);
-        // Behind Sync a reading that stands in for it tells nothing of where Sync would have been.
-        let slowness = if self.timing.synchronised { SLOWNESS } else { self.followed };
-        expected.after(Span::from_nanos(beside.as_nanos() / slowness))
+        let slowness = if self.provisional {
+            // It tells nothing of where Sync would have been.
+            SLOWNESS
+        } else if self.timing.synchronised && beside < 0 {
+            // What holds a Sync up makes it late, never early.
+            1
+        } else {
+            self.followed
+        };
+        self.nominal =
+            self.nominal.map(|nominal| nominal.after(Span::from_nanos(beside / slowness)));
     }
 
     /// Forgets the phase, after a jump in time.
     pub fn reset(&mut self) {
         self.opened = None;
+        self.nominal = None;
         self.open = false;
-        self.without_sync = false;
+        self.provisional = false;
         self.followed = 0;
     }
 
     fn since_opening(&self, at: Timestamp) -> Option<Span> {
         self.opened.map(|opened| at.since(opened))
+    }
+
+    /// From its place on the grid, ns.
+    fn beyond_nominal(&self, at: Timestamp) -> Option<i64> {
+        self.nominal.map(|nominal| at.since(nominal).as_nanos())
+    }
+
+    /// An opening farther beside the grid than this begins it anew, ns.
+    const fn farthest(&self) -> i64 {
+        let period = self.timing.sample_time.as_nanos();
+        if self.timing.synchronised { period - self.quarter() } else { period / 2 }
+    }
+
+    /// What comes before its time by more is perhaps something else, ns.
+    const fn early(&self) -> i64 {
+        self.timing.sample_time.as_nanos() / 20
+    }
+
+    const fn quarter(&self) -> i64 {
+        self.timing.sample_time.as_nanos() / 4
     }
 
     fn half(&self) -> Span {
@@ -212,7 +275,7 @@ impl CycleClock {
 
     /// Readings follow Sync, so one that stands in for it comes no earlier than Sync would have, but
     /// for some jitter; what comes before that is a late one of the cycle before.
-    fn earliest_without_sync(&self) -> Span {
-        Span::from_nanos(self.timing.sample_time.as_nanos() / 20 * 19)
+    const fn earliest_without_sync(&self) -> i64 {
+        self.timing.sample_time.as_nanos() - self.early()
     }
 }
