@@ -186,12 +186,24 @@ impl Bench {
 
     /// Plays `frames` in their own time, by canplayer.
     pub fn play(&self, frames: &[Frame]) {
+        self.write(frames);
+        run("canplayer", &["-I", &self.name("played.log")]);
+    }
+
+    /// Plays `frames` until what is waited for has come.
+    pub fn play_until(&self, frames: &[Frame], what: &str, done: impl FnMut() -> bool) {
+        self.write(frames);
+        let arguments = ["-I", &self.name("played.log")];
+        let _player = Running::start("canplayer", &arguments, &self.path("player.log"));
+        wait_for(what, done);
+    }
+
+    fn write(&self, frames: &[Frame]) {
         let mut log = Vec::new();
         for frame in frames {
             append_log_line(&mut log, self.interface, frame);
         }
         fs::write(self.path("played.log"), log).expect("the folder is ours");
-        run("canplayer", &["-I", &self.name("played.log")]);
     }
 
     /// What candump saw of the gateway's own frames, as lines of a log.

@@ -44,14 +44,12 @@ fn nothing_is_healthy_after_the_link_was_down_until_it_was_judged_again() {
     let bench = Bench::up("t-down");
     let _gateway = bench.gateway();
     let dump = bench.candump();
-    let frames = excerpt(20.0, 26.0);
-    let (before, after) = frames.split_at(frames.len() * 2 / 3);
-    bench.play(before);
     let healthy = |lines: &[String]| -> Vec<usize> {
         wire(lines).iter().filter_map(|frame| Status::read(frame)).map(|it| it.healthy()).collect()
     };
-    let seen = healthy(&bench.own_lines());
-    assert_eq!(seen.iter().max(), Some(&12), "all were judged: {seen:?}");
+    // On a box without a moment to spare the player is late, and its cycles are no evidence.
+    let judged = || healthy(&bench.own_lines()).contains(&12);
+    bench.play_until(&excerpt(20.0, 50.0), "all to be judged", judged);
     drop(dump);
     ip(&["link", "set", "down", "t-down"]);
     wait_for("it to notice", || bench.said("is down") >= 1);
@@ -59,7 +57,7 @@ fn nothing_is_healthy_after_the_link_was_down_until_it_was_judged_again() {
     wait_for("it to return", || bench.said("open: t-down") == 2);
     std::fs::remove_file(bench.path("bus.log")).expect("candump wrote it");
     let _dump = bench.candump();
-    bench.play(after);
+    bench.play(&excerpt(50.0, 52.0));
     let seen = healthy(&bench.own_lines());
     assert!(seen[..3].iter().all(|&healthy| healthy == 0), "{seen:?}");
 }
