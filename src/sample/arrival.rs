@@ -126,7 +126,12 @@ impl Slot {
         let copied = self.has(when.cycle) && digest(frame) == self.digest;
         // A rod at rest sends the same again, so a copy is told by its time alone.
         let least = if copied { when.half() / 2 * 3 } else { when.half() };
-        !self.has(when.cycle) || when.phase(frame.timestamp) >= usual + least
+        let opens = !self.has(when.cycle) || when.phase(frame.timestamp) >= usual + least;
+        if opens {
+            // Whoever sends freely has sent something newer than what was held for that cycle.
+            self.kept = None;
+        }
+        opens
     }
 
     /// What becomes of `frame` with this `counter`, where it could be read. What is to be kept is
