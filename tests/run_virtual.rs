@@ -76,6 +76,41 @@ fn a_quiet_bus_and_a_clock_that_was_set_are_played_as_they_were_recorded() {
     assert_same(&live, &replayed);
 }
 
+/// The same bus on two interfaces of one recording.
+#[test]
+fn of_several_interfaces_in_a_recording_one_is_played() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let path = |name: &str| folder.path().join(name);
+    let frames = excerpt(59.5, 61.51);
+    write(&path("first.log"), "can0", &frames);
+    write(&path("second.log"), "can1", &frames);
+    let lines = |name: &str| std::fs::read_to_string(path(name)).expect("it was written");
+    let both: String = lines("first.log")
+        .lines()
+        .zip(lines("second.log").lines())
+        .flat_map(|(first, second)| [first, "\n", second, "\n"].map(str::to_owned))
+        .collect();
+    std::fs::write(path("both.log"), both).expect("the folder is ours");
+    let config = configuration(folder.path(), "virtual");
+    let play = |log: &str, record: &str, more: &[&str]| {
+        let (log, record) = (path(log), path(record));
+        let run = ["run", "--config", plain(&config), "--play", plain(&log), "--speed", "max"];
+        tertius(&[&run[..], &["--record", plain(&record)], more].concat())
+    };
+    let output = play("both.log", "neither.log", &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success(), "nobody can tell which is meant");
+    assert!(
+        said.contains("can0") && said.contains("can1") && said.contains("--interface"),
+        "{said}"
+    );
+    let output = play("both.log", "one.log", &["--interface", "can1"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(play("first.log", "alone.log", &[]).status.success());
+    assert_eq!(lines("one.log"), lines("alone.log"));
+    assert!(lines("one.log").contains("2D1#"), "the step was found");
+}
+
 #[test]
 fn its_speed_changes_nothing() {
     let frames = excerpt(59.5, 61.01);

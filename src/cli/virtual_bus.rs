@@ -23,6 +23,9 @@ pub struct PlayOptions {
     /// How many times as fast as they were recorded; max: as fast as it goes
     #[arg(long, value_name = "N", default_value = "1", requires = "logs")]
     speed: Pace,
+    /// Plays only the frames of this interface of the recordings [default: the only one]
+    #[arg(long, value_name = "NAME", requires = "logs")]
+    interface: Option<String>,
     /// Writes what the gateway sends on the embedded bus as candump -l would
     #[arg(long, value_name = "FILE.log", requires = "logs")]
     record: Option<PathBuf>,
@@ -42,7 +45,9 @@ impl PlayOptions {
         let machine = Machine::load(config)?;
         let settings = &machine.loaded.settings;
         wanted(Some(()), &settings.bus.interface)?;
-        let recording = Recording::open(&self.logs, Options::default())?;
+        let interfaces = machine.interfaces(self.interface.as_deref());
+        let options = Options { interfaces, ..Options::default() };
+        let recording = Recording::open(&self.logs, options)?;
         let record = self.record(config, &machine)?;
         // The last open cycle ends, and what follows from it gets past the guard.
         let rest = settings.gateway.guard + settings.machine.sample_time;
