@@ -260,3 +260,21 @@ fn pipes_and_devices_are_written_to_and_stay() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(desk.scratch.read("redirected"), format!("before\nso far\n{expected}"));
 }
+
+/// A shell that appends to what is read would have it grow while it is read, without an end.
+#[test]
+fn standard_output_is_no_input_either() {
+    let desk = Desk::new();
+    let before = fs::read(&desk.log).expect("it is there");
+    for call in [
+        &["replay", &desk.log, "--config", &desk.config][..],
+        &["inject", &desk.log, "--config", &desk.config, "--fault", FAULT],
+    ] {
+        let file = fs::OpenOptions::new().append(true).open(&desk.log).expect("it is ours");
+        let output = command(call).stdout(file).output().expect("it starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("standard output would be written over the input"), "{said}");
+        assert_eq!(fs::read(&desk.log).expect("it is there"), before);
+    }
+}

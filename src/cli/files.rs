@@ -116,17 +116,20 @@ impl Inputs {
     /// touched before an output is finished.
     ///
     /// # Errors
-    /// One of them is an input, or another one; it exists and is not to be written over, or cannot
-    /// be written.
+    /// One of them, or what a shell has put standard output into, is an input; or two are the same; it
+    /// exists and is not to be written over, or cannot be written.
     pub fn claim<const N: usize>(
         &self,
         wanted: [(Option<&Path>, Mark); N],
         overwriting: Overwriting,
     ) -> Result<[Option<Claimed>; N], Failure> {
+        if let Some(identity) = identity_of_output(Path::new("-")) {
+            self.refuse("standard output", &identity)?;
+        }
         let mut seen: Vec<Identity> = Vec::new();
         for path in wanted.iter().filter_map(|(path, _)| *path) {
             let Some(identity) = identity_of_output(path) else { continue };
-            self.refuse(path, &identity)?;
+            self.refuse(&path.display().to_string(), &identity)?;
             if seen.contains(&identity) {
                 return Err(Failure::Wrong(format!(
                     "{} is to hold two outputs; name a file for each",
@@ -144,13 +147,12 @@ impl Inputs {
         Ok(claimed)
     }
 
-    fn refuse(&self, output: &Path, identity: &Identity) -> Result<(), Failure> {
+    fn refuse(&self, output: &str, identity: &Identity) -> Result<(), Failure> {
         let Some((input, _)) = self.0.iter().find(|(_, known)| known == identity) else {
             return Ok(());
         };
         Err(Failure::Wrong(format!(
-            "{} would be written over the input {}; name another file",
-            output.display(),
+            "{output} would be written over the input {}; name another file",
             input.display()
         )))
     }
