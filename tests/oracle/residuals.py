@@ -177,7 +177,7 @@ class Transducer:
         self.frozen = round(plausibility["frozen"] / config["machine"]["sample_time"])
         way = 0.5 * plausibility["frozen_speed"] * plausibility["frozen"]
         self.travel = min(way, config.get("comparator", {}).get("bound", 1.5e-3))
-        self.last = self.counter = None
+        self.last = None
         self.sound, self.steps, self.goes_on, self.passed = False, [], False, None
         self.hold(None)
 
