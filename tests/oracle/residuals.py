@@ -6,16 +6,20 @@ LOG is a recording in the form of candump -l, CSV what `tertius replay --residua
 are found with cantools' reading of the DBC, the gain L is from SciPy's solve_discrete_are, and the
 rules are those of the description:
 
-- A cycle opens with Sync, unless that comes within three quarters of Ts after the last one. When it was
-  lost, a reading 19/20 of Ts after the last opening stands in for it; where no Sync is configured, the
-  first reading half of Ts after it opens a cycle. Such an opening is a Ts after the last, and a sixteenth
-  of how far the reading is beside that. A cycle closes 0.8 Ts later.
+- A cycle has a place, a Ts after that of the last one. It opens with Sync, unless that comes within three
+  quarters of Ts after the last place. When it was lost, a reading 19/20 of Ts after the last place stands in
+  for it; where no Sync is configured, the first reading half of Ts after it opens a cycle. A Sync moves the
+  place to where it is if it is early, and by a sixteenth of the way if it is late; so does a reading, whose
+  cycle opens at its place. A Sync more than Ts/20 early, and a reading in place of Sync, give way to a Sync
+  that comes later within half of Ts, and no more than Ts/20 before the place. A cycle closes 0.8 Ts after it
+  opens.
 - A counter says of which cycle a frame is: the last one's and as many counts as cycles have passed. What
   is up to five cycles old is late, the same count is repeated, one of the next cycle is held for it, and
   another count is believed with the second frame in a row that goes on with it. What is refused for five
   cycles running is taken by its time.
 - Without a counter a frame that follows a lost one waits until the cycle closes; one that comes meanwhile
-  is better unless it is further from the usual phase (median of 64) by more than 1 ms and 4.4 deviations.
+  is better unless it is further from the usual phase (median of 64) by more than 1 ms and 4.4 deviations, and
+  the cycle opened no more than Ts/20 after its place. As many wait in turn as were lost.
   Half of Ts after the usual phase the same payload is a repetition, another one is held.
 - A cylinder is evaluated when everything of it has come, or when the cycle closes.
 - A cycle that does not open is evaluated without readings, until the observers have stopped.
@@ -375,7 +379,7 @@ class Slot:
             self.phases.append(abs(phase) // 1000 * (1 if phase >= 0 else -1))
         return TAKEN
 
-    def judge(self, frame, cycle, opened, is_open):
+    def judge(self, frame, cycle, opened, is_open, held_up):
         at, payload, count, _ = frame
         phase, half = at - opened, self.ts // 2
         lacks = self.filled != cycle
@@ -402,7 +406,9 @@ class Slot:
             return HELD if self.starves(cycle) else LATE
         if self.kept and self.kept[1] == cycle:
             first = abs(self.kept[0][0] - opened - usual)
-            if abs(phase - usual) <= first + tolerance:
+            if abs(phase - usual) <= first + tolerance or (held_up and not copied):
+                if self.kept[3] + 1 < cycle - self.filled - 1:
+                    return WAITS
                 self.kept = None
                 self.take(frame, cycle, opened)
                 return REPLACES
@@ -413,7 +419,9 @@ class Slot:
 
     def keep(self, fate, frame, cycle):
         sure = fate == HELD and self.filled == cycle or self.off(cycle, frame[2]) == 1
-        self.kept = frame, cycle + (fate == HELD), sure
+        whose = cycle + (fate == HELD)
+        before = self.kept[3] + 1 if self.kept and self.kept[1] == whose else 0
+        self.kept = frame, whose, sure, before
 
     def settle(self, cycle, opened, is_open):
         if self.kept and self.filled != cycle and self.kept[1] == cycle and (self.kept[2] or not is_open):
@@ -431,7 +439,9 @@ class Slot:
         usual = (self.usual() or (0, 0))[0]
         copied = self.filled == cycle and frame[1] == self.payload
         least = self.ts // 2 // 2 * 3 if copied else self.ts // 2
-        return self.filled != cycle or frame[0] - opened >= usual + least
+        opens = self.filled != cycle or frame[0] - opened >= usual + least
+        self.kept = None if opens else self.kept
+        return opens
 
 
 class Machine:
@@ -447,7 +457,8 @@ class Machine:
             Cylinder(config, n, signals, self.gate, self.tried) for n in range(1, count + 1)
         ]
         self.rows, self.restarts = [], []
-        self.opened, self.is_open, self.by_reading = None, False, False
+        self.opened, self.is_open, self.provisional = None, False, False
+        self.place, self.early = None, self.ts // 20
         self.live, self.silent = False, 0
         self.inputs, self.pending = {}, set()
         self.number, self.followed = 0, 0
@@ -486,11 +497,13 @@ class Machine:
         if identifier == self.sync:
             self.pass_time(at)
             since = None if self.opened is None else at - self.opened
-            if not self.by_reading and since is not None and since < self.ts // 4 * 3:
-                self.tried["twice"] += 1
-            elif self.by_reading and -(self.ts // 2) < since < self.ts // 2:
+            beside = None if self.place is None else at - self.place
+            if self.provisional and abs(since) < self.ts // 2 and beside >= -self.early:
                 # It only confirms the cycle, which begins with it.
-                self.opened, self.by_reading = at, False
+                self.opened, self.provisional = at, False
+                self.follow(beside)
+            elif beside is not None and beside < self.ts - self.ts // 4:
+                self.tried["twice"] += 1
             else:
                 self.open(at, by_reading=False)
         elif identifier == self.state:
@@ -509,11 +522,13 @@ class Machine:
             self.open(frame[0], by_reading=True)
         fate = LATE
         if self.opened is not None:
-            fate = slot.judge(frame, self.number, self.opened, self.is_open)
+            held_up = self.opened - self.place > self.early
+            fate = slot.judge(frame, self.number, self.opened, self.is_open, held_up)
         if fate in (TAKEN, REPLACES):
             self.fill(identifier, frame, frame[0])
-        if fate in (WAITS, HELD, SETTLES):
+        if fate in (HELD, SETTLES):
             self.settle(identifier, frame[0], is_open=False)
+        self.tried["late"] += fate in (WAITS, HELD) and bool(slot.kept) and slot.kept[1] == self.number
         if fate in (WAITS, HELD):
             slot.keep(fate, frame, self.number)
         self.tried["late"] += fate in (LATE, REPLACES, SETTLES)
@@ -537,11 +552,11 @@ class Machine:
     def opens(self, frame, slot):
         if self.opened is None:
             return True
-        since = frame[0] - self.opened
+        since = frame[0] - self.place
         if self.sync is None:
             could = not self.is_open and since >= self.ts // 2
         else:
-            could = since >= self.ts // 20 * 19 and (slot.filled == self.number or not self.is_open)
+            could = since >= self.ts - self.early and (slot.filled == self.number or not self.is_open)
         return could and slot.may_open(frame, self.number, self.opened)
 
     def pass_time(self, now):
@@ -565,12 +580,21 @@ class Machine:
         now = at if now is None else now
         if self.is_open:
             self.close(now)
-        if self.opened is not None:
-            for _ in range(max((at - self.opened + self.ts // 2) // self.ts, 1) - 1):
+        if self.place is not None:
+            early = self.ts // 2 if self.sync is None else self.ts // 4
+            for _ in range(max((at - self.place + early) // self.ts, 1) - 1):
                 self.miss(now)
-        self.opened = self.on_grid(at) if by_reading else at
+        beside = None if self.place is None else at - self.place - self.ts
+        self.provisional = self.sync is not None and (
+            by_reading or beside is not None and -self.farthest() <= beside < -self.early
+        )
+        if beside is None or abs(beside) > self.farthest():
+            self.place, self.followed = at, 0
+        else:
+            self.place += self.ts
+            self.follow(beside)
+        self.opened = self.place if by_reading else at
         self.is_open, self.silent = True, 0
-        self.by_reading = by_reading and self.sync is not None
         self.number += 1
         self.inputs = {index: {} for index in range(len(self.cylinders))}
         self.pending = set(self.inputs)
@@ -580,14 +604,15 @@ class Machine:
                 slot.kept = None
                 self.tried["late"] += 1
 
-    def on_grid(self, at):
-        beside = None if self.opened is None else at - self.opened - self.ts
-        if beside is None or abs(beside) > self.ts // 2:
-            self.followed = 0
-            return at
+    def farthest(self):
+        return self.ts // 2 if self.sync is None else self.ts - self.ts // 4
+
+    def follow(self, beside):
         self.followed = min(self.followed + 1, 16)
-        slowness = 16 if self.sync is not None else self.followed
-        return at - beside + abs(beside) // slowness * (1 if beside >= 0 else -1)
+        slowness = self.followed
+        if self.sync is not None:
+            slowness = 16 if self.provisional else 1 if beside < 0 else slowness
+        self.place += abs(beside) // slowness * (1 if beside >= 0 else -1)
 
     def close(self, at):
         for identifier in self.slots:
@@ -598,6 +623,7 @@ class Machine:
 
     def miss(self, at):
         self.opened += self.ts
+        self.place += self.ts
         self.number += 1
         self.is_open = False
         self.silent += 1
