@@ -3,8 +3,9 @@
 use super::Failure;
 use super::files::Overwriting;
 use super::survey::{Field, Surveyed};
-use super::tables;
+use super::tables::{self, InPlace};
 use crate::calibrate::{Calibrated, Calibration, Course};
+use crate::monitor::MonitorDesign;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
 use clap::Args;
@@ -27,6 +28,8 @@ pub struct Calibrate {
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
+    place: InPlace,
+    #[command(flatten)]
     overwriting: Overwriting,
     /// The part of the time at the end on which the fit is tried, %
     #[arg(long, value_name = "PERCENT", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=90))]
@@ -44,12 +47,21 @@ impl Calibrate {
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let outputs = [&self.output, &self.report];
-        let [output, report] =
-            tables::claim("calibrate", outputs, self.overwriting, &self.field, &surveyed)?;
+        let [output, report] = tables::claim(
+            "calibrate",
+            outputs,
+            self.overwriting,
+            &self.field,
+            &surveyed,
+            &self.place,
+        )?;
         let result = self.calibration(&surveyed)?;
         let page = calibration::page(&result);
         let written = calibration::tables(&result, env!("CARGO_PKG_VERSION"));
         tables::publish(&page, output, written.as_deref())?;
+        if let Some(tables) = written {
+            self.place.put(&tables, &[], MonitorDesign::unjudging)?;
+        }
         if let Some(report) = report {
             report.write(&figures(&surveyed, &result)?)?;
         }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile, TempPath};
 
 /// Whether what exists may be written over.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Overwriting {
     /// Writes over files that exist. Without it only an empty file is written over, or one that
     /// this command wrote, as its first lines show; recordings have no such lines. What the command
@@ -95,6 +95,11 @@ impl Identity {
     fn found(found: &Metadata) -> Option<Self> {
         found.is_file().then(|| Self::Known(found.dev(), found.ino()))
     }
+}
+
+/// Whether both are one file, under whatever names.
+pub fn is_same(one: &Path, other: &Path) -> bool {
+    Identity::of(one).is_some_and(|identity| Identity::of(other) == Some(identity))
 }
 
 /// What a command reads, known before anything is opened for writing.

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::files::{Claimed, Overwriting};
 use super::survey::{Field, Surveyed};
-use super::tables;
+use super::tables::{self, InPlace};
 use crate::config::Settings;
 use crate::identify::assess::{self, Weights};
 use crate::identify::flow::{FlowFit, FlowSources, Scout};
@@ -12,6 +12,7 @@ use crate::identify::nonlinear::Nonlinear;
 use crate::identify::outcome::{ASKED, Stray};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{Census, Expectations, OffsetRule, Outcome, Shaping};
+use crate::monitor::MonitorDesign;
 use crate::report::{identification, model_tables, page};
 use crate::survey::Window;
 use clap::{Args, ValueEnum};
@@ -34,6 +35,8 @@ pub struct Identify {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    place: InPlace,
     #[command(flatten)]
     overwriting: Overwriting,
     /// Cycles of the centred moving average of velocity and load pressure; odd, 1 is none
@@ -69,6 +72,9 @@ enum Offset {
     Never,
 }
 
+/// Keys of a cylinder that belong to its model.
+const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
+
 const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
                          the sum of all speeds, so what a dead band or a changing offset of the \
                          command leaves over adds up; the monitor uses the prediction, which is \
@@ -103,8 +109,14 @@ impl Identify {
             )));
         }
         let outputs = [&self.output, &self.report];
-        let [output, report] =
-            tables::claim("identify", outputs, self.overwriting, &self.field, &surveyed)?;
+        let [output, report] = tables::claim(
+            "identify",
+            outputs,
+            self.overwriting,
+            &self.field,
+            &surveyed,
+            &self.place,
+        )?;
         let outcome = self.outcome(&surveyed)?;
         let text = identification::page(&outcome);
         std::io::stdout()
@@ -192,7 +204,6 @@ impl Identify {
     }
 
     fn write(&self, outcome: &Outcome, output: Option<Claimed>) -> Result<(), Failure> {
-        let Some(output) = output else { return Ok(()) };
         if self.stray(outcome).is_some() {
             return Ok(());
         }
@@ -200,7 +211,8 @@ impl Identify {
         let Some(tables) = model_tables::tables(outcome, version, self.per_cylinder) else {
             return Ok(());
         };
-        output.write(&tables)
+        output.map_or(Ok(()), |output| output.write(&tables))?;
+        self.place.put(&tables, &OF_A_MODEL, MonitorDesign::unjudging)
     }
 
     /// Why the taken models, or each cylinder's own, are not written.

@@ -14,7 +14,7 @@ const SIMULATED: &str = include_str!("../../config/e-type-simulated.toml");
 const DBC: &[u8] = include_bytes!("../../dbc/e-type.dbc");
 
 /// Makes a design for a machine.
-type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>;
+pub type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>;
 
 /// What a configuration file leads to.
 #[derive(Debug)]
@@ -48,6 +48,14 @@ impl Machine {
     /// As [`Self::load_unjudging`], and pressures that cannot be used.
     pub fn load_surveying(path: &Path) -> Result<Self, Failure> {
         Self::new(config::load(path)?, MonitorDesign::surveying)
+    }
+
+    /// The machine of the configuration `text`, which is to be in the file `path`.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn of_text(path: &Path, text: &str, design: Designer) -> Result<Self, Failure> {
+        Self::new(config::load_text(path, text)?, design)
     }
 
     /// The machine of `config/e-type-simulated.toml`, which is built in.

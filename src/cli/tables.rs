@@ -1,10 +1,14 @@
-//! Files of tables that commands write for the configuration.
+//! Tables that commands write for the configuration, into files of their own or in place.
 
 use super::Failure;
-use super::files::{Claimed, Inputs, Mark, Overwriting};
+use super::files::{self, Claimed, Inputs, Mark, Overwriting};
+use super::machine::{Designer, Machine};
 use super::survey::{Field, Surveyed};
+use crate::config::{self, edit};
+use clap::Args;
+use similar::TextDiff;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Takes the files for the tables and the page of `command`, which reads `surveyed`.
 ///
@@ -16,12 +20,94 @@ pub fn claim(
     overwriting: Overwriting,
     field: &Field,
     surveyed: &Surveyed,
+    place: &InPlace,
 ) -> Result<[Option<Claimed>; 2], Failure> {
     let logs = field.logs.iter().map(PathBuf::as_path);
-    let inputs = Inputs::new(logs.chain(surveyed.machine.files(&field.config)));
-    let wanted =
-        [(tables.as_deref(), Mark::Tables(command)), (page.as_deref(), Mark::Page(command))];
-    inputs.claim(wanted, overwriting)
+    let into = place.into.as_deref();
+    let other = |file: &&Path| into.is_none_or(|into| !files::is_same(file, into));
+    // The configuration is read and may be written to, in place.
+    let [config, rest @ ..] = &surveyed.machine.files(&field.config).collect::<Vec<_>>()[..] else {
+        return Err(Failure::Failed("a machine has no configuration".to_owned()));
+    };
+    let inputs = Inputs::new(logs.chain(Some(*config).filter(other)).chain(rest.iter().copied()));
+    let wanted = [
+        (tables.as_deref(), Mark::Tables(command)),
+        (page.as_deref(), Mark::Page(command)),
+        (into, Mark::Judged),
+    ];
+    let [tables, page, _] = inputs.claim(wanted, overwriting)?;
+    Ok([tables, page])
+}
+
+/// A configuration that tables are put into.
+#[derive(Args, Debug)]
+pub struct InPlace {
+    /// Puts the tables into this configuration, where their keys are; comments and order stay, and
+    /// the file as it was is kept beside it
+    #[arg(long, value_name = "CONFIG.toml")]
+    into: Option<PathBuf>,
+    /// Shows what --into would change, and changes nothing
+    #[arg(long, requires = "into")]
+    dry_run: bool,
+}
+
+/// Files as they were that are kept beside a configuration.
+const KEPT: usize = 99;
+
+impl InPlace {
+    /// Puts `tables` into the configuration, if one was named. Keys `anew` of cylinders to which the
+    /// tables give none are removed. `design` says what the whole is good for.
+    ///
+    /// # Errors
+    /// It cannot be read or written, or would be refused with the tables in it; then nothing has changed.
+    pub fn put(&self, tables: &str, anew: &[&str], design: Designer) -> Result<(), Failure> {
+        let Some(path) = self.into.as_deref() else { return Ok(()) };
+        let name = path.display();
+        let loaded = config::load(path)?;
+        let before = loaded.document.text();
+        let after = edit::put(before, tables, anew).map_err(|error| {
+            Failure::Failed(format!("{name} cannot be edited; nothing was changed: {error}"))
+        })?;
+        if let Err(refusal) = Machine::of_text(path, &after, design) {
+            return Err(Failure::Failed(format!(
+                "with these tables {name} would be refused; nothing was changed.\n{refusal}"
+            )));
+        }
+        if self.dry_run {
+            let difference = TextDiff::from_lines(before, &after);
+            let shown =
+                difference.unified_diff().header(&name.to_string(), "with the tables").to_string();
+            return std::io::stdout()
+                .write_all(shown.as_bytes())
+                .map_err(|error| Failure::writing("standard output", &error));
+        }
+        let kept = keep(path, before)?;
+        let [written] =
+            Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;
+        written.map_or(Ok(()), |written| written.write(&after))?;
+        tell!("{name} has the tables; as it was it is {}", kept.display());
+        Ok(())
+    }
+}
+
+/// Keeps `text`, which is that of the file `path`, beside it under the next free name.
+fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
+    let beside = |n: usize| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(format!(".bak-{n}"));
+        PathBuf::from(name)
+    };
+    let free = (1..=KEPT).map(beside).find(|path| path.symlink_metadata().is_err());
+    let Some(free) = free else {
+        return Err(Failure::Wrong(format!(
+            "{} and {} others are kept beside it already; remove what is not needed",
+            beside(1).display(),
+            KEPT - 1
+        )));
+    };
+    let [kept] = Inputs::default().claim([(Some(&free), Mark::None)], Overwriting::default())?;
+    kept.map_or(Ok(()), |kept| kept.write(text))?;
+    Ok(free)
 }
 
 /// Shows `page` and writes `tables`, where both are there, to `output`.

@@ -4,9 +4,10 @@ use super::Failure;
 use super::files::Overwriting;
 use super::machine::Machine;
 use super::survey::{Field, Surveyed};
-use super::tables;
+use super::tables::{self, InPlace};
 use crate::config::Settings;
 use crate::extremes::{Tail, common_level, per_second};
+use crate::monitor::MonitorDesign;
 use crate::observe::model::Model;
 use crate::report::{page, tuning};
 use crate::tune::sequential::Watch;
@@ -34,6 +35,8 @@ pub struct Tune {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    #[command(flatten)]
+    place: InPlace,
     #[command(flatten)]
     overwriting: Overwriting,
     /// False alarms of FDE1 and FDE2, all cylinders together, that a year of monitoring may bring
@@ -78,11 +81,14 @@ impl Tune {
         let surveyed = self.field.open()?;
         let outputs = [&self.output, &self.report];
         let [output, report] =
-            tables::claim("tune", outputs, self.overwriting, &self.field, &surveyed)?;
+            tables::claim("tune", outputs, self.overwriting, &self.field, &surveyed, &self.place)?;
         let result = self.tuning(&surveyed)?;
         let usable = usable(&result, &surveyed.machine.loaded.settings);
         let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));
         tables::publish(&tuning::page(&result), output, written.as_deref())?;
+        if let Some(tables) = written {
+            self.place.put(&tables, &[], MonitorDesign::new)?;
+        }
         if let Some(report) = report {
             report.write(&page::tuning::page(&result))?;
         }

@@ -39,7 +39,16 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
         }
     };
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    let (settings, document) = parse(&name, &text)?;
+    load_text(path, &text)
+}
+
+/// Reads the DBC of the configuration `text`, which is, or will be, in the file `path`.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
+    let name = path.display().to_string();
+    let (settings, document) = parse(&name, text)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let dbc_path = folder.join(&settings.bus.dbc);
     let dbc_text = read_dbc(&dbc_path, &document)?;

@@ -6,6 +6,7 @@
 //! that was found ([`ConfigError`]).
 
 mod document;
+pub mod edit;
 mod keys;
 mod loader;
 mod problem;
@@ -20,7 +21,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 
 pub use document::Document;
-pub use loader::{Loaded, MAX_DBC_SIZE, load};
+pub use loader::{Loaded, MAX_DBC_SIZE, load, load_text};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
 
