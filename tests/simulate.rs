@@ -155,7 +155,7 @@ fn c1_and_c2_are_calibrated_differently_and_read_whole_counts() {
     for (cylinder, correction) in setup().settings.cylinder.iter().enumerate() {
         let [c1, c2] = pair(cylinder);
         for step in -100..=100 {
-            let [one, two] = [c1, c2].map(|one| one.calibrated(f64::from(step) / 100.0));
+            let [one, two] = [c1, c2].map(|one| one.calibrated(0.0, f64::from(step) / 100.0));
             largest = largest.max((one - two).abs());
             let rest = one - (correction.c2_gain * two + correction.c2_offset);
             assert!(rest.abs() < 5e-4, "cylinder {}: {rest}", cylinder + 1);
@@ -166,7 +166,7 @@ fn c1_and_c2_are_calibrated_differently_and_read_whole_counts() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let count = |length: f64| (length + 1.5) / 3.0 * 27_648.0;
     for step in -200..200 {
-        let count = count(c1.read([f64::from(step) / 100.0, 0.1], [0.0; 2], &mut rng).length);
+        let count = count(c1.read(0.0, [f64::from(step) / 100.0, 0.1], [0.0; 2], &mut rng).length);
         assert!((count - count.round()).abs() < 1e-6, "{count}");
         assert!((0.9..27_648.1).contains(&count), "{count}");
     }
@@ -594,4 +594,30 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--faults", "Cargo.toml"]).failed(2, &["Cargo.toml: line 1", "expected the header"]);
     let help = support::tertius(&["simulate", "--help"], b"").ok();
     assert!(help.stdout.contains("Examples:"), "{}", help.stdout);
+}
+
+/// What may be wrong with a sound machine: ripples, warmth, spikes, valves that stick.
+#[test]
+fn a_harsher_machine_is_simulated_as_its_table_says() {
+    let scratch = Scratch::new();
+    let run = |arguments: &[&str]| {
+        support::tertius(&[&["simulate", "--config", CONFIG], arguments].concat(), b"")
+    };
+    let plant = support::top().join("config/e-type-harsh-plant.toml");
+    let output = scratch.path("harsh.log");
+    let harsh = ["--plant", plant.to_str().expect("UTF-8"), "--duration", "60", "--seed", "4"];
+    run(&[&harsh[..], &["--output", &output]].concat()).ok();
+    let summary = support::replay(&[&output], CONFIG, &[]).ok().summary();
+    assert_eq!(summary["judged"], true);
+    assert_eq!(summary["warnings"]["plausibility"], 0, "it is sound: {summary}");
+    let kind = scratch.path("kind.log");
+    run(&["--duration", "60", "--seed", "4", "--output", &kind]).ok();
+    let worst = |log: &str| {
+        let summary = support::replay(&[log], CONFIG, &[]).ok().summary();
+        let cylinders = summary["cylinders"].as_array().expect("six").clone();
+        let r3 = cylinders.iter().map(|it| it["worst_r3"].as_f64().expect("m").abs());
+        r3.fold(0.0, f64::max)
+    };
+    let (harsh, kind) = (worst(&output), worst(&kind));
+    assert!(harsh > kind + 1e-4, "{harsh} m against {kind} m");
 }

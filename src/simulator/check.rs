@@ -5,7 +5,8 @@ use super::disturbance::Disturbance;
 use super::tables::{TableError, Tables};
 use crate::plant::ValveTable;
 use crate::sea::Response;
-use crate::transducer::Errors;
+use crate::transducer::{CYLINDERS, Errors, Ripple};
+use std::f64::consts::TAU;
 
 /// Above any that is meant, below any that overflows.
 const MUCH: f64 = 1e9;
@@ -184,5 +185,16 @@ fn errors(key: &str, it: &Errors) -> Result<(), TableError> {
     each_within(&format!("{key}.offset"), &it.offset, [-1.0, 1.0])?;
     each_within(&format!("{key}.gain"), &it.gain, [-0.5, 0.5])?;
     each_within(&format!("{key}.bow"), &it.bow, [-0.5, 0.5])?;
-    each_within(&format!("{key}.skew"), &it.skew, [0.0, 0.1])
+    each_within(&format!("{key}.skew"), &it.skew, [0.0, 0.1])?;
+    let Ripple { amplitudes, lengths, phases } = &it.ripple;
+    each_within(&format!("{key}.ripple.amplitudes"), amplitudes.as_flattened(), [0.0, 0.01])?;
+    each_within(&format!("{key}.ripple.phases"), phases, [-TAU, TAU])?;
+    if *amplitudes != [[0.0; 2]; CYLINDERS] {
+        each_within(&format!("{key}.ripple.lengths"), lengths, [0.01, 10.0])?;
+    }
+    each_within(&format!("{key}.warming.amplitudes"), &it.warming.amplitudes, [-0.01, 0.01])?;
+    if it.warming.amplitudes != [0.0; CYLINDERS] {
+        within(&format!("{key}.warming.period"), it.warming.period, [60.0, 1e6])?;
+    }
+    Ok(())
 }

@@ -178,7 +178,7 @@ impl Machine {
 
     /// The length of the cylinder `leg`, from 0, as its C1 would read it now without noise, m.
     pub fn calibrated(&self, leg: usize) -> f64 {
-        self.transducers[leg][0].calibrated(self.states()[leg].length)
+        self.transducers[leg][0].calibrated(self.time(), self.states()[leg].length)
     }
 
     /// The vessel, now.
@@ -205,6 +205,7 @@ impl Machine {
                 let Misread { late, counts } =
                     self.disturbance.reading(time, which, &mut self.misreads);
                 sample.transducers[leg][which] = self.transducers[leg][which].read(
+                    time,
                     [state.length, state.speed],
                     [late, counts],
                     &mut self.rng,

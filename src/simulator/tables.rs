@@ -84,7 +84,7 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key has to be there, but `[disturbance]`.
+    /// Reads tables from TOML; every key has to be there, but `[disturbance]`, ripple and warming.
     ///
     /// # Errors
     /// The first thing wrong with them.

@@ -4,6 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
+use std::f64::consts::TAU;
 
 /// Cylinders, each with two transducers.
 pub const CYLINDERS: usize = 6;
@@ -64,16 +65,64 @@ pub struct Errors {
     pub bow: [f64; CYLINDERS],
     /// How long after Sync it samples, s.
     pub skew: [f64; CYLINDERS],
+    /// Nothing, unless it is given.
+    #[serde(default)]
+    pub ripple: Ripple,
+    /// Nothing, unless it is given.
+    #[serde(default)]
+    pub warming: Warming,
+}
+
+/// What a transducer's own linearisation leaves along the stroke: two harmonics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ripple {
+    /// Of either harmonic, m.
+    pub amplitudes: [[f64; 2]; CYLINDERS],
+    /// Their wave lengths, m.
+    pub lengths: [f64; 2],
+    /// Of both in the middle of the stroke, rad.
+    pub phases: [f64; CYLINDERS],
+}
+
+/// An offset that goes up and down with the temperature.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Warming {
+    /// m.
+    pub amplitudes: [f64; CYLINDERS],
+    /// Once up and down, s.
+    pub period: f64,
+}
+
+impl Ripple {
+    fn at(&self, cylinder: usize, length: f64) -> f64 {
+        let harmonics = self.amplitudes[cylinder].iter().zip(self.lengths);
+        harmonics
+            .filter(|(amplitude, _)| **amplitude != 0.0)
+            .map(|(amplitude, wave)| {
+                amplitude * (length * TAU / wave + self.phases[cylinder]).sin()
+            })
+            .sum()
+    }
+}
+
+impl Warming {
+    fn at(&self, cylinder: usize, time: f64) -> f64 {
+        match self.amplitudes[cylinder] {
+            0.0 => 0.0,
+            amplitude => amplitude * (time * TAU / self.period).sin(),
+        }
+    }
 }
 
 /// One transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transducer {
     common: Common,
-    offset: f64,
-    gain: f64,
-    bow: f64,
-    skew: f64,
+    errors: Errors,
+    /// From 0.
+    cylinder: usize,
     /// Readings that a fluctuation lasts.
     lasting: u32,
     /// Readings that are left of the present one, and what it adds, m.
@@ -97,32 +146,33 @@ impl Transducer {
     pub fn new(common: &Common, errors: &Errors, cylinder: usize, sample_time: f64) -> Self {
         Self {
             common: *common,
-            offset: errors.offset[cylinder],
-            gain: errors.gain[cylinder],
-            bow: errors.bow[cylinder],
-            skew: errors.skew[cylinder],
+            errors: *errors,
+            cylinder,
             lasting: ((common.fluctuation_time / sample_time).round() as u32).max(1),
             left: 0,
             shift: 0.0,
         }
     }
 
-    /// Reads a piston that is at `length`, m, at Sync and moves at `speed`, m/s; `late` s later than
-    /// it usually does, and off by `counts`.
+    /// Reads at `time`, s, a piston that is at `length`, m, at Sync and moves at `speed`, m/s; `late` s
+    /// later than it usually does, and off by `counts`.
     pub fn read(
         &mut self,
+        time: f64,
         [length, speed]: [f64; 2],
         [late, counts]: [f64; 2],
         rng: &mut ChaCha8Rng,
     ) -> Reading {
         let [length_noise, speed_noise]: [f64; 2] = [(); 2].map(|()| StandardNormal.sample(rng));
-        let true_length = length + speed * (self.skew + late);
+        let true_length = length + speed * (self.errors.skew[self.cylinder] + late);
         let noise = self.common.noise * length_noise + self.fluctuation(rng);
-        let unrounded = self.calibrated(true_length) + noise + counts * self.common.grid().count;
+        let unrounded =
+            self.calibrated(time, true_length) + noise + counts * self.common.grid().count;
         Reading {
             length: self.quantised(unrounded),
             unrounded,
-            speed: speed * (1.0 + self.gain) + self.common.speed_noise * speed_noise,
+            speed: speed * (1.0 + self.errors.gain[self.cylinder])
+                + self.common.speed_noise * speed_noise,
         }
     }
 
@@ -141,9 +191,13 @@ impl Transducer {
         0.0
     }
 
-    /// What the calibration makes of a true length, m.
-    pub fn calibrated(&self, length: f64) -> f64 {
-        length + self.offset + (self.gain + self.bow * length) * length
+    /// What the calibration makes of a true length, m, at `time`, s.
+    pub fn calibrated(&self, time: f64, length: f64) -> f64 {
+        let (errors, i) = (&self.errors, self.cylinder);
+        let (ripple, warming) = (errors.ripple.at(i, length), errors.warming.at(i, time));
+        let straight =
+            length + errors.offset[i] + (errors.gain[i] + errors.bow[i] * length) * length;
+        straight + ripple + warming
     }
 
     /// (5-3), counts 1 to the highest: 0 is no signal.
@@ -151,5 +205,54 @@ impl Transducer {
         let Grid { low, count } = self.common.grid();
         let lengths = [low + count, low + self.common.counts * count];
         self.common.grid().nearest(length.clamp(lengths[0], lengths[1]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    const QUIET: Common = Common {
+        noise: 0.0,
+        fluctuation: 0.0,
+        fluctuation_probability: 0.0,
+        fluctuation_time: 0.2,
+        speed_noise: 0.0,
+        counts: 27648.0,
+        range: [-1.5, 1.5],
+    };
+
+    #[test]
+    fn ripple_and_warming_are_in_the_length_that_is_read() {
+        let straight = Errors {
+            offset: [0.001; CYLINDERS],
+            gain: [0.0; CYLINDERS],
+            bow: [0.0; CYLINDERS],
+            skew: [0.0; CYLINDERS],
+            ripple: Ripple::default(),
+            warming: Warming::default(),
+        };
+        let mut amplitudes = [[0.0; 2]; CYLINDERS];
+        amplitudes[2] = [2e-4, 1e-4];
+        let ripple = Ripple { amplitudes, lengths: [0.8, 0.2], phases: [0.5; CYLINDERS] };
+        let mut warm = [0.0; CYLINDERS];
+        warm[2] = 3e-4;
+        let warming = Warming { amplitudes: warm, period: 400.0 };
+        let rippled = Errors { ripple, warming, ..straight };
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut read = |errors: &Errors, cylinder: usize, time: f64, length: f64| {
+            let mut transducer = Transducer::new(&QUIET, errors, cylinder, 0.02);
+            transducer.read(time, [length, 0.0], [0.0; 2], &mut rng).unrounded
+        };
+        // A quarter of the long wave is one whole short one.
+        for (time, length) in [(0.0, 0.0), (100.0, 0.2), (300.0, -0.7)] {
+            let expected = 2e-4 * (length * TAU / 0.8 + 0.5).sin()
+                + 1e-4 * (length * TAU / 0.2 + 0.5).sin()
+                + 3e-4 * (time * TAU / 400.0_f64).sin();
+            let difference = read(&rippled, 2, time, length) - read(&straight, 2, time, length);
+            assert!((difference - expected).abs() < 1e-15, "{difference} {expected}");
+            assert_eq!(read(&rippled, 1, time, length), read(&straight, 1, time, length));
+        }
     }
 }
