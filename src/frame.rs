@@ -96,6 +96,15 @@ impl Frame {
         usize::from(self.length)
     }
 
+    /// The payload as one word, its first byte lowest and zeros above; `None` if it is longer than eight
+    /// bytes.
+    #[inline]
+    pub fn word(&self) -> Option<u64> {
+        let bits = 8 * u32::from(self.length);
+        let word = self.bytes.first_chunk().map_or(0, |bytes| u64::from_le_bytes(*bytes));
+        (bits <= u64::BITS).then(|| word & !u64::MAX.checked_shl(bits).unwrap_or(0))
+    }
+
     /// The whole buffer, so that a decoder may load eight bytes at once; beyond [`Self::length`]
     /// it is unspecified.
     pub fn buffer(&self) -> &[u8; MAX_DATA] {

@@ -36,8 +36,10 @@ struct Point {
 /// Follows one alive counter.
 #[derive(Clone, Debug)]
 pub struct AliveCounter {
-    /// Bits of the counter.
+    /// Bits of the counter, …
     bits: u32,
+    /// … and as many ones.
+    ones: u64,
     /// Counts in a cycle.
     step: u64,
     /// Of the newest frame that was taken.
@@ -53,8 +55,10 @@ impl AliveCounter {
     /// A counter of `bits` bits (1 to 64) that wraps to zero and goes up by `step` in a cycle: by the
     /// number of pages that share it.
     pub fn new(bits: u32, step: u64) -> Self {
+        let bits = bits.clamp(1, 64);
         Self {
-            bits: bits.clamp(1, 64),
+            bits,
+            ones: u64::MAX >> (64 - bits),
             step: step.max(1),
             last: None,
             misfit: None,
@@ -67,6 +71,17 @@ impl AliveCounter {
     /// Counts that fitted no cycle.
     pub const fn jumps(&self) -> u64 {
         self.jumps
+    }
+
+    /// Whether `value` is the count of the frame that is due in cycle number `cycle`: [`Self::read`] says
+    /// [`Count::Off`] by 0.
+    #[inline(always)]
+    pub fn is_due(&self, cycle: u64, value: u64) -> bool {
+        let Some(last) = self.last else { return false };
+        let elapsed = cycle.wrapping_sub(last.cycle);
+        let expected = last.value.wrapping_add(elapsed.wrapping_mul(self.step));
+        let differ = |other: u64| (value ^ other) & self.ones != 0;
+        self.believed && !differ(expected) && differ(last.value)
     }
 
     /// What the count `value` says of a frame that came in cycle number `cycle`.
@@ -94,7 +109,7 @@ impl AliveCounter {
     }
 
     /// The frame was taken as that of `cycle`.
-    #[inline]
+    #[inline(always)]
     pub fn accept(&mut self, cycle: u64, value: u64) {
         if !self.believed {
             self.regain(cycle, value);
