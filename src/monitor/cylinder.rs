@@ -237,7 +237,12 @@ impl Cylinder {
                 continue;
             }
             let moment = Moment { other: self.relied_on(1 - i, &readings), ..moment };
-            good[i] = self.check(i, readings[i].as_ref(), moment, now.at);
+            let reading = readings[i].as_ref();
+            let is_good = self.check(i, reading, moment, now.at);
+            good[i] = reading.filter(|_| is_good).map(|reading| Measurement {
+                position: reading.position,
+                velocity: reading.velocity,
+            });
             let (innovation, restart) = self.observers[i].step(good[i], command);
             innovations[i] = innovation;
             if let Some(reason) = restart {
@@ -289,22 +294,22 @@ impl Cylinder {
         Some(Other::new(reading.position, &self.motions[i]))
     }
 
-    #[inline]
+    /// Whether the reading of a cycle is good.
+    #[inline(always)]
     fn check(
         &mut self,
         i: usize,
         reading: Option<&Reading>,
         moment: Moment,
         at: Timestamp,
-    ) -> Option<Measurement> {
+    ) -> bool {
         let checks = &mut self.plausibility[i];
         let quality = checks.judge(reading, moment);
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
         self.implausible[i].judge(at, quality, beyond);
         let seen = !matches!(quality, Quality::Missing | Quality::Stale);
         self.tally.implausible[i] += u64::from(seen && !quality.is_good());
-        let good = reading.filter(|_| quality.is_good());
-        good.map(|reading| Measurement { position: reading.position, velocity: reading.velocity })
+        quality.is_good()
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
