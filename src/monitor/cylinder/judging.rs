@@ -1,5 +1,6 @@
 //! What the detectors of a cylinder are told of a cycle.
 
+use super::agreement::Agreement;
 use super::precedence::{DETECTORS, Precedence, Standing};
 use super::{Cylinder, Evaluation};
 use crate::monitor::gate::Opening;
@@ -88,7 +89,12 @@ impl Cylinder {
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
-        let alarm = sequential.alarm().is_some();
-        self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+        if raised == [false; 2] {
+            // Nearly always: nobody disagrees.
+            self.agreement = Agreement::default();
+        } else {
+            let alarm = sequential.alarm().is_some();
+            self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+        }
     }
 }
