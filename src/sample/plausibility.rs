@@ -280,6 +280,22 @@ mod tests {
     }
 
     #[test]
+    fn only_the_codes_of_a_broken_wire_are_one() {
+        let codes = vec![32767, 0, 500];
+        let mut checks = Plausibility::new(Limits { broken_wire_codes: codes, ..limits() });
+        for (code, quality) in [
+            (0, Quality::BrokenWire),
+            (100, Quality::Good),
+            (500, Quality::BrokenWire),
+            (501, Quality::Good),
+            (32767, Quality::BrokenWire),
+        ] {
+            let reading = Reading { code: Some(code), ..reading(code as f64 * 1e-5) };
+            assert_eq!(checks.judge(Some(&reading), MOVING), quality, "{code}");
+        }
+    }
+
+    #[test]
     fn a_status_bit_outside_the_mask_is_no_fault() {
         let mut checks = Plausibility::new(limits());
         let other_bit = Reading { status: Some(0b10), ..reading(0.0) };
