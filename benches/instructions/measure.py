@@ -23,12 +23,12 @@ UNCALIBRATED = TOP / "config/e-type.toml"
 DBC = TOP / "dbc/e-type.dbc"
 # Frames of the engaged stretch: all detectors judge from its first cycle to its last.
 ENGAGED = slice(220_000, 440_000)
-# What the shorter run has of a recording: start, end and the first second are in both.
-SHORTER = 0.1
+# What the shorter run has of a recording: start and end, which are in both, and hardly anything else.
+SHORTER = 0.01
 
 # Of a frame of the healthy recording, everything on but sequential tables.
 MOST = 690
-# Of a cycle with sequential tables to one without, all engaged.
+# Of a cycle with sequential tables to one without.
 MOST_RATIO = 1.5
 
 # What a file of src/ is counted as; the first that fits.
@@ -56,16 +56,20 @@ class Profile:
 
     def __init__(self, binary, log, config, folder):
         out, output = folder / "callgrind.out", folder / "replay.jsonl"
-        out.unlink(missing_ok=True)
+        sent = folder / "warnings.log"
+        for file in (out, sent):
+            file.unlink(missing_ok=True)
         command = ["valgrind", "--tool=callgrind", "--dump-instr=yes", f"--callgrind-out-file={out}"]
         command += [binary, "replay", log, "--config", config, "--format", "jsonl"]
-        command += ["--warnings", folder / "warnings.log"]
+        command += ["--warnings", sent]
         with open(output, "wb") as file:
             done = subprocess.run(list(map(str, command)), stdout=file, stderr=subprocess.PIPE, text=True)
-        if done.returncode != 0:
+        lines = output.read_text().splitlines()
+        summary = json.loads(lines[-1]) if lines else {}
+        # In a beginning nothing may have been judged yet, which is a failure of its own.
+        if done.returncode != 0 and summary.get("judged", True):
             sys.exit(f"{' '.join(map(str, command))} failed:\n{done.stderr}")
-        self.own, self.foreign = read(out)
-        summary = json.loads(output.read_text().splitlines()[-1])
+        self.own, self.foreign = read(out, binary)
         self.frames = summary["frames"]
         self.samples = sum(cylinder["samples"] for cylinder in summary["cylinders"])
 
@@ -84,8 +88,9 @@ class Profile:
         return self.total() / self.frames
 
 
-def read(path):
+def read(path, binary):
     """Instructions of the program by address, and of libraries by function."""
+    binary = str(binary.resolve())
     own, foreign = Counter(), Counter()
     names, addresses = {}, {}
     where = obj = None
@@ -109,7 +114,7 @@ def read(path):
             elif at != "*":
                 addresses["now"] += int(at, 0)
             if not called:
-                if obj and obj.endswith("/tertius"):
+                if obj == binary:
                     own[addresses["now"]] += int(cost)
                 else:
                     foreign[where] += int(cost)
@@ -160,7 +165,7 @@ def with_estimates(folder):
     """The configuration with estimates that are sent."""
     text = CONFIG.read_text().replace('dbc = "../../dbc/e-type.dbc"', f'dbc = "{DBC}"')
     path = folder / "estimates.toml"
-    path.write_text(text + "\n[estimate]\nsend = true\n")
+    path.write_text(text + "\n[estimate]\nsend = true\n\n[gateway]\nbus_share = 0.15\n")
     return path
 
 
@@ -199,11 +204,12 @@ def report(binary, profiles):
 def judge(profiles):
     """Whether what is asked for is reached."""
     cost = profiles["whole"].a_frame()
-    ratio = profiles["engaged, with sequential tables"].a_frame() / profiles["engaged"].a_frame()
     cheap = cost <= MOST
     print(f"\na frame: {cost:.0f}, at most {MOST}: {'reached' if cheap else 'NOT reached'}")
-    print(f"a cycle with sequential tables to one without, all engaged: {ratio:.2f}, wanted at most "
-          f"{MOST_RATIO}: {'reached' if ratio <= MOST_RATIO else 'not reached'}")
+    for name in ("whole", "engaged"):
+        ratio = profiles[f"{name}, with sequential tables"].a_frame() / profiles[name].a_frame()
+        print(f"a cycle with sequential tables to one without, {name}: {ratio:.2f}, wanted at most "
+              f"{MOST_RATIO}: {'reached' if ratio <= MOST_RATIO else 'not reached'}")
     return cheap
 
 

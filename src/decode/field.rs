@@ -30,6 +30,27 @@ pub(super) struct Field {
     length: u8,
 }
 
+/// A field within eight bytes that have been loaded already.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WordField {
+    /// As of a [`Field`].
+    mask: u64,
+    sign: u64,
+    shift: u8,
+    motorola: bool,
+}
+
+impl WordField {
+    /// As [`Field::integer`], where `word` has the first of the eight bytes lowest.
+    #[inline(always)]
+    pub fn integer(&self, word: u64) -> i64 {
+        let word = if self.motorola { word.swap_bytes() } else { word };
+        // `&` changes nothing: it lets the compiler drop its own check.
+        let bits = (word >> (self.shift & 63)) & self.mask;
+        (bits ^ self.sign).wrapping_sub(self.sign) as i64
+    }
+}
+
 /// Why there cannot be such a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoField {
@@ -96,11 +117,6 @@ impl Field {
         if self.wide { self.wide_bits(payload) } else { self.narrow_bits(payload) }
     }
 
-    /// Whether it touches nine bytes.
-    pub fn is_wide(&self) -> bool {
-        self.wide
-    }
-
     /// The bits of a field that is not wide.
     #[inline(always)]
     fn narrow_bits(&self, payload: &[u8; MAX_DATA]) -> u64 {
@@ -112,10 +128,19 @@ impl Field {
         (word >> (self.shift & 63)) & self.mask
     }
 
-    /// As [`Self::integer`], of a field that is not wide.
-    #[inline(always)]
-    pub fn narrow_integer(&self, payload: &[u8; MAX_DATA]) -> i64 {
-        (self.narrow_bits(payload) ^ self.sign).wrapping_sub(self.sign) as i64
+    /// The field as it lies in the eight bytes that begin with byte `at`; `None` if they do not hold all of
+    /// it.
+    pub fn within(&self, at: usize) -> Option<WordField> {
+        let (first, length) = (usize::from(self.first), usize::from(self.length));
+        let before = first.checked_sub(8 * at)?;
+        let behind = 64_usize.checked_sub(before + length)?;
+        let (mask, sign, motorola) = (self.mask, self.sign, self.motorola);
+        Some(WordField {
+            mask,
+            sign,
+            shift: if motorola { behind } else { before } as u8,
+            motorola,
+        })
     }
 
     #[cold]

@@ -1,6 +1,6 @@
 //! A signal compiled for reading and writing frames.
 
-use super::field::Field;
+use super::field::{Field, WordField};
 use super::value::{Decoded, Inserted, Raw, Value};
 use crate::frame::{Frame, Kind, MAX_DATA};
 
@@ -43,23 +43,27 @@ pub struct SignalPlan {
     gates: Box<[Gate]>,
 }
 
-/// A signal of the usual kind, which [`SignalPlan::plain`] gives: an integer that an i64 and eight bytes
-/// hold, in every frame of its message that is long enough, and always a finite number. Reading it asks
-/// nothing any more.
+/// A signal of the usual kind, which [`SignalPlan::plain`] gives: an integer that an i64 holds, in every
+/// frame of its message that is long enough, and always a finite number. It is read from a word of eight
+/// bytes that its message's signals share, and reading it asks nothing any more.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain {
     factor: f64,
     offset: f64,
-    field: Field,
+    field: WordField,
 }
 
 impl Plain {
-    /// The count and the number that it stands for, as [`SignalPlan::decode`] has them; the payload must
-    /// have [`SignalPlan::needed_length`] bytes.
+    /// The count, as [`SignalPlan::decode`] has it, where `word` has the first of the eight bytes lowest.
     #[inline(always)]
-    pub fn read(&self, payload: &[u8; MAX_DATA]) -> (i64, f64) {
-        let integer = self.field.narrow_integer(payload);
-        (integer, integer as f64 * self.factor + self.offset)
+    pub fn count(&self, word: u64) -> i64 {
+        self.field.integer(word)
+    }
+
+    /// The number that a count stands for.
+    #[inline(always)]
+    pub fn number(&self, count: i64) -> f64 {
+        count as f64 * self.factor + self.offset
     }
 }
 
@@ -74,15 +78,13 @@ impl SignalPlan {
         Self { factor, offset, field, form, gates }
     }
 
-    /// The signal as one that is read without a question; `None` if it has to be asked.
-    pub fn plain(&self) -> Option<Plain> {
+    /// The signal as one that is read without a question from the eight bytes that begin with byte `at`;
+    /// `None` if it has to be asked, or is not within them.
+    pub fn plain(&self, at: usize) -> Option<Plain> {
         let Self { factor, offset, field, form, .. } = *self;
         let largest = 2_f64.powi(field.length() as i32) * factor.abs() + offset.abs();
-        let plain = form == Form::Integer
-            && self.gates.is_empty()
-            && !field.is_wide()
-            && largest.is_finite();
-        plain.then_some(Plain { factor, offset, field })
+        let plain = form == Form::Integer && self.gates.is_empty() && largest.is_finite();
+        Some(Plain { factor, offset, field: field.within(at).filter(|_| plain)? })
     }
 
     /// Reads the signal. The frame's identifier is not looked at: it must be the message's.

@@ -1,5 +1,6 @@
 //! Which frames are taken: those of the open cycle, once each, and those that were kept for it.
 
+use super::page::{Page, Station};
 use super::sink::Sink;
 use super::{Monitor, Place};
 use crate::frame::Frame;
@@ -16,6 +17,33 @@ impl Monitor {
         } else {
             self.open_cycle(stamp, now, true, sink);
         }
+    }
+
+    /// Takes a frame such as nearly all are: the signals of one cylinder, and just the one that its place
+    /// lacks in the open cycle. `false`, and nothing has happened, if more has to be asked.
+    #[inline(always)]
+    pub(super) fn take_next(
+        &mut self,
+        place: usize,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) -> bool {
+        let Self { stations, clock, cylinders, .. } = self;
+        let Station { sync: false, pages } = &mut stations[place] else { return false };
+        let [Page { intake: Some(intake), slot, .. }] = &mut **pages else { return false };
+        let (Some(word), Some(when)) = (intake.word(frame), clock.when()) else { return false };
+        if !slot.take_next(frame, intake.counter(word), &when) {
+            return false;
+        }
+        let index = intake.cylinder();
+        let cylinder = &mut cylinders[index];
+        intake.fill(word, &mut cylinder.inputs);
+        self.live = true;
+        if cylinder.pending && cylinder.is_done() {
+            self.evaluate(index, now, sink);
+        }
+        true
     }
 
     /// Takes a page of `frame` if it is that of its cycle.

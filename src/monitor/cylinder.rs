@@ -14,7 +14,7 @@ use crate::compare::Comparator;
 use crate::config::settings::Levels;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::observe::observer::{Design, Measurement, Observer, Restart};
+use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
 use crate::sample::motion::Motion;
 use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
@@ -83,6 +83,14 @@ pub struct Tally {
     pub implausible: [u64; 2],
     /// Largest |R1| and |R2| judged, and largest |R3|, m.
     pub worst: [Option<f64>; 3],
+}
+
+/// What came of a transducer in a cycle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Followed {
+    good: Option<Measurement>,
+    innovation: Option<Innovation>,
+    restart: Option<Restart>,
 }
 
 const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];
@@ -230,20 +238,14 @@ impl Cylinder {
         for (motion, reading) in self.motions.iter_mut().zip(&readings) {
             motion.follow(reading.as_ref().map(|reading| reading.position));
         }
-        let mut good = [None; 2];
-        let mut innovations = [None; 2];
-        for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
-            if !self.has(transducer) {
-                continue;
-            }
-            let moment = Moment { other: self.relied_on(1 - i, &readings), ..moment };
-            good[i] = self.check(i, readings[i].as_ref(), moment, now.at);
-            let (innovation, restart) = self.observers[i].step(good[i], command);
-            innovations[i] = innovation;
-            if let Some(reason) = restart {
+        let c1 = self.follow::<0>(&readings, moment, command, now.at);
+        let c2 = self.follow::<1>(&readings, moment, command, now.at);
+        for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
+            if let Some(reason) = followed.restart {
                 restarted(transducer, reason);
             }
         }
+        let (good, innovations) = ([c1.good, c2.good], [c1.innovation, c2.innovation]);
         self.follow_command(command, now);
         let difference = good[0]
             .zip(good[1])
@@ -259,6 +261,29 @@ impl Cylinder {
         }
         self.count(&residuals);
         Evaluated { readings, innovations, difference }
+    }
+
+    /// Judges what the transducer of index `I` reads, and lets its observer follow. The index is known to
+    /// the compiler: as a variable it costs an address for everything that there are two of.
+    #[inline(always)]
+    fn follow<const I: usize>(
+        &mut self,
+        readings: &[Option<Reading>; 2],
+        moment: Moment,
+        command: Option<f64>,
+        at: Timestamp,
+    ) -> Followed {
+        if !self.has(TRANSDUCERS[I]) {
+            return Followed::default();
+        }
+        let moment = Moment { other: self.relied_on(1 - I, readings), ..moment };
+        let reading = readings[I].as_ref();
+        let is_good = self.check(I, reading, moment, at);
+        let good = reading
+            .filter(|_| is_good)
+            .map(|reading| Measurement { position: reading.position, velocity: reading.velocity });
+        let (innovation, restart) = self.observers[I].step(good, command);
+        Followed { good, innovation, restart }
     }
 
     /// Time jumped or frames were lost: what was learnt of motion is void, what was found stands.
@@ -283,28 +308,29 @@ impl Cylinder {
     }
 
     /// What a transducer reads, if it was sound when it was last judged.
+    #[inline(always)]
     fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<Other> {
         let sound = self.plausibility[i].quality().is_good();
         let reading = readings[i].as_ref().filter(|_| sound)?;
         Some(Other::new(reading.position, &self.motions[i]))
     }
 
-    #[inline]
+    /// Whether the reading of a cycle is good.
+    #[inline(always)]
     fn check(
         &mut self,
         i: usize,
         reading: Option<&Reading>,
         moment: Moment,
         at: Timestamp,
-    ) -> Option<Measurement> {
+    ) -> bool {
         let checks = &mut self.plausibility[i];
         let quality = checks.judge(reading, moment);
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
         self.implausible[i].judge(at, quality, beyond);
         let seen = !matches!(quality, Quality::Missing | Quality::Stale);
         self.tally.implausible[i] += u64::from(seen && !quality.is_good());
-        let good = reading.filter(|_| quality.is_good());
-        good.map(|reading| Measurement { position: reading.position, velocity: reading.velocity })
+        quality.is_good()
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {

@@ -9,7 +9,16 @@ pub struct Gate {
     monitored: Option<Vec<i64>>,
     stops: Vec<i64>,
     timeout: Span,
-    state: Option<(i64, Timestamp)>,
+    state: Option<Seen>,
+}
+
+/// The platform's state as it came last: what it means is asked once, and not in each cycle of each
+/// cylinder.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    at: Timestamp,
+    monitored: bool,
+    stop: Option<i64>,
 }
 
 /// Where the gate stands.
@@ -31,23 +40,31 @@ impl Gate {
 
     /// Takes the platform's state as it was on the bus.
     pub fn state(&mut self, at: Timestamp, state: i64) {
-        self.state = Some((state, at));
+        let monitored = self.monitored.as_ref().is_none_or(|states| states.contains(&state));
+        let stop = self.stops.contains(&state).then_some(state);
+        self.state = Some(Seen { at, monitored, stop });
     }
 
+    #[inline]
     pub fn opening(&self, at: Timestamp) -> Opening {
-        let Some(monitored) = &self.monitored else { return Opening::Open };
-        match self.state {
-            Some((_, since)) if at.since(since) > self.timeout => Opening::Unknown,
-            Some((state, _)) if monitored.contains(&state) => Opening::Open,
+        match self.known(at) {
+            _ if self.monitored.is_none() => Opening::Open,
+            Some(seen) if seen.monitored => Opening::Open,
             Some(_) => Opening::Closed,
             None => Opening::Unknown,
         }
     }
 
     /// The state in which the rods stand on their stops, if it is one of these.
+    #[inline]
     pub fn stop(&self, at: Timestamp) -> Option<i64> {
-        let (state, since) = self.state?;
-        (at.since(since) <= self.timeout && self.stops.contains(&state)).then_some(state)
+        self.known(at)?.stop
+    }
+
+    /// The state, if it is not too old at `at`.
+    #[inline]
+    fn known(&self, at: Timestamp) -> Option<Seen> {
+        self.state.filter(|seen| at.since(seen.at) <= self.timeout)
     }
 
     /// Forgets the state, after a jump in time.

@@ -1,45 +1,76 @@
 //! The short way of a frame's signals to the inputs of a cylinder.
 
 use super::wiring::{Target, Wire};
-use crate::decode::Plain;
+use crate::decode::{Plain, SignalPlan};
 use crate::frame::Frame;
-use crate::sample::Inputs;
+use crate::sample::{Field, Inputs, Transducer};
 
-/// The signals of a message that all go to one cylinder and are all plain, as nearly every message of a
-/// transducer or valve has them: which they are is settled once, and not asked of each frame.
+/// The bytes of a word, of which all signals are read.
+const WORD: usize = 8;
+
+/// The signals of a page that all go to one cylinder, are all plain and lie within eight bytes, as nearly
+/// every message of a transducer or valve has them: which they are is settled once, and not asked of each
+/// frame.
 #[derive(Clone, Debug)]
 pub struct Intake {
     /// The index of the cylinder, from 0.
     cylinder: u8,
+    /// The byte with which the word begins.
+    at: u8,
     /// Bytes that a payload must have to carry them all.
     needs: u8,
     taps: Box<[Tap]>,
+    /// [`Inputs::came`] of all of them.
+    bits: u16,
+    /// The alive counter.
+    counter: Option<Plain>,
 }
 
-/// A signal and where it goes: [`Inputs::count`]'s `place` and `bits`.
+/// A signal and where it goes: [`Inputs::count`]'s `place`.
 #[derive(Clone, Copy, Debug)]
 struct Tap {
     signal: Plain,
     place: u8,
-    bits: u16,
+}
+
+/// An alive counter, and the readings that it counts, by the index of the cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct Counting<'a> {
+    pub plan: &'a SignalPlan,
+    pub counted: &'a [(u8, Transducer)],
 }
 
 impl Intake {
-    /// The short way of `wires`, the signals of one message; `None` if there is none.
-    pub fn of(wires: &[Wire]) -> Option<Self> {
+    /// The short way of `wires`, the signals of one page, and of its alive counter where it has one; `None`
+    /// if there is none.
+    pub fn of(wires: &[Wire], counting: Option<Counting<'_>>) -> Option<Self> {
         let Target::Cylinder(cylinder, _) = wires.first()?.target else { return None };
-        let tap = |wire: &Wire| match wire.target {
-            Target::Cylinder(index, field) if index == cylinder => Some(Tap {
-                signal: wire.plan.plain()?,
-                place: field.place(),
-                bits: Inputs::counted_bits(field),
-            }),
+        let counters = counting.iter().map(|counting| counting.plan);
+        let plans = wires.iter().map(|wire| &wire.plan).chain(counters);
+        let needs = plans.map(SignalPlan::needed_length).max()?;
+        let at = needs.saturating_sub(WORD);
+        let mut bits = 0;
+        let mut tap = |wire: &Wire| match wire.target {
+            Target::Cylinder(index, field) if index == cylinder => {
+                bits |= Inputs::counted_bits(field);
+                Some(Tap { signal: wire.plan.plain(at)?, place: field.place() })
+            }
             _ => None,
         };
-        let taps = wires.iter().map(tap).collect::<Option<_>>()?;
-        let needs = wires.iter().map(|wire| wire.plan.needed_length()).max()?;
+        let taps = wires.iter().map(&mut tap).collect::<Option<_>>()?;
+        let mut counter = None;
+        if let Some(Counting { plan, counted }) = counting {
+            counter = Some(plan.plain(at)?);
+            for (index, transducer) in counted {
+                bits |= Field::Counter(*transducer).bit();
+                if *index != cylinder {
+                    return None;
+                }
+            }
+        }
         // At most the longest payload, which has 64 bytes.
-        Some(Self { cylinder, needs: needs as u8, taps })
+        let [at, needs] = [at, needs].map(|bytes| bytes as u8);
+        Some(Self { cylinder, at, needs, taps, bits, counter })
     }
 
     /// The index of the cylinder, from 0.
@@ -48,18 +79,27 @@ impl Intake {
         usize::from(self.cylinder)
     }
 
-    /// Puts the signals of a data frame into `inputs`; `false`, and nothing, if it is too short for all
-    /// of them.
+    /// The word of a data frame that has all the signals; `None` if it is too short for one of them.
     #[inline(always)]
-    pub fn fill(&self, frame: &Frame, inputs: &mut Inputs) -> bool {
-        let whole = frame.length() >= usize::from(self.needs);
-        if whole {
-            for tap in &self.taps {
-                let (count, number) = tap.signal.read(frame.buffer());
-                inputs.count(tap.place, tap.bits, count, number);
-            }
+    pub fn word(&self, frame: &Frame) -> Option<u64> {
+        let bytes = frame.buffer().get(usize::from(self.at)..)?.first_chunk()?;
+        (frame.length() >= usize::from(self.needs)).then_some(u64::from_le_bytes(*bytes))
+    }
+
+    /// The alive counter, where there is one.
+    #[inline(always)]
+    pub fn counter(&self, word: u64) -> Option<u64> {
+        self.counter.as_ref().map(|counter| counter.count(word) as u64)
+    }
+
+    /// Puts the signals of a frame into `inputs`, and that their readings were counted.
+    #[inline(always)]
+    pub fn fill(&self, word: u64, inputs: &mut Inputs) {
+        for tap in &self.taps {
+            let count = tap.signal.count(word);
+            inputs.count(tap.place, count, tap.signal.number(count));
         }
-        whole
+        inputs.came(self.bits);
     }
 }
 
@@ -126,7 +166,7 @@ mod tests {
             wire("Plain", "Status", to(Status(C2))),
             wire("Plain", "Velocity", to(Command)),
         ];
-        let intake = Intake::of(&wires).expect("all are plain");
+        let intake = Intake::of(&wires, None).expect("all are plain");
         assert_eq!(intake.cylinder(), 2);
         let id = Id::standard(1).expect("11 bits");
         let mut state = 1_u64;
@@ -134,7 +174,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let frame = Frame::new(Timestamp::default(), id, Kind::Data, &state.to_le_bytes());
             let (mut inputs, expected) = (Inputs::default(), slowly(&wires, &frame));
-            assert!(intake.fill(&frame, &mut inputs));
+            intake.fill(intake.word(&frame).expect("it is long enough"), &mut inputs);
             assert_eq!(inputs.got(), expected.got());
             assert_eq!(inputs.reading(C2, u16::MAX), expected.reading(C2, u16::MAX));
             assert_eq!(inputs.reading(C1, u16::MAX), None);
@@ -143,16 +183,35 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_is_too_short_leaves_no_trace() {
+    fn a_counter_is_read_and_told_of_the_readings_that_it_counts() {
+        let wires = [wire("Plain", "Position", to(Position(C1)))];
+        let counter = wire("Plain", "Counter", to(Field::Counter(C1)));
+        let counting = |counted| Counting { plan: &counter.plan, counted };
+        let intake = Intake::of(&wires, Some(counting(&[(2, C1)]))).expect("both are plain");
+        let id = Id::standard(1).expect("11 bits");
+        let frame =
+            Frame::new(Timestamp::default(), id, Kind::Data, &[0, 0, 0, 0, 0, 0, 0x12, 0x34]);
+        let word = intake.word(&frame).expect("it is long enough");
+        assert_eq!(intake.counter(word), Some(0x1234));
+        let mut inputs = Inputs::default();
+        intake.fill(word, &mut inputs);
+        assert!(inputs.reading(C1, Field::Counter(C1).bit()).is_some());
+        // Of another cylinder, or of another page.
+        assert!(Intake::of(&wires, Some(counting(&[(1, C1)]))).is_none());
+        let paged = wire("Paged", "Asked", to(Field::Counter(C1)));
+        let counting = Counting { plan: &paged.plan, counted: &[(2, C1)] };
+        assert!(Intake::of(&wires, Some(counting)).is_none());
+    }
+
+    #[test]
+    fn a_frame_that_is_too_short_has_no_short_way() {
         let wires =
             [wire("Plain", "Position", to(Position(C1))), wire("Plain", "Counter", to(Status(C1)))];
-        let intake = Intake::of(&wires).expect("both are plain");
+        let intake = Intake::of(&wires, None).expect("both are plain");
         let id = Id::standard(1).expect("11 bits");
         for length in 0..=8 {
             let frame = Frame::new(Timestamp::default(), id, Kind::Data, &[7; 8][..length]);
-            let mut inputs = Inputs::default();
-            assert_eq!(intake.fill(&frame, &mut inputs), length == 8, "{length}");
-            assert_eq!(inputs.got() != 0, length == 8, "{length}");
+            assert_eq!(intake.word(&frame).is_some(), length == 8, "{length}");
         }
     }
 
@@ -160,14 +219,14 @@ mod tests {
     fn what_has_to_be_asked_has_no_short_way() {
         for message in ["Paged", "Float", "Huge", "Wide"] {
             let position = wire(message, "Asked", to(Position(C1)));
-            assert!(Intake::of(&[position]).is_none(), "{message}");
+            assert!(Intake::of(&[position], None).is_none(), "{message}");
         }
         let elsewhere = Target::Cylinder(1, Position(C1));
         for target in [Target::State, elsewhere] {
             let wires =
                 [wire("Plain", "Position", to(Position(C1))), wire("Plain", "Status", target)];
-            assert!(Intake::of(&wires).is_none(), "{target:?}");
+            assert!(Intake::of(&wires, None).is_none(), "{target:?}");
         }
-        assert!(Intake::of(&[]).is_none());
+        assert!(Intake::of(&[], None).is_none());
     }
 }

@@ -177,7 +177,9 @@ impl Monitor {
         };
         self.counts.used += 1;
         let now = self.follow_time(frame.timestamp, sink);
-        self.sort(place, now, frame, sink);
+        if !self.take_next(place, now, frame, sink) {
+            self.sort(place, now, frame, sink);
+        }
     }
 
     /// Time has passed until `now`, and every frame before it has been taken. A clock that was set
@@ -204,6 +206,8 @@ impl Monitor {
         }
     }
 
+    /// Any frame of the message at `place`.
+    #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         if self.stations[place].sync {
             self.synchronise(frame.timestamp, now, sink);
@@ -227,7 +231,8 @@ impl Monitor {
         if let Some(intake) = &page.intake {
             let index = intake.cylinder();
             let cylinder = &mut cylinders[index];
-            if intake.fill(frame, &mut cylinder.inputs) {
+            if let Some(word) = intake.word(frame) {
+                intake.fill(word, &mut cylinder.inputs);
                 if cylinder.pending && cylinder.is_done() {
                     self.evaluate(index, now, sink);
                 }

@@ -1,6 +1,6 @@
 //! What of a message comes together, and what came of it.
 
-use super::intake::Intake;
+use super::intake::{Counting, Intake};
 use super::wiring::{Line, Target, Wire};
 use crate::decode::{Decoded, SignalPlan};
 use crate::frame::Frame;
@@ -89,15 +89,17 @@ impl Draft<'_> {
         });
         let others = self.wires.iter().filter(|wire| !wire.is_counter());
         let wires: Box<[Wire]> = others.map(|wire| (*wire).clone()).collect();
+        let counted: Box<[(u8, Transducer)]> = counted.collect();
         let plan = self.counter.map(|wire| wire.plan.clone());
+        let counting = plan.as_ref().map(|plan| Counting { plan, counted: &counted });
         let alive = plan.as_ref().map(|plan| AliveCounter::new(plan.bits(), sharing));
         Page {
             reading: self.wires.iter().any(|wire| wire.is_reading()),
             cyclic: self.cyclic,
-            intake: Intake::of(&wires),
+            intake: Intake::of(&wires, counting),
             wires,
             counter: plan,
-            counted: counted.collect(),
+            counted,
             slot: Slot::new(alive),
             carried_with: { self.anchor.plan.is_multiplexed() }.then(|| self.anchor.plan.clone()),
         }

@@ -135,7 +135,7 @@ impl Observer {
     /// `command` is u(k) of the same cycle, m/s; the last one is held where it is absent. Without a
     /// measurement the model alone predicts. The first measurement after a stop sets the state, and
     /// the second value then says why it had stopped.
-    #[inline]
+    #[inline(always)]
     pub fn step(
         &mut self,
         measurement: Option<Measurement>,
@@ -164,6 +164,7 @@ impl Observer {
         }
     }
 
+    #[cold]
     fn start(&mut self, y: Measurement) -> Innovation {
         self.x = [y.position, y.velocity.unwrap_or(0.0), 0.0];
         self.running = true;
@@ -171,7 +172,7 @@ impl Observer {
         self.follow(y)
     }
 
-    #[inline]
+    #[inline(always)]
     fn follow(&mut self, y: Measurement) -> Innovation {
         let estimate = self.x[0];
         let residual = y.position - estimate;
@@ -183,6 +184,7 @@ impl Observer {
         Innovation { estimate, residual, settled, whole: self.recovering == 0 }
     }
 
+    #[cold]
     fn coast(&mut self) {
         self.coasted += 1;
         if self.coasted > self.design.max_gap {
@@ -193,7 +195,7 @@ impl Observer {
     }
 
     /// x ← A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
-    #[inline]
+    #[inline(always)]
     fn predict(&mut self, innovation: [f64; 2]) {
         let Design { a, b, l, .. } = &self.design;
         let (x, v) = (self.x, innovation);
@@ -201,7 +203,9 @@ impl Observer {
             let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];
             free + b[i] * self.u + (l[(i, 0)] * v[0] + l[(i, 1)] * v[1])
         });
-        if !self.x.iter().all(|value| value.is_finite()) {
+        // A finite number times zero is zero, all else is no number: one question for all three.
+        let nothing = self.x[0] * 0.0 + self.x[1] * 0.0 + self.x[2] * 0.0;
+        if nothing.is_nan() {
             self.stop(Restart::Diverged);
         }
     }

@@ -134,28 +134,41 @@ impl Slot {
         opens
     }
 
+    /// Takes `frame`, with this `counter` where it could be read, if it is just what the open cycle lacks:
+    /// one count on, or, without a counter, one cycle on. Nearly every frame is, so this is asked first.
+    #[inline(always)]
+    pub fn take_next(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> bool {
+        if !when.open || self.has(when.cycle) {
+            return false;
+        }
+        if let (Some(alive), Some(value)) = (&mut self.counter, counter) {
+            if !alive.is_due(when.cycle, value) {
+                return false;
+            }
+            alive.accept(when.cycle, value);
+            self.filled = Some(when.cycle);
+        } else {
+            let phase = when.phase(frame.timestamp);
+            let in_time = phase >= 0 || !when.by_sync;
+            if !in_time || self.filled.is_none_or(|filled| filled + 1 != when.cycle) {
+                return false;
+            }
+            self.take(frame, counter, when.cycle, phase);
+        }
+        self.starved = 0;
+        true
+    }
+
     /// What becomes of `frame` with this `counter`, where it could be read. What is to be kept is
     /// given to [`Self::keep`].
-    #[inline]
     pub fn judge(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
-        let empty = when.open && self.filled != Some(when.cycle);
-        if let (Some(alive), Some(value)) = (&mut self.counter, counter) {
+        if self.take_next(frame, counter, when) {
+            return Fate::Taken;
+        }
+        if let (Some(alive), Some(value)) = (&self.counter, counter) {
             let count = alive.read(when.cycle, value);
-            if count == Count::Off(0) && empty {
-                alive.accept(when.cycle, value);
-                self.filled = Some(when.cycle);
-                self.starved = 0;
-                return Fate::Taken;
-            }
             if let Some(fate) = self.judge_misfit(count, frame, value, when) {
                 return fate;
-            }
-        } else if empty && self.filled.is_some_and(|filled| filled + 1 == when.cycle) {
-            let phase = when.phase(frame.timestamp);
-            if phase >= 0 || !when.by_sync {
-                self.take(frame, counter, when.cycle, phase);
-                self.starved = 0;
-                return Fate::Taken;
             }
         }
         self.judge_by_phase(frame, counter, when)
@@ -333,6 +346,9 @@ impl Slot {
 /// A number that stands for a payload.
 #[inline]
 fn digest(frame: &Frame) -> u64 {
+    if let Some(word) = frame.word() {
+        return word;
+    }
     let mut words = frame.data().chunks(8).map(|chunk| {
         let mut word = [0; 8];
         word[..chunk.len()].copy_from_slice(chunk);

@@ -40,8 +40,10 @@ struct Point {
 /// Follows one alive counter.
 #[derive(Clone, Debug)]
 pub struct AliveCounter {
-    /// Bits of the counter.
+    /// Bits of the counter, …
     bits: u32,
+    /// … and as many ones.
+    ones: u64,
     /// Counts in a cycle.
     step: u64,
     /// Of the newest frame that was taken.
@@ -57,8 +59,10 @@ impl AliveCounter {
     /// A counter of `bits` bits (1 to 64) that wraps to zero and goes up by `step` in a cycle: by the
     /// number of pages that share it.
     pub fn new(bits: u32, step: u64) -> Self {
+        let bits = bits.clamp(1, 64);
         Self {
-            bits: bits.clamp(1, 64),
+            bits,
+            ones: u64::MAX >> (64 - bits),
             step: step.max(1),
             last: None,
             misfit: None,
@@ -71,6 +75,17 @@ impl AliveCounter {
     /// Counts that fitted no cycle.
     pub const fn jumps(&self) -> u64 {
         self.jumps
+    }
+
+    /// Whether `value` is the count of the frame that is due in cycle number `cycle`: [`Self::read`] says
+    /// [`Count::Off`] by 0.
+    #[inline(always)]
+    pub fn is_due(&self, cycle: u64, value: u64) -> bool {
+        let Some(last) = self.last else { return false };
+        let elapsed = cycle.wrapping_sub(last.cycle);
+        let expected = last.value.wrapping_add(elapsed.wrapping_mul(self.step));
+        let differ = |other: u64| (value ^ other) & self.ones != 0;
+        self.believed && !differ(expected) && differ(last.value)
     }
 
     /// What the count `value` says of a frame that came in cycle number `cycle`.
@@ -98,7 +113,7 @@ impl AliveCounter {
     }
 
     /// The frame was taken as that of `cycle`.
-    #[inline]
+    #[inline(always)]
     pub fn accept(&mut self, cycle: u64, value: u64) {
         if !self.believed {
             self.regain(cycle, value);
@@ -239,6 +254,24 @@ mod tests {
         assert_eq!(counter.read(3, 0), Count::Off(-1));
         assert_eq!(counter.read(2, 6), Count::Off(1));
         assert_eq!(counter.read(2, 3), Count::Jumped);
+    }
+
+    #[test]
+    fn what_is_due_is_what_is_read_as_of_this_cycle() {
+        for (bits, step) in [(8, 1), (8, 6), (2, 1), (3, 2), (1, 1), (1, 2), (64, 1)] {
+            let mut counter = AliveCounter::new(bits, step);
+            assert!(!counter.is_due(1, 1), "nothing is known");
+            counter.accept(7, u64::MAX);
+            for (cycle, value) in (5..12).flat_map(|cycle| (0..70_u64).map(move |k| (cycle, k))) {
+                // Values of a signed signal are negative numbers.
+                for value in [value, value.wrapping_neg()] {
+                    let due = counter.read(cycle, value) == Count::Off(0);
+                    assert_eq!(counter.is_due(cycle, value), due, "{bits} {step} {cycle} {value}");
+                }
+            }
+            counter.disbelieve();
+            assert!(!counter.is_due(8, step.wrapping_sub(1)), "it is not believed");
+        }
     }
 
     #[test]

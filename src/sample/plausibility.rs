@@ -104,6 +104,9 @@ impl Stillness {
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     limits: Limits,
+    /// The lowest and the highest of [`Limits::broken_wire_codes`]: most readings are beside both, and
+    /// need no search.
+    broken_wire: (i64, i64),
     missing: u32,
     last: Option<f64>,
     /// Since the reading changed.
@@ -116,7 +119,10 @@ pub struct Plausibility {
 impl Plausibility {
     /// Checks by `limits`.
     pub fn new(limits: Limits) -> Self {
+        let broken = || limits.broken_wire_codes.iter().copied();
+        let none = (i64::MAX, i64::MIN);
         Self {
+            broken_wire: broken().min().zip(broken().max()).unwrap_or(none),
             limits,
             missing: 0,
             last: None,
@@ -197,8 +203,12 @@ impl Plausibility {
     fn is_frozen(&self) -> bool {
         let frozen = self.limits.frozen;
         let Stillness { cycles, pushed, stirred, .. } = self.held;
+        if cycles < frozen {
+            // Nearly always: it moves.
+            return false;
+        }
         if self.is_witnessed() {
-            return cycles >= frozen;
+            return true;
         }
         let either_way = pushed.into_iter().all(|pushed| pushed >= frozen);
         !stirred && either_way && cycles >= frozen.saturating_mul(UNWITNESSED)
@@ -206,7 +216,10 @@ impl Plausibility {
 
     fn of_new(&self, reading: &Reading) -> Quality {
         let limits = &self.limits;
-        let broken_code = reading.code.is_some_and(|c| limits.broken_wire_codes.contains(&c));
+        let broken_code = reading.code.is_some_and(|code| {
+            let (lowest, highest) = self.broken_wire;
+            (lowest..=highest).contains(&code) && limits.broken_wire_codes.contains(&code)
+        });
         let broken_status = reading.status.is_some_and(|s| s & limits.status_mask != 0);
         let code_in_range = reading
             .code
@@ -264,6 +277,22 @@ mod tests {
         let zero = Reading { code: Some(0), ..reading(2.0) };
         assert_eq!(checks.judge(Some(&zero), MOVING), Quality::OutOfRange);
         assert_eq!(checks.judge(Some(&reading(1.0)), MOVING), Quality::Good);
+    }
+
+    #[test]
+    fn only_the_codes_of_a_broken_wire_are_one() {
+        let codes = vec![32767, 0, 500];
+        let mut checks = Plausibility::new(Limits { broken_wire_codes: codes, ..limits() });
+        for (code, quality) in [
+            (0, Quality::BrokenWire),
+            (100, Quality::Good),
+            (500, Quality::BrokenWire),
+            (501, Quality::Good),
+            (32767, Quality::BrokenWire),
+        ] {
+            let reading = Reading { code: Some(code), ..reading(code as f64 * 1e-5) };
+            assert_eq!(checks.judge(Some(&reading), MOVING), quality, "{code}");
+        }
     }
 
     #[test]

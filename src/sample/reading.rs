@@ -114,12 +114,17 @@ impl Inputs {
     }
 
     /// Takes what stands at `place` ([`Field::place`]) of a frame, as a count and as the finite number
-    /// that the count means; `bits` are its [`Self::counted_bits`].
+    /// that the count means. It says nothing before [`Self::came`].
     #[inline(always)]
-    pub fn count(&mut self, place: u8, bits: u16, count: i64, number: f64) {
+    pub fn count(&mut self, place: u8, count: i64, number: f64) {
         let place = usize::from(place) % PLACES;
         self.counts[place] = count;
         self.numbers[place] = number;
+    }
+
+    /// The fields of `bits`, all of their [`Self::counted_bits`], have come.
+    #[inline(always)]
+    pub fn came(&mut self, bits: u16) {
         self.got |= bits;
     }
 

@@ -66,6 +66,8 @@ pub struct Slow {
     means: [f64; MEANS],
     held: usize,
     next: usize,
+    /// Of `means`, once there is a minute of them.
+    mean: Option<f64>,
     sum: f64,
     count: u32,
 }
@@ -73,11 +75,12 @@ pub struct Slow {
 impl Slow {
     pub fn new(sample_time: f64) -> Self {
         let second = ((1.0 / sample_time).round() as u32).max(1);
-        Self { second, means: [0.0; MEANS], held: 0, next: 0, sum: 0.0, count: 0 }
+        Self { second, means: [0.0; MEANS], held: 0, next: 0, mean: None, sum: 0.0, count: 0 }
     }
 
     pub fn reset(&mut self) {
-        (self.held, self.next, self.sum, self.count) = (0, 0, 0.0, 0);
+        (self.held, self.next, self.mean) = (0, 0, None);
+        (self.sum, self.count) = (0.0, 0);
     }
 
     pub fn push(&mut self, residual: f64) {
@@ -87,13 +90,15 @@ impl Slow {
             self.means[self.next] = self.sum / f64::from(self.count);
             self.next = (self.next + 1) % MEANS;
             self.held = (self.held + 1).min(MEANS);
+            let mean = || self.means.iter().sum::<f64>() / MEANS as f64;
+            self.mean = (self.held == MEANS).then(mean);
             (self.sum, self.count) = (0.0, 0);
         }
     }
 
     /// m; `None` before there is a minute of it.
-    pub fn mean(&self) -> Option<f64> {
-        (self.held == MEANS).then(|| self.means.iter().sum::<f64>() / MEANS as f64)
+    pub const fn mean(&self) -> Option<f64> {
+        self.mean
     }
 }
 

@@ -15,18 +15,26 @@ const HELD: usize = 17;
 const BENDS: [f64; 2] = [0.01, 0.05];
 
 /// The newest commands, m/s.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Commands {
-    ring: [f64; HELD],
+    /// A ring, twice: from `next` on it has the newest in a row, the oldest first.
+    rings: [f64; 2 * HELD],
     next: usize,
     held: usize,
+}
+
+impl Default for Commands {
+    fn default() -> Self {
+        Self { rings: [0.0; 2 * HELD], next: 0, held: 0 }
+    }
 }
 
 impl Commands {
     /// Takes the command of a cycle.
     pub fn push(&mut self, command: f64) {
-        self.ring[self.next] = command;
-        self.next = (self.next + 1) % HELD;
+        self.rings[self.next] = command;
+        self.rings[self.next + HELD] = command;
+        self.next = if self.next + 1 == HELD { 0 } else { self.next + 1 };
         self.held = (self.held + 1).min(HELD);
     }
 
@@ -34,20 +42,18 @@ impl Commands {
         self.held = 0;
     }
 
-    fn ago(&self, cycles: usize) -> f64 {
-        self.ring[(self.next + HELD - 1 - cycles) % HELD]
-    }
-
     /// The regressors of the velocity until the next cycle; `None` before enough commands came.
     pub fn features(&self) -> Option<[f64; FEATURES]> {
         if self.held < HELD {
             return None;
         }
+        let newest: &[f64; HELD] = self.rings.get(self.next..self.next + HELD)?.first_chunk()?;
+        let ago = |cycles: usize| newest[HELD - 1 - cycles];
         let mut features = [0.0; FEATURES];
         for (feature, lag) in features.iter_mut().zip(LAGS) {
-            *feature = self.ago(lag);
+            *feature = ago(lag);
         }
-        let u = self.ago(DELAY);
+        let u = ago(DELAY);
         features[LAGS.len()..].copy_from_slice(&[
             u * u.abs(),
             u * u * u,

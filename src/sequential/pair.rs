@@ -139,7 +139,8 @@ impl Pair {
         let PairDesign { a, l, drive, sample_time, .. } = &self.design;
         self.x = a * self.x + l * innovation;
         self.x[0] += sample_time * drive.velocity(&features);
-        if !self.x.iter().all(|value| value.is_finite()) {
+        // As in the observers: zero, unless one of the three is not finite.
+        if (self.x * 0.0).sum().is_nan() {
             self.lose();
         }
     }

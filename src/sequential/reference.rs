@@ -27,9 +27,11 @@ impl Reference {
     /// Where `length`, m, is among `nodes` nodes; `None` beyond them.
     pub fn place(first: f64, spacing: f64, nodes: usize, length: f64) -> Option<Place> {
         let along = (length - first) / spacing;
-        let cell = along.floor();
-        let inside = cell >= 0.0 && cell + 1.0 < nodes as f64;
-        inside.then_some(Place { cell: cell as usize, part: along - cell })
+        // Not `floor`, which is a call: what is negative is beyond the nodes.
+        let floor = along as u32;
+        let cell = floor as usize;
+        let inside = along >= 0.0 && cell < nodes.saturating_sub(1);
+        inside.then_some(Place { cell, part: along - f64::from(floor) })
     }
 
     /// C1 − (C2 + φᵀθ), m, of readings in m and a velocity in m/s; `None` where the calibration

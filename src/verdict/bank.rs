@@ -52,6 +52,8 @@ pub struct Bank {
     observed: [History<WINDOW>; 2],
     difference: History<DIFFERENCES>,
     found: [Option<Found>; 3],
+    /// Any is.
+    any_found: bool,
     /// Of R1 and R2.
     signatures: [Signatures; 2],
     coincidence: Span,
@@ -75,6 +77,7 @@ impl Bank {
             observed: [History::default(), History::default()],
             difference: History::default(),
             found: [None; 3],
+            any_found: false,
             signatures: design.signatures.clone(),
             coincidence: design.coincidence,
         }
@@ -129,10 +132,12 @@ impl Bank {
         })
     }
 
-    pub fn any_found(&self) -> bool {
-        self.found.iter().any(Option::is_some)
+    pub const fn any_found(&self) -> bool {
+        self.any_found
     }
 
+    /// What the raised FDEs see. Nearly always none is, so this is kept out of the way.
+    #[cold]
     fn remember(&mut self, at: Timestamp) {
         for i in 0..3 {
             let Some(raise) = self.triggers[i].raised() else {
@@ -150,6 +155,7 @@ impl Bank {
             };
             self.found[i] = Some(Found { fault, suspect, age });
         }
+        self.any_found = self.found.iter().any(Option::is_some);
     }
 
     fn suspect(&self, i: usize, own: Raise) -> Suspect {

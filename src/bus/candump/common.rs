@@ -16,6 +16,8 @@ const MAX_CLASSIC: usize = 8;
 const LONGEST_DATA: usize = 2 * MAX_CLASSIC + 2;
 /// `(1700000000.`
 const PREFIX: usize = 12;
+/// `(1700000000.000516) `, where the interface stands.
+const NAME: usize = PREFIX + 8;
 /// The last second whose every nanosecond is in range.
 const LAST_SECOND: i64 = i64::MAX / NANOS_PER_SECOND - 1;
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
@@ -40,8 +42,8 @@ pub struct Common {
     name: u64,
     /// Which bytes of `name` count.
     mask: u64,
-    /// How many they are.
-    name_length: usize,
+    /// How many they are, eight at most.
+    name_length: u8,
     interface: Known,
 }
 
@@ -58,12 +60,26 @@ impl Common {
         self.interface
     }
 
-    /// Reads the line at the start of `text` into `frame`; gives its length with its line end.
-    /// `None`, and anything in `frame`, if it is not of this form or too near the end of `text`.
-    ///
-    /// `find` knows the interfaces.
+    /// Reads the line at the start of `text` into `frame`, if it begins as the one before did; gives its
+    /// length with its line end. `None`, and anything in `frame`, if it is another line, or too near the
+    /// end of `text`.
     #[inline(always)]
-    pub fn read(
+    pub fn read(&self, text: &[u8], frame: &mut Frame) -> Option<usize> {
+        let window: &[u8; WINDOW] = text.first_chunk()?;
+        if prefix(window)? != self.prefix {
+            return None;
+        }
+        let fraction = hex::six_decimals(word(window, PREFIX)?)?;
+        if word(window, NAME)? & self.mask != self.name {
+            return None;
+        }
+        self.read_frame(window, NAME, fraction, frame)
+    }
+
+    /// Reads the line all the same, if all that is new is its second or its interface, or if its stamp
+    /// has nine decimals. `find` knows the interfaces.
+    #[inline(never)]
+    pub fn read_new(
         &mut self,
         text: &[u8],
         frame: &mut Frame,
@@ -74,14 +90,27 @@ impl Common {
             self.learn_second(window)?;
         }
         let (fraction, name_at) = match hex::six_decimals(word(window, PREFIX)?) {
-            Some(nanos) => (nanos, PREFIX + 8),
-            None => (nine_decimals(window)?, PREFIX + 11),
+            Some(nanos) => (nanos, NAME),
+            None => (nine_decimals(window)?, NAME + 3),
         };
         if word(window, name_at)? & self.mask != self.name {
             self.learn_interface(window, name_at, find)?;
         }
-        let (id, data_at) = identifier(window, name_at + self.name_length)?;
-        let rest: &[u8; LONGEST_DATA] = window.get(data_at..)?.first_chunk()?;
+        self.read_frame(window, name_at, fraction, frame)
+    }
+
+    /// Reads what is behind the interface, which stands at `name_at`.
+    #[inline(always)]
+    fn read_frame(
+        &self,
+        window: &[u8; WINDOW],
+        name_at: usize,
+        fraction: u32,
+        frame: &mut Frame,
+    ) -> Option<usize> {
+        let id_at = name_at + usize::from(self.name_length);
+        let (id, data_at) = identifier(window, id_at)?;
+        let rest: &[u8; LONGEST_DATA] = chunk(window, data_at)?;
         let length = payload(rest, frame.buffer_mut());
         let end = 2 * length;
         let ending = match (rest[end], rest[end + 1]) {
@@ -120,10 +149,10 @@ impl Common {
         at: usize,
         find: impl FnOnce(&[u8]) -> Option<Known>,
     ) -> Option<()> {
-        let name = window.get(at..at + 8)?;
+        let name: &[u8; 8] = chunk(window, at)?;
         let length = name.iter().position(|byte| *byte == b' ')?;
         self.interface = find(&name[..length])?;
-        self.name_length = length + 1;
+        self.name_length = length as u8 + 1;
         self.mask = u64::MAX >> (64 - 8 * self.name_length);
         self.name = word(window, at)? & self.mask;
         Some(())
@@ -141,7 +170,7 @@ fn nine_decimals(window: &[u8; WINDOW]) -> Option<u32> {
 
 #[inline(always)]
 fn identifier(window: &[u8; WINDOW], at: usize) -> Option<(Id, usize)> {
-    let [first, second, third, b'#'] = *window.get(at..)?.first_chunk()? else {
+    let [first, second, third, b'#'] = *chunk(window, at)? else {
         return extended_identifier(window, at);
     };
     let id = Id::standard(hex::three([first, second, third])?.into())?;
@@ -173,12 +202,17 @@ fn payload(text: &[u8; LONGEST_DATA], bytes: &mut [u8; MAX_DATA]) -> usize {
 
 #[inline(always)]
 fn prefix(window: &[u8; WINDOW]) -> Option<(u64, u32)> {
-    let rest = window.get(8..)?.first_chunk()?;
-    Some((word(window, 0)?, u32::from_le_bytes(*rest)))
+    Some((word(window, 0)?, u32::from_le_bytes(*chunk(window, 8)?)))
 }
 
 /// Eight bytes, the first lowest.
 #[inline(always)]
 fn word(window: &[u8; WINDOW], at: usize) -> Option<u64> {
-    Some(u64::from_le_bytes(*window.get(at..)?.first_chunk()?))
+    Some(u64::from_le_bytes(*chunk(window, at)?))
+}
+
+/// The bytes from `at` on. One comparison, where a slice of the rest and a chunk of that are two.
+#[inline(always)]
+fn chunk<const N: usize>(window: &[u8; WINDOW], at: usize) -> Option<&[u8; N]> {
+    window.get(at..at + N)?.first_chunk()
 }

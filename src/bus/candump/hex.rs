@@ -5,9 +5,9 @@ const HIGH: u64 = ONES * 0x80;
 
 /// Set in a pair's value where one of its characters is no digit.
 const STRANGE: u16 = 1 << 15;
-/// By character: its value as the first digit of a byte, and as the second.
-static FIRST: [u16; 256] = values(4);
-static SECOND: [u16; 256] = values(0);
+/// By character: its value as the second digit of a byte, then as the first: one table, so that one
+/// register leads to both.
+static VALUES: [[u16; 256]; 2] = [values(0), values(4)];
 
 const fn values(shift: u32) -> [u16; 256] {
     let mut table = [STRANGE; 256];
@@ -26,7 +26,7 @@ const fn values(shift: u32) -> [u16; 256] {
 /// none to the end.
 #[inline(always)]
 pub fn byte(first: u8, second: u8) -> Option<u8> {
-    let value = FIRST[usize::from(first)] | SECOND[usize::from(second)];
+    let value = VALUES[1][usize::from(first)] | VALUES[0][usize::from(second)];
     (value & STRANGE == 0).then_some(value as u8)
 }
 
@@ -34,7 +34,7 @@ pub fn byte(first: u8, second: u8) -> Option<u8> {
 #[inline(always)]
 pub fn three(digits: [u8; 3]) -> Option<u16> {
     let [first, second, third] = digits.map(usize::from);
-    let (high, low) = (SECOND[first], FIRST[second] | SECOND[third]);
+    let (high, low) = (VALUES[0][first], VALUES[1][second] | VALUES[0][third]);
     ((high | low) & STRANGE == 0).then_some(high << 8 | low)
 }
 

@@ -1,6 +1,7 @@
 //! What the detectors of a cylinder are told of a cycle.
 
-use super::precedence::Standing;
+use super::agreement::Agreement;
+use super::precedence::{DETECTORS, Precedence, Standing};
 use super::{Cylinder, Evaluation};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
@@ -45,15 +46,27 @@ impl Cylinder {
     }
 
     /// What a reading that stands, or is not there, makes of those who disagree with it.
+    #[inline]
     pub(super) fn judge_precedence(&mut self) {
+        let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
+        let sequential = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
+        let raised = [fde1, fde2, fde3, sequential];
+        if raised == [false; DETECTORS] {
+            // Nearly always: nobody is blamed.
+            self.precedence = Precedence::default();
+        } else {
+            self.judge_standing(raised);
+        }
+    }
+
+    #[cold]
+    fn judge_standing(&mut self, raised: [bool; DETECTORS]) {
         let standing = std::array::from_fn(|i| Standing {
             known: self.implausible[i].raised().then_some(self.implausible[i].fault),
             alone: self.plausibility[i].stands_alone(),
             idle: self.plausibility[i].idle(),
         });
-        let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);
-        let sequential = self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
-        self.precedence.judge([fde1, fde2, fde3, sequential], standing);
+        self.precedence.judge(raised, standing);
     }
 
     pub(super) fn judge_sequentially(
@@ -76,7 +89,12 @@ impl Cylinder {
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);
-        let alarm = sequential.alarm().is_some();
-        self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+        if raised == [false; 2] {
+            // Nearly always: nobody disagrees.
+            self.agreement = Agreement::default();
+        } else {
+            let alarm = sequential.alarm().is_some();
+            self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+        }
     }
 }
