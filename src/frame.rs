@@ -134,3 +134,21 @@ impl PartialEq for Frame {
 }
 
 impl Eq for Frame {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_payload_of_up_to_eight_bytes_is_a_word_whatever_is_behind_it() {
+        let id = Id::standard(1).expect("11 bits");
+        for length in 0..=12 {
+            let data = &[0x81; 12][..length];
+            let mut frame = Frame::new(Timestamp::default(), id, Kind::Data, data);
+            frame.buffer_mut()[length..].fill(0xFF);
+            let expected =
+                data.iter().rev().fold(0_u128, |word, byte| word << 8 | u128::from(*byte));
+            assert_eq!(frame.word(), u64::try_from(expected).ok().filter(|_| length <= 8));
+        }
+    }
+}

@@ -183,6 +183,27 @@ mod tests {
     }
 
     #[test]
+    fn a_counter_is_read_and_told_of_the_readings_that_it_counts() {
+        let wires = [wire("Plain", "Position", to(Position(C1)))];
+        let counter = wire("Plain", "Counter", to(Field::Counter(C1)));
+        let counting = |counted| Counting { plan: &counter.plan, counted };
+        let intake = Intake::of(&wires, Some(counting(&[(2, C1)]))).expect("both are plain");
+        let id = Id::standard(1).expect("11 bits");
+        let frame =
+            Frame::new(Timestamp::default(), id, Kind::Data, &[0, 0, 0, 0, 0, 0, 0x12, 0x34]);
+        let word = intake.word(&frame).expect("it is long enough");
+        assert_eq!(intake.counter(word), Some(0x1234));
+        let mut inputs = Inputs::default();
+        intake.fill(word, &mut inputs);
+        assert!(inputs.reading(C1, Field::Counter(C1).bit()).is_some());
+        // Of another cylinder, or of another page.
+        assert!(Intake::of(&wires, Some(counting(&[(1, C1)]))).is_none());
+        let paged = wire("Paged", "Asked", to(Field::Counter(C1)));
+        let counting = Counting { plan: &paged.plan, counted: &[(2, C1)] };
+        assert!(Intake::of(&wires, Some(counting)).is_none());
+    }
+
+    #[test]
     fn a_frame_that_is_too_short_has_no_short_way() {
         let wires =
             [wire("Plain", "Position", to(Position(C1))), wire("Plain", "Counter", to(Status(C1)))];

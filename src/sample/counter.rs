@@ -238,6 +238,24 @@ mod tests {
     }
 
     #[test]
+    fn what_is_due_is_what_is_read_as_of_this_cycle() {
+        for (bits, step) in [(8, 1), (8, 6), (2, 1), (3, 2), (1, 1), (1, 2), (64, 1)] {
+            let mut counter = AliveCounter::new(bits, step);
+            assert!(!counter.is_due(1, 1), "nothing is known");
+            counter.accept(7, u64::MAX);
+            for (cycle, value) in (5..12).flat_map(|cycle| (0..70_u64).map(move |k| (cycle, k))) {
+                // Values of a signed signal are negative numbers.
+                for value in [value, value.wrapping_neg()] {
+                    let due = counter.read(cycle, value) == Count::Off(0);
+                    assert_eq!(counter.is_due(cycle, value), due, "{bits} {step} {cycle} {value}");
+                }
+            }
+            counter.disbelieve();
+            assert!(!counter.is_due(8, step.wrapping_sub(1)), "it is not believed");
+        }
+    }
+
+    #[test]
     fn two_misfits_one_cycle_apart_are_another_count() {
         let mut counter = at(100, 10);
         assert_eq!(counter.read(11, 0), Count::Jumped);
