@@ -63,6 +63,15 @@ fn many_spikes() {
     }
 }
 
+/// Twenty calm minutes say nothing of spikes to come, and a level by them alone is one that four of these
+/// reach.
+#[test]
+fn a_tuned_level_is_one_for_spikes_too() {
+    let tuned = setup().at_level(setup().tuned());
+    let heard = tuned.with(spiky([0.02; 2], 40.0)).run(900.0, false, &[]);
+    nothing(&heard, "2 % of 40 counts");
+}
+
 /// The machine whose C2 is sampled beside C1 from so many seconds on.
 fn apart(from: f64, how: &str) -> Tables {
     let sampling = format!("sampling = {{ time = [{from:?}, 1e6], {how} }}");
