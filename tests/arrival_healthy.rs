@@ -118,9 +118,12 @@ fn shuffled_and_lost_frames_are_no_fault() {
 #[test]
 fn faults_on_such_a_bus_are_blamed_right_or_on_nobody() {
     for (what, setup) in [("", setup().clone()), ("position only", position_only(setup()))] {
-        for fault in ["step,size=0.004", "step,size=-0.02", "drift,rate=0.02"] {
+        let once = ["step,size=0.004", "step,size=-0.02", "drift,rate=0.02"].map(|it| (23, it));
+        // Noise of 2 and of 5 σ.
+        let noise = |seed| ["noise,size=0.00087", "noise,size=0.00217"].map(|it| (seed, it));
+        for (seed, fault) in once.into_iter().chain((23..27).flat_map(noise)) {
             let (faults, truth) = support::one_each(fault);
-            let (heard, _) = shuffled(&setup, 23, 60.0, &faults);
+            let (heard, _) = shuffled(&setup, seed, 60.0, &faults);
             let (mut right, mut undecided) = (0, 0);
             for warning in heard.warnings.iter().chain(&heard.others) {
                 let (_, suspect, at) = truth[usize::from(warning.cylinder) - 1];
@@ -133,7 +136,7 @@ fn faults_on_such_a_bus_are_blamed_right_or_on_nobody() {
                     undecided += usize::from(found == Suspect::Undecided);
                 }
             }
-            println!("{what} {fault}: {right} blamed right, {undecided} undecided");
+            println!("{what} {fault}, {seed}: {right} blamed right, {undecided} undecided");
             assert!(right + undecided >= 6, "{what} {fault}: not seen");
         }
     }

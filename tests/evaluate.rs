@@ -176,7 +176,7 @@ fn detectors_are_compared_on_the_same_faults_and_hours() {
     let labels = ["step 0.5 mm", "noise 2 σ", "drift 1 mm/s", "none", "drift 0.025 mm/s, stop"];
     let plan = contest(&bench, &mut stand, &labels);
     let jobs = plan.jobs();
-    assert_eq!(jobs.len(), 5 * 2 + 1, "two machines a row, and an hour");
+    assert_eq!(jobs.len(), 5 * 6 + 1, "six machines a row, each with two faults, and an hour");
     let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
     let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
     assert_eq!(forwards, backwards);

@@ -4,7 +4,7 @@
 #[path = "sequential_support/mod.rs"]
 mod support;
 
-use support::{Bench, one_each, setup};
+use support::{Bench, fine, one_each, setup};
 use tertius::alarm::Detector;
 use tertius::controller::State;
 use tertius::sequential::Blame;
@@ -157,4 +157,23 @@ fn the_stop_tells_which_transducer_has_drifted() {
     let (_, detector) = monitor.sequential().find(|(n, _)| *n == 3).expect("it has one");
     let trend = detector.dwells().trend(0).expect("there is a history");
     assert!(trend.per_month > 10.0 * trend.error, "{trend:?}");
+}
+
+/// Where they move in steps of four counts, what chance seems to add to the time between both samples is
+/// large now and then: still whose a fault is, is told.
+#[test]
+fn steps_and_noise_on_coarse_transducers_have_their_suspects() {
+    let coarse = fine(&[("counts = 27648.0", "counts = 6912.0")], "");
+    let setup = setup().with(coarse).calibrated();
+    for fault in ["step,size=0.00125", "noise,size=0.0013"] {
+        let (faults, truth) = one_each(fault);
+        let heard = setup.run(50.0, false, &faults);
+        let last = |(cylinder, suspect, at): &(u8, Suspect, f64)| {
+            (heard.of(*cylinder, *at).expect("it is found").1.finding.suspect, *suspect)
+        };
+        let said: Vec<_> = truth.iter().map(last).collect();
+        let right = said.iter().filter(|(found, truth)| found == truth).count();
+        let wrong = said.iter().filter(|it| it.0 != it.1 && it.0 != Suspect::Undecided).count();
+        assert!(right >= 5 && wrong == 0, "{fault}: {said:?}");
+    }
 }

@@ -4,7 +4,7 @@
 mod support;
 
 use support::{Bench, Heard, Setup, fine, one_each, setup};
-use tertius::alarm::State as Said;
+use tertius::alarm::{State as Said, Warning};
 use tertius::controller::State;
 use tertius::frame::Frame;
 use tertius::monitor::Notice;
@@ -63,6 +63,15 @@ fn many_spikes() {
     }
 }
 
+/// Twenty calm minutes say nothing of spikes to come, and a level by them alone is one that four of these
+/// reach.
+#[test]
+fn a_tuned_level_is_one_for_spikes_too() {
+    let tuned = setup().at_level(setup().tuned());
+    let heard = tuned.with(spiky([0.02; 2], 40.0)).run(900.0, false, &[]);
+    nothing(&heard, "2 % of 40 counts");
+}
+
 /// The machine whose C2 is sampled beside C1 from so many seconds on.
 fn apart(from: f64, how: &str) -> Tables {
     let sampling = format!("sampling = {{ time = [{from:?}, 1e6], {how} }}");
@@ -84,6 +93,24 @@ fn sampling_that_has_changed_is_told_and_nobody_blamed() {
         let size = if how.ends_with("5e-4") { 5e-4 } else { 2e-4 };
         assert!((found / size - 1.0).abs() < 0.5, "{how}: {apart:?}");
     }
+}
+
+/// A cylinder that moves fast when the others do not may have an alarm before they all know.
+#[test]
+fn an_alarm_before_the_sampling_is_told_blames_nobody() {
+    let setup = setup().at_level(20.0).with(apart(60.0, "jitter = 1e-3"));
+    let mut alarms = 0;
+    for seed in 0..20 {
+        let heard = setup.play(90.0, &setup.options(seed, &[]));
+        let blames = |w: &&Warning| w.finding.suspect != Suspect::Undecided;
+        assert_eq!(heard.warnings.iter().find(blames), None, "{seed}\n{}", heard.told());
+        alarms += heard.warnings.len();
+        assert!(
+            heard.notices.iter().any(|it| matches!(it, Notice::Timing { apart: Some(_), .. })),
+            "{seed}"
+        );
+    }
+    assert!(alarms > 0, "none had one, and nothing was tried");
 }
 
 /// A machine that has always been like that.

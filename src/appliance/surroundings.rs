@@ -171,7 +171,7 @@ impl Journal for Appliance {
                 let (detector, reason) = (detector.name(), restart_name(reason));
                 info!(cylinder, detector, reason, "observer starts anew");
             }
-            Notice::Timing { apart: Some(Apart { mean, spread }), .. } => {
+            Notice::Timing { apart: Some(Apart { mean, spread, .. }), .. } => {
                 warn!(skew = mean, jitter = spread, "C1 and C2 are not sampled together");
             }
             Notice::Timing { apart: None, .. } => {

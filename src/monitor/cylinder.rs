@@ -52,6 +52,8 @@ pub struct CylinderDesign {
     /// The measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
+    /// Within so many cycles of each other, findings are of one event.
+    pub coincidence: u32,
     /// Good readings for this long clear a plausibility warning.
     pub clear: Span,
 }
@@ -137,7 +139,7 @@ impl Cylinder {
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             agreement: Agreement::default(),
-            precedence: Precedence::default(),
+            precedence: Precedence::new(design.coincidence),
             sensor: None,
             estimated: None,
             critical: Trigger::new(Thresholds {

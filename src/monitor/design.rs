@@ -189,6 +189,7 @@ impl<'a> Wirer<'a> {
             limits: [first, second],
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),
+            coincidence: settings.cycles(settings.alarm.coincidence),
             clear,
         })
     }

@@ -126,7 +126,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
 
 /// How far apart in time C1 and C2 are sampled.
 fn timing(apart: &Apart) -> String {
-    let Apart { mean, spread } = apart;
+    let Apart { mean, spread, .. } = apart;
     let skew = match mean {
         0.0 => String::new(),
         _ if *mean > 0.0 => format!("C2 {:.2} ms sooner than calibrated, ", 1e3 * mean),

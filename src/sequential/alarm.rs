@@ -41,6 +41,8 @@ pub struct Alarm {
     pub age: u32,
     /// Cycles without evidence.
     pub calm: u32,
+    /// When it had just risen, all cylinders were found to be sampled otherwise: it is of no transducer.
+    pub of_timing: bool,
 }
 
 impl Alarm {
@@ -58,12 +60,19 @@ impl Alarm {
             onset,
             age: 0,
             calm: 0,
+            of_timing: false,
         }
     }
 
     /// Nobody is suspected any more, and what spoke for it is void.
     pub const fn clear_suspect(&mut self) {
         (self.suspect, self.evidence) = (Suspect::Undecided, None);
+    }
+
+    /// It began with a change of the sampling, and blames nobody.
+    pub const fn lay_to_timing(&mut self) {
+        self.of_timing = true;
+        self.clear_suspect();
     }
 
     /// How far back one looks whether it is over: as far as it took to find it.

@@ -160,7 +160,14 @@ impl Sequential {
     /// What its residuals say of when C1 and C2 are sampled; `None` while one of both is at fault.
     pub fn said(&self) -> Option<Said> {
         let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
-        self.alarm.is_none().then(said)
+        self.is_witness().then(said)
+    }
+
+    /// A noise that is nobody's may be the sampling's: were it not asked, those that have no alarm yet would
+    /// be the majority.
+    fn is_witness(&self) -> bool {
+        self.alarm
+            .is_none_or(|alarm| alarm.fault == Fault::Noise && alarm.suspect == Suspect::Undecided)
     }
 
     /// C1 and C2 are sampled so far apart, as all cylinders together have it.
@@ -168,6 +175,9 @@ impl Sequential {
         let Noise { rest, timing } = self.design.noise.relied_on();
         self.noise = Noise { rest, timing: apart.timing(timing) };
         self.sooner = apart.mean;
+        if apart.changing {
+            self.lay_to_timing();
+        }
     }
 
     /// The alarm that stands.
@@ -237,10 +247,11 @@ impl Sequential {
         let residual = residual - baseline;
         let sample = Sample { residual, share: self.noise.share(velocity) };
         let news = self.novelty.step([c1, c2], sample);
-        match &self.alarm {
-            _ if news != News::InMotion => {}
-            Some(alarm) => self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual),
-            None => {
+        if news == News::InMotion {
+            if let Some(alarm) = &self.alarm {
+                self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual);
+            }
+            if self.is_witness() {
                 let calibrated = residual + self.sooner * velocity;
                 self.skew.take(calibrated, velocity, &self.noise, self.sooner);
             }

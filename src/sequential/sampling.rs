@@ -32,6 +32,8 @@ pub struct Apart {
     pub mean: f64,
     /// Standard deviation of what chance adds, s.
     pub spread: f64,
+    /// The newest half second is sure that chance adds more, and that is not told yet.
+    pub changing: bool,
 }
 
 impl Apart {
@@ -74,26 +76,33 @@ impl Sampling {
         }
         let [fast, slow] = [0, 1].map(|which: usize| {
             let mean = middle(said, |one| one.seen[which].mean);
-            Apart { mean, spread: middle(said, |one| one.seen[which].square).max(0.0).sqrt() }
+            let spread = middle(said, |one| one.seen[which].square).max(0.0).sqrt();
+            Apart { mean, spread, changing: false }
         });
         let mean = if (fast.mean - slow.mean).abs() > LEAST_APART { fast.mean } else { slow.mean };
         let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
-        let apart = Apart { mean, spread: fast.spread.max(slow.spread) };
-        Some((apart, self.tell(said, slow)))
+        let told = self.tell(said, slow);
+        let changing = told == Some(true) || !self.changed && surely(said, 0);
+        Some((Apart { mean, spread: fast.spread.max(slow.spread), changing }, told))
     }
 
     /// Of what is known for sure.
     fn tell(&mut self, said: &[Said], slow: Apart) -> Option<bool> {
         let known = middle(said, |one| one.known);
         let error = middle(said, |one| one.seen[1].mean_error);
-        let surely =
-            middle(said, |Said { seen: [_, slow], .. }| slow.square - SURE * slow.square_error);
         let limit = LEAST_APART.max(MORE * known);
-        let changed = slow.mean.abs() - SURE * error > LEAST_APART || surely > limit * limit;
+        let changed = slow.mean.abs() - SURE * error > LEAST_APART || surely(said, 1);
         let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.spread < limit;
         let now = if self.changed { !over } else { changed };
         (std::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
+}
+
+/// Chance adds more than what is known, as the newest half second (0) or half minute (1) has it.
+fn surely(said: &[Said], which: usize) -> bool {
+    let limit = LEAST_APART.max(MORE * middle(said, |one| one.known));
+    let least = |one: &Said| one.seen[which].square - SURE * one.seen[which].square_error;
+    middle(said, least) > limit * limit
 }
 
 /// The lower median.
@@ -126,9 +135,11 @@ mod tests {
         let (healthy, jitter) = (said(1e-5, 1e-4), said(0.0, 5e-4));
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(None));
         let (apart, told) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
-        assert_eq!((apart, told), (Apart { mean: 0.0, spread: 5e-4 }, Some(true)));
+        assert_eq!((apart.mean, apart.spread, told), (0.0, 5e-4, Some(true)));
+        assert!(apart.changing);
         assert!((apart.timing(2e-4) - 1.15 * 5e-4).abs() < 1e-12 && apart.timing(5e-4) == 5e-4);
-        assert_eq!(judge(&mut sampling, &[jitter; 6]).map(|it| it.1), Some(None));
+        let (apart, told) = judge(&mut sampling, &[jitter; 6]).expect("they are enough");
+        assert_eq!((apart.changing, told), (false, None), "it is known by now");
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
         let skew = judge(&mut sampling, &[said(-3e-4, 1e-4); 6]);
         assert_eq!(skew.map(|(apart, told)| (apart.mean, told)), Some((-3e-4, Some(true))));
@@ -140,7 +151,7 @@ mod tests {
         let (apart, told) =
             judge(&mut Sampling::default(), &[off, healthy, healthy, off, healthy, healthy])
                 .expect("they are enough");
-        assert_eq!((apart, told), (Apart { mean: 0.0, spread: 1e-4 }, None));
+        assert_eq!((apart, told), (Apart { spread: 1e-4, ..Apart::default() }, None));
         assert_eq!(judge(&mut Sampling::default(), &[off; 2]), None);
     }
 }

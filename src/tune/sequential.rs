@@ -2,7 +2,7 @@
 //! sequential detectors.
 
 use crate::extremes::{Maxima, Tail, common_level, per_second};
-use crate::sequential::{Design, Input, Sequential};
+use crate::sequential::{Design, Input, Sequential, wild};
 use crate::survey::{Row, Surveyor};
 
 /// Reads the recording with the sequential detectors of all cylinders that have one.
@@ -22,7 +22,7 @@ struct Watched {
 /// The level h of all cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// h, nats: at least the largest evidence seen.
+    /// h, nats: at least the largest evidence seen, and what spikes reach ([`wild::least_level`]).
     pub nats: f64,
     /// The largest evidence seen, nats.
     pub worst: f64,
@@ -55,7 +55,7 @@ impl Watch {
         }
         let worst = watched().map(|one| one.worst).fold(0.0, f64::max);
         Some(Level {
-            nats: common_level(&tails, per_second(per_year)).max(worst),
+            nats: common_level(&tails, per_second(per_year)).max(worst).max(wild::least_level()),
             worst,
             hours: tails.iter().map(|tail| tail.seconds).sum::<f64>() / 3600.0,
             heavy: tails.iter().any(|tail| tail.heavy),

@@ -15,6 +15,7 @@ use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
 use tertius::sequential::{Dwell, Moved};
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Window};
+use tertius::tune::sequential::Watch;
 use tertius::verdict::Suspect;
 
 pub const SAMPLE_TIME: f64 = 0.02;
@@ -84,6 +85,15 @@ impl Setup {
         let mut other = self.clone();
         other.settings.sequential.level = Some(nats);
         other
+    }
+
+    /// The level that `tune` would write, nats.
+    pub fn tuned(&self) -> f64 {
+        let monitor = self.monitor();
+        let designs: Vec<_> = monitor.sequential().map(|(_, it)| it.design().clone()).collect();
+        let mut watch = Watch::new(designs.iter().map(Some), self.settings.warning_cycles());
+        _ = self.read(Window { from: 0.0, to: LENGTH }, &mut watch);
+        watch.level(1.0, SAMPLE_TIME).expect("it is long enough").nats
     }
 
     pub fn simulator(&self, options: &Options) -> Simulator {

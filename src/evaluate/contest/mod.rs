@@ -36,6 +36,10 @@ use std::collections::BTreeMap;
 /// From when the observers have settled until the faults begin: longer than the widest window, s.
 const LEAD: f64 = 37.0;
 
+/// Cylinders of a machine that have their fault at once. What half of them show is no transducer's to the
+/// detectors, but something that all of them share.
+const AT_ONCE: u32 = 2;
+
 /// Streams of random numbers of their own, apart from all other jobs.
 const STREAMS: u64 = 3 << 40;
 const NUMBERS: u64 = 1 << 20;
@@ -79,7 +83,7 @@ impl Contest {
 
     /// The machines of a row.
     pub const fn machines(&self) -> u32 {
-        self.trials.div_ceil(CYLINDERS as u32)
+        self.trials.div_ceil(AT_ONCE)
     }
 
     /// All jobs, the longest first.
@@ -105,7 +109,7 @@ impl Contest {
                 let (row, course) = &self.rows[index];
                 let learnt = stand.learnt(row.cell.grade)?;
                 let mut rng = self.random(1 + index as u64, number);
-                let one = |begin: f64, rng: &mut ChaCha8Rng| Try::draw(row, number, begin, rng);
+                let one = |begin: f64, rng: &mut ChaCha8Rng| few(row, number, begin, rng);
                 let settle = stand.settings.observer.settle;
                 Product::Faulty(match course {
                     Course::Engaged => {
@@ -136,6 +140,16 @@ impl Contest {
     pub fn lessons(&self) -> [u64; 2] {
         [0, 1].map(|which| self.random(NUMBERS - 1, which).random())
     }
+}
+
+/// Draws a trial of which only a few cylinders have their fault.
+fn few(row: &Row, number: u32, begin: f64, rng: &mut ChaCha8Rng) -> Try {
+    let mut one = Try::draw(row, number, begin, rng);
+    let turns = CYLINDERS as u32 / AT_ONCE;
+    // Each of them in each sea.
+    let turn = number / turns % turns;
+    one.faults.retain(|fault| u32::from(fault.cylinder) % turns == turn);
+    one
 }
 
 /// What it came to on one grade.

@@ -10,10 +10,6 @@ use crate::verdict::{Fault, Suspect};
 /// FDE1, FDE2, FDE3 and the sequential detector.
 pub const DETECTORS: usize = 4;
 
-/// A detector sees what a plausibility check finds up to so many cycles before the reading stops: it
-/// has been faulty in between, too.
-const BEFORE: u32 = 10;
-
 /// Where one reading has stood for so many cycles and the other one leaves it, so many more tell whether
 /// that is a motion, which begins like a fault; and as long as it stands on, nobody can tell.
 const STOOD: u32 = 3;
@@ -41,8 +37,11 @@ struct Culprit {
 }
 
 /// What each detector has to know.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Precedence {
+    /// A detector sees what a plausibility check finds up to so many cycles before the reading stops: it
+    /// has been faulty in between, too.
+    before: u32,
     culprits: [Option<Culprit>; DETECTORS],
     /// Cycles since each has been raised.
     ages: [Option<u32>; DETECTORS],
@@ -51,6 +50,16 @@ pub struct Precedence {
 }
 
 impl Precedence {
+    /// What begins within `coincidence` cycles of each other is one event.
+    pub fn new(coincidence: u32) -> Self {
+        Self {
+            before: coincidence,
+            culprits: Default::default(),
+            ages: Default::default(),
+            awaited: None,
+        }
+    }
+
     /// Takes a cycle: which detectors are raised, and how the transducers stand.
     pub fn judge(&mut self, raised: [bool; DETECTORS], standing: [Standing; 2]) {
         for (k, raised) in raised.into_iter().enumerate() {
@@ -60,7 +69,7 @@ impl Precedence {
             }
             let age = self.ages[k].map_or(0, |age| age.saturating_add(1));
             self.ages[k] = Some(age);
-            let met = |one: &Standing| age <= one.idle.saturating_add(BEFORE);
+            let met = |one: &Standing| age <= one.idle.saturating_add(self.before);
             let newest = only(standing.map(|one| met(&one) && (one.known.is_some() || one.alone)));
             let newest = newest.map(|transducer| Culprit {
                 transducer,
@@ -134,7 +143,7 @@ mod tests {
     #[test]
     fn who_stands_goes_before_who_goes_on_then_and_afterwards() {
         use Suspect::{C1, C2, Undecided};
-        let mut precedence = Precedence::default();
+        let mut precedence = Precedence::new(10);
         precedence.judge(ALL, [SOUND; 2]);
         assert_eq!(of_c2(&precedence), [C2; 4]);
         precedence.judge(ALL, [ALONE, SOUND]);
@@ -151,7 +160,7 @@ mod tests {
 
     #[test]
     fn what_was_found_long_before_is_another_fault() {
-        let mut precedence = Precedence::default();
+        let mut precedence = Precedence::new(10);
         (0..100).for_each(|_| precedence.judge(ALL, [SOUND; 2]));
         precedence.judge(ALL, [FROZEN, SOUND]);
         assert_eq!(of_c2(&precedence), [Suspect::C2; 4]);
@@ -160,7 +169,7 @@ mod tests {
     /// A rod that starts looks like a reading that steps, as long as the other one stands.
     #[test]
     fn fde3_does_not_blame_one_that_leaves_another_that_stands() {
-        let mut precedence = Precedence::default();
+        let mut precedence = Precedence::new(10);
         let fde3 = [false, false, true, false];
         for age in 0..3 * AWAITED {
             // It stands where it has gone to.
@@ -175,7 +184,7 @@ mod tests {
 
     #[test]
     fn of_two_that_stand_neither_is_blamed_for_the_other() {
-        let mut precedence = Precedence::default();
+        let mut precedence = Precedence::new(10);
         precedence.judge(ALL, [FROZEN; 2]);
         assert_eq!(of_c2(&precedence), [Suspect::C2; 4]);
     }

@@ -21,6 +21,13 @@ const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
 /// … which is until so many cycles after the alarm.
 const LATEST: usize = 25;
 
+/// It takes up to so long until all cylinders together know that they are sampled otherwise, s; one of
+/// them may have an alarm first.
+const SHARED: f64 = 5.0;
+
+/// So many cycles after the alarm they mostly do, and whose a noise is can be told.
+const NOISE_TOLD: u32 = 25;
+
 /// A noise has a root mean square of more than so many healthy deviations.
 const NOTABLE: f64 = 1.1;
 
@@ -58,6 +65,17 @@ impl Sequential {
     pub(super) fn begin(&mut self, alarm: Alarm) {
         self.proportion.begin();
         self.alarm = Some(alarm);
+    }
+
+    /// The cylinders have found that they are sampled otherwise.
+    pub(super) fn lay_to_timing(&mut self) {
+        let latest = (SHARED / self.design.sample_time) as u32;
+        let just = |alarm: &&mut Alarm| alarm.age <= latest && !alarm.of_timing;
+        if let Some(alarm) = self.alarm.as_mut().filter(just)
+            && matches!(alarm.cause, Cause::Mean | Cause::Variance)
+        {
+            alarm.lay_to_timing();
+        }
     }
 
     pub(super) fn go_on(&mut self, calm: bool) {
@@ -123,7 +141,7 @@ impl Sequential {
         let age = alarm.age as usize;
         let late = age > LATEST || alarm.back > LOCATED || shape.onset > age + LOCATED;
         // What was there when the evidence began, as a drift is that the baseline began with, is no step.
-        if late || !shape.seen || alarm.suspect != Suspect::Undecided {
+        if late || !shape.seen || alarm.of_timing || alarm.suspect != Suspect::Undecided {
             return;
         }
         let pair = self.pair.as_ref();
@@ -137,7 +155,7 @@ impl Sequential {
             alarm.clear_suspect();
         }
         (alarm.fault, alarm.size) = (Fault::Noise, size);
-        if alarm.suspect == Suspect::Undecided {
+        if alarm.suspect == Suspect::Undecided && alarm.age >= NOISE_TOLD && !alarm.of_timing {
             let span = (alarm.age as usize).min(LONGEST);
             decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
         }
