@@ -1,7 +1,7 @@
 //! What the detectors of a cylinder are told of a cycle.
 
 use super::agreement::Agreement;
-use super::precedence::{DETECTORS, Precedence, Standing};
+use super::precedence::{DETECTORS, Standing};
 use super::{Cylinder, Evaluation};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
@@ -53,7 +53,7 @@ impl Cylinder {
         let raised = [fde1, fde2, fde3, sequential];
         if raised == [false; DETECTORS] {
             // Nearly always: nobody is blamed.
-            self.precedence = Precedence::default();
+            self.precedence.rest();
         } else {
             self.judge_standing(raised);
         }

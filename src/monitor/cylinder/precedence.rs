@@ -60,6 +60,12 @@ impl Precedence {
         }
     }
 
+    /// Takes a cycle in which none is raised.
+    #[inline]
+    pub fn rest(&mut self) {
+        *self = Self::new(self.before);
+    }
+
     /// Takes a cycle: which detectors are raised, and how the transducers stand.
     pub fn judge(&mut self, raised: [bool; DETECTORS], standing: [Standing; 2]) {
         for (k, raised) in raised.into_iter().enumerate() {
