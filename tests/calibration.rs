@@ -235,3 +235,41 @@ fn a_command_that_predicts_nothing_is_no_drive() {
     let unrelated = calibrated(&|u| (1e6 * u).sin());
     assert_eq!((unrelated.drive, unrelated.prediction), (None, 0.0));
 }
+
+/// A recording that loses a cycle every four seconds.
+struct Lossy(Vec<Row>);
+
+impl Recording for Lossy {
+    type Error = Infallible;
+
+    fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), Infallible> {
+        for row in self.0.iter().filter(|row| window.holds(row.t)) {
+            if row.cycle.is_multiple_of(200) {
+                surveyor.gap(1);
+            } else {
+                surveyor.row(row);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Baselines take five seconds to begin, and would never have done so.
+#[test]
+fn a_cycle_that_is_lost_every_few_seconds_costs_no_calibration() {
+    let settings =
+        config::load(&support::top().join("config/e-type.toml")).expect("sound").settings;
+    let all = Window { from: 0.0, to: 600.0 };
+    let course = Course { settings: &settings, fitted: all, tried: all, per_year: 1.0 };
+    let rows = learning_support::rows(1, 30_000);
+    let fitted = |calibrated: Result<tertius::calibrate::Calibrated, Infallible>| {
+        let calibrated = calibrated.unwrap_or_else(|never| match never {});
+        let table = calibrated.cylinders[0].table().expect("it has a line");
+        table.sequential.expect("it moves")
+    };
+    let (whole, lossy) =
+        (fitted(course.run(&Recorded(rows.clone()))), fitted(course.run(&Lossy(rows))));
+    assert!((lossy.deviation / whole.deviation - 1.0).abs() < 0.02, "{lossy:?}");
+    let [one, other] = [&whole, &lossy].map(|table| table.level.expect("there was enough"));
+    assert!((one / other - 1.0).abs() < 0.1, "{one} {other}");
+}

@@ -60,10 +60,10 @@ fn a_calibration_shows_the_difference_before_and_after_with_its_bounds() {
         after.assert_levels(Look::RED, &[bound, -bound]);
         after.assert_levels(Look::ORANGE, &[1.5, -1.5]);
     }
-    // The corrected difference of the first cylinder is that of the table, over both parts.
+    // The corrected difference of the first cylinder is that of the table, by a line through all of it.
     let after = &figures[0].panels()[1];
     let largest = after.curve(Look::BLUE).iter().fold(0.0, |most: f64, (_, r)| most.max(r.abs()));
-    assert!((0.89..1.3).contains(&largest), "{largest}");
+    assert!((0.85..1.3).contains(&largest), "{largest}");
 }
 
 #[test]
@@ -107,5 +107,7 @@ fn what_is_refused_still_has_its_page() {
     // However far away δ_h is, there are figures, and they say where it is.
     let document = parse(&html);
     assert_eq!(Figure::all(&document).len(), 6);
-    assert!(html.contains(", beyond the scale</li>"));
+    let high = text.split_once("δ_h ").expect("a threshold").1;
+    let high = high.split_once('\n').expect("a line").0;
+    assert!(html.matches(&format!("δ_h: {high}")).count() >= 5, "{high}");
 }

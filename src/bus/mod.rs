@@ -26,6 +26,7 @@ mod writer;
 
 pub use barren::{Barren, Seems};
 pub use candump::{Found, MAX_LINE, Reason, TimeStamps};
+pub use order::sorted as in_order;
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
 pub use recording::{Options, Progress, Recording};
 pub use selection::{Ambiguous, Interfaces, Selected, Selection};

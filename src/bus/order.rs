@@ -1,6 +1,6 @@
 //! Whether recordings are named in the order of time.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::time::Timestamp;
 
@@ -38,6 +38,19 @@ pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceErr
         "name them in the order of time".to_owned()
     };
     Err(SourceError::Order { ahead: ahead.0, at: ahead.1, later: later.0, before: later.1, advice })
+}
+
+/// `paths` in the order in which they begin, by their time stamps; as they are named where one of them
+/// does not tell. What cannot be opened is told when it is read.
+pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
+    let begins = |path: &PathBuf| Some((beginning(&Place::of(path), interfaces)?, path.clone()));
+    match paths.iter().map(begins).collect::<Option<Vec<_>>>() {
+        Some(mut known) => {
+            known.sort_by_key(|(begin, _)| *begin);
+            known.into_iter().map(|(_, path)| path).collect()
+        }
+        None => paths.to_vec(),
+    }
 }
 
 /// The time stamp of the first frame of a file, of the interface that is meant if it comes soon.

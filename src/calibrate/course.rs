@@ -1,13 +1,14 @@
 //! A calibration from beginning to end, on whatever can be read again and again.
 
+use super::division::{Cuts, Cutting};
 use super::{
-    Bound, CylinderCalibration, Fitting, Gathering, Profile, Profiling, Refusal, Scatter,
-    Scattering, Spreading, Trying,
+    Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
+    Profiling, Refusal, Scatter, Scattering, Spreading, Trying,
 };
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
 use crate::survey::{Surveyor, Window};
-use crate::tune::sequential::{Level, Watch};
+use crate::tune::sequential::{OwnLevel, Watch};
 
 /// A recording that can be read as often as needed, the same each time.
 pub trait Recording {
@@ -24,7 +25,8 @@ pub trait Recording {
 #[derive(Clone, Copy, Debug)]
 pub struct Course<'a> {
     pub settings: &'a Settings,
-    /// The part that is fitted, and the part on which the fit is tried.
+    /// The part that is fitted, and the part on which the fit is tried; where both are the same, its blocks
+    /// alternate ([`Division`]).
     pub fitted: Window,
     pub tried: Window,
     /// False alarms that a year may bring, all cylinders together.
@@ -38,52 +40,90 @@ pub struct Calibrated {
     pub cylinders: Vec<CylinderCalibration>,
     /// See [`super::Calibration::bound`].
     pub bound: Option<Bound>,
-    /// See [`super::Calibration::level`].
-    pub level: Option<Level>,
+}
+
+/// What is beyond the level is cut out with so much on either side, s.
+const BESIDE: f64 = 20.0;
+
+/// A fault is in so many places at the most.
+const MOST_PLACES: usize = 2;
+
+/// More of the recording than this part is not cut out.
+const MOST_CUT: f64 = 0.1;
+
+/// What each cylinder has taught.
+struct Taught {
+    gathering: Gathering,
+    results: Vec<Result<super::Fitted, Refusal>>,
+    profiles: Vec<Option<(Profile, Halves)>>,
+    scattering: Scattering,
+    trying: Trying,
+    sequential: Vec<Option<(Profile, Scatter)>>,
+    levels: Vec<Option<OwnLevel>>,
 }
 
 impl Course<'_> {
     /// Reads `recording` six times: what is in it, the line, what bends along it, the trial, the scatter,
-    /// and the detectors that follow.
+    /// and the detectors that follow; and once more as often, where a few minutes of it contradict them
+    /// and are cut out.
     ///
     /// # Errors
     /// The recording's own.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Calibrated, R::Error> {
-        let Self { settings, fitted, tried, per_year } = *self;
-        let sample_time = settings.machine.sample_time;
-        let (gathering, results) = self.lines(recording)?;
+        let none = Cuts::none(usize::from(self.settings.machine.cylinders));
+        let taught = self.teach(recording, &none)?;
+        let (cuts, cut) = self.cuts(&taught);
+        let taught = if cut { self.teach(recording, &cuts)? } else { taught };
+        Ok(self.conclude(taught, &cuts))
+    }
+
+    fn division(&self) -> Division {
+        Division::new(self.fitted, self.tried)
+    }
+
+    /// The whole of what is read.
+    fn whole(&self) -> Window {
+        let Self { fitted, tried, .. } = self;
+        Window { from: fitted.from.min(tried.from), to: fitted.to.max(tried.to) }
+    }
+
+    fn teach<R: Recording>(&self, recording: &R, cuts: &Cuts) -> Result<Taught, R::Error> {
+        let Self { settings, tried, .. } = *self;
+        let (sample_time, division) = (settings.machine.sample_time, self.division());
+        let (gathering, results) = self.lines(recording, cuts)?;
         let fits = || results.iter().map(|result| result.as_ref().ok());
-        let mut profiling = Profiling::new(settings.machine.stroke, sample_time, fits());
-        recording.read(fitted, &mut profiling)?;
-        let profiles: Vec<Option<Profile>> =
+        let mut profiling = Profiling::new(division, settings.machine.stroke, sample_time, fits());
+        let whole = self.whole();
+        recording.read(whole, Cutting { cuts, surveyor: &mut profiling })?;
+        let profiles: Vec<Option<(Profile, Halves)>> =
             (0..results.len()).map(|i| profiling.result(i)).collect();
         let known = || fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
-        let mut spreading = Spreading::new(sample_time, known());
+        let halves = known().map(|known| known.map(|(fit, (_, halves))| (fit, halves)));
+        let mut spreading = Spreading::new(sample_time, division, halves);
         let mut trying = Trying::new(fits(), settings.warning_cycles());
-        recording.read(tried, (&mut trying, &mut spreading))?;
+        let both = (&mut trying, &mut spreading);
+        recording.read(tried, Cutting { cuts, surveyor: both })?;
         let spread = known().enumerate().map(|(index, known)| {
-            let ((fit, profile), spread) = known.zip(spreading.result(index))?;
-            Some((fit, profile, spread))
+            let ((fit, taught), spread) = known.zip(spreading.result(index))?;
+            Some((fit, taught, spread))
         });
-        let mut scattering = Scattering::new(sample_time, spread);
-        recording.read(tried, &mut scattering)?;
-        let bound = trying.bound(per_year, sample_time);
-        let sequential: Vec<Option<(Profile, Scatter)>> = (0..)
-            .zip(profiles)
-            .map(|(i, profile)| judged(profile?, scattering.result(i)?))
-            .collect();
-        let level = self.level(recording, &sequential)?;
-        let learnt = (1..).zip(results).zip(trying.into_cylinders()).zip(sequential);
-        let cylinder = |(((number, result), tried), sequential): (((u8, Result<_, _>), _), _)| {
-            let index = usize::from(number) - 1;
-            let mut remarks = Vec::new();
-            if result.is_ok() {
-                remarks.extend(gathering.remarks(index));
-                remarks.extend(scattering.remark(index));
-            }
-            CylinderCalibration { sample_time, number, result, tried, sequential, remarks }
+        let mut scattering = Scattering::new(sample_time, division, spread);
+        recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
+        let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
+            judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
         };
-        Ok(Calibrated { cylinders: learnt.map(cylinder).collect(), bound, level })
+        let sequential: Vec<_> = profiles.iter().enumerate().map(judge).collect();
+        let mut taught = Taught {
+            gathering,
+            results,
+            profiles,
+            scattering,
+            trying,
+            sequential,
+            levels: Vec::new(),
+        };
+        taught.levels = self.levels(recording, cuts, &taught)?;
+        Ok(taught)
     }
 
     /// a and b of every cylinder, and what there was to make them from.
@@ -91,6 +131,7 @@ impl Course<'_> {
     fn lines<R: Recording>(
         &self,
         recording: &R,
+        cuts: &Cuts,
     ) -> Result<(Gathering, Vec<Result<super::Fitted, Refusal>>), R::Error> {
         let settings = self.settings;
         let [low, high] = settings.machine.stroke;
@@ -100,14 +141,14 @@ impl Course<'_> {
         };
         let numbers = 1..=settings.machine.cylinders;
         let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
-        recording.read(self.fitted, &mut gathering)?;
+        recording.read(self.fitted, Cutting { cuts, surveyor: &mut gathering })?;
         let second = settings.signals.cylinder.c2.is_some();
         let judge = |n: u8| {
             if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
         };
         let lines: Vec<_> = numbers.map(judge).collect();
         let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
-        recording.read(self.fitted, &mut fitting)?;
+        recording.read(self.fitted, Cutting { cuts, surveyor: &mut fitting })?;
         let results = lines.into_iter().enumerate().map(|(i, line)| {
             fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
         });
@@ -115,26 +156,99 @@ impl Course<'_> {
         Ok((gathering, results))
     }
 
-    /// The level, where the residuals ask for a higher one than the wanted rate does by itself.
-    fn level<R: Recording>(
+    /// What the detectors that follow make of the recording.
+    fn levels<R: Recording>(
         &self,
         recording: &R,
-        sequential: &[Option<(Profile, Scatter)>],
-    ) -> Result<Option<Level>, R::Error> {
-        let Self { settings, tried, per_year, .. } = *self;
+        cuts: &Cuts,
+        taught: &Taught,
+    ) -> Result<Vec<Option<OwnLevel>>, R::Error> {
+        let sample_time = self.settings.machine.sample_time;
+        let design = |both: &Option<(Profile, Scatter)>| {
+            both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
+        };
+        let designs: Vec<_> = taught.sequential.iter().map(design).collect();
+        let crossed = designs.iter().zip(&taught.profiles).map(|(design, taught)| {
+            let halves = taught.as_ref().map(|(_, halves)| halves);
+            design.as_ref().zip(halves)
+        });
+        let mut watch = Watch::crossed(crossed, self.division(), sample_time);
+        recording.read(self.tried, Cutting { cuts, surveyor: &mut watch })?;
+        Ok(watch.levels(self.per_year))
+    }
+
+    /// What is to be cut out, and whether there is anything. A fault is in a place or two; what comes
+    /// again and again belongs to the machine, and is told.
+    fn cuts(&self, taught: &Taught) -> (Cuts, bool) {
+        let mut cuts = Cuts::none(taught.levels.len());
+        let (mut any, most) = (false, MOST_CUT * self.whole().length());
+        for (index, level) in taught.levels.iter().enumerate() {
+            let Some(level) = level.as_ref().filter(|it| it.contradiction().is_some()) else {
+                continue;
+            };
+            let places = places(level.beyond());
+            let length: f64 = places.iter().map(|[from, to]| to - from).sum();
+            if !places.is_empty() && places.len() <= MOST_PLACES && length <= most {
+                any = true;
+                places.into_iter().for_each(|place| cuts.add(index, place));
+            }
+        }
+        (cuts, any)
+    }
+
+    fn conclude(&self, taught: Taught, cuts: &Cuts) -> Calibrated {
+        let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
+        let settings = self.settings;
         let sample_time = settings.machine.sample_time;
-        let designs: Vec<_> = sequential
-            .iter()
-            .map(|both| {
-                both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
-            })
-            .collect();
-        let mut watch = Watch::new(designs.iter().map(Option::as_ref), settings.warning_cycles());
-        recording.read(tried, &mut watch)?;
-        let by_rate = sequential::level(per_year, settings.machine.cylinders, sample_time);
-        Ok(watch.level(per_year, sample_time).filter(|level| level.nats > by_rate))
+        let bound = trying.bound(self.per_year, sample_time);
+        let by_rate = sequential::level(self.per_year, settings.machine.cylinders, sample_time);
+        // What one part has taught and another one confirmed is no reason for a lower level.
+        let given = |nats: &f64| self.division().alternates() || *nats > by_rate;
+        let learnt =
+            (1..).zip(results).zip(trying.into_cylinders()).zip(sequential.into_iter().zip(levels));
+        let cylinder = |(((number, result), tried), (sequential, level)): Learnt| {
+            let index = usize::from(number) - 1;
+            let contradiction = level.as_ref().and_then(Contradiction::of);
+            let mut remarks = Vec::new();
+            if result.is_ok() {
+                remarks.extend(gathering.remarks(index));
+                remarks.extend(scattering.remark(index));
+                remarks.extend(cuts.told(index));
+                remarks.extend(level.as_ref().and_then(OwnLevel::remark));
+            }
+            CylinderCalibration {
+                sample_time,
+                number,
+                result,
+                tried,
+                sequential: sequential.filter(|_| contradiction.is_none()),
+                level: level.and_then(|level| level.nats()).filter(given),
+                contradiction,
+                remarks,
+            }
+        };
+        Calibrated { cylinders: learnt.map(cylinder).collect(), bound }
     }
 }
+
+/// The places, s, from which to which there is evidence beyond a level, at these times, in order.
+fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for t in times {
+        let [from, to] = [t - BESIDE, t + BESIDE];
+        match places.last_mut() {
+            Some(last) if from <= last[1] => last[1] = to,
+            _ => places.push([from, to]),
+        }
+    }
+    places
+}
+
+/// What there is of one cylinder.
+type Learnt = (
+    ((u8, Result<super::Fitted, Refusal>), Option<super::Tried>),
+    (Option<(Profile, Scatter)>, Option<OwnLevel>),
+);
 
 /// A drive that has been tried and does not predict is none.
 fn judged(profile: Profile, scatter: Scatter) -> Option<(Profile, Scatter)> {
@@ -158,6 +272,7 @@ impl CylinderCalibration {
                 let reference = &profile.reference;
                 CylinderSequential {
                     sample_time: Some(self.sample_time),
+                    level: self.level,
                     first: reference.first,
                     spacing: reference.spacing,
                     nodes: reference.nodes.clone(),

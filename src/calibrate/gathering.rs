@@ -2,9 +2,11 @@
 
 use super::line::Robust;
 use super::refusal::Refusal;
+use super::resolution::Resolution;
 use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
 use crate::sample::Quality;
+use crate::sequential::Noise;
 use crate::survey::{Row, Surveyor};
 
 /// Samples of a cylinder that are kept for the line.
@@ -28,6 +30,8 @@ struct Gathered {
     qualities: [[u64; 6]; 2],
     /// C2 and C1.
     points: Thinned<(f64, f64)>,
+    /// Of C1 and C2.
+    resolutions: [Resolution; 2],
 }
 
 /// The first reading: is there what a calibration needs?
@@ -53,6 +57,7 @@ impl Gathering {
             raw: [Spread::default(); 2],
             qualities: [[0; 6]; 2],
             points: Thinned::new(KEPT),
+            resolutions: Default::default(),
         };
         Self {
             stroke,
@@ -82,7 +87,7 @@ impl Gathering {
         }
         let range_mm = 1e3 * gathered.range();
         let least_mm = 1e3 * LEAST_MOTION * self.stroke;
-        let robust = Robust::fit(gathered.points.samples());
+        let robust = Robust::fit(gathered.points.samples(), gathered.rounding());
         // A wrong unit makes a motion of metres one of millimetres: told first.
         let together = self.correlation(index, index).abs() > LEAST_CORRELATION;
         if let Some(Robust { line, .. }) = robust.as_ref().filter(|_| together) {
@@ -175,7 +180,8 @@ impl Surveyor for Gathering {
     }
 
     fn gap(&mut self, cylinder: u8) {
-        _ = cylinder;
+        let gathered = &mut self.cylinders[usize::from(cylinder) - 1];
+        gathered.resolutions.iter_mut().for_each(Resolution::interrupt);
     }
 }
 
@@ -192,8 +198,16 @@ impl Gathered {
             self.qualities[i][row.qualities[i] as usize] += 1;
         }
         let (c1, c2) = row.c1.zip(row.c2)?;
+        for (resolution, length) in self.resolutions.iter_mut().zip([c1, c2]) {
+            resolution.add(length);
+        }
         self.points.add((c2, c1));
         Some((c1, c2))
+    }
+
+    /// What the rounding of both readings leaves of their difference in any case, m.
+    fn rounding(&self) -> f64 {
+        Noise::of_rounding([0, 1].map(|which: usize| self.resolutions[which].count()))
     }
 
     fn presence(&self) -> Result<(), Refusal> {

@@ -50,10 +50,11 @@ impl Line {
 
 impl Robust {
     /// The line through `points` (x, y) by Huber's weights, iterated until they rest; `None` where
-    /// the points have no width.
-    pub fn fit(points: &[(f64, f64)]) -> Option<Self> {
+    /// the points have no width. Of points on a lattice that mostly are on the line itself, the median
+    /// says nothing: `least` is what they deviate by in any case.
+    pub fn fit(points: &[(f64, f64)], least: f64) -> Option<Self> {
         let mut line = Line::fit(points, |_| 1.0)?;
-        let mut deviation = deviation(points, line);
+        let mut deviation = deviation(points, line).max(least);
         for _ in 0..ROUNDS {
             let limit = HUBER * deviation;
             let weights: Vec<f64> = points
@@ -66,7 +67,7 @@ impl Robust {
             let next = Line::fit(points, |i| weights[i]).unwrap_or(line);
             let change = (next.gain - line.gain).abs() + (next.offset - line.offset).abs();
             line = next;
-            deviation = self::deviation(points, line);
+            deviation = self::deviation(points, line).max(least);
             if change < 1e-13 {
                 break;
             }
@@ -97,7 +98,8 @@ mod tests {
     #[test]
     fn a_few_wrong_points_hardly_move_the_line() {
         for outlier in [0.0, 0.05, -0.05, 1.0] {
-            let Robust { line, deviation } = Robust::fit(&points(outlier)).expect("it has width");
+            let Robust { line, deviation } =
+                Robust::fit(&points(outlier), 0.0).expect("it has width");
             assert!((line.gain - 1.002).abs() < 2e-5, "{outlier}: {line:?}");
             assert!((line.offset + 3e-3).abs() < 1e-5, "{outlier}: {line:?}");
             assert!((1.5e-4..2.5e-4).contains(&deviation), "{outlier}: {deviation}");
@@ -106,6 +108,6 @@ mod tests {
 
     #[test]
     fn points_of_one_place_have_no_line() {
-        assert_eq!(Robust::fit(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), None);
+        assert_eq!(Robust::fit(&[(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)], 0.0), None);
     }
 }

@@ -1,14 +1,17 @@
-//! The calibration of C2: a and b of Ĉ2 = a·C2 + b (5-20) on the first part of a recording, and the
-//! band that R3 then keeps on the second, as in Figures 5-14 and 5-15.
+//! The calibration of C2: a and b of Ĉ2 = a·C2 + b (5-20) on one part of a recording, and the band that
+//! R3 then keeps on another, as in Figures 5-14 and 5-15; or blocks of both alternate ([`Division`]).
 //!
 //! A [`Course`] reads the recording as often as that needs, with memory that does not grow: [`Gathering`] looks at what is
 //! there and finds a line that a few faulty samples do not move, on samples thinned to a bounded
 //! number; [`Fitting`] is the least squares of all samples near that line; [`Trying`] is the band.
 //! For the sequential detector [`Profiling`] fits, in one reading more, what the difference is along
 //! the stroke, [`Spreading`] sees, together with the band, how its scatter goes with the velocity, and
-//! [`Scattering`], in another one, what is left of it.
+//! [`Scattering`], in another one, what is left of it. The detectors that follow are tried on the
+//! recording at last: what contradicts them is cut out once, and otherwise told ([`Contradiction`]).
 
 mod course;
+mod division;
+mod finding;
 mod fitting;
 mod gathering;
 mod line;
@@ -21,6 +24,8 @@ mod spreading;
 mod trying;
 
 pub use course::{Calibrated, Course, Recording};
+pub use division::{Division, Halves};
+pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};
@@ -32,7 +37,6 @@ pub use trying::{Tried, Trying};
 
 use crate::survey::Window;
 use crate::time::Timestamp;
-use crate::tune::sequential::Level;
 
 /// The result for a machine.
 #[derive(Clone, Debug)]
@@ -49,9 +53,6 @@ pub struct Calibration {
     pub cylinders: Vec<CylinderCalibration>,
     /// What is proposed for R3; `None` where there is not enough of it.
     pub bound: Option<Bound>,
-    /// Of the sequential detectors, where the recording asks for a higher one than the wanted rate of
-    /// false alarms does by itself: its residuals have bursts that belong together.
-    pub level: Option<Level>,
     pub remarks: Vec<String>,
 }
 
@@ -63,16 +64,30 @@ pub struct CylinderCalibration {
     pub result: Result<Fitted, Refusal>,
     /// On the second part; `None` without a fit.
     pub tried: Option<Tried>,
-    /// For the sequential detector; `None` where there was too little.
+    /// For the sequential detector; `None` where there was too little, or the recording contradicts it.
     pub sequential: Option<(Profile, Scatter)>,
+    /// Of the sequential detector, nats; `None` where the wanted rate alone makes it.
+    pub level: Option<f64>,
+    /// Why the detector has no tables although there was enough to make them from.
+    pub contradiction: Option<Contradiction>,
     pub remarks: Vec<String>,
 }
+
+/// The bound of R3 that the thesis has, m: less is not asked for.
+pub const LEAST_BOUND: f64 = 1.5e-3;
+
+/// A bound is at most this part of the difference at which the machine itself trips.
+pub const LARGEST_BOUND: f64 = 0.1;
 
 /// The bound of R3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
     /// m.
     pub level: f64,
+    /// How often [`LEAST_BOUND`] is expected to be exceeded, all cylinders together, in a year.
+    pub often: f64,
+    /// Cylinders that it is of.
+    pub cylinders: usize,
     /// How often it is expected to be exceeded, all cylinders together, in a year.
     pub per_year: f64,
     /// The largest |R3| of the second part, m.

@@ -1,11 +1,13 @@
 //! The reference of the sequential detector: what C1 − C2 is along the stroke, and how fast the
 //! command makes the rod go.
 
+use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::line::Line;
 use crate::identify::qr::Triangle;
 use crate::sequential::Reference;
 use crate::sequential::drive::{Commands, Drive, FEATURES};
+use crate::sequential::reference::Place;
 use crate::sequential::velocity::Velocity;
 use crate::survey::{Row, Surveyor};
 use nalgebra::{DMatrix, DVector};
@@ -15,6 +17,9 @@ const SPACING: f64 = 0.1;
 
 /// A cell of the stroke with fewer samples is not covered.
 pub const LEAST_SAMPLES: u64 = 400;
+
+/// Of two halves, each that judges the other has to have so many of it.
+const LEAST_OF_HALF: u64 = LEAST_SAMPLES / 2;
 
 /// Weight of the squared second differences of neighbouring nodes, in samples.
 const RIDGE: f64 = 2500.0;
@@ -35,7 +40,8 @@ const LEAST_DISPLACEMENTS: u64 = 300;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     pub reference: Reference,
-    /// For each cell between two nodes.
+    /// For each cell between two nodes; of two halves that judge each other, twice what the poorer one
+    /// has: what nobody could judge is not covered.
     pub samples: Vec<u64>,
     /// `None` where the commands were too few to fit.
     pub drive: Option<Drive>,
@@ -44,6 +50,7 @@ pub struct Profile {
 /// Fits a [`Profile`] to every cylinder that has a line, on samples near it.
 #[derive(Clone, Debug)]
 pub struct Profiling {
+    division: Division,
     cylinders: Vec<Option<Gathered>>,
 }
 
@@ -52,18 +59,26 @@ struct Gathered {
     line: Line,
     limit: f64,
     first: f64,
+    halves: [Sums; 2],
+    speed: Velocity,
+    drives: Box<Drives>,
+}
+
+/// The normal equations.
+#[derive(Clone, Debug)]
+struct Sums {
     /// Of each node: itself squared, with the next one, with the velocity, with the difference.
     nodes: Vec<[f64; 4]>,
     samples: Vec<u64>,
     /// The velocity squared, and with the difference.
     velocity: [f64; 2],
-    speed: Velocity,
-    drives: Box<Drives>,
 }
 
 impl Profiling {
-    /// Of cylinders with the reach `stroke`, m, sampled every `sample_time` seconds.
+    /// Of cylinders with the reach `stroke`, m, sampled every `sample_time` seconds, on what teaches by
+    /// `division`.
     pub fn new<'a>(
+        division: Division,
         stroke: [f64; 2],
         sample_time: f64,
         fits: impl IntoIterator<Item = Option<&'a Fitted>>,
@@ -74,25 +89,26 @@ impl Profiling {
             line: fitted.line,
             limit: fitted.limit,
             first,
-            nodes: vec![[0.0; 4]; cells + 1],
-            samples: vec![0; cells],
-            velocity: [0.0; 2],
+            halves: [(); 2].map(|()| Sums::new(cells)),
             speed: Velocity::new(sample_time),
             drives: Box::new(Drives::new(sample_time)),
         };
-        Self { cylinders: fits.into_iter().map(|fitted| fitted.map(gathered)).collect() }
+        let cylinders = fits.into_iter().map(|fitted| fitted.map(gathered)).collect();
+        Self { division, cylinders }
     }
 
-    /// What came of the cylinder of `index` (from 0); `None` where there was nothing to fit.
-    pub fn result(&self, index: usize) -> Option<Profile> {
-        self.cylinders[index].as_ref()?.result()
+    /// What came of the cylinder of `index` (from 0), and what each half alone has taught; `None` where
+    /// there was nothing to fit.
+    pub fn result(&self, index: usize) -> Option<(Profile, Halves)> {
+        self.cylinders[index].as_ref()?.result(self.division.alternates())
     }
 }
 
 impl Surveyor for Profiling {
     fn row(&mut self, row: &Row) {
-        if let Some(gathered) = self.cylinders[usize::from(row.cylinder) - 1].as_mut() {
-            gathered.take(row);
+        let gathered = self.cylinders[usize::from(row.cylinder) - 1].as_mut();
+        if let Some((gathered, half)) = gathered.zip(self.division.taught(row.t)) {
+            gathered.take(row, half);
         }
     }
 
@@ -105,15 +121,41 @@ impl Surveyor for Profiling {
 }
 
 impl Gathered {
-    fn take(&mut self, row: &Row) {
+    fn take(&mut self, row: &Row, half: usize) {
         let speed = self.speed.step(row.c2, row.v2);
         let near = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
         let pair = row.c1.zip(row.c2).filter(|_| row.monitored).filter(near);
         self.drives.step(pair.map(|(c1, c2)| 0.5 * (c1 + c2)), row.u);
         let Some(((c1, c2), velocity)) = pair.zip(speed) else { return };
-        let count = self.nodes.len();
+        let sums = &mut self.halves[half];
+        let count = sums.nodes.len();
         let Some(place) = Reference::place(self.first, SPACING, count, c2) else { return };
-        let difference = c1 - c2;
+        sums.add(place, c1 - c2, velocity);
+    }
+
+    fn result(&self, alternates: bool) -> Option<(Profile, Halves)> {
+        let [one, other] = &self.halves;
+        let whole = one.with(other);
+        let samples: Vec<u64> = if alternates {
+            let both = one.samples.iter().zip(&other.samples);
+            both.map(|(one, other)| 2 * *one.min(other)).collect()
+        } else {
+            whole.samples.clone()
+        };
+        let (first, least) = (self.first, if alternates { LEAST_OF_HALF } else { LEAST_SAMPLES });
+        let halves = [0, 1].map(|half: usize| self.halves[half].reference(first, least));
+        let mut reference = whole.reference(first, LEAST_SAMPLES)?;
+        reference.covered = samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect();
+        Some((Profile { reference, samples, drive: self.drives.result() }, halves))
+    }
+}
+
+impl Sums {
+    fn new(cells: usize) -> Self {
+        Self { nodes: vec![[0.0; 4]; cells + 1], samples: vec![0; cells], velocity: [0.0; 2] }
+    }
+
+    fn add(&mut self, place: Place, difference: f64, velocity: f64) {
         let hats = [1.0 - place.part, place.part];
         for (hat, node) in hats.into_iter().zip(&mut self.nodes[place.cell..]) {
             node[0] += hat * hat;
@@ -126,9 +168,20 @@ impl Gathered {
         self.velocity[1] += velocity * difference;
     }
 
-    /// The normal equations: hats are between 0 and 1 and hardly overlap, so that nothing is lost by
-    /// squaring them.
-    fn result(&self) -> Option<Profile> {
+    /// Of both.
+    fn with(&self, other: &Self) -> Self {
+        let mut both = self.clone();
+        for (node, more) in both.nodes.iter_mut().zip(&other.nodes) {
+            node.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        both.samples.iter_mut().zip(&other.samples).for_each(|(sum, more)| *sum += more);
+        both.velocity.iter_mut().zip(&other.velocity).for_each(|(sum, more)| *sum += more);
+        both
+    }
+
+    /// What solves them, from the node at `first`, m, on; a cell of fewer than `least` samples is not
+    /// covered. Hats are between 0 and 1 and hardly overlap, so that nothing is lost by squaring them.
+    fn reference(&self, first: f64, least: u64) -> Option<Reference> {
         let count = self.nodes.len();
         let (mut matrix, mut right) =
             (DMatrix::zeros(count + 1, count + 1), DVector::zeros(count + 1));
@@ -155,16 +208,12 @@ impl Gathered {
         if !solution.iter().all(|value| value.is_finite()) {
             return None;
         }
-        Some(Profile {
-            reference: Reference {
-                first: self.first,
-                spacing: SPACING,
-                nodes: solution.as_slice()[..count].to_vec(),
-                covered: self.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
-                velocity: solution[count],
-            },
-            samples: self.samples.clone(),
-            drive: self.drives.result(),
+        Some(Reference {
+            first,
+            spacing: SPACING,
+            nodes: solution.as_slice()[..count].to_vec(),
+            covered: self.samples.iter().map(|samples| *samples >= least).collect(),
+            velocity: solution[count],
         })
     }
 }

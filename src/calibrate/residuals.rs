@@ -1,12 +1,11 @@
-//! What the difference of both readings is beyond a [`Profile`], on a part of the recording that it was
-//! not fitted to.
+//! What the difference of both readings is beyond what one part of the recording has taught, on another
+//! one.
 
+use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::line::Line;
-use super::profile::Profile;
 use super::trying::FAULTY;
-use crate::sequential::Reference;
-use crate::sequential::baseline::Baseline;
+use crate::sequential::baseline::{Baseline, Loss};
 use crate::sequential::novelty::{News, Novelty};
 use crate::sequential::samples::Sample;
 use crate::sequential::velocity::Velocity;
@@ -20,9 +19,11 @@ const GUESS: f64 = 1e-4;
 pub struct Residuals {
     line: Line,
     limit: f64,
-    reference: Reference,
+    division: Division,
+    halves: Halves,
     velocity: Velocity,
     baseline: Baseline,
+    loss: Loss,
     novelty: Novelty,
 }
 
@@ -51,24 +52,34 @@ pub fn deviation(fitted: &Fitted) -> f64 {
 }
 
 impl Residuals {
-    /// Of a cylinder with this line and profile, sampled every `sample_time` seconds.
-    pub fn new(sample_time: f64, fitted: &Fitted, profile: &Profile) -> Self {
+    /// Of a cylinder with this line, by what the halves of `division` have taught, sampled every
+    /// `sample_time` seconds.
+    pub fn new(sample_time: f64, fitted: &Fitted, division: Division, halves: Halves) -> Self {
         let deviation = deviation(fitted);
         Self {
             line: fitted.line,
             limit: FAULTY * fitted.limit,
-            reference: profile.reference.clone(),
+            division,
+            halves,
             velocity: Velocity::new(sample_time),
             baseline: Baseline::new(sample_time, deviation),
+            loss: Loss::default(),
             // How far healthy residuals go is what is being learnt.
             novelty: Novelty::new(sample_time, deviation, f64::INFINITY),
         }
     }
 
+    /// Cycles are missing.
     pub fn interrupt(&mut self) {
         self.velocity.reset();
-        self.baseline.reset();
         self.novelty.reset();
+        self.loss.begin();
+    }
+
+    /// The platform has left its state: what is learnt of one is void in another.
+    pub fn leave(&mut self) {
+        self.interrupt();
+        self.baseline.reset();
     }
 
     /// Takes a row of a monitored cycle; `None` where there is nothing to compare, or one of both is
@@ -78,7 +89,11 @@ impl Residuals {
         let healthy = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
         let (c1, c2) = row.c1.zip(row.c2).filter(healthy)?;
         let velocity = velocity?;
-        let residual = self.reference.residual(c1, c2, velocity)?;
+        let half = self.division.judged(row.t)?;
+        let residual = self.halves[half].as_ref()?.residual(c1, c2, velocity)?;
+        if self.loss.is_long(row.timestamp) {
+            self.baseline.reset();
+        }
         let baseline = self.baseline.value();
         self.baseline.follow(residual);
         let news = self.novelty.step([c1, c2], Sample::at_rest(residual));

@@ -1,6 +1,7 @@
-//! How healthy residuals of a [`Profile`] scatter, on a part of the recording that it was not
-//! fitted to.
+//! How healthy residuals of a [`Profile`] scatter, each judged by what another part of the recording
+//! has taught.
 
+use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::profile::Profile;
 use super::residuals::{Residuals, deviation};
@@ -70,6 +71,20 @@ impl Scatter {
     }
 }
 
+/// What all lots have in common: of each width the lower median, since a fault in one place is in two
+/// of four at the most.
+fn common(mut lots: Vec<Dependence>) -> Dependence {
+    let middle = (lots.len() - 1) / 2;
+    let mut common = lots[0];
+    for (what, widths) in common.iter_mut().enumerate() {
+        for (index, value) in widths.iter_mut().enumerate() {
+            lots.sort_by(|one, other| one[what][index].total_cmp(&other[what][index]));
+            *value = lots[middle][what][index];
+        }
+    }
+    common
+}
+
 /// Judges the profile of every cylinder that has one.
 #[derive(Clone, Debug)]
 pub struct Scattering {
@@ -90,22 +105,27 @@ struct Judged {
     healthy: (u64, f64),
     largest: f64,
     history: History,
-    measuring: Measuring,
+    /// By lots of blocks.
+    measuring: Vec<Measuring>,
+    division: Division,
     sums: Magnitudes,
 }
 
 impl Scattering {
-    /// Of cylinders with these lines, profiles and spreads, sampled every `sample_time` seconds.
+    /// Of cylinders with these lines, profiles and spreads, and what the halves of `division` have taught
+    /// of each, sampled every `sample_time` seconds.
     pub fn new<'a>(
         sample_time: f64,
-        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a Profile, Spread)>>,
+        division: Division,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), Spread)>>,
     ) -> Self {
-        let judged = |(fitted, profile, spread): (&Fitted, &Profile, Spread)| {
+        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
+            let (profile, halves) = taught;
             let deviation = deviation(fitted);
             let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
             let Spread { noise, resolution } = spread;
             Judged {
-                residuals: Residuals::new(sample_time, fitted, profile),
+                residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
                 spread,
                 noise: noise.relied_on(),
                 bands: Bands::new(noise.rest, DEAD_BAND, resolution),
@@ -114,7 +134,8 @@ impl Scattering {
                 healthy: (0, 0.0),
                 largest: 0.0,
                 history: History::default(),
-                measuring: Measuring::default(),
+                measuring: vec![Measuring::default(); division.lots()],
+                division,
                 sums: Magnitudes::new(BIN),
             }
         };
@@ -136,7 +157,7 @@ impl Scattering {
         Some(Scatter {
             rate,
             square_rate,
-            dependence: measuring.dependence(&scales),
+            dependence: common(measuring.iter().map(|lot| lot.dependence(&scales)).collect()),
             deviation,
             spread: *spread,
             prediction: pair
@@ -164,8 +185,8 @@ impl Scattering {
             ("little for the sequential detector to go by", then)
         };
         Some(format!(
-            "{told}: where the first part has been, the second has {samples} samples in motion, and \
-             {then}; record more motion"
+            "{told}: where one part has been, the other has {samples} samples in motion, and {then}; \
+             record more motion"
         ))
     }
 }
@@ -195,6 +216,7 @@ impl Judged {
 
     fn take(&mut self, row: &Row) {
         if !row.monitored {
+            self.residuals.leave();
             return self.interrupt();
         }
         let residual = self.residuals.take(row);
@@ -211,7 +233,7 @@ impl Judged {
         if residual.in_motion().is_some() {
             let weighed = sample.share * beyond;
             self.magnitudes.add(weighed);
-            self.measuring.take(&self.history, &self.bands);
+            self.measuring[self.division.lot(row.t)].take(&self.history, &self.bands);
             self.largest = self.largest.max(beyond.abs());
             if weighed.abs() <= self.bands.farthest() {
                 self.healthy = (self.healthy.0 + 1, self.healthy.1 + beyond * beyond);

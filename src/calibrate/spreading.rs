@@ -1,7 +1,7 @@
 //! How healthy residuals go with the velocity: σ² + (s v)², on samples of which a few may be wild.
 
+use super::division::{Division, Halves};
 use super::fitting::Fitted;
-use super::profile::Profile;
 use super::residuals::Residuals;
 use super::resolution::Resolution;
 use crate::sequential::{Magnitudes, Noise};
@@ -52,13 +52,15 @@ struct Spreads {
 }
 
 impl Spreading {
-    /// Of cylinders with these lines and profiles, sampled every `sample_time` seconds.
+    /// Of cylinders with these lines and what the halves of `division` have taught of each, sampled every
+    /// `sample_time` seconds.
     pub fn new<'a>(
         sample_time: f64,
-        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a Profile)>>,
+        division: Division,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a Halves)>>,
     ) -> Self {
-        let spreads = |(fitted, profile): (&Fitted, &Profile)| Spreads {
-            residuals: Residuals::new(sample_time, fitted, profile),
+        let spreads = |(fitted, halves): (&Fitted, &Halves)| Spreads {
+            residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
             resolutions: Default::default(),
             speeds: vec![(0.0, Magnitudes::new(BIN)); SPEEDS],
         };
@@ -93,6 +95,7 @@ impl Spreads {
 
     fn take(&mut self, row: &Row) {
         if !row.monitored {
+            self.residuals.leave();
             return self.interrupt();
         }
         let Some(residual) = self.residuals.take(row) else { return };
@@ -221,16 +224,9 @@ mod tests {
     fn nothing() -> Spreads {
         let line = crate::calibrate::Line { gain: 1.0, offset: 0.0 };
         let fitted = Fitted { line, errors: [0.0; 2], rms: 1e-4, rows: 0, trimmed: 0, limit: 1e-3 };
-        let reference = crate::sequential::Reference {
-            first: 0.0,
-            spacing: 1.0,
-            nodes: vec![0.0; 2],
-            covered: vec![true],
-            velocity: 0.0,
-        };
-        let profile = Profile { reference, samples: vec![0], drive: None };
+        let all = crate::survey::Window::ALL;
         Spreads {
-            residuals: Residuals::new(0.02, &fitted, &profile),
+            residuals: Residuals::new(0.02, &fitted, Division::new(all, all), [None, None]),
             resolutions: Default::default(),
             speeds: Vec::new(),
         }

@@ -1,7 +1,7 @@
 //! The band that R3 keeps on data that the calibration was not made from.
 
 use super::fitting::Fitted;
-use super::{Bound, Line};
+use super::{Bound, LEAST_BOUND, Line};
 use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
 use crate::identify::moments::Spread;
 use crate::survey::{Row, Surveyor};
@@ -9,6 +9,9 @@ use crate::survey::{Row, Surveyor};
 /// Beyond this many times the limit of the fit a sample is a faulty one and no part of the band. A
 /// bend that the first part of a recording did not show is still within it.
 pub(super) const FAULTY: f64 = 3.0;
+
+/// A bound is above the largest residual seen by this factor: nobody has seen the largest.
+const MARGIN: f64 = 1.2;
 
 /// What C1 and C2 of one cylinder are apart.
 #[derive(Clone, Debug)]
@@ -57,9 +60,12 @@ impl Trying {
             tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
         let tails = tails.filter(|tails| !tails.is_empty())?;
         let worst = tried().map(|tried| tried.magnitudes.largest()).fold(0.0, f64::max);
-        let level = common_level(&tails, per_second(per_year)).max(worst);
+        let level = common_level(&tails, per_second(per_year)).max(MARGIN * worst);
+        let beyond = tails.iter().map(|tail| tail.rate(LEAST_BOUND)).sum::<f64>();
         Some(Bound {
             level,
+            often: beyond / per_second(1.0),
+            cylinders: tails.len(),
             per_year,
             worst,
             hours: tails.iter().map(|tail| tail.seconds).sum::<f64>() / 3600.0,

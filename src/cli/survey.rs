@@ -5,7 +5,7 @@ use super::Failure;
 use super::machine::Machine;
 use super::progress::Bar;
 use super::replay::Stamps;
-use crate::bus::{Options, Recording, Source, Statistics};
+use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, Monitor, MonitorDesign};
 use crate::report::judgement::Recorded;
@@ -61,6 +61,8 @@ pub struct Surveyed {
     pub statistics: Statistics,
     /// What is to be said of frames from before the first one, if there are any.
     backwards: Option<String>,
+    /// They were named in another order than that of time.
+    reordered: bool,
     logs: Vec<PathBuf>,
     options: Options,
 }
@@ -148,7 +150,8 @@ impl Field {
         let design = machine.design.clone();
         let interfaces = machine.interfaces(self.interface.as_deref());
         let options = Options { time_stamps: self.time_stamps.into(), interfaces };
-        let mut recording = Recording::open(&self.logs, options.clone())?;
+        let logs = self.in_order(&options);
+        let mut recording = Recording::open(&logs, options.clone())?;
         let extent = Extent::of(&mut recording, &design)?;
         let statistics = recording.statistics().clone();
         let (interfaces, used) = (&options.interfaces, extent.used);
@@ -160,8 +163,27 @@ impl Field {
         };
         let backwards = extent.backwards(first)?;
         let window = self.window(last.since(first).as_seconds())?;
-        let logs = self.logs.clone();
-        Ok(Surveyed { machine, design, first, last, window, statistics, backwards, logs, options })
+        let reordered = logs != self.logs;
+        Ok(Surveyed {
+            machine,
+            design,
+            first,
+            last,
+            window,
+            statistics,
+            backwards,
+            reordered,
+            logs,
+            options,
+        })
+    }
+
+    /// The recordings in the order of time: what is learnt does not depend on how they are named.
+    fn in_order(&self, options: &Options) -> Vec<PathBuf> {
+        match options.time_stamps {
+            TimeStamps::Auto | TimeStamps::Absolute => in_order(&self.logs, &options.interfaces),
+            _ => self.logs.clone(),
+        }
     }
 
     /// The part asked for of a recording of `length` seconds.
@@ -220,7 +242,11 @@ impl Surveyed {
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
         let bad = bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string));
-        self.backwards.clone().into_iter().chain(bad).collect()
+        let reordered = self.reordered.then(|| {
+            "the recordings are read in the order of their time stamps, not as they are named"
+                .to_owned()
+        });
+        reordered.into_iter().chain(self.backwards.clone()).chain(bad).collect()
     }
 
     /// An input of which a part could not be read is a failure, though the rest was used.

@@ -6,14 +6,14 @@ use super::machine::Machine;
 use super::survey::{Field, Surveyed};
 use super::tables::{self, InPlace};
 use crate::config::Settings;
-use crate::extremes::{Tail, common_level, per_second};
+use crate::extremes::{HOURS_PER_YEAR, Tail, common_level, per_second};
 use crate::monitor::MonitorDesign;
 use crate::observe::model::Model;
 use crate::report::{page, tuning};
-use crate::tune::sequential::Watch;
+use crate::tune::sequential::{Level, Sight, Watch};
 use crate::tune::{
-    Criterion, CylinderModel, Detector, Evidence, Search, Store, Thresholds, Tuning, Weights,
-    designs, response, search, sensitivity,
+    Criterion, CylinderModel, Detector, Evidence, LEAST_HIGH, Search, Store, Thresholds, Tuning,
+    Weights, designs, response, search, sensitivity,
 };
 use clap::Args;
 use std::path::PathBuf;
@@ -118,7 +118,7 @@ impl Tune {
             .map_err(|(n, error)| Failure::Failed(format!("cylinder {n}: {error}")))?;
         let mut evidence = Evidence::new(&cylinders, &designs, criterion.block);
         let sequential = surveyed.machine.design.cylinders.iter().map(|c| c.sequential.as_ref());
-        let mut watch = Watch::new(sequential, criterion.block);
+        let mut watch = Watch::new(sequential, sample_time);
         surveyed.read(surveyed.window, (&mut evidence, &mut watch))?;
         let mut detectors = evidence.detectors(sample_time);
         let tails = tails(&detectors, criterion.block, sample_time)?;
@@ -142,12 +142,15 @@ impl Tune {
             search,
             thresholds,
             detectors,
-            sequential: watch.level(self.false_alarms_per_year, sample_time),
+            sequential: None,
             ladder: LADDER.map(level).to_vec(),
             sigma: self.sigma,
             remarks,
         };
         result.remarks.extend(limits(&result, critical));
+        let (level, told) = self::sequential(settings, &watch, self.false_alarms_per_year);
+        result.sequential = level;
+        result.remarks.extend(told);
         Ok(result)
     }
 
@@ -178,7 +181,8 @@ impl Tune {
     }
 
     fn thresholds(&self, detectors: &[Detector], tails: &[Tail]) -> Thresholds {
-        let high = common_level(tails, per_second(self.false_alarms_per_year));
+        let wanted = common_level(tails, per_second(self.false_alarms_per_year));
+        let high = if wanted > 0.0 { wanted.max(LEAST_HIGH) } else { wanted };
         let calm = detectors.iter().map(|detector| detector.calm).fold(0.0, f64::max);
         Thresholds {
             high,
@@ -251,36 +255,71 @@ fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     remarks
 }
 
-/// A threshold beyond the stroke, or of nothing, is none.
+/// The level of the detectors that have none of their own, where the recording supports one, and what
+/// is to be said of all of them.
+fn sequential(settings: &Settings, watch: &Watch, per_year: f64) -> (Option<Level>, Vec<String>) {
+    let own = |n| settings.sequential_of(n).is_some_and(|fitted| fitted.level.is_some());
+    if !(1..=settings.machine.cylinders).any(own) {
+        let level = watch.level(per_year);
+        let refused = level.filter(|level| !level.sound).map(|level| {
+            format!(
+                "sequential detectors: {:.1} nats of evidence were seen, which no healthy machine has by \
+                 what it was calibrated to; no level is written: calibrate anew",
+                level.worst
+            )
+        });
+        return (level.filter(|level| level.sound), refused.into_iter().collect());
+    }
+    let said = (1..).zip(watch.levels(per_year)).filter_map(|(n, level): (u8, _)| {
+        let (sight, h) = (level?.worst?, settings.sequential_level_of(n));
+        let beyond = if sight.nats > h { "; it would have warned: is that healthy?" } else { "" };
+        let Sight { nats, t, .. } = sight;
+        Some(format!(
+            "sequential detector of cylinder {n}: {nats:.1} of {h:.1} nats at {t:.1} s{beyond}"
+        ))
+    });
+    (None, said.collect())
+}
+
+/// A threshold is at most this part of the difference at which the machine itself trips, …
+const LARGEST: f64 = 0.1;
+
+/// … unless the recording itself shows what comes as often as is asked for, a little more or less.
+const SHOWN: f64 = 1.05;
+
+/// A threshold beyond reach, or of nothing, is none.
 fn usable(result: &Tuning, settings: &Settings) -> Result<(), Failure> {
-    let high = result.thresholds.high;
+    let Thresholds { high, hours, per_year, .. } = result.thresholds;
     let [low_end, high_end] = settings.machine.stroke;
     if high <= 0.0 {
         return Err(Failure::Failed(
             "the residuals are zero throughout: this is no recording of a machine".to_owned(),
         ));
     }
-    if high < high_end - low_end {
+    let critical = settings.comparator.critical;
+    let farther = HOURS_PER_YEAR / per_year / hours;
+    if high <= LARGEST * critical || (farther <= SHOWN && high < high_end - low_end) {
         return Ok(());
     }
     let tails: Vec<Tail> = result.detectors.iter().filter_map(|detector| detector.tail).collect();
     let at = |level: f64| {
         let rate = tails.iter().map(|tail| tail.rate(level)).sum::<f64>();
-        rate / per_second(1.0)
+        (rate / per_second(1.0)).ceil()
     };
-    let critical = settings.comparator.critical;
     Err(Failure::Failed(format!(
-        "for {} false alarms a year the threshold would be {high:.2} m, beyond the stroke: the \
-         residuals have bursts, and {:.3} h of recording do not say how large they get in a year. \
-         Record for longer, find a better model (`tertius identify`), or ask for a rate that the \
-         recording can speak of: with a threshold of {:.1} mm (comparator.critical) it is about {:.0} \
-         a year (--false-alarms-per-year), with the largest residual seen, {:.1} mm, about {:.0}",
-        result.thresholds.per_year,
-        result.thresholds.hours,
-        critical * 1e3,
-        at(critical).ceil(),
+        "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, a tenth of \
+         comparator.critical: the observers would hardly find what they are for. Record for longer than \
+         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the recording can \
+         speak of (--false-alarms-per-year): with {:.1} mm, the thesis's, it is about {:.0} a year, with \
+         {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
+        high * 1e3,
+        LARGEST * critical * 1e3,
+        LEAST_HIGH * 1e3,
+        at(LEAST_HIGH),
+        LARGEST * critical * 1e3,
+        at(LARGEST * critical),
         worst(&tails) * 1e3,
-        at(worst(&tails)).ceil(),
+        at(worst(&tails)),
     )))
 }
 

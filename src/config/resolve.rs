@@ -95,12 +95,18 @@ impl Settings {
         self.own(n)?.sequential.as_ref()
     }
 
-    /// h, nats.
+    /// h of a cylinder that has none of its own, nats.
     pub fn sequential_level(&self) -> f64 {
         let Self { machine, sequential: budget, .. } = self;
         let by_rate =
             sequential::level(budget.false_alarms_per_year, machine.cylinders, machine.sample_time);
         budget.level.unwrap_or(by_rate.max(LEAST_LEVEL))
+    }
+
+    /// h of cylinder `n`, nats: what is set for all goes before what its calibration asks for.
+    pub fn sequential_level_of(&self, n: u8) -> f64 {
+        let own = self.sequential_of(n).and_then(|fitted| fitted.level);
+        own.filter(|_| self.sequential.level.is_none()).unwrap_or_else(|| self.sequential_level())
     }
 
     /// How far a reading on the stop may move.

@@ -113,10 +113,10 @@ impl Stand<'_> {
         let level = match settings.sequential.level {
             Some(_) => None,
             None => {
-                let mut watch = Watch::new(detectors.iter().map(Some), settings.warning_cycles());
+                let mut watch = Watch::new(detectors.iter().map(Some), sample_time);
                 let run = Run { seed: other, settings: &settings, ..run };
                 run.read(Window { from: 0.0, to: 3600.0 * lessons.level }, &mut watch)?;
-                let level = watch.level(per_year, sample_time);
+                let level = watch.level(per_year);
                 Some(level.ok_or_else(|| untaught("too short a run for a level"))?)
             }
         };

@@ -6,11 +6,13 @@
 
 mod maxima;
 mod sketch;
+mod slope;
 mod tail;
 mod thinned;
 
 pub use maxima::Maxima;
 pub use sketch::Sketch;
+pub use slope::{Asked, LARGEST_LEVEL, levels};
 pub use tail::{LEAST_BLOCKS, Pareto, Tail, common_level};
 pub use thinned::Thinned;
 

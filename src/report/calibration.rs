@@ -2,11 +2,13 @@
 
 use super::provenance::{self, four_digits, one_line};
 use super::sheet::{Section, Sheet};
-use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, Tried};
+use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND, Tried};
 use crate::calibrate::{Profile, Scatter};
 use crate::sequential::{Drive, Reference};
-use crate::tune::sequential::Level;
 use std::fmt::Write as _;
+
+/// What is rarer than the evidence by more than this is bounded by it, and not measured.
+const FAR: f64 = 100.0;
 
 /// The page.
 pub fn page(result: &Calibration) -> String {
@@ -18,7 +20,6 @@ pub fn page(result: &Calibration) -> String {
             text += "\n";
         }
     }
-    text += &level(result);
     text += &bound(result);
     let remarks = remarks(result);
     if !remarks.is_empty() {
@@ -32,6 +33,9 @@ pub fn page(result: &Calibration) -> String {
 pub fn parts(result: &Calibration) -> String {
     let Calibration { fitted, tried, .. } = result;
     let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
+    if fitted == tried {
+        return format!("fitted and tried on {from:.1} s to {to:.1} s, by blocks that alternate");
+    }
     format!("fitted on {from:.1} s to {middle:.1} s, tried on {begin:.1} s to {to:.1} s")
 }
 
@@ -72,13 +76,13 @@ pub fn bands(result: &Calibration) -> Section {
             faulty(tried),
         ]);
     }
-    table.about("the difference before (Figure 5-14) and after (Figure 5-15), on the second part")
+    table.about("the difference before (Figure 5-14) and after (Figure 5-15), where it was tried")
 }
 
 /// What the sequential detectors start from.
 pub fn sequential(result: &Calibration) -> Section {
     let mut table =
-        Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command"]);
+        Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command", "h"]);
     for cylinder in &result.cylinders {
         let Some((profile, scatter)) = &cylinder.sequential else { continue };
         let Reference { spacing, covered, velocity, .. } = &profile.reference;
@@ -90,28 +94,12 @@ pub fn sequential(result: &Calibration) -> Section {
             format!("{:.3} mm", scatter.largest * 1e3),
             format!("{:.3} ms", velocity * 1e3),
             scatter.prediction.map_or("none".to_owned(), |p| format!("{:.4} mm", p * 1e3)),
+            cylinder.level.map_or("by rate".to_owned(), |nats| format!("{nats:.2} nats")),
         ]);
     }
     table.about(
         "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
-         (second part), and what a cycle differs by from the command's prediction",
-    )
-}
-
-/// Their level, where the wanted rate alone does not make it.
-pub fn level(result: &Calibration) -> String {
-    match &result.level {
-        Some(level) => format!("h {:.2} nats\n  {}\n\n", level.nats, bursts(level)),
-        None => String::new(),
-    }
-}
-
-/// Why the wanted rate alone does not make the level.
-fn bursts(level: &Level) -> String {
-    format!(
-        "the residuals have bursts that belong together; the largest evidence seen is {:.2} nats in \
-         {:.3} cylinder hours",
-        level.worst, level.hours
+         (where it was tried), what a cycle differs by from the command's prediction, and the level",
     )
 }
 
@@ -144,19 +132,30 @@ pub fn bound(result: &Calibration) -> String {
 fn meaning(bound: &Bound) -> Vec<String> {
     let years = 1.0 / bound.per_year;
     let factor = years * crate::extremes::HOURS_PER_YEAR / bound.hours;
-    let tail = if bound.heavy { "a generalised Pareto" } else { "an exponential" };
-    let mut lines = vec![format!(
-        "exceeded {} times a year, all cylinders together, by {tail} tail of the largest |R3| of \
-         each second; at least the largest seen, {:.3} mm",
+    let tail = provenance::tail(bound.heavy);
+    let asked = format!(
+        "exceeded {} times a year at most, all cylinders together, by {tail} tail of the largest |R3| of \
+         each second; at least 1.2 times the largest seen, {:.3} mm, and the thesis's {:.1} mm",
         bound.per_year,
-        bound.worst * 1e3
-    )];
-    lines.push(format!(
-        "evidence: {:.3} cylinder hours; the wanted rate is {factor:.1e} times beyond it, where \
-         nothing was seen: other temperatures, ranges and wear are not in it",
-        bound.hours
-    ));
-    lines
+        bound.worst * 1e3,
+        LEAST_BOUND * 1e3
+    );
+    let evidence = format!("evidence: {:.3} cylinder hours", bound.hours);
+    let beyond = "other temperatures, ranges and wear are not in it";
+    if factor > FAR {
+        // Of what was never seen in a time, less than three are in as much of it (95 %).
+        let most = 3.0 * crate::extremes::HOURS_PER_YEAR * bound.cylinders as f64 / bound.hours;
+        return vec![
+            asked,
+            format!(
+                "{evidence}, none of it beyond the bound: that proves at most {} a year (95 %), and \
+                 what is said of one in {:.0} times as long is extrapolated; {beyond}",
+                four_digits(most),
+                factor
+            ),
+        ];
+    }
+    vec![asked, format!("{evidence}; the wanted rate is {factor:.1e} times beyond it; {beyond}")]
 }
 
 /// A line for each.
@@ -179,6 +178,9 @@ pub fn remarks(result: &Calibration) -> String {
         if let Err(refusal) = &cylinder.result {
             _ = writeln!(text, "cylinder {} is refused: {refusal}", cylinder.number);
         }
+        if let Some(contradiction) = &cylinder.contradiction {
+            _ = writeln!(text, "cylinder {}: {contradiction}", cylinder.number);
+        }
     }
     for remark in &result.remarks {
         _ = writeln!(text, "{remark}");
@@ -190,12 +192,17 @@ pub fn remarks(result: &Calibration) -> String {
 pub fn tables(result: &Calibration, version: &str) -> Option<String> {
     fits(result).next()?;
     let Calibration { machine, inputs, first, .. } = result;
-    let parts = [("fitted", result.fitted), ("tried ", result.tried)];
-    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, &parts);
+    let both = [("fitted", result.fitted), ("tried ", result.tried)];
+    let parts = if result.fitted == result.tried { &both[..1] } else { &both[..] };
+    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, parts);
     for cylinder in &result.cylinders {
         if let Err(refusal) = &cylinder.result {
             let refusal = one_line(&refusal.to_string());
             _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
+        }
+        if let Some(contradiction) = &cylinder.contradiction {
+            let told = one_line(&contradiction.to_string());
+            _ = writeln!(text, "# cylinder {} has no sequential detector: {told}", cylinder.number);
         }
     }
     text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
@@ -206,10 +213,6 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
         }
         _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
     }
-    if let Some(level) = &result.level {
-        let nats = four_digits(level.nats);
-        _ = writeln!(text, "\n# {}\n[sequential]\nlevel = {nats:?}", bursts(level));
-    }
     for (cylinder, fitted) in fits(result) {
         let line = fitted.line;
         _ = writeln!(
@@ -218,13 +221,18 @@ pub fn tables(result: &Calibration, version: &str) -> Option<String> {
             cylinder.number, line.gain, line.offset
         );
         if let Some((profile, scatter)) = &cylinder.sequential {
-            text += &sequential_table(cylinder.sample_time, profile, scatter);
+            text += &sequential_table(cylinder, profile, scatter);
         }
     }
     Some(text)
 }
 
-fn sequential_table(sample_time: f64, profile: &Profile, scatter: &Scatter) -> String {
+fn sequential_table(
+    cylinder: &CylinderCalibration,
+    profile: &Profile,
+    scatter: &Scatter,
+) -> String {
+    let sample_time = cylinder.sample_time;
     let Profile { reference, samples, drive } = profile;
     let Scatter { rate, square_rate, dependence, deviation, spread, prediction, .. } = scatter;
     let six = |values: &[f64]| {
@@ -248,6 +256,9 @@ fn sequential_table(sample_time: f64, profile: &Profile, scatter: &Scatter) -> S
         six(&dependence[0]),
         six(&dependence[1]),
     );
+    if let Some(nats) = cylinder.level {
+        _ = writeln!(text, "level = {:?}", four_digits(nats));
+    }
     if let Some((Drive(coefficients), prediction)) = drive.zip(*prediction) {
         _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(&coefficients));
     }

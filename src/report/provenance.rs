@@ -26,6 +26,11 @@ pub fn heading(
     text
 }
 
+/// What a tail is, in words.
+pub const fn tail(heavy: bool) -> &'static str {
+    if heavy { "a generalised Pareto, beyond the evidence exponential," } else { "an exponential" }
+}
+
 /// A name cannot end the comment that it stands in.
 pub fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()

@@ -4,7 +4,7 @@ use super::provenance::{self, four_digits};
 use super::sheet::{Section, Sheet};
 use crate::extremes::{HOURS_PER_YEAR, per_second};
 use crate::tune::sequential::Level;
-use crate::tune::{Detector, Score, Search, Thresholds, Tuning, Weights};
+use crate::tune::{Detector, LEAST_HIGH, Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
 /// The page.
@@ -105,7 +105,8 @@ pub fn tails(result: &Tuning) -> Section {
     }
     table.about(
         "healthy residuals, and the tail of the largest of each second (of alarm.clear): a \
-         generalised Pareto where it is heavier than an exponential beyond chance (5 %); level \
+         generalised Pareto where it is heavier than an exponential beyond chance (5 %), as far as \
+         it was seen; level \
          alone: at the detector's equal share of the wanted rate, ± the error from the number of \
          peaks",
     )
@@ -164,8 +165,9 @@ fn meaning(result: &Tuning) -> Vec<String> {
     let count = result.detectors.len();
     vec![
         format!(
-            "high: {count} residuals together exceed it {per_year} times a year of monitoring; one \
-             number for all, since their rates are added up"
+            "high: {count} residuals together exceed it {per_year} times a year of monitoring at most; \
+             one number for all, since their rates are added up; at least the thesis's {:.1} mm",
+            LEAST_HIGH * 1e3
         ),
         "low: the residual that varies most stays below it in 95 % of the seconds (of alarm.clear), \
          so that a warning ends soon after its fault; at most 0.75 high"
@@ -212,11 +214,11 @@ pub fn sequential(result: &Tuning) -> String {
 }
 
 fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
-    let tail = if level.heavy { "a generalised Pareto" } else { "an exponential" };
     vec![format!(
-        "level: reached {per_year} times a year, all cylinders together, by {tail} tail of the \
-         largest evidence of each second; at least the largest seen, {:.2} nats, in {:.3} cylinder \
-         hours; the wanted rate is {:.1e} times beyond them",
+        "level: reached {per_year} times a year, all cylinders together, by a tail of the largest \
+         evidence of each ten seconds whose slope is one by theory, and at least 0.75 a nat; at least \
+         the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {:.1e} times beyond \
+         them",
         level.worst,
         level.hours,
         HOURS_PER_YEAR / per_year / level.hours

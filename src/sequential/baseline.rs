@@ -1,5 +1,7 @@
 //! Where a healthy residual lies by itself: slow changes, of temperature above all.
 
+use crate::time::Timestamp;
+
 /// The time constant, s.
 const TIME: f64 = 60.0;
 
@@ -52,6 +54,33 @@ impl Baseline {
         } else {
             self.value += self.gain * (residual - self.value).clamp(-self.clip, self.clip);
         }
+    }
+}
+
+/// After a shorter loss of readings the baseline is as good as before, s: temperature takes minutes.
+const SHORT: f64 = 1.0;
+
+/// Whether what was lost was long enough to forget a baseline: one cycle in a few seconds is not, or a
+/// bus that loses some would never have one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Loss {
+    newest: Option<Timestamp>,
+    lost: bool,
+}
+
+impl Loss {
+    /// Readings are missing from here on.
+    pub const fn begin(&mut self) {
+        self.lost = true;
+    }
+
+    /// Takes the time of a reading; `true` if it is the first one after a long loss, or the clock has
+    /// been set.
+    pub fn is_long(&mut self, at: Timestamp) -> bool {
+        let newest = self.newest.replace(at);
+        let passed = |newest: Timestamp| at.since(newest).as_seconds();
+        let long = newest.is_some_and(|newest| !(0.0..=SHORT).contains(&passed(newest)));
+        std::mem::take(&mut self.lost) && long
     }
 }
 
@@ -129,6 +158,18 @@ mod tests {
             assert!(baseline.value().is_none_or(|value| value < 2e-5), "{k}: {baseline:?}");
         }
         assert!(slow.mean().is_some_and(|mean| mean < 2e-5), "{slow:?}");
+    }
+
+    #[test]
+    fn a_short_loss_is_none_and_a_set_clock_is_a_long_one() {
+        let at = |seconds: f64| Timestamp::from_nanos((seconds * 1e9) as i64);
+        let mut loss = Loss::default();
+        assert!(!loss.is_long(at(0.0)) && !loss.is_long(at(5.0)), "nobody lost anything");
+        for (seconds, expected) in [(5.04, false), (6.04, false), (7.1, true), (3.0, true)] {
+            loss.begin();
+            assert_eq!(loss.is_long(at(seconds)), expected, "{seconds}");
+        }
+        assert!(!loss.is_long(at(9.0)), "it was told once");
     }
 
     #[test]

@@ -17,6 +17,9 @@ const TAIL: f64 = 0.001;
 const APART: f64 = 30.0;
 const MOST: f64 = 0.2;
 
+/// What fewer windows without a sample in common have seen is chance.
+const RARE: f64 = 3.0;
+
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-7;
 
@@ -62,8 +65,31 @@ impl Measuring {
     }
 }
 
-/// The mean excess of the evidence in its tail, nats; that of an exponential tail is 1.
+/// How much faster evidence grows than its rarity, in its tail and by its bulk.
 fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -> f64 {
+    in_tail(windows, width, &evidence).max(by_bulk(windows, width, &evidence))
+}
+
+/// The most evidence by the rarity of as much, nats by nats: where readings are a few counts off now and
+/// then, for a fraction of a second, all such windows are alike, and their tail says nothing of them.
+fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
+    let all = windows.total() as f64;
+    let least = RARE * width as f64;
+    let (mut beyond, mut most) = (0.0, 1.0_f64);
+    for (magnitude, count) in windows.bins().rev() {
+        beyond += count as f64;
+        if beyond > MOST * all {
+            break;
+        }
+        if beyond >= least {
+            most = most.max(evidence(magnitude) / (all / beyond).ln());
+        }
+    }
+    most
+}
+
+/// The mean excess of the evidence in its tail, nats; that of an exponential tail is 1.
+fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
     let all = windows.total() as f64;
     let part = (APART * width as f64 / all).clamp(TAIL, MOST);
     let (mut beyond, mut sum) = (0.0, 0.0);

@@ -3,7 +3,7 @@
 mod alarmed;
 
 use super::alarm::{Alarm, Cause};
-use super::baseline::{Baseline, Slow};
+use super::baseline::{Baseline, Loss, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
 use super::history::{Blame, DwellHistory, Moved};
@@ -77,6 +77,7 @@ pub struct Sequential {
     clip: Clip,
     baseline: Baseline,
     slow: Slow,
+    loss: Loss,
     novelty: Novelty,
     history: History,
     search: Search,
@@ -109,6 +110,7 @@ impl Sequential {
             clip,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
+            loss: Loss::default(),
             novelty: Novelty::new(design.sample_time, design.deviation, clip.farthest),
             scales,
             history: History::default(),
@@ -196,10 +198,15 @@ impl Sequential {
         if let Some(alarm) = self.alarm.as_mut().filter(|alarm| alarm.cause != Cause::Dwell) {
             alarm.clear_suspect();
         }
-        self.leave();
+        self.stop();
+        self.loss.begin();
         self.skew.reset();
         self.dwelling = Dwelling::default();
-        self.was_monitored = false;
+    }
+
+    /// Another calibration of the same cylinder takes over.
+    pub fn refer(&mut self, reference: &Reference) {
+        self.design.reference.clone_from(reference);
     }
 
     /// Takes one cycle. Where the alarm that stands has become another one, or has ended, it shows
@@ -221,6 +228,9 @@ impl Sequential {
             return;
         }
         self.was_monitored = true;
+        if self.loss.is_long(input.at) {
+            self.forget_baseline();
+        }
         let velocity = self.velocity.step(input.lengths[1], input.velocity);
         let [c1, c2] = input.lengths;
         let lengths = c1.zip(c2);
@@ -263,6 +273,12 @@ impl Sequential {
     /// What is learnt of a state is void in another one. What was found stands, and its baseline
     /// with it: or else the fault would be the new one.
     fn leave(&mut self) {
+        self.stop();
+        self.forget_baseline();
+    }
+
+    /// What was learnt of the motion is void.
+    fn stop(&mut self) {
         self.forget();
         self.novelty.reset();
         self.velocity.reset();
@@ -271,6 +287,9 @@ impl Sequential {
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
+    }
+
+    fn forget_baseline(&mut self) {
         if self.alarm.is_none() {
             self.baseline.reset();
             self.slow.reset();

@@ -97,6 +97,9 @@ pub struct Tuning {
     pub remarks: Vec<String>,
 }
 
+/// δ_h of the thesis, m: less is not asked for.
+pub const LEAST_HIGH: f64 = 1e-3;
+
 /// δ_l and δ_h, and what they were made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {

@@ -91,9 +91,9 @@ impl Setup {
     pub fn tuned(&self) -> f64 {
         let monitor = self.monitor();
         let designs: Vec<_> = monitor.sequential().map(|(_, it)| it.design().clone()).collect();
-        let mut watch = Watch::new(designs.iter().map(Some), self.settings.warning_cycles());
+        let mut watch = Watch::new(designs.iter().map(Some), SAMPLE_TIME);
         _ = self.read(Window { from: 0.0, to: LENGTH }, &mut watch);
-        watch.level(1.0, SAMPLE_TIME).expect("it is long enough").nats
+        watch.level(1.0).expect("it is long enough").nats
     }
 
     pub fn simulator(&self, options: &Options) -> Simulator {

@@ -14,7 +14,8 @@ pub(super) static SEQUENTIAL: Table = Table { keys: &[
         "1.0", "the false alarms that a year of monitoring may bring, all cylinders together"),
     Key::optional("level",
         number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
-        "20.0", "the level h, nats; absent: by false_alarms_per_year"),
+        "20.0", "the level h of all cylinders, nats; absent: that of each cylinder's calibration, else by \
+         false_alarms_per_year"),
     Key::optional("stop_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
@@ -42,6 +43,10 @@ const fn dependence() -> Kind {
 pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::optional("sample_time", number(Limits::above(0.0, FITTED)), "0.02",
         "the sample time of the readings that it was calibrated to, s; absent: not known"),
+    Key::optional("level",
+        number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
+        "19.5", "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \
+         false_alarms_per_year"),
     Key::required("first", number(Limits::finite(FITTED)), "-1.5",
         "where on the stroke the first node is, m"),
     Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",

@@ -10,7 +10,8 @@ use serde::Deserialize;
 pub struct Sequential {
     /// Of the whole machine, in a year of monitoring.
     pub false_alarms_per_year: f64,
-    /// h, nats; absent: by [`crate::sequential::level`].
+    /// h of all cylinders, nats; absent: that of each cylinder's calibration, else by
+    /// [`crate::sequential::level`].
     pub level: Option<f64>,
     /// Platform states in which the rods stand on their mechanical stops, named as
     /// [`Machine::monitored_states`](super::Machine::monitored_states); absent: none is known.
@@ -41,6 +42,8 @@ impl Default for Sequential {
 pub struct CylinderSequential {
     /// Of the readings that it was calibrated to, s; absent: not known.
     pub sample_time: Option<f64>,
+    /// h, nats, where the machine has none for all; absent: by the wanted rate alone.
+    pub level: Option<f64>,
     /// The first node on the stroke and the distance to the next, m.
     pub first: f64,
     pub spacing: f64,

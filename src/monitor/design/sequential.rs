@@ -28,7 +28,7 @@ impl Wirer<'_> {
             noise: Noise { rest: fitted.noise, timing: fitted.timing },
             resolution: fitted.resolution,
             pair: self.pair(n, fitted),
-            level: settings.sequential_level(),
+            level: settings.sequential_level_of(n),
             sample_time,
             clear: settings.warning_cycles(),
         })

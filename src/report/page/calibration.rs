@@ -24,7 +24,6 @@ pub fn page(result: &Calibration, differences: &Differences, configured: f64) ->
     page.section(&text::lines(result));
     page.section(&text::bands(result));
     page.section(&text::sequential(result));
-    page.lines(&capitalised(&text::level(result)));
     page.lines(&capitalised(&text::bound(result)));
     let figures: Vec<(Figure, String)> = result
         .cylinders

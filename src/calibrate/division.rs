@@ -1,0 +1,152 @@
+//! Which part of a recording teaches, and which judges what it has taught.
+
+use crate::sequential::Reference;
+use crate::survey::{Row, Surveyor, Window};
+
+/// Of blocks that alternate, s: long beside what a baseline remembers, short beside a change of the sea.
+const BLOCK: f64 = 60.0;
+
+/// A short recording has at least so many blocks.
+const LEAST_BLOCKS: f64 = 8.0;
+
+/// See [`Division::lots`].
+const LOTS: usize = 4;
+
+/// One part teaches and another one judges; or, where both are the same, its blocks alternate, each
+/// judged by what those of the other half have taught. So a sea that changes, or the order in which
+/// recordings were made, is in both halves alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Division {
+    fitted: Window,
+    tried: Window,
+    /// s; `None` where the parts are different ones.
+    block: Option<f64>,
+}
+
+impl Division {
+    pub fn new(fitted: Window, tried: Window) -> Self {
+        let block = (fitted == tried).then(|| BLOCK.min(fitted.length() / LEAST_BLOCKS));
+        Self { fitted, tried, block }
+    }
+
+    /// Every block is judged.
+    pub const fn alternates(&self) -> bool {
+        self.block.is_some()
+    }
+
+    /// s; `None` where nothing alternates.
+    pub const fn block(&self) -> Option<f64> {
+        self.block
+    }
+
+    /// The half, 0 or 1, that the row at `t`, s, teaches.
+    pub fn taught(&self, t: f64) -> Option<usize> {
+        self.fitted.holds(t).then(|| self.half(t))
+    }
+
+    /// The half by whose teaching the row at `t`, s, is judged.
+    pub fn judged(&self, t: f64) -> Option<usize> {
+        let by = |t| if self.alternates() { 1 - self.half(t) } else { 0 };
+        self.tried.holds(t).then(|| by(t))
+    }
+
+    /// Blocks are told apart by so many lots, …
+    pub const fn lots(&self) -> usize {
+        if self.alternates() { LOTS } else { 1 }
+    }
+
+    /// … of which the row at `t`, s, belongs to this one: what is in one place is in few of them.
+    pub fn lot(&self, t: f64) -> usize {
+        self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % LOTS)
+    }
+
+    fn half(&self, t: f64) -> usize {
+        self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % 2)
+    }
+}
+
+/// What both halves have taught of one cylinder.
+pub type Halves = [Option<Reference>; 2];
+
+/// Times, s, of each cylinder that neither teach nor judge.
+#[derive(Clone, Debug, Default)]
+pub struct Cuts {
+    /// By cylinder: from, and up to.
+    spans: Vec<Vec<[f64; 2]>>,
+}
+
+impl Cuts {
+    pub fn none(cylinders: usize) -> Self {
+        Self { spans: vec![Vec::new(); cylinders] }
+    }
+
+    pub fn add(&mut self, index: usize, span: [f64; 2]) {
+        self.spans[index].push(span);
+    }
+
+    /// What was cut out of the cylinder of `index` (from 0), for a person; `None` where nothing was.
+    pub fn told(&self, index: usize) -> Option<String> {
+        let place = |[from, to]: &[f64; 2]| format!("{:.0} to {to:.0} s", from.max(0.0));
+        let places: Vec<String> = self.spans[index].iter().map(place).collect();
+        (!places.is_empty()).then(|| {
+            format!(
+                "no healthy cylinder reads what it did in {}, which was left out: look there for a \
+                 fault",
+                places.join(", ")
+            )
+        })
+    }
+
+    fn hold(&self, row: &Row) -> bool {
+        let spans = &self.spans[usize::from(row.cylinder) - 1];
+        spans.iter().any(|[from, to]| *from <= row.t && row.t < *to)
+    }
+}
+
+/// Shows all rows to a surveyor but those that are cut out.
+#[derive(Debug)]
+pub struct Cutting<'a, S> {
+    pub cuts: &'a Cuts,
+    pub surveyor: S,
+}
+
+impl<S: Surveyor> Surveyor for Cutting<'_, S> {
+    fn row(&mut self, row: &Row) {
+        if self.cuts.hold(row) {
+            self.surveyor.gap(row.cylinder);
+        } else {
+            self.surveyor.row(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.surveyor.gap(cylinder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_alternate_and_judge_each_other() {
+        let all = Window { from: 0.0, to: 600.0 };
+        let division = Division::new(all, all);
+        for t in [0.0, 59.9, 60.0, 119.0, 120.0, 599.0] {
+            let (taught, judged) = (division.taught(t), division.judged(t));
+            assert_eq!((taught, judged.map(|half| 1 - half)), (judged.map(|h| 1 - h), taught));
+            assert_eq!(taught, Some((t / 60.0) as usize % 2), "{t}");
+        }
+        assert_eq!((division.taught(600.0), division.judged(-1.0)), (None, None));
+        let short = Window { from: 0.0, to: 80.0 };
+        assert_eq!(Division::new(short, short).block(), Some(10.0));
+    }
+
+    #[test]
+    fn the_first_part_teaches_and_the_second_judges() {
+        let [fitted, tried] = Window { from: 0.0, to: 600.0 }.split(0.5);
+        let division = Division::new(fitted, tried);
+        assert_eq!((division.taught(100.0), division.judged(100.0)), (Some(0), None));
+        assert_eq!((division.taught(400.0), division.judged(400.0)), (None, Some(0)));
+    }
+}
