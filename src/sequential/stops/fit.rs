@@ -88,7 +88,7 @@ fn cholesky<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
         let whole = a[j][j];
         let left = whole - (0..j).map(|k| a[j][k] * a[j][k]).sum::<f64>();
         // What is left of a column that the others make up is rounding.
-        if !(left > 1e-12 * whole) {
+        if left.is_nan() || left <= 1e-12 * whole {
             return None;
         }
         a[j][j] = left.sqrt();

@@ -52,10 +52,11 @@ const FEW: f64 = 17.0 / 4.0;
 /// Twice the nats that name one of them.
 const NAMED: f64 = 12.0;
 
-/// Variances that both of them have moved by, and what the one that has moved less has of the other's
-/// move: a stop that wears takes both along a little.
+/// Variances that both of them have moved by, what the one that has moved less has of the other's move,
+/// and what it has moved at least, m: a stop that wears takes both along.
 const BOTH: f64 = 16.0;
 const PART: f64 = 0.3;
+const OWN: f64 = 0.6 * MILLIMETRE;
 
 /// The mean square of all but the largest of a few normal values, less than their variance by this.
 const TRIMMED: f64 = 3.0;
@@ -268,7 +269,7 @@ fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
     // What is rounded to counts is off by up to half a count, evenly.
     let lattice = count * count / 12.0;
     let variance = mean.variance + lattice + 0.25 * (apart.variance + 4.0 * lattice);
-    if one.min(two) > (BOTH * variance).max(PART * PART * one.max(two)) {
+    if one.min(two) > (BOTH * variance).max(PART * PART * one.max(two)).max(OWN * OWN) {
         Blame::Both
     } else if (one - two).abs() > NAMED * variance {
         if one > two { Blame::C1 } else { Blame::C2 }

@@ -36,7 +36,8 @@ impl Thermometer {
         }
         let first = |days: &Vec<Day>| {
             [0, 1].map(|which| {
-                median(&mut days.iter().take(FIRST).map(|day| day.readings[which]).collect())
+                let first = days.iter().take(FIRST).map(|day| day.readings[which]);
+                median(&mut first.collect::<Vec<_>>())
             })
         };
         let mut begins: Vec<[f64; 2]> = cylinders.iter().map(first).collect();
@@ -81,7 +82,7 @@ fn begin(days: &[Day], common: &BTreeMap<i64, f64>, old: [f64; 2]) -> [f64; 2] {
 }
 
 /// 0 of none.
-pub(super) fn median(values: &mut Vec<f64>) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     match values.len() {
         0 => 0.0,
