@@ -7,7 +7,7 @@ mod support;
 use support::{Bench, fine, one_each, setup};
 use tertius::alarm::Detector;
 use tertius::controller::State;
-use tertius::sequential::Blame;
+use tertius::sequential::{Blame, Judgement, stops};
 use tertius::simulator::{EPOCH, Options};
 use tertius::verdict::{Fault as Kind, Suspect};
 
@@ -148,12 +148,12 @@ fn the_stop_tells_which_transducer_has_drifted() {
     let (_, last) = heard.of(3, 400.0).expect("the drift is found");
     assert_eq!(last.finding.suspect, Suspect::C1, "{}", heard.told());
     assert!(heard.warnings.iter().all(|warning| warning.cylinder == 3), "{}", heard.told());
-    let blames = |n: u8| {
-        let own = heard.dwells.iter().filter(move |(cylinder, ..)| *cylinder == n);
-        own.filter_map(|(_, _, moved)| Some(moved.as_ref()?.blame()))
-    };
-    assert_eq!(blames(3).next_back(), Some(Blame::C1));
-    assert!((1..=6).filter(|n| *n != 3).flat_map(blames).all(|blame| blame == Blame::Neither));
+    let judged = stops::judge(monitor.sequential().map(|(_, detector)| detector.dwells()));
+    let blame = |judged: &Option<Judgement>| judged.map_or(Blame::Neither, |it| it.blame);
+    let blames: Vec<Blame> = judged.iter().map(blame).collect();
+    let mut expected = [Blame::Neither; 6];
+    expected[2] = Blame::C1;
+    assert_eq!(blames, expected);
     let (_, detector) = monitor.sequential().find(|(n, _)| *n == 3).expect("it has one");
     let trend = detector.dwells().trend(0).expect("there is a history");
     assert!(trend.per_month > 10.0 * trend.error, "{trend:?}");

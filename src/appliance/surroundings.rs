@@ -19,7 +19,7 @@ use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Surroundings, Wish};
 use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
-use crate::sequential::{Apart, Dwell, Moved};
+use crate::sequential::{Apart, Dwell};
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -147,7 +147,7 @@ impl Journal for Appliance {
         self.warnings.take(warning);
     }
 
-    fn dwell(&mut self, _: u8, _: &Dwell, _: Option<&Moved>) {
+    fn dwell(&mut self, _: u8, _: &Dwell) {
         self.keeper.dwelt();
     }
 

@@ -179,10 +179,8 @@ impl Replay {
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let episodes = std::mem::take(&mut output.episodes);
-        let stops = Stops {
-            histories: monitor.sequential().map(|(n, it)| (n, it.dwells())).collect(),
-            limits: machine.loaded.settings.drift_limits(),
-        };
+        let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
+        let stops = Stops::new(histories, machine.loaded.settings.drift_limits());
         let summary = Summary {
             stops: &stops,
             duration: duration.as_seconds(),

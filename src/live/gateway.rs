@@ -6,7 +6,7 @@ use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
 use crate::error_frame::ErrorFrame;
 use crate::monitor::{Monitor, Notice, Record, Sink};
-use crate::sequential::{Archive, Dwell, Moved};
+use crate::sequential::{Archive, Dwell};
 use crate::time::{Span, Timestamp};
 use std::time::Duration;
 use thiserror::Error;
@@ -23,8 +23,8 @@ pub trait Journal {
     }
 
     /// A rod was read on its stop.
-    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
-        _ = (cylinder, dwell, moved);
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        _ = (cylinder, dwell);
     }
 
     fn notice(&mut self, notice: &Notice) {
@@ -224,8 +224,8 @@ impl<J: Journal> Sink for Outlet<'_, J> {
         self.journal.warning(warning);
     }
 
-    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
-        self.journal.dwell(cylinder, dwell, moved);
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        self.journal.dwell(cylinder, dwell);
     }
 
     fn transmit(&mut self, frame: &OwnFrame) {

@@ -18,7 +18,7 @@ use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restar
 use crate::sample::motion::Motion;
 use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{self, Dwell, DwellHistory, Moved, Sequential};
+use crate::sequential::{self, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
@@ -129,7 +129,7 @@ pub struct Cylinder {
 impl Cylinder {
     pub fn new(design: CylinderDesign) -> Self {
         let plausibility = |i: usize| Plausibility::new(design.limits[i].clone());
-        Self {
+        let mut cylinder = Self {
             inputs: Inputs::default(),
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
@@ -154,7 +154,9 @@ impl Cylinder {
             judged: [false; 2],
             tally: Tally::default(),
             design,
-        }
+        };
+        cylinder.inherit(&DwellHistory::default());
+        cylinder
     }
 
     pub const fn tally(&self) -> &Tally {
@@ -162,8 +164,15 @@ impl Cylinder {
     }
 
     /// What was read on the stop in the newest cycle, once.
-    pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
+    pub fn take_dwell(&mut self) -> Option<Dwell> {
         self.sequential.as_mut()?.take_dwell()
+    }
+
+    /// What the dwells of the machine up to `at` say of this cylinder.
+    pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
+        if let Some(sequential) = &mut self.sequential {
+            sequential.judge_stop(at, judgement);
+        }
     }
 
     /// Its number and its sequential detector, if it has one.
@@ -174,7 +183,8 @@ impl Cylinder {
     /// Goes on with the dwells of an earlier monitor, if it has a detector that reads them.
     pub fn inherit(&mut self, dwells: &DwellHistory) {
         if let Some(sequential) = &mut self.sequential {
-            sequential.inherit(dwells.clone());
+            let Comparator { gain, offset } = self.design.comparator;
+            sequential.inherit(dwells.clone(), [gain, offset]);
         }
     }
 

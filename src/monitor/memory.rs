@@ -1,7 +1,8 @@
 //! What a monitor hands on to the next one of the same machine: what was read on the stops.
 
 use super::Monitor;
-use crate::sequential::Archive;
+use crate::sequential::{Archive, stops};
+use crate::time::Timestamp;
 
 impl Monitor {
     /// Goes on with the dwells of an earlier monitor of the same machine.
@@ -16,6 +17,18 @@ impl Monitor {
         for (n, sequential) in self.sequential() {
             if let Some(place) = archive.cylinders.get_mut(usize::from(n).wrapping_sub(1)) {
                 place.clone_from(sequential.dwells());
+            }
+        }
+    }
+
+    /// A rod was read on its stop: what that says of any of them. The others are the thermometer, so each
+    /// is judged anew with each that was read.
+    pub(super) fn judge_stops(&mut self, at: Timestamp) {
+        let judged = stops::judge(self.sequential().map(|(_, sequential)| sequential.dwells()));
+        let known = self.cylinders.iter_mut().filter(|cylinder| cylinder.sequential().is_some());
+        for (cylinder, judgement) in known.zip(judged) {
+            if let Some(judgement) = judgement {
+                cylinder.judge_stop(at, &judgement);
             }
         }
     }

@@ -354,10 +354,11 @@ impl Monitor {
             sink.record(&cylinder.record(now, &evaluated));
         }
         cylinder.inputs.clear();
-        if let Some((dwell, moved)) = cylinder.take_dwell() {
-            sink.dwell(number, &dwell, moved.as_ref());
+        if let Some(dwell) = cylinder.take_dwell() {
+            sink.dwell(number, &dwell);
+            self.judge_stops(at);
         }
-        if cylinder.finds_anything() || self.register.any(index) {
+        if self.cylinders[index].finds_anything() || self.register.any(index) {
             self.warn(index, at, sink);
         }
         if let Some(estimate) = self.cylinders[index].estimated() {

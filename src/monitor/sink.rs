@@ -4,7 +4,7 @@ use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
 use crate::observe::observer::Restart;
 use crate::sample::Quality;
-use crate::sequential::{Apart, Dwell, Moved};
+use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
 
 /// Everything known of one cylinder in one cycle; `None` where there was nothing.
@@ -84,10 +84,9 @@ pub trait Sink {
         _ = (at, cylinder, estimate);
     }
 
-    /// A rod has come to rest on its stop, and how its readings have moved since its first dwells,
-    /// where there is a history.
-    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
-        _ = (cylinder, dwell, moved);
+    /// A rod has come to rest on its stop.
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        _ = (cylinder, dwell);
     }
 
     /// A frame to send.

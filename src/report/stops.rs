@@ -1,13 +1,23 @@
 //! What was read on the mechanical stops, and where it is going, in numbers and words.
 
-use crate::sequential::{DwellHistory, Forecast, Limits, Trend};
+use crate::sequential::{Blame, DwellHistory, Forecast, Judgement, Limits, Trend, stops};
 use serde::Serialize;
 
-/// The histories of the cylinders that have one, with their numbers.
+/// The histories of the cylinders that have one, and what they say together.
 #[derive(Clone, Debug)]
 pub struct Stops<'a> {
-    pub histories: Vec<(u8, &'a DwellHistory)>,
+    pub stops: Vec<Stop<'a>>,
     pub limits: Limits,
+}
+
+/// What was read on the stop of one cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop<'a> {
+    /// Counted from 1.
+    pub cylinder: u8,
+    pub history: &'a DwellHistory,
+    /// `None` where too little was read.
+    pub judgement: Option<Judgement>,
 }
 
 /// The columns of [`Stops::rows`], before those of the two limits.
@@ -45,11 +55,35 @@ impl From<Forecast> for Left {
     }
 }
 
-impl Stops<'_> {
-    /// Histories with anything in them, with the trends of C1 and C2 where there are enough dwells.
-    fn known(&self) -> impl Iterator<Item = (u8, &DwellHistory, [Option<Trend>; 2])> {
-        let known = self.histories.iter().filter(|(_, history)| !history.dwells().is_empty());
-        known.map(|(n, history)| (*n, *history, [0, 1].map(|which| history.trend(which))))
+impl Stop<'_> {
+    /// The trends of C1 and C2 where there are enough dwells.
+    fn trends(&self) -> [Option<Trend>; 2] {
+        [0, 1].map(|which| self.history.trend(which))
+    }
+
+    /// When C1 (`which` 0) or C2 (1), that has that trend, will have moved by `limit`, m; `None` unless
+    /// the stops name it.
+    pub fn until(&self, which: usize, trend: &Trend, limit: f64) -> Option<Forecast> {
+        self.judgement.filter(|judgement| judgement.names(which))?;
+        trend.until(limit)
+    }
+
+    fn blame(&self) -> Blame {
+        self.judgement.map_or(Blame::Neither, |judgement| judgement.blame)
+    }
+}
+
+impl<'a> Stops<'a> {
+    /// Judges `histories`, those of a machine with the numbers of their cylinders.
+    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: Limits) -> Self {
+        let judged = stops::judge(histories.iter().map(|(_, history)| *history));
+        let stop = |((cylinder, history), judgement)| Stop { cylinder, history, judgement };
+        Self { stops: histories.into_iter().zip(judged).map(stop).collect(), limits }
+    }
+
+    /// Those with anything in them.
+    fn known(&self) -> impl Iterator<Item = &Stop<'a>> {
+        self.stops.iter().filter(|stop| !stop.history.dwells().is_empty())
     }
 
     pub fn is_empty(&self) -> bool {
@@ -66,17 +100,18 @@ impl Stops<'_> {
     pub fn rows(&self) -> Vec<Vec<String>> {
         let Limits { maintenance, critical } = self.limits;
         let mut rows = Vec::new();
-        for (n, history, trends) in self.known() {
-            for (name, trend) in TRANSDUCERS.iter().zip(trends) {
-                let dwells = history.dwells().len().to_string();
-                let mut row = vec![n.to_string(), (*name).to_owned(), dwells];
+        for stop in self.known() {
+            for (which, trend) in stop.trends().into_iter().enumerate() {
+                let dwells = stop.history.dwells().len().to_string();
+                let mut row =
+                    vec![stop.cylinder.to_string(), TRANSDUCERS[which].to_owned(), dwells];
                 row.extend(match trend {
                     Some(trend) => [
                         span(trend.months),
                         signed(trend.moved),
                         speed(&trend),
-                        left(&trend, maintenance),
-                        left(&trend, critical),
+                        left(stop.until(which, &trend, maintenance)),
+                        left(stop.until(which, &trend, critical)),
                     ],
                     None => ["–", "–", "–", "too few dwells", "–"].map(str::to_owned),
                 });
@@ -88,13 +123,19 @@ impl Stops<'_> {
 
     /// What the newest of the histories says, for people.
     pub fn verdict(&self) -> String {
-        let drifts = |(n, _, trends): (u8, &DwellHistory, [Option<Trend>; 2])| {
-            let trends = TRANSDUCERS.into_iter().zip(trends);
-            let drifting = trends.filter(|(_, trend)| trend.is_some_and(|trend| trend.is_drift()));
-            drifting.map(|(name, _)| format!("{name} of cylinder {n}")).collect::<Vec<_>>()
+        let drifts = |stop: &Stop<'_>| {
+            let named = |which: &usize| stop.judgement.is_some_and(|it| it.names(*which));
+            let named: Vec<&str> =
+                [0, 1].into_iter().filter(named).map(|which| TRANSDUCERS[which]).collect();
+            let whose = if stop.blame() == Blame::Undecided {
+                "C1 or C2".to_owned()
+            } else {
+                named.join(" and ")
+            };
+            (!whose.is_empty()).then(|| format!("{whose} of cylinder {}", stop.cylinder))
         };
-        let drifting: Vec<String> = self.known().flat_map(drifts).collect();
-        match (drifting.is_empty(), self.known().any(|(.., [one, _])| one.is_some())) {
+        let drifting: Vec<String> = self.known().filter_map(drifts).collect();
+        match (drifting.is_empty(), self.known().any(|stop| stop.judgement.is_some())) {
             (false, _) => format!("On the stops a drift is seen: {}.", drifting.join(", ")),
             (true, true) => "On the stops no drift is seen.".to_owned(),
             (true, false) => "On the stops too little was read to tell a drift.".to_owned(),
@@ -104,31 +145,31 @@ impl Stops<'_> {
     /// For scripts; a transducer with too few dwells is left out.
     pub fn lines(&self) -> Vec<TrendLine> {
         let Limits { maintenance, critical } = self.limits;
-        let line = |cylinder, transducer, trend: Trend| TrendLine {
-            cylinder,
-            transducer,
+        let line = |stop: &Stop<'_>, which: usize, trend: Trend| TrendLine {
+            cylinder: stop.cylinder,
+            transducer: ["c1", "c2"][which],
             dwells: trend.dwells,
             months: trend.months,
             moved_mm: trend.moved * 1e3,
             mm_per_month: trend.per_month * 1e3,
             error_mm_per_month: trend.error * 1e3,
-            months_until_maintenance: trend.until(maintenance).map(Left::from),
-            months_until_critical: trend.until(critical).map(Left::from),
+            months_until_maintenance: stop.until(which, &trend, maintenance).map(Left::from),
+            months_until_critical: stop.until(which, &trend, critical).map(Left::from),
         };
         let mut lines = Vec::new();
-        for (n, _, trends) in self.known() {
-            let named = ["c1", "c2"].into_iter().zip(trends);
-            lines.extend(named.filter_map(|(name, trend)| Some(line(n, name, trend?))));
+        for stop in self.known() {
+            let trends = stop.trends().into_iter().enumerate();
+            lines.extend(trends.filter_map(|(which, trend)| Some(line(stop, which, trend?))));
         }
         lines
     }
 }
 
-/// A trend in a sentence; `limit` is how far the reading may move, m.
-pub fn sentence(trend: &Trend, limit: f64) -> String {
-    match trend.until(limit) {
+/// A trend in a sentence; `limit` is how far the reading may move, m, and `until` when it will have.
+pub fn sentence(trend: &Trend, limit: f64, until: Option<Forecast>) -> String {
+    match until {
         Some(_) => {
-            format!("{} a month; {} in {}", speed(trend), millimetres(limit), left(trend, limit))
+            format!("{} a month; {} in {}", speed(trend), millimetres(limit), left(until))
         }
         None => format!("no drift seen ({} a month)", speed(trend)),
     }
@@ -138,8 +179,8 @@ fn speed(trend: &Trend) -> String {
     format!("{:+.3} ± {:.3} mm", unsigned_zero(trend.per_month, 1e6), trend.error * 1e3)
 }
 
-fn left(trend: &Trend, limit: f64) -> String {
-    match trend.until(limit) {
+fn left(until: Option<Forecast>) -> String {
+    match until {
         None => "no drift seen".to_owned(),
         Some(Forecast { expected, .. }) if expected <= 0.0 => "reached".to_owned(),
         Some(Forecast { expected, earliest, latest }) => {
@@ -204,7 +245,7 @@ mod tests {
     #[test]
     fn a_drift_is_told_with_the_time_left() {
         let (still, drifting) = (history(31, 0.0), history(31, -1e-4));
-        let stops = Stops { histories: vec![(2, &still), (3, &drifting)], limits: LIMITS };
+        let stops = Stops::new(vec![(2, &still), (3, &drifting)], LIMITS);
         assert_eq!(stops.columns()[5..], ["drift a month", "until 5 mm", "until 50 mm"]);
         assert_eq!(stops.verdict(), "On the stops a drift is seen: C2 of cylinder 3.");
         let rows = stops.rows();
@@ -213,9 +254,9 @@ mod tests {
             assert_eq!(row[6..], ["no drift seen", "no drift seen"], "{row:?}");
         }
         let row = &rows[3];
-        assert_eq!(row[..5], ["3", "C2", "31", "30.0 days", "-2.55 mm"], "{row:?}");
+        assert_eq!(row[..5], ["3", "C2", "31", "30.0 days", "-2.90 mm"], "{row:?}");
         assert!(row[5].starts_with("-3.044 ± 0.0"), "{row:?}");
-        assert!(row[6].starts_with("24.5 days (23") && row[7].starts_with("15.6 months ("));
+        assert!(row[6].starts_with("21.0 days (20") && row[7].starts_with("15.5 months ("));
         let lines = stops.lines();
         assert_eq!(lines.len(), 4);
         let line = serde_json::to_value(&lines[3]).expect("numbers");
@@ -224,7 +265,7 @@ mod tests {
         let [earliest, expected, latest] =
             ["earliest", "expected", "latest"].map(|key| left[key].as_f64().expect("a number"));
         assert!(earliest < expected && expected < latest, "{left}");
-        assert!((expected - 24.5 / 30.4375).abs() < 0.01, "{left}");
+        assert!((expected - 21.0 / 30.4375).abs() < 0.01, "{left}");
         let none = serde_json::to_value(&lines[0]).expect("numbers");
         assert!(none["months_until_maintenance"].is_null() && none["mm_per_month"].is_number());
     }
@@ -232,9 +273,9 @@ mod tests {
     #[test]
     fn of_few_dwells_nothing_is_claimed() {
         let (none, few) = (DwellHistory::default(), history(2, 1e-3));
-        let stops = Stops { histories: vec![(1, &none)], limits: LIMITS };
+        let stops = Stops::new(vec![(1, &none)], LIMITS);
         assert!(stops.is_empty());
-        let stops = Stops { histories: vec![(1, &none), (2, &few)], limits: LIMITS };
+        let stops = Stops::new(vec![(1, &none), (2, &few)], LIMITS);
         assert_eq!(stops.lines(), []);
         assert_eq!(stops.rows()[0][..], ["2", "C1", "2", "–", "–", "–", "too few dwells", "–"]);
         assert_eq!(stops.rows().len(), 2);

@@ -1,27 +1,32 @@
 //! The dwells of a whole machine as they are kept from one start to the next.
 //!
 //! ```text
-//! tertius dwells 1
+//! tertius dwells 2
 //! machine Ampelmann E-type
-//! cylinder 1 anchors 10 dwells 20
-//! 1700000000123456789 -1.4000123 -1.3900456
+//! cylinder 1 dwells 20 count 0.000109 gain 1.0 offset -0.0021
+//! 1700000000123456789 -1.4000123 -1.3900456 1
 //! …
 //! crc32 0f3a9c1e
 //! ```
 //!
-//! A dwell is its time, ns since 1970, and the readings of C1 and C2, m, in the shortest form that
-//! reads back the same. The last line is over all bytes before it: a reading with a wrong digit would
+//! A dwell is its time, ns since 1970, the readings of C1 and C2, m, in the shortest form that
+//! reads back the same, and of how many it is the mean. `count` is what the readings move in, m; `gain` and
+//! `offset` are a and b of (5-20), left out where they are not known. Version 1 had
+//! `cylinder 1 anchors 10 dwells 20` instead, no means, and up to 512 dwells; it is read as well. The last line is over all bytes before it: a reading with a wrong digit would
 //! blame a transducer that is sound.
 
 use super::dwell::Dwell;
-use super::history::{DwellHistory, Flaw, MOST};
+use super::history::{DwellHistory, Flaw, Gauging, MOST_READ};
 use crate::time::Timestamp;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use std::fmt::Write as _;
 use thiserror::Error;
 
 /// Of the form above; a newer one may mean anything.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+
+/// The one before, which is read as well.
+const FIRST_VERSION: u32 = 1;
 
 /// The longest text that is one, bytes: six full cylinders have a quarter of it.
 pub const MAX_SIZE: usize = 1 << 20;
@@ -81,11 +86,15 @@ impl Archive {
     pub fn to_text(&self) -> String {
         let mut text = format!("tertius dwells {VERSION}\nmachine {}\n", self.machine);
         for (n, history) in (1..).zip(&self.cylinders) {
-            let (anchors, dwells) = (history.anchor_count(), history.dwells());
+            let (dwells, Gauging { count, corrected }) = (history.dwells(), history.gauging());
             // Writing to a string cannot fail.
-            _ = writeln!(text, "cylinder {n} anchors {anchors} dwells {}", dwells.len());
-            for Dwell { at, readings: [c1, c2] } in dwells {
-                _ = writeln!(text, "{} {c1:?} {c2:?}", at.as_nanos());
+            _ = write!(text, "cylinder {n} dwells {} count {count:?}", dwells.len());
+            if let Some([gain, offset]) = corrected {
+                _ = write!(text, " gain {gain:?} offset {offset:?}");
+            }
+            text.push('\n');
+            for (Dwell { at, readings: [c1, c2] }, of) in dwells.iter().zip(history.counts()) {
+                _ = writeln!(text, "{} {c1:?} {c2:?} {of}", at.as_nanos());
             }
         }
         let seal = seal(&text);
@@ -103,11 +112,11 @@ impl Archive {
         let text = std::str::from_utf8(bytes).map_err(|_| Refusal::Binary)?;
         let mut lines = Lines { rest: text, line: 0 };
         let version = lines.after("tertius dwells ", "`tertius dwells` and a version")?;
-        match version.parse() {
-            Ok(VERSION) => {}
+        let version = match version.parse() {
+            Ok(version @ FIRST_VERSION..=VERSION) => version,
             Ok(newer) if newer > VERSION => return Err(Refusal::Newer(newer)),
             _ => return Err(lines.wrong(version, "a version")),
-        }
+        };
         check_seal(text)?;
         let found = lines.after("machine ", "`machine` and its name")?;
         if found != machine {
@@ -117,7 +126,7 @@ impl Archive {
         let mut count = 0;
         while lines.rest.starts_with("cylinder ") {
             count += 1;
-            let history = lines.cylinder(count)?;
+            let history = lines.cylinder(count, version)?;
             let Some(place) = archive.cylinders.get_mut(count - 1) else {
                 return Err(Refusal::Cylinders { found: count, expected: cylinders.into() });
             };
@@ -166,32 +175,33 @@ impl<'a> Lines<'a> {
     }
 
     /// The next cylinder, which has to be number `n`.
-    fn cylinder(&mut self, n: usize) -> Result<DwellHistory, Refusal> {
+    fn cylinder(&mut self, n: usize, version: u32) -> Result<DwellHistory, Refusal> {
         let heading = self.next();
         let begin = self.line;
-        let mut numbers = [0; 3];
-        let mut words = heading.split(' ');
-        for (name, number) in ["cylinder", "anchors", "dwells"].iter().zip(&mut numbers) {
-            let found = words.next().filter(|word| word == name).and_then(|_| words.next());
-            *number = found.and_then(|word| word.parse().ok()).unwrap_or(usize::MAX);
-        }
-        let [number, anchors, count] = numbers;
-        let sound = number == n && anchors < usize::MAX && words.next().is_none();
-        if !sound || count > MOST {
-            let expected = format!("`cylinder {n} anchors A dwells D`, D up to {MOST}");
+        let read = if version == FIRST_VERSION { first_heading } else { self::heading };
+        let known =
+            read(heading).filter(|(number, dwells, _)| *number == n && *dwells <= MOST_READ);
+        let Some((_, count, gauging)) = known else {
+            let form = match version {
+                FIRST_VERSION => "anchors A dwells D",
+                _ => "dwells D count C gain A offset B",
+            };
+            let expected = format!("`cylinder {n} {form}`, D up to {MOST_READ}");
             return Err(self.wrong(heading, &expected));
-        }
-        let mut dwells = Vec::with_capacity(count);
+        };
+        let (mut dwells, mut counts) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for _ in 0..count {
             let line = self.next();
-            let wrong = || self.wrong(line, "a time in ns and two readings in m");
-            dwells.push(dwell(line).ok_or_else(wrong)?);
+            let wrong = || {
+                let of = if version == FIRST_VERSION { "" } else { ", and of how many dwells" };
+                self.wrong(line, &format!("a time in ns and two readings in m{of}"))
+            };
+            let (dwell, of) = dwell(line, version).ok_or_else(wrong)?;
+            dwells.push(dwell);
+            counts.push(of);
         }
-        DwellHistory::restore(dwells, anchors).map_err(|flaw| Refusal::Flaw {
-            line: begin,
-            cylinder: n,
-            flaw,
-        })
+        let flawed = |flaw| Refusal::Flaw { line: begin, cylinder: n, flaw };
+        DwellHistory::restore(dwells, counts, gauging).map_err(flawed)
     }
 
     /// What is wrong with the newest line.
@@ -200,11 +210,38 @@ impl<'a> Lines<'a> {
     }
 }
 
-fn dwell(line: &str) -> Option<Dwell> {
+/// The number behind the next word, which has to be `name`.
+fn named<T: std::str::FromStr>(words: &mut std::str::Split<'_, char>, name: &str) -> Option<T> {
+    words.next().filter(|word| *word == name)?;
+    words.next()?.parse().ok()
+}
+
+/// Number, dwells and gauging of a cylinder.
+fn heading(line: &str) -> Option<(usize, usize, Gauging)> {
+    let words = &mut line.split(' ');
+    let (number, dwells) = (named(words, "cylinder")?, named(words, "dwells")?);
+    let count = named(words, "count")?;
+    let rest = words.clone().next().is_some();
+    let corrected =
+        if rest { Some([named(words, "gain")?, named(words, "offset")?]) } else { None };
+    words.next().is_none().then_some((number, dwells, Gauging { count, corrected }))
+}
+
+/// The same of version 1, which knew no gauging; its anchors are of no use any more.
+fn first_heading(line: &str) -> Option<(usize, usize, Gauging)> {
+    let words = &mut line.split(' ');
+    let number = named(words, "cylinder")?;
+    let _: usize = named(words, "anchors")?;
+    let dwells = named(words, "dwells")?;
+    words.next().is_none().then_some((number, dwells, Gauging::default()))
+}
+
+fn dwell(line: &str, version: u32) -> Option<(Dwell, u32)> {
     let mut words = line.split(' ');
     let at = Timestamp::from_nanos(words.next()?.parse().ok()?);
     let readings = [words.next()?.parse().ok()?, words.next()?.parse().ok()?];
-    words.next().is_none().then_some(Dwell { at, readings })
+    let of = if version == FIRST_VERSION { 1 } else { words.next()?.parse().ok()? };
+    words.next().is_none().then_some((Dwell { at, readings }, of))
 }
 
 fn shown(text: &str) -> String {

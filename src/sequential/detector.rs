@@ -6,7 +6,7 @@ use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
 use super::clip::Clip;
 use super::dwell::{Dwell, Dwelling};
-use super::history::{Blame, DwellHistory, Moved};
+use super::history::DwellHistory;
 use super::noise::Noise;
 use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
@@ -17,6 +17,7 @@ use super::sampling::{Apart, Said};
 use super::scale::Proportion;
 use super::skew::Skew;
 use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales, Search};
+use super::stops::{Blame, Judgement};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
 use crate::time::Timestamp;
@@ -97,7 +98,7 @@ pub struct Sequential {
     dwelling: Dwelling,
     dwells: DwellHistory,
     /// Of the newest cycle.
-    dwelt: Option<(Dwell, Option<Moved>)>,
+    dwelt: Option<Dwell>,
 }
 
 impl Sequential {
@@ -188,7 +189,7 @@ impl Sequential {
     }
 
     /// What was read on the stop in the newest cycle, once.
-    pub fn take_dwell(&mut self) -> Option<(Dwell, Option<Moved>)> {
+    pub const fn take_dwell(&mut self) -> Option<Dwell> {
         self.dwelt.take()
     }
 
@@ -213,11 +214,8 @@ impl Sequential {
     /// in [`Self::alarm`].
     pub fn step(&mut self, input: &Input) {
         if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
-            let moved = self.dwells.add(dwell);
-            self.dwelt = Some((dwell, moved));
-            if let Some(moved) = moved {
-                self.judge_dwell(input.at, &moved);
-            }
+            self.dwells.add(dwell);
+            self.dwelt = Some(dwell);
         }
         self.residual = None;
         if !input.monitored {
@@ -302,30 +300,29 @@ impl Sequential {
         self.search = Search::default();
     }
 
-    /// The stop tells which reading has drifted, also where nothing else could: while the machine
-    /// moves, its controller follows a drifting C1.
-    fn judge_dwell(&mut self, at: Timestamp, moved: &Moved) {
-        let [one, two] = moved.by;
-        let (suspect, size) = match moved.blame() {
+    /// The stops tell which reading has drifted, also where nothing else could: while the machine
+    /// moves, its controller follows a drifting C1. `judgement` is of all dwells of the machine up to `at`.
+    pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
+        let [one, two] = judgement.moved;
+        let (suspect, size) = match judgement.blame {
             Blame::C1 => (Suspect::C1, one),
             Blame::C2 => (Suspect::C2, two),
-            Blame::Neither | Blame::Stop => {
+            Blame::Neither => {
                 // What the stop found is over when the stop says so.
                 if self.alarm.is_some_and(|alarm| alarm.cause == Cause::Dwell) {
                     self.end();
                 }
                 return;
             }
-            Blame::Both => return,
+            Blame::Both | Blame::Undecided => return,
         };
         match &mut self.alarm {
             Some(alarm) if alarm.suspect == Suspect::Undecided => alarm.suspect = suspect,
             Some(_) => {}
-            None if size.abs() > SLOW => {
+            None => {
                 let alarm = Alarm::new(Cause::Dwell, Fault::Incipient, size, at);
                 self.begin(Alarm { suspect, ..alarm });
             }
-            None => {}
         }
     }
 

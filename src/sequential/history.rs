@@ -1,15 +1,17 @@
-//! The dwells of one cylinder so far: which transducer has moved, and where it is going.
+//! The dwells of one cylinder so far.
 
 use super::dwell::Dwell;
+use super::stops::Day;
 use super::trend::Trend;
+use crate::time::{Span, Timestamp};
 use thiserror::Error;
 
-/// Dwells that are kept: beyond that every other of the older half is let go, so that the span of
-/// time stays.
-pub const MOST: usize = 512;
+/// Dwells, or means of dwells, that are kept: beyond that older ones are put together, so that the span
+/// of time stays.
+pub const MOST: usize = 128;
 
-/// At most so many of the first dwells are what later ones are compared with.
-const ANCHORS: usize = 10;
+/// A history that was kept by an earlier version may have so many.
+pub const MOST_READ: usize = 512;
 
 /// Fewer are no history.
 pub const LEAST: usize = 3;
@@ -20,68 +22,52 @@ pub(super) const REPEATABILITY: f64 = 5e-5;
 /// No cylinder is as long as this, m.
 const LONGEST: f64 = 1000.0;
 
-/// So many deviations are a move.
-const DEVIATIONS: f64 = 5.0;
+const DAY: i64 = 86_400_000_000_000;
 
-/// What both have moved alike is the stop or the temperature: within this part.
-const ALIKE: f64 = 0.5;
+/// Seconds of a mean year.
+const YEAR: f64 = 365.25 * 86_400.0;
+
+/// No machine lies idle for so many years: its clock was set.
+const IDLE: f64 = 3.0;
+
+/// Newest intervals between dwells of which the median is the usual one.
+const INTERVALS: usize = 16;
+
+/// A calibration that has C2 read otherwise by more than this, m, is that of another transducer, or of one
+/// that was adjusted.
+const ADJUSTED: f64 = 5e-4;
+
+/// What the readings of a cylinder were told by while its dwells were read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gauging {
+    /// What the readings move in, m; 0 where that is not known, or finer than their noise.
+    pub count: f64,
+    /// a, dimensionless, and b, m, of (5-20); `None` where that is not known.
+    pub corrected: Option<[f64; 2]>,
+}
 
 /// Dwells in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DwellHistory {
     dwells: Vec<Dwell>,
-    /// So many of the first are anchors: those before anything had moved.
-    anchors: usize,
+    /// Of so many dwells each is the mean.
+    counts: Vec<u32>,
+    gauging: Gauging,
 }
 
 /// Why dwells are no history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Flaw {
-    #[error("at most {MOST} dwells")]
+    #[error("at most {MOST_READ} dwells")]
     TooMany,
-    #[error("no more anchors than dwells, and at most {ANCHORS}")]
-    Anchors,
+    #[error("each the mean of one dwell at least")]
+    Count,
     #[error("readings within {LONGEST} m")]
     Reading,
     #[error("each dwell later than the one before")]
     Order,
-}
-
-/// What a dwell says of the two readings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moved {
-    /// By how much each reads more than in its first dwells, m.
-    pub by: [f64; 2],
-    /// What it takes to have moved, m.
-    pub least: [f64; 2],
-}
-
-/// Whom a dwell blames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blame {
-    Neither,
-    C1,
-    C2,
-    /// They have moved, and not alike.
-    Both,
-    /// They have moved alike: the stop, or the temperature.
-    Stop,
-}
-
-impl Moved {
-    pub fn blame(&self) -> Blame {
-        let [one, two] = [0, 1].map(|i| self.by[i].abs() > self.least[i]);
-        match (one, two) {
-            (false, false) => Blame::Neither,
-            (true, false) => Blame::C1,
-            (false, true) => Blame::C2,
-            (true, true) => {
-                let [one, two] = self.by;
-                let alike = (one - two).abs() < ALIKE * one.abs().max(two.abs());
-                if alike { Blame::Stop } else { Blame::Both }
-            }
-        }
-    }
+    #[error("a count and a calibration that are numbers")]
+    Gauging,
 }
 
 impl DwellHistory {
@@ -89,214 +75,276 @@ impl DwellHistory {
         &self.dwells
     }
 
-    /// How many of the first are anchors.
-    pub fn anchor_count(&self) -> usize {
-        self.anchors
+    /// Of how many dwells each of [`Self::dwells`] is the mean.
+    pub fn counts(&self) -> &[u32] {
+        &self.counts
     }
 
-    /// The history of `dwells`, of which the first `anchors` are anchors, as it was kept.
+    pub const fn gauging(&self) -> &Gauging {
+        &self.gauging
+    }
+
+    /// The history of `dwells`, each the mean of so many, as it was kept.
     ///
     /// # Errors
     /// If no history can be so.
-    pub fn restore(dwells: Vec<Dwell>, anchors: usize) -> Result<Self, Flaw> {
-        if dwells.len() > MOST {
+    pub fn restore(dwells: Vec<Dwell>, counts: Vec<u32>, gauging: Gauging) -> Result<Self, Flaw> {
+        let Gauging { count, corrected } = gauging;
+        let sound = count.is_finite() && count >= 0.0;
+        if dwells.len() > MOST_READ {
             Err(Flaw::TooMany)
-        } else if anchors > dwells.len().min(ANCHORS) {
-            Err(Flaw::Anchors)
+        } else if counts.len() != dwells.len() || counts.contains(&0) {
+            Err(Flaw::Count)
         } else if !dwells.iter().all(is_sound) {
             Err(Flaw::Reading)
         } else if !dwells.is_sorted_by(|one, next| one.at < next.at) {
             Err(Flaw::Order)
+        } else if !sound || !corrected.iter().flatten().all(|number| number.is_finite()) {
+            Err(Flaw::Gauging)
         } else {
-            Ok(Self { dwells, anchors })
+            let mut history = Self { dwells, counts, gauging };
+            history.shorten();
+            Ok(history)
         }
     }
 
-    /// Takes a dwell, and says how the readings have moved since the first ones; `None` while there
-    /// is no history. A dwell that is not newer than the newest is judged and not kept: the clock
-    /// was set back, or it is the same one again.
-    pub fn add(&mut self, dwell: Dwell) -> Option<Moved> {
-        if !is_sound(&dwell) {
-            return None;
+    /// From now on the readings are told by `gauging`. Where C2 is corrected otherwise than before, a
+    /// transducer was replaced or adjusted: what was read before is nothing to compare with.
+    pub fn gauge(&mut self, gauging: Gauging) {
+        if let Some((newest, (before, now))) =
+            self.dwells.last().zip(self.gauging.corrected.zip(gauging.corrected))
+        {
+            let corrected = |[gain, offset]: [f64; 2]| gain * newest.readings[1] + offset;
+            if (corrected(before) - corrected(now)).abs() > ADJUSTED {
+                *self = Self::default();
+            }
         }
-        let moved = self.compare(&dwell);
-        if self.dwells.last().is_some_and(|newest| newest.at >= dwell.at) {
-            return moved;
+        self.gauging = gauging;
+    }
+
+    /// Takes a dwell, and says whether it is a new one: the same one again is not kept. One that is older
+    /// than what was read before, or that comes years later, was stamped by a clock that was set: what
+    /// was read before is then moved to where it may have been by the new one.
+    pub fn add(&mut self, dwell: Dwell) -> bool {
+        if !is_sound(&dwell) || self.knows(dwell.at) {
+            return false;
         }
-        let healthy = moved.is_none_or(|moved| moved.blame() == Blame::Neither);
-        if healthy && self.anchors == self.dwells.len() && self.anchors < ANCHORS {
-            self.anchors += 1;
+        if !self.follow_clock(dwell.at) {
+            return false;
         }
         self.dwells.push(dwell);
-        if self.dwells.len() > MOST {
-            self.thin();
-        }
-        moved
+        self.counts.push(1);
+        self.shorten();
+        true
     }
 
-    fn anchors(&self) -> &[Dwell] {
-        &self.dwells[..self.anchors]
+    /// The same dwell was read before, or it is of a time of which only means are kept.
+    fn knows(&self, at: Timestamp) -> bool {
+        let place = self.dwells.partition_point(|dwell| dwell.at < at);
+        let Some(next) = self.dwells.get(place) else { return false };
+        let mean = |i: usize| self.counts[i] > 1;
+        match place.checked_sub(1) {
+            _ if next.at == at => true,
+            Some(before) => mean(before) || mean(place),
+            None => mean(place) && day(next.at) == day(at),
+        }
     }
 
-    fn compare(&self, dwell: &Dwell) -> Option<Moved> {
-        let anchors = self.anchors();
-        if anchors.len() < LEAST {
-            return None;
+    /// Moves what was read before to before `at`; `false` if there is no room.
+    fn follow_clock(&mut self, at: Timestamp) -> bool {
+        let Some(newest) = self.dwells.last().map(|dwell| dwell.at) else { return true };
+        let usual = self.usual_interval();
+        let idle = at.since(newest).as_seconds() > IDLE * YEAR;
+        // Those that are later than `at` were stamped by the other clock; after years all were.
+        let right = if idle { 0 } else { self.dwells.partition_point(|dwell| dwell.at < at) };
+        let (_, wrong) = self.dwells.split_at(right);
+        let Some(first) = wrong.first().map(|dwell| dwell.at) else { return true };
+        let by = at.since(newest).as_nanos().saturating_sub(usual.as_nanos());
+        let move_by = |stamp: Timestamp| stamp.after(Span::from_nanos(by));
+        let before = right.checked_sub(1).map(|i| self.dwells[i].at);
+        match before.filter(|before| move_by(first) <= *before) {
+            None => self.dwells[right..].iter_mut().for_each(|it| it.at = move_by(it.at)),
+            Some(before) => {
+                let step = at.since(before).as_nanos() / (self.dwells.len() - right + 1) as i64;
+                if step == 0 {
+                    return false;
+                }
+                for (place, dwell) in (1..).zip(&mut self.dwells[right..]) {
+                    dwell.at = before.after(Span::from_nanos(place * step));
+                }
+            }
         }
-        let (mut by, mut least) = ([0.0; 2], [0.0; 2]);
-        for i in 0..2 {
-            let middle = median(anchors.iter().map(|anchor| anchor.readings[i]));
-            let spread = median(anchors.iter().map(|anchor| (anchor.readings[i] - middle).abs()));
-            by[i] = dwell.readings[i] - middle;
-            // Of a normal distribution the median magnitude is 0.6745 deviations.
-            least[i] = DEVIATIONS * (spread / 0.6745).max(REPEATABILITY);
-        }
-        Some(Moved { by, least })
+        true
     }
 
-    /// The anchors stay, and the newer half.
-    fn thin(&mut self) {
-        let middle = self.dwells.len() / 2;
-        let mut place = 0;
-        self.dwells.retain(|_| {
-            place += 1;
-            place <= ANCHORS || place > middle || place % 2 == 0
-        });
+    /// The median of the newest intervals; a day where there are none.
+    fn usual_interval(&self) -> Span {
+        let intervals = self.dwells.windows(2).rev().take(INTERVALS);
+        let mut intervals: Vec<i64> =
+            intervals.map(|pair| pair[1].at.since(pair[0].at).as_nanos()).collect();
+        intervals.sort_unstable();
+        Span::from_nanos(intervals.get(intervals.len() / 2).copied().unwrap_or(DAY))
+    }
+
+    /// Puts together what is too much: dwells of one day, the oldest first; where there is one a day left,
+    /// pairs of days of the older half, of which the first three stay.
+    fn shorten(&mut self) {
+        while self.dwells.len() > MOST {
+            let same = |pair: &[Dwell]| day(pair[0].at) == day(pair[1].at);
+            match self.dwells.windows(2).position(same) {
+                Some(place) => self.merge(place),
+                None => {
+                    let middle = self.dwells.len() / 2;
+                    (LEAST..middle - 1).rev().step_by(2).for_each(|place| self.merge(place));
+                }
+            }
+        }
+    }
+
+    /// Makes one of the dwells at `place` and behind it.
+    fn merge(&mut self, place: usize) {
+        let (next, more) = (self.dwells.remove(place + 1), self.counts.remove(place + 1));
+        let count = self.counts[place].saturating_add(more);
+        let share = f64::from(more) / f64::from(count);
+        let one = &mut self.dwells[place];
+        one.at = one.at.after(Span::from_seconds(share * next.at.since(one.at).as_seconds()));
+        for (reading, next) in one.readings.iter_mut().zip(next.readings) {
+            *reading += share * (next - *reading);
+        }
+        self.counts[place] = count;
+    }
+
+    /// What was read on each day.
+    pub fn days(&self) -> Vec<Day> {
+        let mut days = Vec::with_capacity(self.dwells.len());
+        for (dwell, count) in self.dwells.iter().zip(&self.counts) {
+            let at = dwell.at.as_nanos() as f64 * 1e-9 / YEAR;
+            let (number, readings, dwells) = (day(dwell.at), dwell.readings, *count);
+            super::stops::put(&mut days, Day { number, at, readings, dwells });
+        }
+        days
     }
 
     /// The trend of C1 (`which` 0) or C2 (1); `None` with fewer than three dwells.
     pub fn trend(&self, which: usize) -> Option<Trend> {
-        let reference = median(self.anchors().iter().map(|anchor| anchor.readings[which]));
-        Trend::through(&self.dwells, which, reference)
+        Trend::through(&self.dwells, which)
     }
+}
+
+const fn day(at: Timestamp) -> i64 {
+    at.as_nanos().div_euclid(DAY)
 }
 
 fn is_sound(dwell: &Dwell) -> bool {
     dwell.readings.iter().all(|reading| reading.abs() <= LONGEST)
 }
 
-/// The middle of at most [`ANCHORS`] values.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted = [f64::INFINITY; ANCHORS];
-    let mut count = 0;
-    for (place, value) in sorted.iter_mut().zip(values) {
-        *place = value;
-        count += 1;
-    }
-    sorted.sort_unstable_by(f64::total_cmp);
-    match count {
-        0 => 0.0,
-        n if n % 2 == 1 => sorted[n / 2],
-        n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::Timestamp;
 
-    fn day(day: f64) -> Timestamp {
-        Timestamp::from_nanos((day * 86_400e9) as i64)
+    fn at(day: f64) -> Timestamp {
+        Timestamp::from_nanos((day * DAY as f64) as i64)
     }
 
-    /// Twenty dwells a tenth of a millimetre apart, one a day.
-    fn history(drift: impl Fn(f64) -> [f64; 2]) -> DwellHistory {
+    fn dwell(day: f64) -> Dwell {
+        Dwell { at: at(day), readings: [1e-3 * day, -1.4] }
+    }
+
+    fn history(days: impl IntoIterator<Item = f64>) -> DwellHistory {
         let mut history = DwellHistory::default();
-        for k in 0..20 {
-            let scatter = 1e-4 * (f64::from(k * 7 % 5) / 4.0 - 0.5);
-            let [one, two] = drift(f64::from(k));
-            let readings = [-1.4 + scatter + one, -1.39 - scatter + two];
-            history.add(Dwell { at: day(f64::from(k)), readings });
-        }
+        days.into_iter().for_each(|day| assert!(history.add(dwell(day)), "{day}"));
         history
     }
 
-    fn next(history: &mut DwellHistory, by: [f64; 2]) -> Blame {
-        let readings = [-1.4 + by[0], -1.39 + by[1]];
-        history.add(Dwell { at: day(30.0), readings }).expect("there is a history").blame()
+    fn stamps(history: &DwellHistory) -> Vec<f64> {
+        let days = |dwell: &Dwell| dwell.at.as_nanos() as f64 / DAY as f64;
+        history.dwells().iter().map(days).collect()
     }
 
     #[test]
-    fn the_one_that_moved_is_blamed() {
-        let healthy = history(|_| [0.0; 2]);
-        for (by, blame) in [
-            ([1e-4, -1e-4], Blame::Neither),
-            ([1e-3, 0.0], Blame::C1),
-            ([1e-4, -1e-3], Blame::C2),
-            ([1e-3, 1.2e-3], Blame::Stop),
-            ([1e-3, -1e-3], Blame::Both),
+    fn the_same_dwell_again_is_not_kept() {
+        let mut kept = history([10.0, 11.0, 12.0]);
+        let before = kept.clone();
+        assert!([10.0, 11.0, 12.0].iter().all(|day| !kept.add(dwell(*day))));
+        assert!(!kept.add(Dwell { at: at(13.0), readings: [f64::NAN, 0.0] }));
+        assert_eq!(kept, before);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_leaves_the_dwells_in_their_order() {
+        // Back by a week, to before everything, and to 1970.
+        for (set, expected) in [
+            (14.5, vec![10.0, 11.5, 13.0, 14.5]),
+            (9.0, vec![-17.0, -9.0, 0.0, 9.0]),
+            (0.0, vec![-26.0, -18.0, -9.0, 0.0]),
         ] {
-            assert_eq!(next(&mut healthy.clone(), by), blame, "{by:?}");
+            let mut kept = history([10.0, 18.0, 27.0]);
+            assert!(kept.add(dwell(set)), "{set}");
+            assert_eq!(stamps(&kept), expected, "{set}");
         }
+        // From 1970 to now, which is no idle time.
+        let mut kept = history([0.0, 8.0, 17.0]);
+        assert!(kept.add(dwell(20_000.0)));
+        assert_eq!(stamps(&kept), [19_974.0, 19_982.0, 19_991.0, 20_000.0]);
+        // Half a year of it is.
+        let mut kept = history([0.0, 8.0, 17.0]);
+        assert!(kept.add(dwell(200.0)));
+        assert_eq!(stamps(&kept), [0.0, 8.0, 17.0, 200.0]);
     }
 
     #[test]
-    fn a_slow_drift_is_not_taken_for_the_new_normal() {
-        let mut drifting = history(|day| [5e-5 * day, 0.0]);
-        assert_eq!(next(&mut drifting, [1.5e-3, 0.0]), Blame::C1);
-        let [one, two] = [0, 1].map(|i| drifting.trend(i).expect("there is a history"));
-        let expected = 5e-5 * 30.4375;
-        assert!((one.per_month - expected).abs() < 0.05 * expected, "{one:?}");
-        assert!(two.per_month.abs() < 3.0 * two.error, "{two:?}");
-        let left = one.until(0.05).expect("it goes there");
-        assert!((left.expected - (0.05 - one.moved) / expected).abs() < 2.0, "{left:?}");
-        assert_eq!(two.until(0.05), None);
-    }
-
-    #[test]
-    fn without_a_history_nothing_is_said() {
-        let mut history = DwellHistory::default();
-        for k in 0..3 {
-            let dwell = Dwell { at: day(f64::from(k)), readings: [0.0; 2] };
-            assert_eq!(history.add(dwell), None);
-        }
-        assert_eq!(history.dwells().len(), 3);
-    }
-
-    #[test]
-    fn a_clock_that_was_set_back_hides_no_move() {
-        let mut history = history(|_| [0.0; 2]);
-        let before = history.clone();
-        let old = Dwell { at: day(1.0), readings: [-1.4, -1.389] };
-        assert_eq!(history.add(old).map(|moved| moved.blame()), Some(Blame::C2));
-        assert_eq!(history, before, "it is not kept");
+    fn another_calibration_of_c2_begins_a_new_history() {
+        let gauging = |offset| Gauging { count: 1e-4, corrected: Some([1.0, offset]) };
+        let mut kept = history([1.0, 2.0, 3.0]);
+        kept.gauge(gauging(2e-3));
+        kept.gauge(gauging(2.4e-3));
+        assert_eq!(kept.dwells().len(), 3, "it was told better");
+        kept.gauge(gauging(3e-3));
+        assert_eq!((kept.dwells(), kept.gauging()), (&[][..], &gauging(3e-3)));
     }
 
     #[test]
     fn what_is_no_history_is_not_restored() {
-        let dwells = |readings: &[f64]| {
-            let dwell = |(k, reading): (usize, &f64)| Dwell {
-                at: day(k as f64),
-                readings: [*reading, -*reading],
-            };
-            readings.iter().enumerate().map(dwell).collect::<Vec<_>>()
-        };
-        let kept = history(|_| [0.0; 2]);
-        let again = DwellHistory::restore(kept.dwells().to_vec(), kept.anchor_count());
+        let dwells = |count: usize| (0..count).map(|k| dwell(k as f64)).collect::<Vec<_>>();
+        let kept = history((0..20).map(f64::from));
+        let gauging = Gauging::default();
+        let again = DwellHistory::restore(kept.dwells().to_vec(), vec![1; 20], gauging);
         assert_eq!(again, Ok(kept));
         let restore = DwellHistory::restore;
-        assert_eq!(restore(dwells(&[1.0; MOST + 1]), 3), Err(Flaw::TooMany));
-        assert_eq!(restore(dwells(&[1.0; 2]), 3), Err(Flaw::Anchors));
-        assert_eq!(restore(dwells(&[1.0; 20]), ANCHORS + 1), Err(Flaw::Anchors));
+        let many = MOST_READ + 1;
+        assert_eq!(restore(dwells(many), vec![1; many], gauging), Err(Flaw::TooMany));
+        assert_eq!(restore(dwells(2), vec![1, 0], gauging), Err(Flaw::Count));
+        assert_eq!(restore(dwells(2), vec![1], gauging), Err(Flaw::Count));
+        let wrong = Gauging { count: f64::NAN, corrected: None };
+        assert_eq!(restore(dwells(2), vec![1; 2], wrong), Err(Flaw::Gauging));
         for wrong in [f64::NAN, f64::INFINITY, -1e4] {
-            assert_eq!(restore(dwells(&[1.0, wrong]), 1), Err(Flaw::Reading), "{wrong}");
+            let mut dwells = dwells(2);
+            dwells[1].readings[0] = wrong;
+            assert_eq!(restore(dwells, vec![1; 2], gauging), Err(Flaw::Reading), "{wrong}");
         }
-        let mut twice = dwells(&[1.0; 4]);
+        let mut twice = dwells(4);
         twice[2].at = twice[1].at;
-        assert_eq!(restore(twice, 3), Err(Flaw::Order));
+        assert_eq!(restore(twice, vec![1; 4], gauging), Err(Flaw::Order));
+        // As many as an earlier version kept are put together.
+        let long = restore(dwells(MOST_READ), vec![1; MOST_READ], gauging).expect("a history");
+        assert!(long.dwells().len() <= MOST, "{}", long.dwells().len());
     }
 
     #[test]
-    fn a_history_of_years_keeps_its_beginning_and_its_end() {
-        let mut history = DwellHistory::default();
-        for k in 0..20_000 {
-            history.add(Dwell { at: day(f64::from(k)), readings: [1e-3 * f64::from(k), 0.0] });
-        }
-        let dwells = history.dwells();
+    fn a_history_of_years_keeps_its_beginning_its_end_and_its_means() {
+        let kept = history((0..20_000).map(|k| 0.25 * f64::from(k)));
+        let dwells = kept.dwells();
         assert!(dwells.len() <= MOST && dwells.len() > MOST / 2, "{}", dwells.len());
-        assert_eq!(dwells[..3].iter().map(|d| d.at).collect::<Vec<_>>(), [0.0, 1.0, 2.0].map(day));
-        assert_eq!(dwells[dwells.len() - 1].at, day(19_999.0));
-        assert!(dwells.is_sorted_by_key(|dwell| dwell.at));
+        assert_eq!(dwells[dwells.len() - 1].at, at(0.25 * 19_999.0));
+        assert!(dwells.is_sorted_by(|one, next| one.at < next.at));
+        assert_eq!(kept.counts().iter().sum::<u32>(), 20_000);
+        assert_eq!(stamps(&kept)[0].floor(), 0.0);
+        // Each reads what it read on the mean of its days.
+        for (stamp, dwell) in stamps(&kept).iter().zip(dwells) {
+            assert!((dwell.readings[0] - 1e-3 * stamp).abs() < 1e-9, "{stamp} {dwell:?}");
+        }
+        // And what is put together is known.
+        assert!(!kept.clone().add(dwell(100.0)));
     }
 }

@@ -36,6 +36,7 @@ pub mod sampling;
 pub mod scale;
 pub mod skew;
 pub mod statistic;
+pub mod stops;
 pub mod trend;
 pub mod velocity;
 pub mod wild;
@@ -47,13 +48,14 @@ pub use archive::Archive;
 pub use detector::{Design, Input, Sequential};
 pub use drive::Drive;
 pub use dwell::Dwell;
-pub use history::{Blame, DwellHistory, Moved};
+pub use history::{DwellHistory, Gauging};
 pub use noise::Noise;
 pub use pair::{Pair, PairDesign};
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
 pub use sampling::{Apart, Sampling};
 pub use scale::Scale;
+pub use stops::{Blame, Judgement};
 pub use trend::{Forecast, Limits, Trend};
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`

@@ -43,11 +43,12 @@ pub struct Limits {
 }
 
 impl Trend {
-    /// By least squares through the readings `which` of `dwells`, in the order of time; `reference`
-    /// is what the first ones read, m. `None` with fewer than three.
-    pub(super) fn through(dwells: &[Dwell], which: usize, reference: f64) -> Option<Self> {
+    /// By least squares through the readings `which` of `dwells`, in the order of time. `None` with fewer
+    /// than three.
+    pub(super) fn through(dwells: &[Dwell], which: usize) -> Option<Self> {
         let newest = dwells.last().filter(|_| dwells.len() >= LEAST)?;
         let first = dwells[0].at;
+        let reference = begin(dwells, which);
         let months = |dwell: &Dwell| dwell.at.since(first).as_seconds() / MONTH;
         let n = dwells.len() as f64;
         let t0 = dwells.iter().map(months).sum::<f64>() / n;
@@ -101,6 +102,16 @@ impl Trend {
     }
 }
 
+/// What the first dwells read, m: their median, so that one of them may be wrong.
+fn begin(dwells: &[Dwell], which: usize) -> f64 {
+    let mut first = [0.0; LEAST];
+    for (place, dwell) in first.iter_mut().zip(dwells) {
+        *place = dwell.readings[which];
+    }
+    first.sort_unstable_by(f64::total_cmp);
+    first[LEAST / 2]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,12 +131,12 @@ mod tests {
     #[test]
     fn the_time_left_is_told_with_its_bounds() {
         let dwells = dwells(30, 1e-4, 2e-5);
-        let [one, two] = [0, 1].map(|i| Trend::through(&dwells, i, 0.0).expect("there are enough"));
+        let [one, two] = [0, 1].map(|i| Trend::through(&dwells, i).expect("there are enough"));
         assert!((one.per_month - 1e-4 * 30.4375).abs() < 0.02 * one.per_month, "{one:?}");
         assert_eq!(one.per_month, -two.per_month);
         for trend in [one, two] {
             let left = trend.until(0.005).expect("it drifts");
-            let expected = (0.005 - 29e-4) / (1e-4 * 30.4375);
+            let expected = (0.005 - 28e-4) / (1e-4 * 30.4375);
             assert!((left.expected - expected).abs() < 0.03, "{left:?}");
             assert!(left.earliest < left.expected && left.expected < left.latest, "{left:?}");
             // With the scatter's floor of 50 um the error is 3.2 um a day over 1000^1/2 days.
@@ -137,14 +148,14 @@ mod tests {
 
     #[test]
     fn scatter_is_no_drift_and_few_dwells_claim_little() {
-        let still = Trend::through(&dwells(30, 0.0, 1e-4), 0, 0.0).expect("there are enough");
+        let still = Trend::through(&dwells(30, 0.0, 1e-4), 0).expect("there are enough");
         assert!(!still.is_drift() && still.until(0.005).is_none(), "{still:?}");
-        assert_eq!(Trend::through(&dwells(2, 1e-3, 0.0), 0, 0.0), None);
+        assert_eq!(Trend::through(&dwells(2, 1e-3, 0.0), 0), None);
         // Twenty errors steep: of three dwells that is nothing, of ten it is a lot.
         let steep = |count: i32, margins: f64| {
-            let still = Trend::through(&dwells(count, 0.0, 0.0), 0, 0.0).expect("enough");
+            let still = Trend::through(&dwells(count, 0.0, 0.0), 0).expect("enough");
             let per_day = margins * still.error / 30.4375;
-            Trend::through(&dwells(count, per_day, 0.0), 0, 0.0).expect("enough").is_drift()
+            Trend::through(&dwells(count, per_day, 0.0), 0).expect("enough").is_drift()
         };
         assert_eq!([steep(3, 20.0), steep(10, 20.0)], [false, true]);
         // Student's quantile of eight degrees of freedom.

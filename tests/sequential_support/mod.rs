@@ -12,7 +12,7 @@ use tertius::decode::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
 use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
-use tertius::sequential::{Dwell, Moved};
+use tertius::sequential::Dwell;
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Window};
 use tertius::tune::sequential::Watch;
@@ -185,7 +185,7 @@ pub struct Heard {
     pub warnings: Vec<Warning>,
     /// Of the other detectors.
     pub others: Vec<Warning>,
-    pub dwells: Vec<(u8, Dwell, Option<Moved>)>,
+    pub dwells: Vec<(u8, Dwell)>,
     pub notices: Vec<Notice>,
 }
 
@@ -200,8 +200,8 @@ impl Sink for Heard {
         self.notices.push(*notice);
     }
 
-    fn dwell(&mut self, cylinder: u8, dwell: &Dwell, moved: Option<&Moved>) {
-        self.dwells.push((cylinder, *dwell, moved.copied()));
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        self.dwells.push((cylinder, *dwell));
     }
 }
 

@@ -16,6 +16,9 @@ pub const DRIFTING: u16 = 3;
 /// One count, m.
 pub const COUNT: f64 = 3.0 / 27_648.0;
 
+/// Counts by which it reads more each time.
+pub const STEP: u16 = 3;
+
 /// Visits before anything drifts.
 const HEALTHY: u16 = 6;
 
@@ -32,7 +35,7 @@ fn noise(day: u16, k: i64, id: u32) -> u16 {
 }
 
 /// The frames of visits to the stops, one a day: in safe for 3.5 s, in which the rods are read once.
-/// From the seventh visit on C1 of cylinder 3 reads one more count each time.
+/// From the seventh visit on C1 of cylinder 3 reads [`STEP`] more counts each time.
 pub fn visits(days: std::ops::Range<u16>) -> Vec<Frame> {
     days.flat_map(|day| (0..175).flat_map(move |k| cycle(day, k))).collect()
 }
@@ -40,7 +43,7 @@ pub fn visits(days: std::ops::Range<u16>) -> Vec<Frame> {
 fn cycle(day: u16, k: i64) -> Vec<Frame> {
     let mut messages = vec![(0x080, vec![k as u8])];
     for n in 1..=6 {
-        let drift = if n == DRIFTING { (day + 1).saturating_sub(HEALTHY) } else { 0 };
+        let drift = if n == DRIFTING { STEP * (day + 1).saturating_sub(HEALTHY) } else { 0 };
         let stop = 922 + 10 * n;
         let other = stop.wrapping_add_signed(C2_LESS_C1[usize::from(n) - 1]);
         for (id, count) in [(0x180, stop + drift), (0x190, other)] {

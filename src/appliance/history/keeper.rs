@@ -116,7 +116,7 @@ impl Keeper {
     }
 
     /// The data path has done a turn: what was read in it is handed on. In a turn without a dwell that
-    /// is a comparison, in one with a dwell a copy of at most 75 kB; the machine stands still then.
+    /// is a comparison, in one with a dwell a copy of at most 30 kB; the machine stands still then.
     pub fn turned(&mut self, monitor: &Monitor) {
         if std::mem::take(&mut self.news) {
             let order = self.snapshot(monitor);

@@ -3,7 +3,7 @@
 use super::Telemetry;
 use super::cell::Gauge;
 use super::exposition::TRANSDUCERS;
-use crate::sequential::{Archive, DwellHistory, Limits};
+use crate::sequential::{Archive, DwellHistory, Judgement, Limits, stops};
 use serde::Serialize;
 
 /// Of one cylinder.
@@ -23,7 +23,7 @@ pub(super) struct Reading {
     /// m a month, and its standard error.
     pub drift: Gauge,
     pub error: Gauge,
-    /// Months until it is due, expected, earliest and latest; none where it does not drift.
+    /// Months until it is due, expected, earliest and latest; none where the stops do not name it.
     pub left: [Gauge; 3],
 }
 
@@ -42,14 +42,15 @@ pub struct Drifting {
 }
 
 impl Stop {
-    fn set(&self, history: Option<&DwellHistory>, limits: Limits) {
+    fn set(&self, history: Option<&DwellHistory>, judged: Option<Judgement>, limits: Limits) {
         self.dwells.set(history.map(|history| history.dwells().len() as f64));
         for (which, reading) in self.readings.iter().enumerate() {
             let trend = history.and_then(|history| history.trend(which));
             reading.moved.set(trend.map(|trend| trend.moved));
             reading.drift.set(trend.map(|trend| trend.per_month));
             reading.error.set(trend.map(|trend| trend.error));
-            let left = trend.and_then(|trend| trend.until(limits.maintenance));
+            let named = judged.is_some_and(|judgement| judgement.names(which));
+            let left = trend.filter(|_| named).and_then(|it| it.until(limits.maintenance));
             let left = left.map(|left| [left.expected, left.earliest, left.latest]);
             for (i, gauge) in reading.left.iter().enumerate() {
                 gauge.set(left.map(|left| left[i]));
@@ -61,8 +62,9 @@ impl Stop {
 impl Telemetry {
     /// Takes over what was read on the stops.
     pub fn stops(&self, archive: &Archive, limits: Limits) {
+        let judged = stops::judge(&archive.cylinders);
         for (i, cylinder) in self.cylinders.iter().enumerate() {
-            cylinder.stop.set(archive.cylinders.get(i), limits);
+            cylinder.stop.set(archive.cylinders.get(i), judged.get(i).copied().flatten(), limits);
         }
     }
 
@@ -153,7 +155,7 @@ mod tests {
         assert!((drifting.mm_per_month - 3.04375).abs() < 1e-6, "{drifting:?}");
         let left = drifting.months_until_maintenance;
         assert!(drifting.earliest_months < left && left < drifting.latest_months);
-        assert!(left.is_some_and(|left| (left - 1.15).abs() < 0.05), "{drifting:?}");
+        assert!(left.is_some_and(|left| (left - 1.02).abs() < 0.05), "{drifting:?}");
 
         // A machine of which nothing was read yet.
         telemetry.stops(&Archive::new("another", 1), limits);

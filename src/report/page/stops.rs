@@ -4,8 +4,8 @@ use super::Page;
 use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel, Shape};
 use super::palette;
-use crate::report::stops::{self, Stops, TRANSDUCERS};
-use crate::sequential::{Dwell, DwellHistory};
+use crate::report::stops::{self, Stop, Stops, TRANSDUCERS};
+use crate::sequential::Dwell;
 
 const DAY: f64 = 86_400.0;
 
@@ -23,25 +23,25 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.heading("On the stops");
     page.paragraph(&stops.verdict());
     page.paragraph(
-        "Where the rods stand on their mechanical stops each transducer is compared with its own \
-         first dwells there. A drift is told where it is beyond what chance makes of so many dwells, \
-         and the time left with the earliest and the latest that they allow. What both transducers \
-         of a cylinder do alike is the stop or the temperature.",
+        "Where the rods stand on their mechanical stops a reading repeats. What all cylinders do alike is \
+         the temperature, what both transducers of one do alike is its stop. A drift is told where the two \
+         have come apart beyond chance, of the one that has moved as soon as that is clear, and the time \
+         left with the earliest and the latest that the dwells allow.",
     );
     page.table(&stops.columns(), &stops.rows());
-    let histories = stops.histories.iter();
     let figures: Vec<(Figure, String)> =
-        histories.filter_map(|(n, history)| figure(*n, history, stops)).collect();
+        stops.stops.iter().filter_map(|stop| figure(stop, stops.limits.maintenance)).collect();
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// How the readings of one cylinder have moved; `None` with too few dwells.
-fn figure(number: u8, history: &DwellHistory, stops: &Stops<'_>) -> Option<(Figure, String)> {
+/// How the readings of one cylinder have moved, which may move by `limit`, m; `None` with too few dwells.
+fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
+    let history = stop.history;
     let (first, newest) = (history.dwells().first()?.at, history.dwells().last()?);
     let seconds = |dwell: &Dwell| dwell.at.since(first).as_seconds();
     let days = seconds(newest) / DAY > FEW_DAYS;
     let unit = if days { DAY } else { 1.0 };
-    let mut caption = format!("Cylinder {number}: readings on the stop");
+    let mut caption = format!("Cylinder {}: readings on the stop", stop.cylinder);
     let mut curves = Vec::new();
     for (which, colour) in [palette::BLUE, palette::VERMILION].into_iter().enumerate() {
         let (trend, name) = (history.trend(which)?, TRANSDUCERS[which]);
@@ -51,7 +51,10 @@ fn figure(number: u8, history: &DwellHistory, stops: &Stops<'_>) -> Option<(Figu
         let points: Vec<(f64, f64)> = history.dwells().iter().map(point).collect();
         curves.push(Curve::line(name, colour, points.clone()).shaped(Shape::Hairline));
         curves.push(Curve::dots(name, colour, points));
-        caption += &format!("\n{name}: {}", stops::sentence(&trend, stops.limits.maintenance));
+        caption += &format!(
+            "\n{name}: {}",
+            stops::sentence(&trend, limit, stop.until(which, &trend, limit))
+        );
     }
     let values = curves.iter().flat_map(Curve::values).chain([-LEAST, LEAST]);
     let y = Axis::over("moved (mm)", values).with_ticks(5);

@@ -1,9 +1,12 @@
 use super::*;
+use crate::sequential::history::MOST;
 
 /// Six cylinders of which most have dwelt, with readings of all digits.
 fn archive() -> Archive {
     let mut archive = Archive::new("Ampelmann E-type", 6);
     for (n, history) in archive.cylinders.iter_mut().enumerate() {
+        let corrected = (n != 4).then_some([1.002, -0.1 / (n + 3) as f64]);
+        history.gauge(Gauging { count: 3.0 / 27_648.0, corrected });
         for k in 0..[0, 5, 5, 12, 1, 3][n] {
             let at = Timestamp::from_nanos(1_700_000_000_123_456_789 + k * 86_400_000_000_007);
             let wobble = 1e-5 * ((k * 37 % 11) as f64 / 11.0).sqrt();
@@ -42,12 +45,14 @@ fn the_longest_history_fits() {
             readings: [-1.234_567_890_123_456_7e-300; 2],
         };
         let dwells = (0..MOST as i64).map(dwell).collect();
-        *history = DwellHistory::restore(dwells, 10).expect("a history");
+        let gauging = Gauging { count: 1.0 / 3.0, corrected: Some([-1.0 / 3.0; 2]) };
+        let restored = DwellHistory::restore(dwells, vec![u32::MAX; MOST], gauging);
+        *history = restored.expect("a history");
     }
     let text = archive.to_text();
-    assert!(text.len() < MAX_SIZE / 2, "{}", text.len());
+    assert!(text.len() < MAX_SIZE / 10, "{}", text.len());
     assert_eq!(Archive::parse(text.as_bytes(), "a machine", 6), Ok(archive));
-    let long = text.repeat(8);
+    let long = text.repeat(20);
     assert_eq!(Archive::parse(long.as_bytes(), "a machine", 6), Err(Refusal::TooLong));
 }
 
@@ -87,18 +92,24 @@ fn nonsense_is_refused_also_where_its_last_line_fits() {
         (first.clone(), first.replace("-1.4", "-1.4e5"), "readings within 1000 m"),
         (first.clone(), first.replace("17", "99"), "line 5 is \"99"),
         (first.clone(), first.replace("17", "18"), "each dwell later than the one before"),
-        (first.clone(), format!("{first} 1"), "expected a time in ns and two readings in m"),
+        (first.clone(), format!("{first} 1"), "two readings in m, and of how many dwells"),
+        (
+            first.clone(),
+            format!("{}0", &first[..first.len() - 1]),
+            "the mean of one dwell at least",
+        ),
         (second, first, "each dwell later than the one before"),
-        ("anchors 5 dwells 5".into(), "anchors 6 dwells 5".into(), "no more anchors than dwells"),
-        ("anchors 5 dwells 5".into(), "anchors 4 dwells 4".into(), "the next cylinder, or the"),
-        ("anchors 5 dwells 5".into(), "anchors 5 dwells 6".into(), "line 10 is \"cylinder 3"),
-        ("anchors 5 dwells 5".into(), "anchors 5 dwells 513".into(), "D up to 512"),
-        ("anchors 5 dwells 5".into(), "anchors -1 dwells 5".into(), "`cylinder 2 anchors A"),
+        ("dwells 5 count 0".into(), "dwells 5 count NaN 0".into(), "expected `cylinder 2 dwells D"),
+        ("dwells 5 count 0.".into(), "dwells 5 count -0.".into(), "a count and a calibration"),
+        ("dwells 5".into(), "dwells 4".into(), "the next cylinder, or the"),
+        ("dwells 5".into(), "dwells 6".into(), "line 10 is \"cylinder 3"),
+        ("dwells 5".into(), "dwells 513".into(), "D up to 512"),
+        ("gain 1.002 offset -0.025".into(), "gain 1.002".into(), "gain A offset B"),
         ("dwells 5".into(), format!("dwells {}", u64::MAX), "D up to 512"),
-        ("cylinder 2 ".into(), "cylinder 4 ".into(), "expected `cylinder 2 anchors"),
+        ("cylinder 2 ".into(), "cylinder 4 ".into(), "expected `cylinder 2 dwells"),
         ("machine ".into(), "machines ".into(), "`machine` and its name"),
-        ("tertius dwells 1".into(), "tertius dwells 0".into(), "expected a version"),
-        ("tertius dwells 1".into(), "{\"version\": 1}".into(), "`tertius dwells` and a version"),
+        ("tertius dwells 2".into(), "tertius dwells 0".into(), "expected a version"),
+        ("tertius dwells 2".into(), "{\"version\": 1}".into(), "`tertius dwells` and a version"),
     ];
     for (from, to, said) in cases {
         assert!(text.contains(&from), "{from}");
@@ -116,7 +127,29 @@ fn that_of_another_machine_or_program_is_told_by_name() {
     let fewer = Archive::parse(text.as_bytes(), "Ampelmann E-type", 5);
     assert_eq!(fewer, Err(Refusal::Cylinders { found: 6, expected: 5 }));
     // What a newer one is sealed with is not known.
-    let newer = text.replacen("dwells 1", "dwells 2", 1);
-    assert_eq!(parse(&newer), Err(Refusal::Newer(2)));
+    let newer = text.replacen("dwells 2", "dwells 3", 1);
+    assert_eq!(parse(&newer), Err(Refusal::Newer(3)));
     assert_eq!(Archive::parse(&[0xFF, 0xFE, 0], "", 1), Err(Refusal::Binary));
+}
+
+#[test]
+fn what_the_first_version_kept_is_read() {
+    let dwells: Vec<String> = (0..300)
+        .map(|k| format!("{} -1.4 -1.39\n", 1_700_000_000_000_000_000 + k * 86_400_000_000_000_i64))
+        .collect();
+    let text = format!(
+        "tertius dwells 1\nmachine Ampelmann E-type\ncylinder 1 anchors 10 dwells 300\n{}\
+         cylinder 2 anchors 0 dwells 0\n",
+        dwells.concat()
+    );
+    let read = parse(&sealed(&(text.clone() + "crc32"))).expect("an archive");
+    let history = &read.cylinders[0];
+    assert!(history.dwells().len() <= MOST && history.dwells().len() > MOST / 2);
+    assert_eq!(history.counts().iter().sum::<u32>(), 300, "they are put together");
+    assert_eq!(history.gauging(), &Gauging::default());
+    // It is kept as the newest version has it.
+    assert_eq!(parse(&read.to_text()), Ok(read));
+    let wrong = text.replacen("anchors 10", "anchors ten", 1);
+    let told = parse(&sealed(&(wrong + "crc32"))).expect_err("no number").to_string();
+    assert!(told.contains("`cylinder 1 anchors A dwells D`"), "{told}");
 }

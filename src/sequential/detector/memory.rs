@@ -1,7 +1,7 @@
 //! What a detector knows from before it started.
 
 use super::Sequential;
-use crate::sequential::DwellHistory;
+use crate::sequential::{DwellHistory, Gauging};
 
 impl Sequential {
     /// What was read on the stop so far.
@@ -9,8 +9,11 @@ impl Sequential {
         &self.dwells
     }
 
-    /// Goes on with the dwells of a detector of the same cylinder.
-    pub fn inherit(&mut self, dwells: DwellHistory) {
+    /// Goes on with the dwells of a detector of the same cylinder, in which C2 is corrected by
+    /// `corrected`, a and b of (5-20).
+    pub fn inherit(&mut self, dwells: DwellHistory, corrected: [f64; 2]) {
         self.dwells = dwells;
+        let [one, two] = self.design.resolution;
+        self.dwells.gauge(Gauging { count: one.max(two), corrected: Some(corrected) });
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
-use crate::sequential::history::Moved;
 use crate::sequential::statistic::INDEPENDENT;
+use crate::sequential::stops::{Blame, Course, Judgement};
 use crate::time::Span;
 
 const SAMPLE_TIME: f64 = 0.02;
@@ -146,17 +146,23 @@ fn what_is_left_of_a_fault_is_no_noise() {
     assert_eq!(detector.alarm().map(|alarm| alarm.fault), Some(Fault::Abrupt));
 }
 
+/// C1 has moved by 1 mm.
+const fn judged(blame: Blame) -> Judgement {
+    Judgement { blame, moved: [1e-3, 0.0], course: Course::Ramp(0.0) }
+}
+
 #[test]
 fn the_stop_ends_what_the_stop_has_found() {
     let mut detector = detector();
     go(&mut detector, 0.0, 10.0, |_| 0.0);
-    let moved = |by| Moved { by: [by, 0.0], least: [3e-4; 2] };
-    detector.judge_dwell(Timestamp::default(), &moved(1e-3));
+    detector.judge_stop(Timestamp::default(), &judged(Blame::C1));
     let suspect = detector.alarm().map(|alarm| (alarm.cause, alarm.suspect));
     assert_eq!(suspect, Some((Cause::Dwell, Suspect::C1)));
     let t = go(&mut detector, 10.0, 60.0, |_| 0.0);
     assert!(detector.alarm().is_some(), "motion says nothing about it");
-    detector.judge_dwell(Timestamp::default(), &moved(0.0));
+    detector.judge_stop(Timestamp::default(), &judged(Blame::Undecided));
+    assert!(detector.alarm().is_some(), "nor does a stop that cannot tell");
+    detector.judge_stop(Timestamp::default(), &judged(Blame::Neither));
     assert_eq!(detector.alarm(), None);
     go(&mut detector, t, 20.0, |_| 0.0);
     assert_eq!(detector.verdict(), Verdict::Healthy);
@@ -184,7 +190,7 @@ fn every_alarm_begins_with_nothing_of_a_gain() {
     assert!(detector.alarm().is_some_and(|alarm| alarm.scale.is_some()), "{:?}", detector.alarm());
     go(&mut detector, t, 30.0, |_| 0.0);
     assert_eq!(detector.alarm(), None);
-    detector.judge_dwell(Timestamp::default(), &Moved { by: [1e-3, 0.0], least: [3e-4; 2] });
+    detector.judge_stop(Timestamp::default(), &judged(Blame::C1));
     go(&mut detector, t + 30.0, 1.0, |_| 0.0);
     assert_eq!(
         detector.alarm().map(|alarm| (alarm.cause, alarm.scale)),

@@ -1,0 +1,33 @@
+//! The dwells of a day are one reading: they are of the same weather.
+
+/// What one cylinder has read on a day.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Day {
+    /// Days since 1970.
+    pub number: i64,
+    /// When, years since 1970.
+    pub at: f64,
+    /// The means of C1 and C2, m.
+    pub readings: [f64; 2],
+    /// Of so many dwells.
+    pub dwells: u32,
+}
+
+/// Readings of one day whose difference has changed by more than this are no one mean, m.
+const SAME: f64 = 5e-4;
+
+/// Puts another reading, of `dwells` dwells, to those of its day.
+pub(in crate::sequential) fn put(days: &mut Vec<Day>, day: Day) {
+    let apart = |day: &Day| day.readings[0] - day.readings[1];
+    match days.last_mut() {
+        Some(last) if last.number == day.number && (apart(last) - apart(&day)).abs() <= SAME => {
+            let whole = f64::from(last.dwells) + f64::from(day.dwells);
+            let share = f64::from(day.dwells) / whole;
+            let mix = |old: f64, new: f64| old + share * (new - old);
+            last.at = mix(last.at, day.at);
+            last.readings = [0, 1].map(|i| mix(last.readings[i], day.readings[i]));
+            last.dwells = last.dwells.saturating_add(day.dwells);
+        }
+        _ => days.push(day),
+    }
+}

@@ -1,0 +1,300 @@
+//! Whose drift it is: by the trend beyond chance against the other transducer, and the machine's common
+//! part.
+
+use super::days::Day;
+use super::fit::{EXPECTED, Fit, Scatter, fit, likelihood};
+use super::thermometer::{CYLINDERS, Thermometer};
+use std::f64::consts::TAU;
+
+const MILLIMETRE: f64 = 1e-3;
+
+/// A ramp may have begun so long ago, years …
+const AGO: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// … with so many readings before and since; …
+const SIDE: usize = 3;
+
+/// … and a step so many readings ago.
+const STEPS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// Deviations of what is known beforehand, m and m a year: the season in the difference, …
+const SEASON_APART: f64 = 0.06 * MILLIMETRE;
+
+/// … in the mean of both, of which the other cylinders tell the largest that they may have, …
+const SEASONS: [f64; 4] =
+    [0.05 * MILLIMETRE, 0.10 * MILLIMETRE, 0.20 * MILLIMETRE, 0.40 * MILLIMETRE];
+
+/// … so many nats less likely than the likeliest, …
+const MAYBE: f64 = 3.0;
+
+/// … the mean's own trend, as stops wear, …
+const WEAR: [f64; 2] = [0.20 * MILLIMETRE, 0.50 * MILLIMETRE];
+
+/// … and what both may have stepped by together.
+const COMMON_STEP: f64 = 0.30 * MILLIMETRE;
+
+const APART: Scatter = Scatter { usual: 0.08 * MILLIMETRE, least: 0.05 * MILLIMETRE };
+const TOGETHER: [Scatter; 2] = [
+    Scatter { usual: 0.12 * MILLIMETRE, least: 0.05 * MILLIMETRE },
+    Scatter { usual: 0.15 * MILLIMETRE, least: 0.05 * MILLIMETRE },
+];
+
+/// Nobody calls it a drift while the readings have come apart by less, m …
+const LEAST: f64 = 0.3 * MILLIMETRE;
+
+/// … or by less than so many of the counts they move in.
+const COUNTS: f64 = 1.5;
+
+/// Deviations beyond chance, and how it grows where few readings tell the scatter.
+const BEYOND: f64 = 4.0;
+const FEW: f64 = 17.0 / 4.0;
+
+/// Twice the nats that name one of them.
+const NAMED: f64 = 12.0;
+
+/// Variances that both of them have moved by, what the one that has moved less has of the other's move,
+/// and what it has moved at least, m: a stop that wears takes both along.
+const BOTH: f64 = 16.0;
+const PART: f64 = 0.3;
+const OWN: f64 = 0.6 * MILLIMETRE;
+
+/// The mean square of all but the largest of a few normal values, less than their variance by this.
+const TRIMMED: f64 = 3.0;
+
+/// How the readings may have moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Course {
+    /// Since that time, years since 1970.
+    Ramp(f64),
+    /// At once, between the reading at that time and the one before.
+    Step(f64),
+}
+
+/// Whose drift it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blame {
+    /// The readings have not come apart.
+    Neither,
+    C1,
+    C2,
+    Both,
+    /// They have come apart, and it is not known whose doing that is.
+    Undecided,
+}
+
+/// What the dwells so far say of one cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    pub blame: Blame,
+    /// By how much C1 and C2 have moved, beside what is common to the machine, m.
+    pub moved: [f64; 2],
+    pub course: Course,
+}
+
+impl Judgement {
+    /// Whether C1 (`which` 0) or C2 (1) is named.
+    pub const fn names(&self, which: usize) -> bool {
+        match self.blame {
+            Blame::C1 => which == 0,
+            Blame::C2 => which == 1,
+            Blame::Both => true,
+            Blame::Neither | Blame::Undecided => false,
+        }
+    }
+}
+
+/// One cylinder's readings, less what is common.
+struct Series {
+    days: Vec<Day>,
+    /// C1 − C2, and the mean of both, m.
+    apart: Vec<f64>,
+    mean: Vec<f64>,
+    /// How likely its mean is with each of [`SEASONS`], nats.
+    seasons: [f64; SEASONS.len()],
+}
+
+impl Series {
+    fn new(days: &[Day], thermometer: Option<&Thermometer>, alone: usize) -> Self {
+        let less = |day: &Day| {
+            let common = thermometer.map_or(Some(0.0), |it| it.on(day.number))?;
+            Some(Day { readings: day.readings.map(|reading| reading - common), ..*day })
+        };
+        let days: Vec<Day> = days.iter().filter_map(less).collect();
+        let apart = days.iter().map(|day| day.readings[0] - day.readings[1]).collect();
+        let mean: Vec<f64> =
+            days.iter().map(|day| 0.5 * (day.readings[0] + day.readings[1])).collect();
+        let seasons =
+            if thermometer.is_some() { seasons(&days, &mean, alone) } else { [0.0; SEASONS.len()] };
+        Self { days, apart, mean, seasons }
+    }
+
+    fn courses(&self) -> Vec<Course> {
+        let (Some(first), Some(last)) = (self.days.first(), self.days.last()) else {
+            return Vec::new();
+        };
+        let n = self.days.len();
+        let mut courses = Vec::new();
+        if n >= SIDE {
+            courses.push(Course::Ramp(first.at));
+        }
+        for ago in AGO {
+            let begin = last.at - ago;
+            let before = self.days.iter().filter(|day| day.at <= begin).count();
+            if before >= SIDE && n - before >= SIDE {
+                courses.push(Course::Ramp(begin));
+            }
+        }
+        for back in STEPS {
+            if n > back
+                && self.days[..n - back].iter().map(|day| day.dwells as usize).sum::<usize>()
+                    >= SIDE
+            {
+                courses.push(Course::Step(self.days[n - back].at));
+            }
+        }
+        courses
+    }
+
+    /// How far the difference and the mean have moved by `course`, up to `end`.
+    fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<[Fit; 2]> {
+        let share = |day: &Day| match course {
+            Course::Ramp(begin) => ((day.at - begin) / (end - begin)).max(0.0),
+            Course::Step(at) => f64::from(u8::from(day.at >= at)),
+        };
+        let row = |day: &Day| {
+            let (sin, cos) = (TAU * (day.at - end)).sin_cos();
+            [1.0, share(day), cos, sin, day.at - end]
+        };
+        let free = f64::INFINITY;
+        let rows: Vec<[f64; 5]> = self.days.iter().map(row).collect();
+        let four: Vec<[f64; 4]> = rows.iter().map(|[one, s, c, d, _]| [*one, *s, *c, *d]).collect();
+        let apart = fit(&four, &self.apart, [free, free, SEASON_APART, SEASON_APART], APART)?;
+        let Prior { season, alone } = prior;
+        let wear = WEAR[alone];
+        let mean = fit(&rows, &self.mean, [free, free, season, season, wear], TOGETHER[alone])?;
+        Some([apart, mean])
+    }
+}
+
+/// Judges every cylinder of a machine by the days on which it was read; `counts`: what the readings of
+/// each move in, m. `None` where too little was read.
+pub(super) fn judge(cylinders: &[Vec<Day>], counts: &[f64]) -> Vec<Option<Judgement>> {
+    let thermometer = if cylinders.len() >= CYLINDERS { Thermometer::of(cylinders) } else { None };
+    let alone = usize::from(thermometer.is_none());
+    let series: Vec<Series> =
+        cylinders.iter().map(|days| Series::new(days, thermometer.as_ref(), alone)).collect();
+    (0..series.len()).map(|i| cylinder(&series, i, counts[i], alone)).collect()
+}
+
+fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option<Judgement> {
+    let own = &series[which];
+    let end = own.days.last()?.at;
+    let prior = Prior { season: season(series, which), alone };
+    let nu = EXPECTED + own.days.len() as f64 - 2.0;
+    let beyond = BEYOND * (1.0 + FEW / nu);
+    let mut best: Option<(f64, Course, [Fit; 2])> = None;
+    let mut judged = None;
+    for course in own.courses() {
+        let Some([mut apart, mut mean]) = own.fits(course, end, prior) else { continue };
+        if let Course::Step(_) = course {
+            mean.variance += COMMON_STEP * COMMON_STEP;
+        }
+        judged.get_or_insert((course, [apart, mean]));
+        let size = apart.moved.abs();
+        if size < LEAST.max(COUNTS * count) || size - count < beyond * apart.variance.sqrt() {
+            continue;
+        }
+        if let Some([a, m]) = others(series, which, course, end, prior) {
+            apart.variance = apart.variance.max(a);
+            mean.variance = mean.variance.max(m);
+        }
+        let ratio = (size - count) / (beyond * apart.variance.sqrt());
+        if ratio > 1.0 && best.is_none_or(|(most, ..)| ratio > most) {
+            best = Some((ratio, course, [apart, mean]));
+        }
+    }
+    let moved =
+        |[apart, mean]: [Fit; 2]| [mean.moved + 0.5 * apart.moved, mean.moved - 0.5 * apart.moved];
+    let Some((_, course, fits)) = best else {
+        let (course, fits) = judged?;
+        return Some(Judgement { blame: Blame::Neither, moved: moved(fits), course });
+    };
+    Some(Judgement { blame: blame(fits, count), moved: moved(fits), course })
+}
+
+/// What is known beforehand of the mean.
+#[derive(Clone, Copy, Debug)]
+struct Prior {
+    season: f64,
+    alone: usize,
+}
+
+/// How likely the mean is with each of [`SEASONS`].
+fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
+    let Some(end) = days.last().map(|day| day.at) else { return Default::default() };
+    let row = |day: &Day| {
+        let (sin, cos) = (TAU * (day.at - end)).sin_cos();
+        [1.0, day.at - end, cos, sin]
+    };
+    let rows: Vec<[f64; 4]> = days.iter().map(row).collect();
+    let free = f64::INFINITY;
+    let widest = SEASONS[SEASONS.len() - 1];
+    let fitted = fit(&rows, mean, [free, WEAR[alone], widest, widest], TOGETHER[alone]);
+    let Some(Fit { scatter, .. }) = fitted else { return Default::default() };
+    SEASONS.map(|season| {
+        likelihood(&rows, mean, [free, WEAR[alone], season, season], scatter).unwrap_or(0.0)
+    })
+}
+
+/// The largest season that the means of the other cylinders may have. The one that has the most of it
+/// may itself drift.
+fn season(series: &[Series], which: usize) -> f64 {
+    let others =
+        || series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= SIDE);
+    let swing = |it: &Series| it.seasons[SEASONS.len() - 1] - it.seasons[0];
+    let most = others().max_by(|(_, one), (_, two)| swing(one).total_cmp(&swing(two)));
+    let most = most.map(|(i, _)| i);
+    let mut sums = [0.0; SEASONS.len()];
+    for (_, it) in others().filter(|(i, _)| Some(*i) != most) {
+        (0..sums.len()).for_each(|i| sums[i] += it.seasons[i]);
+    }
+    let best = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let place = sums.iter().rposition(|sum| *sum >= best - MAYBE).unwrap_or(0);
+    SEASONS[place]
+}
+
+fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
+    let [one, two] =
+        [mean.moved + 0.5 * apart.moved, mean.moved - 0.5 * apart.moved].map(|b| b * b);
+    // What is rounded to counts is off by up to half a count, evenly.
+    let lattice = count * count / 12.0;
+    let variance = mean.variance + lattice + 0.25 * (apart.variance + 4.0 * lattice);
+    if one.min(two) > (BOTH * variance).max(PART * PART * one.max(two)).max(OWN * OWN) {
+        Blame::Both
+    } else if (one - two).abs() > NAMED * variance {
+        if one > two { Blame::C1 } else { Blame::C2 }
+    } else {
+        Blame::Undecided
+    }
+}
+
+/// What the difference and the mean of the other cylinders do by the same course, as variances, m²: so
+/// far healthy ones go. The one that goes farthest may itself drift.
+fn others(
+    series: &[Series],
+    which: usize,
+    course: Course,
+    end: f64,
+    prior: Prior,
+) -> Option<[f64; 2]> {
+    let others = series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= SIDE);
+    let fits: Vec<[Fit; 2]> = others.filter_map(|(_, it)| it.fits(course, end, prior)).collect();
+    (fits.len() + 1 >= CYLINDERS).then(|| {
+        [0, 1].map(|part| {
+            let mut squares: Vec<f64> = fits.iter().map(|fits| fits[part].moved.powi(2)).collect();
+            squares.sort_unstable_by(f64::total_cmp);
+            squares.pop();
+            TRIMMED * squares.iter().sum::<f64>() / squares.len() as f64
+        })
+    })
+}
