@@ -82,11 +82,11 @@ fn tables_in_place_are_those_of_the_file_of_their_own() {
 #[test]
 fn what_would_be_refused_is_not_written() {
     let desk = Desk::new();
-    let text = desk.text().replace("critical = 0.05", "critical = 1.6e-3");
-    assert_ne!(text, desk.text(), "the machine trips just above the configured bound now");
+    let text = desk.text().replace("bound = 1.5e-3\n", "bound = 2e-2\nlow = 1e-2\n");
+    assert_ne!(text, desk.text(), "what is calibrated will be below `low`");
     fs::write(&desk.config, &text).expect("it is ours");
     let call = ["calibrate", &desk.log, "--config", &desk.config, "--into", &desk.config];
-    tertius(&call).failed(1, &["would be refused; nothing was changed", "comparator.critical"]);
+    tertius(&call).failed(1, &["would be refused; nothing was changed", "comparator.low"]);
     assert_eq!(desk.text(), text);
     assert!(!fs::exists(format!("{}.bak-1", desk.config)).expect("it can be looked for"));
 }

@@ -385,7 +385,7 @@ fn of_several_other_interfaces_the_user_chooses() {
 }
 
 #[test]
-fn recordings_in_the_wrong_order_are_refused_with_the_right_one() {
+fn recordings_in_the_wrong_order_are_refused_or_put_in_order() {
     let scratch = Scratch::new();
     let log = recorded("e-type-faults.log.zst");
     let parts = [(88.0, 90.0), (90.0, 92.0), (92.0, 93.0)];
@@ -395,9 +395,15 @@ fn recordings_in_the_wrong_order_are_refused_with_the_right_one() {
     let order = format!("name them in the order of time: {a} {b} {c}");
     let words = ["90.log begins at 1700000090.000", "before", "92.log", &*order];
     replay(&[&a, &c, &b], E_TYPE, &[]).failed(2, &words);
+    // What learns reads them in the order of time itself, and says so.
     for command in ["identify", "calibrate", "tune"] {
-        let call = [command, &a, &c, &b, "--config", E_TYPE];
-        tertius(&call, b"").failed(2, &words);
+        let of = |logs: [&str; 3]| {
+            tertius(&[&[command], &logs[..], &["--config", E_TYPE]].concat(), b"")
+        };
+        let (right, wrong) = (of([&a, &b, &c]), of([&a, &c, &b]));
+        assert_eq!(right.code, wrong.code, "{}", wrong.stderr);
+        let same = right.stdout.lines().all(|line| wrong.stdout.contains(line));
+        assert!(same, "{command}: {} {}", right.stdout, wrong.stdout);
     }
     // Time stamps that count from each one's own beginning say nothing of the order.
     let console = " (0.5)  can0  080   [1]  00\n (0.6)  can0  080   [1]  01\n";
