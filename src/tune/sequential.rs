@@ -66,7 +66,7 @@ pub struct OwnLevel {
 /// The level h of all cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// h, nats: at least the largest evidence seen, and what spikes reach ([`wild::least_level`]).
+    /// h, nats: at least the largest evidence seen, and what spikes reach ([`least_level`](crate::sequential::wild::least_level)).
     pub nats: f64,
     /// The largest evidence seen, nats.
     pub worst: f64,

@@ -3,10 +3,10 @@
 //! On the stops the rods stand where they stood, so that a reading that has changed is that of a
 //! transducer that drifts. But temperature moves all of them, stops wear, and a slow drift is among the
 //! first dwells already, so no reading is compared with the first ones. The readings of a day are one
-//! ([`Day`]), what all cylinders do alike is their temperature and is taken off ([`thermometer`]), and
-//! ramps and steps are fitted to the difference of the two transducers and to their mean ([`fit`]). Where
+//! ([`Day`]), what all cylinders do alike is their temperature and is taken off (`thermometer`), and
+//! ramps and steps are fitted to the difference of the two transducers and to their mean (`fit`). Where
 //! the difference has moved beyond chance, the one that has moved is named as soon as the mean of both
-//! says clearly enough which of them it is ([`rule`]).
+//! says clearly enough which of them it is (`rule`).
 
 mod days;
 mod fit;
