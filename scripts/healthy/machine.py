@@ -30,7 +30,7 @@ class Heard:
 
 
 class Taught:
-    """The machine with transducers of `coarse` times a count, calibrated and tuned while `befalls`."""
+    """The machine with transducers of `coarse` times a count, calibrated while `befalls`."""
 
     def __init__(self, folder, binary, coarse, befalls, seconds, level):
         self.folder, self.binary, self.coarse = folder, binary, coarse
@@ -43,13 +43,10 @@ class Taught:
         self.call("calibrate", log, "--config", self.config, "--output", tables, "--force")
         cylinders = tables.read_text()
         cylinders = cylinders[cylinders.index("\n[[cylinder]]") :]
-        self.config.write_text(plain() + cylinders)
-        if level is None:
-            self.call("tune", log, "--config", self.config, "--output", tables, "--force")
-            found = re.search(r"(?m)^level = ([0-9.]+)", tables.read_text())
-            level = float(found[1])
         log.unlink()
-        self.level = level
+        # Each cylinder has its own, unless one is asked for; the lowest is told.
+        own = [float(nats) for nats in re.findall(r"(?m)^level = ([0-9.]+)", cylinders)]
+        self.level = min(own) if level is None else level
         self.config.write_text(plain(level) + cylinders)
 
     def call(self, *arguments):
