@@ -82,7 +82,7 @@ fn a_drift_on_the_stops_looks_right() {
     visits(0..40).iter().for_each(|frame| log.write(frame).expect("memory takes it"));
     let log = scratch.write("visits.log", log.into_inner());
     let config = format!("{}/{CONFIG}", env!("CARGO_MANIFEST_DIR"));
-    assert_looks_right(&["replay", &log, "--config", &config], 6 + 6 + 2 + 1);
+    assert_looks_right(&["replay", &log, "--config", &config], 6 + 6 + 3 + 1);
 }
 
 #[test]

@@ -168,8 +168,9 @@ impl<'a> Stops<'a> {
 /// A trend in a sentence; `limit` is how far the reading may move, m, and `until` when it will have.
 pub fn sentence(trend: &Trend, limit: f64, until: Option<Forecast>) -> String {
     match until {
-        Some(_) => {
-            format!("{} a month; {} in {}", speed(trend), millimetres(limit), left(until))
+        Some(forecast) => {
+            let in_time = if forecast.expected > 0.0 { "in " } else { "" };
+            format!("{} a month; {} {in_time}{}", speed(trend), millimetres(limit), left(until))
         }
         None => format!("no drift seen ({} a month)", speed(trend)),
     }

@@ -2,7 +2,7 @@
 
 use super::Page;
 use super::axis::Axis;
-use super::figure::{Curve, Figure, HALF, Panel, Shape};
+use super::figure::{Curve, Figure, HALF, Panel};
 use super::palette;
 use crate::report::stops::{self, Stop, Stops, TRANSDUCERS};
 use crate::sequential::Dwell;
@@ -49,7 +49,7 @@ fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
         let point =
             |dwell: &Dwell| (seconds(dwell) / unit, (dwell.readings[which] - reference) * 1e3);
         let points: Vec<(f64, f64)> = history.dwells().iter().map(point).collect();
-        curves.push(Curve::line(name, colour, points.clone()).shaped(Shape::Hairline));
+        curves.push(Curve::line(name, colour, points.clone()));
         curves.push(Curve::dots(name, colour, points));
         caption += &format!(
             "\n{name}: {}",
