@@ -235,6 +235,35 @@ fn event_driven_senders_are_read_near_the_opening_of_each_cycle() {
     }
 }
 
+/// Whoever sends more than is needed is counted to the last frame.
+#[test]
+fn every_frame_of_a_free_sender_is_taken_or_counted() {
+    let mut monitor = without(&["c1_counter", "c2_counter"]);
+    let mut seen = Collected::default();
+    let mut sent = 0;
+    for k in 0..CYCLES {
+        let mut frames = Cycle::new(k).frames();
+        let model = frames.iter().find(|frame| frame.id.value() == C1).expect("it is sent").clone();
+        frames.retain(|frame| frame.id.value() != C1);
+        for i in 0..19 {
+            let mut frame = delayed(&model, i * 1_050);
+            frame.buffer_mut()[..2].copy_from_slice(&(5_000 + 20 * k + i).to_le_bytes()[..2]);
+            frame.buffer_mut()[5] = 0;
+            frames.push(frame);
+            sent += 1;
+        }
+        frames.sort_by_key(|frame| frame.timestamp);
+        frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    }
+    monitor.finish(&mut seen);
+    let taken = seen.records.iter().filter(|it| it.cylinder == 1 && it.c1.is_some()).count();
+    let counts = monitor.counts();
+    assert_eq!(taken as u64, counts.cycles);
+    // The last one may wait for a cycle that never opens.
+    let left = sent - taken as u64 - counts.repeated - counts.late;
+    assert!(left <= 1, "{left} of {sent}: {counts:?}");
+}
+
 /// A sender with a clock of its own: its frames come at every phase in turn.
 #[test]
 fn a_sender_whose_phase_wanders_is_never_locked_out() {

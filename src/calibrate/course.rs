@@ -1,6 +1,7 @@
 //! A calibration from beginning to end, on whatever can be read again and again.
 
 use super::division::{Cuts, Cutting};
+use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
     Profiling, Refusal, Scatter, Scattering, Spreading, Trying,
@@ -8,7 +9,6 @@ use super::{
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
 use crate::survey::{Surveyor, Window};
-use crate::tune::sequential::{OwnLevel, Watch};
 
 /// A recording that can be read as often as needed, the same each time.
 pub trait Recording {

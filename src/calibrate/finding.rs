@@ -1,7 +1,7 @@
 //! What a recording holds that no healthy cylinder does, in words.
 
+use super::watch::{OwnLevel, Sight};
 use crate::extremes::{Asked, LARGEST_LEVEL};
-use crate::tune::sequential::{OwnLevel, Sight};
 use std::fmt;
 
 /// Evidence that contradicts what theory says of a healthy cylinder.

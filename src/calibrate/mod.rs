@@ -22,6 +22,7 @@ mod resolution;
 mod scatter;
 mod spreading;
 mod trying;
+pub mod watch;
 
 pub use course::{Calibrated, Course, Recording};
 pub use division::{Division, Halves};

@@ -5,12 +5,12 @@ use super::files::Overwriting;
 use super::machine::Machine;
 use super::survey::{Field, Surveyed};
 use super::tables::{self, InPlace};
+use crate::calibrate::watch::{Level, Sight, Watch};
 use crate::config::Settings;
 use crate::extremes::{HOURS_PER_YEAR, Tail, common_level, per_second};
 use crate::monitor::MonitorDesign;
 use crate::observe::model::Model;
 use crate::report::{page, tuning};
-use crate::tune::sequential::{Level, Sight, Watch};
 use crate::tune::{
     Criterion, CylinderModel, Detector, Evidence, LEAST_HIGH, Search, Store, Thresholds, Tuning,
     Weights, designs, response, search, sensitivity,

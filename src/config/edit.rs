@@ -91,8 +91,8 @@ fn put_cylinders(root: &mut Table, learnt: &ArrayOfTables) {
         let place = cylinders.iter().position(|old| number(old) == number(new));
         match place.and_then(|place| cylinders.get_mut(place)) {
             Some(old) => {
-                if new.contains_key("sequential") {
-                    // Its keys belong together.
+                if new.contains_key("sequential") || new.contains_key("c2_gain") {
+                    // Its keys belong together, and are of one a and b of (5-20).
                     old.remove("sequential");
                 }
                 put_table(old, new);
@@ -261,6 +261,15 @@ nodes = [7.0]
         assert!(!text.contains("[3.0]") && text.contains("c2_gain = 1.0"), "{text}");
         let other = put(&text, TABLES, &[]).expect("both are TOML");
         assert!(other.contains("# By tertius 1 identify, for it.\n\n# By tertius 9.9.9 calibrate"));
+    }
+
+    #[test]
+    fn a_profile_of_another_line_does_not_stay() {
+        let line = "[[cylinder]]\nn = 2\nc2_gain = 3.5\nc2_offset = 0.1\n";
+        let text = put(CONFIGURATION, line, &[]).expect("both are TOML");
+        assert!(text.contains("c2_gain = 3.5") && !text.contains("sequential"), "{text}");
+        let model = "[[cylinder]]\nn = 2\ntheta = [5.0]\n";
+        assert!(put(CONFIGURATION, model, &[]).expect("both are TOML").contains("nodes = [1.0]"));
     }
 
     #[test]

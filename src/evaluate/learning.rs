@@ -3,6 +3,7 @@
 
 use super::grade::Grade;
 use super::stand::{Stand, StandError};
+use crate::calibrate::watch::{Level, Watch};
 use crate::calibrate::{Course, Recording};
 use crate::config::settings::Settings;
 use crate::monitor::design::Flaw;
@@ -11,7 +12,6 @@ use crate::plant::CYLINDERS;
 use crate::sequential::{self, Sequential};
 use crate::simulator::{EPOCH, Options};
 use crate::survey::{Survey, Surveyor, Window};
-use crate::tune::sequential::{Level, Watch};
 
 /// How much is learnt from, hours in each sea.
 #[derive(Clone, Copy, Debug, PartialEq)]

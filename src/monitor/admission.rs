@@ -59,10 +59,11 @@ impl Monitor {
         let page = &mut station.pages[place.1];
         let count = page.count(frame);
         if page.reading && !station.sync {
-            let has = page.slot.has(self.clock.number());
+            let (has, kept) = (page.slot.has(self.clock.number()), page.slot.kept());
             if self.clock.could_open(frame.timestamp, has)
                 && self.clock.when().is_none_or(|when| page.slot.may_open(frame, count, &when))
             {
+                self.counts.repeated += u64::from(kept != page.slot.kept());
                 self.open_cycle(frame.timestamp, now, false, sink);
             }
         }
@@ -86,7 +87,12 @@ impl Monitor {
                     self.settle(place, now, sink);
                 }
                 let slot = &mut self.stations[place.0].pages[place.1].slot;
-                self.counts.late += u64::from(slot.kept() == Some(when.cycle));
+                // What was kept gives way to what is newer.
+                match slot.kept() {
+                    Some(cycle) if cycle == when.cycle => self.counts.late += 1,
+                    Some(_) => self.counts.repeated += 1,
+                    None => {}
+                }
                 slot.keep(fate, frame, count, &when);
                 self.keeps = true;
             }

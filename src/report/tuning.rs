@@ -2,8 +2,8 @@
 
 use super::provenance::{self, four_digits};
 use super::sheet::{Section, Sheet};
+use crate::calibrate::watch::Level;
 use crate::extremes::{HOURS_PER_YEAR, per_second};
-use crate::tune::sequential::Level;
 use crate::tune::{Detector, LEAST_HIGH, Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 

@@ -17,7 +17,6 @@ pub mod evidence;
 pub mod response;
 pub mod search;
 pub mod sensitivity;
-pub mod sequential;
 pub mod store;
 
 pub use criterion::{Criterion, Score};
@@ -89,7 +88,7 @@ pub struct Tuning {
     /// Of every transducer that is monitored, by cylinder.
     pub detectors: Vec<Detector>,
     /// Of the sequential detectors; `None` where there are none, or the recording is too short.
-    pub sequential: Option<sequential::Level>,
+    pub sequential: Option<crate::calibrate::watch::Level>,
     /// Levels at other rates: false alarms a year, and m.
     pub ladder: Vec<(f64, f64)>,
     /// The standard deviation that noise is counted in, m.

@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use std::path::Path;
 use std::sync::OnceLock;
 use tertius::alarm::{Detector, State as Said, Warning};
+use tertius::calibrate::watch::Watch;
 use tertius::calibrate::{Course, Recording};
 use tertius::config::settings::Settings;
 use tertius::controller::State;
@@ -15,7 +16,6 @@ use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
 use tertius::sequential::Dwell;
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Window};
-use tertius::tune::sequential::Watch;
 use tertius::verdict::Suspect;
 
 pub const SAMPLE_TIME: f64 = 0.02;

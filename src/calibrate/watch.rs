@@ -1,7 +1,7 @@
 //! How much evidence against a healthy machine its recording seems to hold: the levels of the
 //! sequential detectors.
 
-use crate::calibrate::{Division, Halves};
+use super::{Division, Halves};
 use crate::extremes::{Asked, Maxima, levels};
 use crate::sequential::{Design, Input, Sequential};
 use crate::survey::{Row, Surveyor};
@@ -66,7 +66,7 @@ pub struct OwnLevel {
 /// The level h of all cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// h, nats: at least the largest evidence seen, and what spikes reach ([`least_level`](crate::sequential::wild::least_level)).
+    /// h, nats: at least the largest evidence seen, and what spikes reach (`sequential::wild`).
     pub nats: f64,
     /// The largest evidence seen, nats.
     pub worst: f64,
