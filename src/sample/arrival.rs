@@ -22,8 +22,6 @@ pub struct When {
     pub open: bool,
     /// Whether it was a Sync that opened it, so that what is stamped before belongs to an earlier one.
     pub by_sync: bool,
-    /// It opened late, so that phases tell nothing: all that has waited comes at once, in its order.
-    pub held_up: bool,
     /// Ts.
     pub sample_time: Span,
 }
@@ -235,8 +233,7 @@ impl Slot {
             return if may_be_late { Fate::Waits } else { self.taken(frame, counter, when) };
         };
         let tolerance = self.usual().map_or(0, |usual| usual.tolerance);
-        let punctual = (phase - usual).abs() <= (waiting - usual).abs() + tolerance;
-        if punctual || when.held_up && !copied {
+        if (phase - usual).abs() <= (waiting - usual).abs() + tolerance {
             if before + 1 < lost {
                 return Fate::Waits;
             }

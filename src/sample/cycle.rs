@@ -160,7 +160,6 @@ impl CycleClock {
             opened: self.opened?,
             open: self.open,
             by_sync: self.timing.synchronised && !self.provisional,
-            held_up: self.opened?.since(self.nominal?).as_nanos() > self.early(),
             sample_time: self.timing.sample_time,
         })
     }

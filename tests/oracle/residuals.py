@@ -18,8 +18,8 @@ rules are those of the description:
   another count is believed with the second frame in a row that goes on with it. What is refused for five
   cycles running is taken by its time.
 - Without a counter a frame that follows a lost one waits until the cycle closes; one that comes meanwhile
-  is better unless it is further from the usual phase (median of 64) by more than 1 ms and 4.4 deviations, and
-  the cycle opened no more than Ts/20 after its place. As many wait in turn as were lost.
+  is better unless it is further from the usual phase (median of 64) by more than 1 ms and 4.4 deviations. As
+  many wait in turn as were lost.
   Half of Ts after the usual phase the same payload is a repetition, another one is held.
 - A cylinder is evaluated when everything of it has come, or when the cycle closes.
 - A cycle that does not open is evaluated without readings, until the observers have stopped.
@@ -379,7 +379,7 @@ class Slot:
             self.phases.append(abs(phase) // 1000 * (1 if phase >= 0 else -1))
         return TAKEN
 
-    def judge(self, frame, cycle, opened, is_open, held_up):
+    def judge(self, frame, cycle, opened, is_open):
         at, payload, count, _ = frame
         phase, half = at - opened, self.ts // 2
         lacks = self.filled != cycle
@@ -406,7 +406,7 @@ class Slot:
             return HELD if self.starves(cycle) else LATE
         if self.kept and self.kept[1] == cycle:
             first = abs(self.kept[0][0] - opened - usual)
-            if abs(phase - usual) <= first + tolerance or (held_up and not copied):
+            if abs(phase - usual) <= first + tolerance:
                 if self.kept[3] + 1 < cycle - self.filled - 1:
                     return WAITS
                 self.kept = None
@@ -522,8 +522,7 @@ class Machine:
             self.open(frame[0], by_reading=True)
         fate = LATE
         if self.opened is not None:
-            held_up = self.opened - self.place > self.early
-            fate = slot.judge(frame, self.number, self.opened, self.is_open, held_up)
+            fate = slot.judge(frame, self.number, self.opened, self.is_open)
         if fate in (TAKEN, REPLACES):
             self.fill(identifier, frame, frame[0])
         if fate in (HELD, SETTLES):
