@@ -28,6 +28,8 @@ pub struct Stand<'a> {
     pub design: &'a MonitorDesign,
     /// Monitors with sequential detectors, of the grades that were learnt.
     pub monitors: Vec<Learnt>,
+    /// Monitors by the sets of weights that are compared.
+    pub weighed: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -46,7 +48,15 @@ impl<'a> Stand<'a> {
         let mut still = *tables;
         still.transducer.fluctuation_probability = 0.0;
         let (tables, steady) = (graded(tables), graded(&still));
-        Self { settings, database, design, monitors: Vec::new(), tables, steady }
+        Self {
+            settings,
+            database,
+            design,
+            monitors: Vec::new(),
+            weighed: Vec::new(),
+            tables,
+            steady,
+        }
     }
 
     /// What was learnt of `grade`.
