@@ -165,23 +165,20 @@ fn the_order_of_the_jobs_does_not_matter() {
 #[test]
 fn weights_are_compared_on_the_same_machines_each_with_its_own_threshold() {
     let bench = Bench::new();
-    // The fluctuations of Figure 5-9 are as large to all weights.
-    let mut tables = Tables::default();
-    tables.transducer.fluctuation_probability = 0.0;
-    let mut stand = Stand::new(&tables, &bench.settings, &bench.database, &bench.design);
+    let mut stand = bench.stand();
     let mut plan = Plan { cells: Vec::new(), ..plan(&[Study::Weights], 24, 0.5) };
     let weighing = plan.weighing.as_mut().expect("it was asked for");
     weighing.seas = vec![SEA, [1.2, 6.5]];
     stand.weighed =
         weighing.designs(&bench.settings, &bench.database).expect("they have observers");
     let jobs = plan.jobs();
-    assert_eq!(jobs.len(), 2 * (3 + 4 * FAULTS.len()), "stretches, and machines of six faults");
+    assert_eq!(jobs.len(), 3 * (3 + 4 * FAULTS.len()), "stretches, and machines of six faults");
     let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
     let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
     assert_eq!(forwards, backwards);
-    assert_eq!(forwards.weights.len(), 2 * SETS.len());
-    let of = |grade: &str, set: usize| {
-        let mut results = forwards.weights.iter().filter(|result| result.grade == grade);
+    assert_eq!(forwards.weights.len(), 3 * SETS.len());
+    let of = |kind: &str, set: usize| {
+        let mut results = forwards.weights.iter().filter(|result| result.kind == kind);
         results.nth(set).expect("there is one for each set")
     };
     for result in &forwards.weights {

@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
-use super::weights::{self, Weighing};
+use super::weights::{self, Kind, Weighing};
 use crate::plant::CYLINDERS;
 use crate::tune::Weights;
 use rand::{RngExt, SeedableRng};
@@ -129,7 +129,7 @@ impl Plan {
             Contest::new(seed, &extent.seas, extent.trials, hours)
         });
         let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
-            grades: Grade::ALL.to_vec(),
+            kinds: Kind::ALL.to_vec(),
             sets: extent.weights.clone(),
             seas: extent.seas.clone(),
             trials: extent.trials,

@@ -73,7 +73,15 @@ impl<'a> Stand<'a> {
     /// # Errors
     /// If the configuration's machine cannot be simulated, or not in that sea.
     pub fn simulator(&self, cell: Cell, options: &Options) -> Result<Simulator, StandError> {
-        self.simulate(&self.tables, cell.grade, options)
+        self.graded(cell.grade, options)
+    }
+
+    /// The machine with transducers of `grade`, in the sea of `options`.
+    ///
+    /// # Errors
+    /// As [`Self::simulator`].
+    pub fn graded(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
+        self.simulate(&self.tables, grade, options)
     }
 
     /// The machine with transducers of `grade` that do not fluctuate.

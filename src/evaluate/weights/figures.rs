@@ -1,8 +1,7 @@
 //! What the weights came to.
 
 use super::trial::{RESIDUALS, STRETCH};
-use super::{FAULTS, Faulty, Job, Product, Quiet, Weighing};
-use crate::evaluate::grade::Grade;
+use super::{FAULTS, Faulty, Job, Kind, Product, Quiet, Weighing};
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
 use crate::evaluate::row::label;
@@ -14,10 +13,11 @@ use std::collections::BTreeMap;
 /// A day and a year of monitoring in false alarms a year: one an hour, one a day, one.
 const RATES: [f64; 3] = [HOURS_PER_YEAR, HOURS_PER_YEAR / 24.0, 1.0];
 
-/// One set on one grade.
+/// One set on one kind.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetResult {
-    pub grade: &'static str,
+    /// Of the transducers.
+    pub kind: &'static str,
     /// The diagonals of Q and R.
     pub q: [f64; 3],
     pub r: [f64; 2],
@@ -52,8 +52,8 @@ pub struct SeenFault {
 #[derive(Clone, Debug)]
 pub struct Gathering<'a> {
     weighing: &'a Weighing,
-    quiet: BTreeMap<(Grade, u32), Vec<Quiet>>,
-    faulty: BTreeMap<(Grade, usize, u32), Vec<Faulty>>,
+    quiet: BTreeMap<(Kind, u32), Vec<Quiet>>,
+    faulty: BTreeMap<(Kind, usize, u32), Vec<Faulty>>,
 }
 
 impl<'a> Gathering<'a> {
@@ -64,29 +64,29 @@ impl<'a> Gathering<'a> {
     /// Takes what a job brought; each job once.
     pub fn take(&mut self, job: Job, product: Product) {
         match (job, product) {
-            (Job::Quiet { grade, number }, Product::Quiet(quiet)) => {
-                self.quiet.insert((grade, number), quiet);
+            (Job::Quiet { kind, number }, Product::Quiet(quiet)) => {
+                self.quiet.insert((kind, number), quiet);
             }
-            (Job::Faulty { grade, fault, number }, Product::Faulty(faulty)) => {
-                self.faulty.insert((grade, fault, number), faulty);
+            (Job::Faulty { kind, fault, number }, Product::Faulty(faulty)) => {
+                self.faulty.insert((kind, fault, number), faulty);
             }
             // A job brings what it is.
             (Job::Quiet { .. } | Job::Faulty { .. }, _) => {}
         }
     }
 
-    /// The result for every grade and set; `block`: of judged time, s.
+    /// The result for every kind and set; `block`: of judged time, s.
     pub fn finish(&self, block: f64) -> Vec<SetResult> {
         let sets = || 0..self.weighing.sets.len();
-        let grades = self.weighing.grades.iter();
-        grades.flat_map(|grade| sets().map(move |set| self.result(*grade, set, block))).collect()
+        let kinds = self.weighing.kinds.iter();
+        kinds.flat_map(|kind| sets().map(move |set| self.result(*kind, set, block))).collect()
     }
 
-    fn result(&self, grade: Grade, set: usize, block: f64) -> SetResult {
+    fn result(&self, kind: Kind, set: usize, block: f64) -> SetResult {
         let quiet: Vec<&Quiet> = self
             .quiet
             .iter()
-            .filter(|((of, _), _)| *of == grade)
+            .filter(|((of, _), _)| *of == kind)
             .map(|(_, sets)| &sets[set])
             .collect();
         let levels = tails(&quiet, block)
@@ -95,24 +95,20 @@ impl<'a> Gathering<'a> {
         let weights = self.weighing.sets[set];
         let thresholds = [Some(LEAST_HIGH), levels.map(|[_, daily, _]| daily)];
         SetResult {
-            grade: grade.name(),
+            kind: kind.name(),
             q: weights.q,
             r: weights.r,
             hours,
             crossings: Rate::new(quiet.iter().map(|quiet| quiet.raises).sum(), hours),
             levels,
-            seen: thresholds
-                .into_iter()
-                .flatten()
-                .map(|high| self.seen(grade, set, high))
-                .collect(),
+            seen: thresholds.into_iter().flatten().map(|high| self.seen(kind, set, high)).collect(),
         }
     }
 
-    fn seen(&self, grade: Grade, set: usize, high: f64) -> Seen {
+    fn seen(&self, kind: Kind, set: usize, high: f64) -> Seen {
         let fault = |(index, (shape, within)): (usize, &_)| {
             let own =
-                self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (grade, index));
+                self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
             let peaks: Vec<f64> = own.flat_map(|(_, sets)| sets[set].0).collect();
             let found = peaks.iter().filter(|peak| **peak > high).count();
             let found = Proportion::new(found as u64, peaks.len() as u64);

@@ -51,16 +51,43 @@ pub const FAULTS: [(Shape, f64); 5] = [
 const STREAMS: u64 = 5 << 40;
 const NUMBERS: u64 = 1 << 20;
 
+/// Transducers, and whether their readings are off for a while now and then, as in Figure 5-9.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Steady,
+    Fluctuating,
+    Coarse,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Fluctuating, Self::Coarse];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Steady => "fine",
+            Self::Fluctuating => "fine, fluctuating",
+            Self::Coarse => "coarse",
+        }
+    }
+
+    const fn of_grade(self) -> Grade {
+        match self {
+            Self::Steady | Self::Fluctuating => Grade::Fine,
+            Self::Coarse => Grade::Coarse,
+        }
+    }
+}
+
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighing {
-    pub grades: Vec<Grade>,
+    pub kinds: Vec<Kind>,
     pub sets: Vec<Weights>,
     /// Significant wave height, m, and peak period, s; in turn.
     pub seas: Vec<[f64; 2]>,
     /// Faults of each kind, rounded up to whole machines.
     pub trials: u32,
-    /// Hours of a healthy machine of each grade, rounded up to whole stretches.
+    /// Hours of a healthy machine of each kind, rounded up to whole stretches.
     pub hours: f64,
     pub seed: u64,
 }
@@ -70,12 +97,12 @@ pub struct Weighing {
 pub enum Job {
     /// With the fault of that index of [`FAULTS`].
     Faulty {
-        grade: Grade,
+        kind: Kind,
         fault: usize,
         number: u32,
     },
     Quiet {
-        grade: Grade,
+        kind: Kind,
         number: u32,
     },
 }
@@ -110,12 +137,12 @@ impl Weighing {
     pub fn jobs(&self) -> Vec<Job> {
         let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
         let machines = self.trials.div_ceil(CYLINDERS as u32);
-        let grades = || self.grades.iter().copied();
-        let quiet = grades()
-            .flat_map(|grade| (0..stretches).map(move |number| Job::Quiet { grade, number }));
-        let faulty = grades().flat_map(|grade| {
+        let kinds = || self.kinds.iter().copied();
+        let quiet =
+            kinds().flat_map(|kind| (0..stretches).map(move |number| Job::Quiet { kind, number }));
+        let faulty = kinds().flat_map(|kind| {
             (0..FAULTS.len()).flat_map(move |fault| {
-                (0..machines).map(move |number| Job::Faulty { grade, fault, number })
+                (0..machines).map(move |number| Job::Faulty { kind, fault, number })
             })
         });
         quiet.chain(faulty).collect()
@@ -127,18 +154,18 @@ impl Weighing {
     /// If the stand has no such machine.
     pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
-        // The same machines and times of faults for every grade.
+        // The same machines and times of faults for every kind.
         Ok(match job {
-            Job::Faulty { grade, fault, number } => {
+            Job::Faulty { kind, fault, number } => {
                 let mut rng = self.random(1 + fault as u64, number);
                 let (shape, watch) = FAULTS[fault];
                 let wanted = Wanted::Shape(shape);
-                let faults = stand.seen(grade, sea(number), wanted, watch, &mut rng)?;
+                let faults = stand.seen(kind, sea(number), wanted, watch, &mut rng)?;
                 Product::Faulty(faults)
             }
-            Job::Quiet { grade, number } => {
+            Job::Quiet { kind, number } => {
                 let seed = self.random(0, number).random();
-                Product::Quiet(stand.unseen(grade, sea(number), seed)?)
+                Product::Quiet(stand.unseen(kind, sea(number), seed)?)
             }
         })
     }

@@ -1,5 +1,6 @@
 //! One machine that the monitors of all sets watch.
 
+use super::Kind;
 use crate::alarm::{Detector, State, Warning};
 use crate::evaluate::grade::Grade;
 use crate::evaluate::plan::Cell;
@@ -9,7 +10,7 @@ use crate::evaluate::trial::Try;
 use crate::inject::Wanted;
 use crate::monitor::{Monitor, Record, Sink};
 use crate::plant::CYLINDERS;
-use crate::simulator::Options;
+use crate::simulator::{Options, Simulator};
 use crate::verdict::Suspect;
 use rand_chacha::ChaCha8Rng;
 
@@ -82,15 +83,22 @@ impl Sink for Newest {
 }
 
 impl Stand<'_> {
+    fn of_kind(&self, kind: Kind, options: &Options) -> Result<Simulator, StandError> {
+        match kind {
+            Kind::Steady => self.steady(Grade::Fine, options),
+            Kind::Fluctuating | Kind::Coarse => self.graded(kind.of_grade(), options),
+        }
+    }
+
     /// Watches the healthy machine of `seed` for a stretch of its time, by every set's monitor.
     pub(super) fn unseen(
         &self,
-        grade: Grade,
+        kind: Kind,
         sea: [f64; 2],
         seed: u64,
     ) -> Result<Vec<Quiet>, StandError> {
         let options = Options { seed, sea: Some(sea), ..Options::default() };
-        let mut simulator = self.simulator(Cell { grade, sea }, &options)?;
+        let mut simulator = self.of_kind(kind, &options)?;
         let listener = |design: &_| {
             let block = self.settings.warning_cycles();
             let listener = Listener { quiet: Quiet::default(), block, open: Default::default() };
@@ -109,18 +117,18 @@ impl Stand<'_> {
     /// seconds from its first reading.
     pub(super) fn seen(
         &self,
-        grade: Grade,
+        kind: Kind,
         sea: [f64; 2],
         wanted: Wanted,
         watch: f64,
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<Faulty>, StandError> {
-        let cell = Cell { grade, sea };
+        let cell = Cell { grade: kind.of_grade(), sea };
         let row = Row { watch, ..Row::open(Study::Weights, cell, Some(wanted)) };
         let one = Try::draw(&row, 0, self.settings.observer.settle, rng);
         let faults = self.placed(&one)?;
         let options = Options { seed: one.seed, sea: Some(sea), faults, ..Options::default() };
-        let mut simulator = self.simulator(cell, &options)?;
+        let mut simulator = self.of_kind(kind, &options)?;
         let begin = |design: &_| (Monitor::new(Clone::clone(design)), Newest::default());
         let mut watching: Vec<_> = self.weighed.iter().map(begin).collect();
         let mut seen = vec![Faulty::default(); watching.len()];

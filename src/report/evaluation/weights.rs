@@ -4,7 +4,7 @@ use super::{percent, rate};
 use crate::evaluate::weights::{FAULTS, SetResult};
 use crate::report::sheet::{Section, Sheet};
 
-/// One row for each set on each grade.
+/// One row for each set on each kind of transducers.
 pub fn section(results: &[SetResult]) -> Section {
     let mut header: Vec<String> = [
         "transducers",
@@ -26,7 +26,7 @@ pub fn section(results: &[SetResult]) -> Section {
     let mut sheet = Sheet::new(&header);
     for result in results {
         let mut cells = vec![
-            result.grade.to_owned(),
+            result.kind.to_owned(),
             format!("{:e} {:e} {:e}", result.q[0], result.q[1], result.q[2]),
             format!("{:e} {:e}", result.r[0], result.r[1]),
             format!("{:.1}", result.hours),
