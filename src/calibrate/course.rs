@@ -8,18 +8,7 @@ use super::{
 };
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
-use crate::survey::{Surveyor, Window};
-
-/// A recording that can be read as often as needed, the same each time.
-pub trait Recording {
-    type Error;
-
-    /// Shows what is within `window` to `surveyor`.
-    ///
-    /// # Errors
-    /// It cannot be read any more.
-    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error>;
-}
+use crate::survey::{Recording, Window};
 
 /// What a calibration is made with.
 #[derive(Clone, Copy, Debug)]

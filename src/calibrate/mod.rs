@@ -14,6 +14,7 @@ mod division;
 mod finding;
 mod fitting;
 mod gathering;
+mod judging;
 mod line;
 mod profile;
 mod refusal;
@@ -24,7 +25,8 @@ mod spreading;
 mod trying;
 pub mod watch;
 
-pub use course::{Calibrated, Course, Recording};
+pub use crate::survey::Recording;
+pub use course::{Calibrated, Course};
 pub use division::{Division, Halves};
 pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};
