@@ -213,6 +213,7 @@ impl Course<'_> {
                 sequential: sequential.filter(|_| contradiction.is_none()),
                 level: level.and_then(|level| level.nats()).filter(given),
                 contradiction,
+                left_out: cuts.of(index).to_vec(),
                 remarks,
             }
         };

@@ -73,6 +73,8 @@ pub struct CylinderCalibration {
     pub level: Option<f64>,
     /// Why the detector has no tables although there was enough to make them from.
     pub contradiction: Option<Contradiction>,
+    /// Times, s, that do not look healthy, and from which nothing was learnt.
+    pub left_out: Vec<[f64; 2]>,
     pub remarks: Vec<String>,
 }
 
