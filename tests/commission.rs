@@ -51,12 +51,17 @@ impl Yard {
 
     /// Five minutes, calm and rough, in one file, with `faults` in it.
     fn recording(&self, name: &str, faults: &[&str]) -> String {
-        let parts = [(CALM, 0), (ROUGH, HALF)].map(|(of, later)| {
-            let log = self.record(&format!("{}.log", of[1]), of, HALF, &["--force"]);
+        self.recording_of(&[CALM, ROUGH], name, faults)
+    }
+
+    /// As [`Self::recording`], a half of it for each of `seas`.
+    fn recording_of(&self, seas: &[[&str; 2]], name: &str, faults: &[&str]) -> String {
+        let parts = seas.iter().zip(0..).map(|(of, number)| {
+            let log = self.record(&format!("{}.log", of[1]), *of, HALF, &["--force"]);
             let text = fs::read_to_string(log).expect("it was written");
-            text.lines().map(|line| moved(line, later)).collect::<String>()
+            text.lines().map(|line| moved(line, number * HALF)).collect::<String>()
         });
-        let log = self.0.write(name, parts.concat());
+        let log = self.0.write(name, parts.collect::<String>());
         if faults.is_empty() {
             return log;
         }
@@ -109,7 +114,7 @@ fn from_a_recording_to_a_configuration_that_holds_in_another_sea() {
     let run = yard.commission(&[&log], &["--report", &report]).ok();
     let first = run.stdout.lines().next().expect("a line");
     assert!(first.contains(" is fit for use: no false alarm in "), "{first}");
-    assert!(first.contains("a step of 1 mm is found in 0.0"), "{first}");
+    assert!(first.contains("step of 1 mm 0.0"), "{first}");
     // Nothing in a pipe but what is kept where.
     assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
     assert_eq!(yard.read("config.toml.bak-1"), before);
@@ -143,9 +148,7 @@ fn from_a_recording_to_a_configuration_that_holds_in_another_sea() {
 fn a_cylinder_with_a_fault_is_refused_and_the_others_are_taken_if_one_says_so() {
     let yard = Yard::new();
     let before = yard.read("config.toml");
-    let fault = |at: i64| {
-        format!("step,cylinder=3,sensor=c1,at={at},until={},size=0.001", at + 4)
-    };
+    let fault = |at: i64| format!("step,cylinder=3,sensor=c1,at={at},until={},size=0.001", at + 4);
     let faults: Vec<String> = [20, 70, 130, 190, 250].map(fault).to_vec();
     let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
     let log = yard.recording("healthy.log", &faults);
@@ -164,7 +167,9 @@ fn a_cylinder_with_a_fault_is_refused_and_the_others_are_taken_if_one_says_so() 
 #[test]
 fn a_short_fault_is_left_out_of_all_that_is_learnt() {
     let yard = Yard::new();
-    let healthy = yard.recording("healthy.log", &[]);
+    // What is left out is a tenth of it at the most, 20 s to either side of the fault included.
+    let seas = [CALM, ROUGH, ["2.0,7", "33"]];
+    let healthy = yard.recording_of(&seas, "healthy.log", &[]);
     let folder = yard.path("elsewhere");
     fs::create_dir(&folder).expect("a folder");
     let learnt = |log: &str, name: &str| {
@@ -177,7 +182,7 @@ fn a_short_fault_is_left_out_of_all_that_is_learnt() {
     };
     let (_, sound) = learnt(&healthy, "sound.toml");
     let fault = "step,cylinder=3,sensor=c1,at=130,until=134,size=0.004";
-    let faulty = yard.recording("again.log", &[fault]);
+    let faulty = yard.recording_of(&seas, "again.log", &[fault]);
     let (run, cut) = learnt(&faulty, "cut.toml");
     assert!(run.stdout.contains("no false alarm in"), "{}", run.stdout);
     assert!(run.stdout.contains("cylinder 3: no healthy cylinder reads what it did in"));

@@ -189,7 +189,10 @@ impl Course<'_> {
         let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
-        let bound = trying.bound(self.per_year, sample_time);
+        // What contradicts is no measure for the others.
+        let contradicts =
+            |index: usize| levels[index].as_ref().is_some_and(|it| it.contradiction().is_some());
+        let bound = trying.bound(self.per_year, sample_time, |index| !contradicts(index));
         let by_rate = sequential::level(self.per_year, settings.machine.cylinders, sample_time);
         // What one part has taught and another one confirmed is no reason for a lower level.
         let given = |nats: &f64| self.division().alternates() || *nats > by_rate;

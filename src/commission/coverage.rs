@@ -99,9 +99,13 @@ fn places(coverage: &[Coverage]) -> Vec<String> {
         }
     }
     let told = alike.into_iter().map(|(places, numbers)| {
+        let (which, were) = match &numbers[..] {
+            [one] => (format!("cylinder {one}"), "was"),
+            all => (format!("cylinders {}", all.join(", ")), "were"),
+        };
         format!(
-            "cylinder {} was not at {places}, or not long enough: its sequential detector is unknown there",
-            numbers.join(", ")
+            "the stroke from {places}: {which} {were} not there, or not long enough, and the sequential \
+             detector is unknown there"
         )
     });
     told.collect()
@@ -145,6 +149,9 @@ mod tests {
         let like = Coverage { cylinder: 5, ..coverage.clone() };
         let told = places(&[coverage, like]);
         assert_eq!(told.len(), 1);
-        assert!(told[0].starts_with("cylinder 2, 5 was not at -0.2 to 0.0 m"), "{told:?}");
+        assert!(
+            told[0].contains("-0.2 to 0.0 m, 0.2 to 0.3 m: cylinders 2, 5 were not there"),
+            "{told:?}"
+        );
     }
 }

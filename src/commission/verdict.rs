@@ -162,8 +162,8 @@ fn poisson_lower(events: u64) -> f64 {
 /// What is found, in half a sentence.
 fn finds(trial: &Trial) -> String {
     let found = |it: &KindResult| {
-        let median = it.median().map_or("rarely".to_owned(), |delay| format!("in {delay:.2} s"));
-        format!("a {} is found {median} ({} of {})", it.kind, it.delays.len(), it.tried)
+        let median = it.median().map_or("rarely".to_owned(), |delay| format!("{delay:.2} s"));
+        format!("{} {median} ({} of {})", it.kind, it.delays.len(), it.tried)
     };
     let kinds: Vec<String> = trial.kinds.iter().filter(|it| it.tried > 0).map(found).collect();
     let alarms = match trial.false_alarms.len() {
@@ -171,7 +171,7 @@ fn finds(trial: &Trial) -> String {
         some => counted(some as u64),
     };
     let held = trial.held / 60.0;
-    format!("{alarms} in {held:.1} min that were held back; {}", kinds.join(", "))
+    format!("{alarms} in {held:.1} min that were held back; found after {}", kinds.join(", "))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crate::alarm::Detector;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::evaluate::{CONFIDENCE, poisson_upper};
+use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
 
 /// The page.
@@ -39,13 +40,13 @@ fn listed(head: &str, lines: &[String]) -> String {
 /// What it was learnt from.
 pub fn origin(result: &Commissioned) -> String {
     let minutes = result.length / 60.0;
-    let held = result.trial.as_ref().map_or(String::new(), |trial| {
+    let tried = result.trial.as_ref().map_or(String::new(), |trial| {
+        let held = trial.held / 60.0;
         format!(
-            "; tried with tables that were learnt without {:.1} min of it, which are then learnt from, too",
-            trial.held / 60.0
+            "; the trial is of tables that were learnt without the {held:.1} min that it is made on"
         )
     });
-    format!("learnt from {minutes:.1} min of {}{held}", result.inputs)
+    format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
 }
 
 /// What the configuration has then.
@@ -166,7 +167,10 @@ pub fn remarks(result: &Commissioned) -> Vec<String> {
         own.for_each(|(number, remark)| add(format!("cylinder {number}: {remark}")));
         calibration.remarks.iter().for_each(|it| add(it.clone()));
     }
-    taught.tuning.iter().flat_map(|it| &it.remarks).for_each(|it| add(it.clone()));
+    // What was within the level says nothing here.
+    let worth = |it: &&String| !it.starts_with(OF_A_LEVEL) || it.contains(WOULD_HAVE_WARNED);
+    let tuning = taught.tuning.iter().flat_map(|it| &it.remarks).filter(worth);
+    tuning.for_each(|it| add(it.clone()));
     remarks
 }
 

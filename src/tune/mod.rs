@@ -25,6 +25,7 @@ pub use criterion::{Criterion, Score};
 pub use evidence::{Detector, Evidence};
 pub use search::{Search, search};
 pub use store::Store;
+pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
 use crate::observe::model::Model;
 use crate::observe::observer::Design;

@@ -87,6 +87,12 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     remarks
 }
 
+/// How remarks begin on the evidence that a detector with a level of its own has seen, …
+pub const OF_A_LEVEL: &str = "sequential detector of cylinder";
+
+/// … and how they end where it was beyond that.
+pub const WOULD_HAVE_WARNED: &str = "; it would have warned: is that healthy?";
+
 /// The level of the detectors that have none of their own, where the recording supports one, and what
 /// is to be said of all of them.
 pub(super) fn sequential(
@@ -108,11 +114,9 @@ pub(super) fn sequential(
     }
     let said = (1..).zip(watch.levels(per_year)).filter_map(|(n, level): (u8, _)| {
         let (sight, h) = (level?.worst?, settings.sequential_level_of(n));
-        let beyond = if sight.nats > h { "; it would have warned: is that healthy?" } else { "" };
+        let beyond = if sight.nats > h { WOULD_HAVE_WARNED } else { "" };
         let Sight { nats, t, .. } = sight;
-        Some(format!(
-            "sequential detector of cylinder {n}: {nats:.1} of {h:.1} nats at {t:.1} s{beyond}"
-        ))
+        Some(format!("{OF_A_LEVEL} {n}: {nats:.1} of {h:.1} nats at {t:.1} s{beyond}"))
     });
     (None, said.collect())
 }
