@@ -32,7 +32,8 @@
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
 //!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: how large a healthy
 //!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
-//!   the smallest faults that follow.
+//!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
+//!   back, and whether the machine can be watched by it.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
@@ -52,6 +53,7 @@ pub mod appliance;
 pub mod bus;
 pub mod calibrate;
 pub mod cli;
+pub mod commission;
 pub mod compare;
 pub mod config;
 pub mod controller;

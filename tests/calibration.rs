@@ -103,8 +103,8 @@ fn the_band_is_that_of_the_second_part_and_never_was_exceeded_in_it() {
     let fitted = calibrate(&points).expect("it moves");
     let mut trying = Trying::new([Some(&fitted)], 50);
     rows(&points).iter().for_each(|row| trying.row(row));
-    let bound = trying.bound(1.0, 0.02).expect("400 s");
-    let often = trying.bound(1e6, 0.02).expect("400 s");
+    let bound = trying.bound(1.0, 0.02, |_| true).expect("400 s");
+    let often = trying.bound(1e6, 0.02, |_| true).expect("400 s");
     let tried = trying.into_cylinders().remove(0).expect("it has a fit");
     assert_eq!((tried.faulty, tried.after.count), (400, 19_600));
     // Both have 0.1 mm of noise, and C2 differs by up to 5 mm before.

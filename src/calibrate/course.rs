@@ -8,18 +8,7 @@ use super::{
 };
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
-use crate::survey::{Surveyor, Window};
-
-/// A recording that can be read as often as needed, the same each time.
-pub trait Recording {
-    type Error;
-
-    /// Shows what is within `window` to `surveyor`.
-    ///
-    /// # Errors
-    /// It cannot be read any more.
-    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error>;
-}
+use crate::survey::{Recording, Window};
 
 /// What a calibration is made with.
 #[derive(Clone, Copy, Debug)]
@@ -200,7 +189,10 @@ impl Course<'_> {
         let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
-        let bound = trying.bound(self.per_year, sample_time);
+        // What contradicts is no measure for the others.
+        let contradicts =
+            |index: usize| levels[index].as_ref().is_some_and(|it| it.contradiction().is_some());
+        let bound = trying.bound(self.per_year, sample_time, |index| !contradicts(index));
         let by_rate = sequential::level(self.per_year, settings.machine.cylinders, sample_time);
         // What one part has taught and another one confirmed is no reason for a lower level.
         let given = |nats: &f64| self.division().alternates() || *nats > by_rate;
@@ -224,6 +216,7 @@ impl Course<'_> {
                 sequential: sequential.filter(|_| contradiction.is_none()),
                 level: level.and_then(|level| level.nats()).filter(given),
                 contradiction,
+                left_out: cuts.of(index).to_vec(),
                 remarks,
             }
         };

@@ -84,7 +84,12 @@ impl Cuts {
         self.spans[index].push(span);
     }
 
-    /// What was cut out of the cylinder of `index` (from 0), for a person; `None` where nothing was.
+    /// What was cut out of the cylinder of `index` (from 0), s.
+    pub fn of(&self, index: usize) -> &[[f64; 2]] {
+        &self.spans[index]
+    }
+
+    /// The same, for a person; `None` where nothing was.
     pub fn told(&self, index: usize) -> Option<String> {
         let place = |[from, to]: &[f64; 2]| format!("{:.0} to {to:.0} s", from.max(0.0));
         let places: Vec<String> = self.spans[index].iter().map(place).collect();

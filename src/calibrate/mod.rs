@@ -14,6 +14,7 @@ mod division;
 mod finding;
 mod fitting;
 mod gathering;
+mod judging;
 mod line;
 mod profile;
 mod refusal;
@@ -24,7 +25,8 @@ mod spreading;
 mod trying;
 pub mod watch;
 
-pub use course::{Calibrated, Course, Recording};
+pub use crate::survey::Recording;
+pub use course::{Calibrated, Course};
 pub use division::{Division, Halves};
 pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};
@@ -71,6 +73,8 @@ pub struct CylinderCalibration {
     pub level: Option<f64>,
     /// Why the detector has no tables although there was enough to make them from.
     pub contradiction: Option<Contradiction>,
+    /// Times, s, that do not look healthy, and from which nothing was learnt.
+    pub left_out: Vec<[f64; 2]>,
     pub remarks: Vec<String>,
 }
 

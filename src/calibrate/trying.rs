@@ -53,9 +53,16 @@ impl Trying {
     }
 
     /// A bound for all cylinders that is exceeded `per_year` times a year, and never was in this
-    /// part; `None` where it is too short for that.
-    pub fn bound(&self, per_year: f64, sample_time: f64) -> Option<Bound> {
-        let tried = || self.cylinders.iter().flatten();
+    /// part, but by those that are not `healthy` (by index); `None` where it is too short for that.
+    pub fn bound(
+        &self,
+        per_year: f64,
+        sample_time: f64,
+        healthy: impl Fn(usize) -> bool,
+    ) -> Option<Bound> {
+        let own = self.cylinders.iter().enumerate().filter(|(index, _)| healthy(*index));
+        let own: Vec<&Tried> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
+        let tried = || own.iter();
         let tails: Option<Vec<Tail>> =
             tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
         let tails = tails.filter(|tails| !tails.is_empty())?;

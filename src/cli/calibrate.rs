@@ -4,10 +4,11 @@ use super::Failure;
 use super::files::Overwriting;
 use super::survey::{Field, Surveyed};
 use super::tables::{self, InPlace};
-use crate::calibrate::{Bound, Calibrated, Calibration, Course, LARGEST_BOUND, LEAST_BOUND};
+use crate::calibrate::{Calibration, Course};
 use crate::monitor::MonitorDesign;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
+use crate::survey::Recording;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -59,7 +60,7 @@ impl Calibrate {
         let result = self.calibration(&surveyed)?;
         let page = calibration::page(&result);
         let settings = &surveyed.machine.loaded.settings;
-        let usable = usable(&result, settings.comparator.critical);
+        let usable = result.usable(settings.comparator.critical);
         let written =
             usable.is_ok().then(|| calibration::tables(&result, env!("CARGO_PKG_VERSION")));
         let written = written.flatten();
@@ -71,37 +72,22 @@ impl Calibrate {
             report.write(&figures(&surveyed, &result)?)?;
         }
         surveyed.damage()?;
-        usable.and_then(|()| conclude(&result))
+        usable.map_err(Failure::Failed)?;
+        // A cylinder without a calibration is a failure, though the others have theirs.
+        match &result.refusals()[..] {
+            [] => Ok(()),
+            refused => Err(Failure::refused(refused)),
+        }
     }
 
     fn calibration(&self, surveyed: &Surveyed) -> Result<Calibration, Failure> {
-        let settings = &surveyed.machine.loaded.settings;
-        let all = surveyed.window;
+        let (settings, all) = (&surveyed.machine.loaded.settings, surveyed.window);
         let [fitted, tried] = match self.held_back {
             Some(percent) => all.split(1.0 - f64::from(percent) / 100.0),
             None => [all, all],
         };
         let course = Course { settings, fitted, tried, per_year: self.false_alarms_per_year };
-        let Calibrated { cylinders, bound } = course.run(surveyed)?;
-        let mut remarks = surveyed.remarks();
-        let own = || cylinders.iter().any(|cylinder| cylinder.level.is_some());
-        remarks.extend(settings.sequential.level.filter(|_| own()).map(|level| {
-            format!(
-                "sequential.level of the configuration, {level} nats, goes before the level of each \
-                 cylinder; take it out"
-            )
-        }));
-        let bound = bound.map(|bound| Bound { level: bound.level.max(LEAST_BOUND), ..bound });
-        Ok(Calibration {
-            machine: settings.machine.name.clone(),
-            inputs: surveyed.inputs(),
-            first: surveyed.first,
-            fitted,
-            tried,
-            cylinders,
-            bound,
-            remarks,
-        })
+        Calibration::of(&course, surveyed, &surveyed.origin())
     }
 }
 
@@ -111,37 +97,4 @@ fn figures(surveyed: &Surveyed, result: &Calibration) -> Result<String, Failure>
     let mut differences = Differences::new(result, settings.machine.sample_time);
     surveyed.read(surveyed.window, &mut differences)?;
     Ok(page::calibration::page(result, &differences, settings.comparator.bound))
-}
-
-/// A bound that is no warning before the machine itself trips is none, and none is written.
-fn usable(result: &Calibration, critical: f64) -> Result<(), Failure> {
-    let most = LARGEST_BOUND * critical;
-    let Some(bound) = result.bound.filter(|bound| bound.level > most) else { return Ok(()) };
-    Err(Failure::Failed(format!(
-        "for {} false alarms a year R3 would take a bound of {:.2} mm, and with more than {:.2} mm, a \
-         tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
-         C2| beyond the line is {:.2} mm; with {:.2} mm, the thesis's, this recording speaks of about \
-         {:.0} a year (--false-alarms-per-year). Is it of a healthy machine? Look at C1 - C2 over time \
-         (`replay --residuals`)",
-        bound.per_year,
-        bound.level * 1e3,
-        most * 1e3,
-        bound.worst * 1e3,
-        LEAST_BOUND * 1e3,
-        bound.often.ceil(),
-    )))
-}
-
-/// A cylinder without a calibration is a failure, though the others have theirs.
-fn conclude(result: &Calibration) -> Result<(), Failure> {
-    let refused: Vec<String> = result
-        .cylinders
-        .iter()
-        .filter_map(|cylinder| {
-            let refusal = cylinder.result.as_ref().err().map(ToString::to_string);
-            let told = refusal.or_else(|| cylinder.contradiction.map(|it| it.to_string()))?;
-            Some(format!("cylinder {}: {told}", cylinder.number))
-        })
-        .collect();
-    if refused.is_empty() { Ok(()) } else { Err(Failure::Failed(refused.join("\ntertius: "))) }
 }

@@ -42,6 +42,12 @@ impl Failure {
         Self::Failed(format!("{what} cannot be written: {error}"))
     }
 
+    /// Cylinders that were refused, each with its reason on a line of its own.
+    pub fn refused(cylinders: &[(u8, String)]) -> Self {
+        let told = cylinders.iter().map(|(number, why)| format!("cylinder {number}: {why}"));
+        Self::Failed(told.collect::<Vec<_>>().join("\ntertius: "))
+    }
+
     /// A file for output that cannot be made.
     pub fn creating(path: &Path, error: &io::Error) -> Self {
         Self::Wrong(format!("{} cannot be created: {error}", path.display()))

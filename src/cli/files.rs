@@ -33,6 +33,8 @@ pub enum Mark<'a> {
     Text(&'a str),
     /// Nothing shows it: a recording.
     None,
+    /// Nothing shows it, as a person writes it, too: a configuration.
+    Whole,
     /// The command reads it, and knows itself what it may write over.
     Judged,
 }
@@ -68,7 +70,7 @@ impl Mark<'_> {
                     })
             }
             Self::Text(text) => bytes == text.as_bytes(),
-            Self::None | Self::Judged => false,
+            Self::None | Self::Whole | Self::Judged => false,
         })
     }
 }
@@ -100,6 +102,12 @@ impl Identity {
 /// Whether both are one file, under whatever names.
 pub fn is_same(one: &Path, other: &Path) -> bool {
     Identity::of(one).is_some_and(|identity| Identity::of(other) == Some(identity))
+}
+
+/// Whether both are one folder, under whatever names.
+pub fn is_same_folder(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| fs::canonicalize(path).ok();
+    real(one).is_some_and(|folder| real(other) == Some(folder))
 }
 
 /// What a command reads, known before anything is opened for writing.
@@ -317,6 +325,7 @@ fn exists(name: &str, mark: Mark) -> Failure {
     let why = match mark {
         Mark::None => "it exists, and a recording does not show who wrote it",
         Mark::Text(_) => "it exists and holds something else",
+        Mark::Whole => "it exists, and nothing shows that this command wrote it",
         _ => "it exists, and this command did not write it",
     };
     Failure::Wrong(format!("{name}: {why}; name another file, or write over it with --force"))
@@ -368,6 +377,7 @@ fn leads_to(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links lead on from it"))
 }
 
-fn folder(path: &Path) -> &Path {
+/// The folder that `path` is in.
+pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -2,19 +2,13 @@
 
 use super::Failure;
 use super::files::{Claimed, Overwriting};
-use super::survey::{Field, Surveyed};
+use super::survey::Field;
 use super::tables::{self, InPlace};
-use crate::config::Settings;
-use crate::identify::assess::{self, Weights};
-use crate::identify::flow::{FlowFit, FlowSources, Scout};
-use crate::identify::friction::Stretches;
-use crate::identify::nonlinear::Nonlinear;
-use crate::identify::outcome::{ASKED, Stray};
+use crate::identify::course::{Course, Wishes};
 use crate::identify::shaper::WIDEST;
-use crate::identify::{Census, Expectations, OffsetRule, Outcome, Shaping};
+use crate::identify::{OffsetRule, Outcome};
 use crate::monitor::MonitorDesign;
 use crate::report::{identification, model_tables, page};
-use crate::survey::Window;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::PathBuf;
@@ -72,14 +66,6 @@ enum Offset {
     Never,
 }
 
-/// Keys of a cylinder that belong to its model.
-const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
-
-const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
-                         the sum of all speeds, so what a dead band or a changing offset of the \
-                         command leaves over adds up; the monitor uses the prediction, which is \
-                         led by the readings";
-
 fn window(text: &str) -> Result<usize, String> {
     let expected = || format!("expected an odd number from 1 to {WIDEST}");
     let number: usize = text.parse().map_err(|_| expected())?;
@@ -117,7 +103,8 @@ impl Identify {
             &surveyed,
             &self.place,
         )?;
-        let outcome = self.outcome(&surveyed)?;
+        let (settings, origin) = (&surveyed.machine.loaded.settings, &surveyed.origin());
+        let outcome = Course { settings, origin, wishes: self.wishes() }.run(&surveyed)?;
         let text = identification::page(&outcome);
         std::io::stdout()
             .write_all(text.as_bytes())
@@ -130,81 +117,18 @@ impl Identify {
         self.conclude(&outcome)
     }
 
-    /// Reads the recording three times: what is in it, the fit, the validation.
-    fn outcome(&self, surveyed: &Surveyed) -> Result<Outcome, Failure> {
-        let settings = &surveyed.machine.loaded.settings;
-        let [fitted, validated] = match self.held_back {
-            0 => [surveyed.window; 2],
-            part => surveyed.window.split(1.0 - f64::from(part) / 100.0),
-        };
-        let shaping = Shaping {
-            sample_time: settings.machine.sample_time,
+    const fn wishes(&self) -> Wishes {
+        Wishes {
             window: self.window,
-            area_ratio: settings.machine.area_ratio,
-        };
-        let observer = &settings.observer;
-        let settle = (observer.settle / settings.machine.sample_time).round() as u32;
-        let weights = Weights { q: observer.q, r: observer.r, settle };
-        let census = survey(surveyed, settings, fitted)?;
-        let (mut estimators, judged) = assess::estimators(&census.0, shaping);
-        surveyed.read(fitted, &mut estimators)?;
-        let rule = self.offset.into();
-        let mut cylinders =
-            assess::cylinders(&census.0, judged, &estimators, rule, shaping, &weights);
-        let mut validators = assess::validators(&census.0, &cylinders, shaping, &weights);
-        surveyed.read(validated, &mut validators)?;
-        for (cylinder, validator) in cylinders.iter_mut().zip(validators.0) {
-            cylinder.trials = validator.map(|validator| validator.finish());
+            held_back: self.held_back,
+            model_of: self.model_of,
+            offset: self.offset.rule(),
+            nonlinear: if self.nonlinear { Some(self.supply) } else { None },
         }
-        let mut remarks = surveyed.remarks();
-        remarks.extend(census.1);
-        let mut outcome = Outcome {
-            machine: settings.machine.name.clone(),
-            inputs: surveyed.inputs(),
-            first: surveyed.first,
-            last: surveyed.last,
-            shaping,
-            fitted,
-            validated,
-            cylinders,
-            choice: None,
-            remarks,
-            nonlinear: self.nonlinear.then(|| self.nonlinear(surveyed, fitted)).transpose()?,
-        };
-        outcome.choice = outcome.choose(self.model_of);
-        if let Some(choice) = outcome.choice
-            && outcome.cylinders.iter().any(|cylinder| cylinder.runs_away(choice.of))
-        {
-            outcome.remarks.push(RUNS_AWAY.to_owned());
-        }
-        if let Some(choice) = outcome.choice.filter(|choice| choice.worst < ASKED) {
-            outcome.remarks.push(format!(
-                "a position VAF of {:.2} % is below the {ASKED} % that a model should reach, \
-                 simulated open loop: expect larger residuals, and let `tertius tune` choose the \
-                 thresholds",
-                choice.worst
-            ));
-        }
-        Ok(outcome)
-    }
-
-    /// Reads the recording twice more: how far the spools go, then what they do.
-    fn nonlinear(&self, surveyed: &Surveyed, fitted: Window) -> Result<Nonlinear, Failure> {
-        let loaded = &surveyed.machine.loaded.settings;
-        let (signals, machine) = (&loaded.signals.cylinder, &loaded.machine);
-        let (spool, area_ratio) = (signals.spool.is_some(), machine.area_ratio);
-        let sources = FlowSources { spool, supply: self.supply, area_ratio };
-        let mut scout = Scout::new(machine.cylinders, sources);
-        surveyed.read(fitted, &mut scout)?;
-        let mut fit = FlowFit::new(&scout);
-        let mut stretches = Stretches::new(machine.cylinders, area_ratio);
-        surveyed.read(fitted, (&mut fit, &mut stretches))?;
-        let (flow, points, friction) = (fit.curves(), fit.samples(), stretches.curves());
-        Ok(Nonlinear { sources, flow, points, friction })
     }
 
     fn write(&self, outcome: &Outcome, output: Option<Claimed>) -> Result<(), Failure> {
-        if self.stray(outcome).is_some() {
+        if outcome.follows(self.per_cylinder).is_err() {
             return Ok(());
         }
         let version = env!("CARGO_PKG_VERSION");
@@ -212,90 +136,30 @@ impl Identify {
             return Ok(());
         };
         output.map_or(Ok(()), |output| output.write(&tables))?;
-        self.place.put(&tables, &OF_A_MODEL, MonitorDesign::unjudging)
-    }
-
-    /// Why the taken models, or each cylinder's own, are not written.
-    fn stray(&self, outcome: &Outcome) -> Option<String> {
-        let taken = outcome.choice?.of;
-        let of = |n: u8| if self.per_cylinder { n } else { taken };
-        let cylinders = outcome.cylinders.iter().map(|cylinder| cylinder.number);
-        let strays: Vec<String> = cylinders
-            .flat_map(|on| outcome.strays(of(on)).into_iter().filter(move |it| it.on == on))
-            .map(|Stray { on, position, velocity }| {
-                format!("cylinder {on}: position {position:.2} %, velocity {velocity:.2} %")
-            })
-            .collect();
-        (!strays.is_empty()).then(|| {
-            format!(
-                "the model does not follow its command, and nothing is written: VAF on the data \
-                 that was tried, {}; below 0 % a velocity is better told by its mean, below -100 % \
-                 a position by chance. Is the command that of this cylinder and in m/s, was the \
-                 machine healthy, is the part that was fitted like the one that was tried (--from, \
-                 --to)?",
-                strays.join("; ")
-            )
-        })
+        self.place.put(&tables, &model_tables::OF_A_MODEL, MonitorDesign::unjudging)
     }
 
     /// A cylinder without a model is a failure, though the others have theirs.
     fn conclude(&self, outcome: &Outcome) -> Result<(), Failure> {
-        if let Some(stray) = self.stray(outcome) {
-            return Err(Failure::Failed(stray));
-        }
-        let refused: Vec<String> = outcome
-            .cylinders
-            .iter()
-            .filter_map(|cylinder| {
-                let refusal = cylinder.result.as_ref().err()?;
-                Some(format!("cylinder {}: {refusal}", cylinder.number))
-            })
-            .collect();
+        outcome.follows(self.per_cylinder).map_err(Failure::Failed)?;
+        let refused = outcome.refusals();
         match (refused.is_empty(), outcome.choice, self.model_of) {
             (true, Some(_), _) => Ok(()),
             (true, None, Some(n)) => {
                 Err(Failure::Failed(format!("the model of cylinder {n} could not be tried")))
             }
             (true, None, None) => Err(Failure::Failed("there is no model".to_owned())),
-            (false, ..) => Err(Failure::Failed(refused.join("\ntertius: "))),
+            (false, ..) => Err(Failure::refused(&refused)),
         }
     }
 }
 
-/// The census of `window`, and what is to be said of values that could not be used.
-fn survey(
-    surveyed: &Surveyed,
-    settings: &Settings,
-    window: Window,
-) -> Result<(Census, Option<String>), Failure> {
-    let signals = &settings.signals.cylinder;
-    let chambers = signals.pressure_bottom.is_some() && signals.pressure_rod.is_some();
-    let calibration = |n| {
-        let calibration = settings.comparator_of(n);
-        (calibration != (1.0, 0.0)).then_some(calibration)
-    };
-    let expected = Expectations {
-        sample_time: settings.machine.sample_time,
-        area_ratio: settings.machine.area_ratio,
-        velocity: signals.c1_velocity.is_some(),
-        pressure: chambers || signals.load_pressure.is_some(),
-        calibrations: (1..=settings.machine.cylinders).map(calibration).collect(),
-    };
-    let mut census = Census::new(settings.machine.cylinders.into(), expected);
-    let counts = surveyed.read(window, &mut census)?;
-    let bad = (counts.bad_signals > 0).then(|| {
-        let bad = counts.bad_signals;
-        format!("{bad} values that their frame was too short for, or not a number (NaN)")
-    });
-    Ok((census, bad))
-}
-
-impl From<Offset> for OffsetRule {
-    fn from(offset: Offset) -> Self {
-        match offset {
-            Offset::Auto => Self::WhereItMatters,
-            Offset::Always => Self::Always,
-            Offset::Never => Self::Never,
+impl Offset {
+    const fn rule(self) -> OffsetRule {
+        match self {
+            Self::Auto => OffsetRule::WhereItMatters,
+            Self::Always => OffsetRule::Always,
+            Self::Never => OffsetRule::Never,
         }
     }
 }

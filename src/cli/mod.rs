@@ -12,6 +12,7 @@ macro_rules! tell {
 mod broadcast;
 mod calibrate;
 mod check;
+mod commission;
 mod demo;
 mod doctor;
 mod evaluate;
@@ -57,6 +58,7 @@ enum Command {
     Check(check::Check),
     Doctor(doctor::Doctor),
     Inject(inject::Inject),
+    Commission(commission::Commission),
     Identify(identify::Identify),
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
@@ -77,6 +79,7 @@ impl Arguments {
             Command::Check(check) => check.run(),
             Command::Doctor(doctor) => doctor.run(),
             Command::Inject(inject) => inject.run(),
+            Command::Commission(commission) => commission.run(),
             Command::Identify(identify) => identify.run(),
             Command::Simulate(simulate) => simulate.run(),
             Command::Evaluate(evaluate) => evaluate.run(),

@@ -7,9 +7,9 @@ use super::progress::Bar;
 use super::replay::Stamps;
 use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
-use crate::monitor::{Counts, Monitor, MonitorDesign};
+use crate::monitor::{Counts, MonitorDesign};
 use crate::report::judgement::Recorded;
-use crate::survey::{Survey, Surveyor, Window};
+use crate::survey::{self, Frames, Origin, Rows, Surveyor, Window};
 use crate::time::Timestamp;
 use clap::Args;
 use std::path::PathBuf;
@@ -66,12 +66,6 @@ pub struct Surveyed {
     logs: Vec<PathBuf>,
     options: Options,
 }
-
-/// Before a window the monitor gets to know the platform's state, counters and calm, s.
-const LEAD: f64 = 10.0;
-
-/// After it the last cycle closes, s.
-const TRAIL: f64 = 1.0;
 
 /// Frames between two looks at progress.
 const STRIDE: u64 = 1 << 16;
@@ -205,39 +199,25 @@ impl Field {
 }
 
 impl Surveyed {
-    /// Reads what is within `window` once and shows it to `surveyor`; how much the monitor counted.
-    ///
-    /// # Errors
-    /// The recording cannot be opened any more.
-    pub fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Failure> {
-        let mut recording = Recording::open(&self.logs, self.options.clone())?;
-        let mut monitor = Monitor::new(self.design.clone());
-        let mut survey = Survey::new(self.first, window, surveyor);
-        let bar = Bar::new(recording.progress());
-        let mut frames = 0_u64;
-        let fed = Window { from: window.from - LEAD, to: window.to + TRAIL };
-        while let Some(frame) = recording.next_frame()? {
-            if fed.holds(frame.timestamp.since(self.first).as_seconds()) {
-                monitor.take(frame, &mut survey);
-            }
-            frames += 1;
-            if frames.is_multiple_of(STRIDE) {
-                bar.show(recording.progress());
-            }
+    /// Where the rows come from, for what is learnt from them.
+    pub fn origin(&self) -> Origin {
+        Origin {
+            inputs: self.inputs(),
+            first: self.first,
+            last: self.last,
+            window: self.window,
+            remarks: self.remarks(),
         }
-        monitor.finish(&mut survey);
-        bar.finish();
-        Ok(*monitor.counts())
     }
 
     /// The recordings' names, for people.
-    pub fn inputs(&self) -> String {
+    fn inputs(&self) -> String {
         let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
         logs.join(", ")
     }
 
     /// What could not be read, for people; empty where all could.
-    pub fn remarks(&self) -> Vec<String> {
+    fn remarks(&self) -> Vec<String> {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
@@ -261,11 +241,37 @@ impl Surveyed {
     }
 }
 
-impl crate::calibrate::Recording for Surveyed {
+impl Frames for Surveyed {
+    type Error = Failure;
+
+    fn frames(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
+        let mut recording = Recording::open(&self.logs, self.options.clone())?;
+        let bar = Bar::new(recording.progress());
+        let mut frames = 0_u64;
+        while let Some(frame) = recording.next_frame()? {
+            if window.holds(frame.timestamp.since(self.first).as_seconds()) {
+                take(frame);
+            }
+            frames += 1;
+            if frames.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        bar.finish();
+        Ok(())
+    }
+}
+
+impl survey::Recording for Surveyed {
     type Error = Failure;
 
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Failure> {
-        Self::read(self, window, surveyor).map(drop)
+        self.read_counted(window, surveyor).map(drop)
+    }
+
+    fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Failure> {
+        let Self { design, first, .. } = self;
+        Rows { frames: self, design, first: *first }.read_counted(window, surveyor)
     }
 }
 

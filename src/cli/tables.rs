@@ -68,26 +68,52 @@ impl InPlace {
         let after = edit::put(before, tables, anew).map_err(|error| {
             Failure::Failed(format!("{name} cannot be edited; nothing was changed: {error}"))
         })?;
-        if let Err(refusal) = Machine::of_text(path, &after, design) {
-            return Err(Failure::Failed(format!(
-                "with these tables {name} would be refused; nothing was changed.\n{refusal}"
-            )));
-        }
+        approve(path, &after, design)?;
         if self.dry_run {
-            let difference = TextDiff::from_lines(before, &after);
-            let shown =
-                difference.unified_diff().header(&name.to_string(), "with the tables").to_string();
-            return std::io::stdout()
-                .write_all(shown.as_bytes())
-                .map_err(|error| Failure::writing("standard output", &error));
+            return show(path, before, &after);
         }
-        let kept = keep(path, before)?;
-        let [written] =
-            Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;
-        written.map_or(Ok(()), |written| written.write(&after))?;
-        tell!("{name} has the tables; as it was it is {}", kept.display());
-        Ok(())
+        replace(path, before, &after)
     }
+}
+
+/// Whether the configuration `after` would be taken in the place of `path`.
+///
+/// # Errors
+/// It would be refused, and why.
+pub fn approve(path: &Path, after: &str, design: Designer) -> Result<(), Failure> {
+    let refused = |refusal: Failure| {
+        let name = path.display();
+        Failure::Failed(format!(
+            "with these tables {name} would be refused; nothing was changed.\n{refusal}"
+        ))
+    };
+    Machine::of_text(path, after, design).map(drop).map_err(refused)
+}
+
+/// Shows on standard output what `after` has of other lines than the text `before` of `path`.
+///
+/// # Errors
+/// It cannot be written.
+pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
+    let difference = TextDiff::from_lines(before, after);
+    let name = path.display().to_string();
+    let shown = difference.unified_diff().header(&name, "with the tables").to_string();
+    std::io::stdout()
+        .write_all(shown.as_bytes())
+        .map_err(|error| Failure::writing("standard output", &error))
+}
+
+/// Writes `after` in the place of the text `before` of the file `path`, which is kept beside it.
+///
+/// # Errors
+/// It cannot be written, or holds something else by now; then nothing has changed.
+pub fn replace(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
+    let [written] =
+        Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;
+    let kept = keep(path, before)?;
+    written.map_or(Ok(()), |written| written.write(after))?;
+    tell!("{} has the tables; as it was it is {}", path.display(), kept.display());
+    Ok(())
 }
 
 /// Keeps `text`, which is that of the file `path`, beside it under the next free name.

@@ -10,7 +10,7 @@
 //! - [`validate`]: simulation and one-step prediction on data that were not used; [`correlate`]:
 //!   whether what is left over is noise.
 //! - [`flow`], [`friction`]: the non-linear parts of section 3-3-1, on request; [`nonlinear`] holds them.
-//! - [`outcome`]: all of that as plain data, for reports.
+//! - [`outcome`]: all of that as plain data, for reports. [`mod@course`]: all of it in turn.
 //!
 //! Every stage reads the recording once, as a [`Surveyor`](crate::survey::Surveyor), and keeps
 //! nothing that grows with it.
@@ -18,6 +18,7 @@
 pub mod assess;
 pub mod census;
 pub mod correlate;
+pub mod course;
 pub mod estimate;
 pub mod flow;
 pub mod friction;

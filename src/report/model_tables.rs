@@ -4,6 +4,9 @@ use crate::identify::outcome::{Choice, Identified, Outcome};
 use crate::time::Timestamp;
 use std::fmt::Write as _;
 
+/// Keys of a cylinder that belong to its model.
+pub const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
+
 /// The tables of `outcome`, with what they were made from; `per_cylinder`: each cylinder its own
 /// model instead of the chosen one for all. `None` where there is no model.
 pub fn tables(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String> {

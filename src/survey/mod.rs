@@ -6,9 +6,11 @@
 //! [`Surveyor`], and tells where data before and after do not belong together. Nothing is kept but
 //! the last cycle of each cylinder: memory does not grow with the recording.
 
+mod recording;
 mod row;
 mod window;
 
+pub use recording::{Frames, Origin, Recording, Rows};
 pub use row::Row;
 pub use window::Window;
 

@@ -10,19 +10,22 @@
 //! that can be told from the healthy innovation at the wanted rate of false alarms, provided that what a
 //! step leaves in the residual is over before another detector could take it for an event of its own. [`mod@search`] makes it as
 //! small as it gets, on [`store`]d stretches of the recording; [`evidence`] then reads all of it,
-//! and [`sensitivity`] says what the thresholds find.
+//! and [`sensitivity`] says what the thresholds find. [`mod@course`] does all of it in turn.
 
+pub mod course;
 pub mod criterion;
 pub mod evidence;
 pub mod response;
 pub mod search;
 pub mod sensitivity;
 pub mod store;
+mod usable;
 
 pub use criterion::{Criterion, Score};
 pub use evidence::{Detector, Evidence};
 pub use search::{Search, search};
 pub use store::Store;
+pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
 use crate::observe::model::Model;
 use crate::observe::observer::Design;

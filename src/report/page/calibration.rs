@@ -18,6 +18,12 @@ const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&result.inputs);
+    add(&mut page, result, differences, configured);
+    page.finish()
+}
+
+/// All of it that is not about where it comes from.
+pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, configured: f64) {
     page.paragraph(&capitalised(&text::parts(result)));
     page.lines(&text::remarks(result));
     page.heading("a, b and the band");
@@ -35,7 +41,6 @@ pub fn page(result: &Calibration, differences: &Differences, configured: f64) ->
         page.heading("Before and after the correction (Figures 5-14 and 5-15)");
         page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
     }
-    page.finish()
 }
 
 fn figures(

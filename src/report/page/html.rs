@@ -18,6 +18,7 @@ body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 960px; background: 
 h1 { font-size: 1.5rem; margin: 0 0 .2rem; }
 h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
 h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+h4 { font-size: .95rem; margin: 1.1rem 0 .2rem; }
 p { margin: .4rem 0; max-width: 52rem; }
 .alarm { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #b00020; background: #fdecee; }
 ul.lines { list-style: none; margin: .4rem 0; padding: 0; }
@@ -63,22 +64,32 @@ pub struct Page {
     command: &'static str,
     title: String,
     body: String,
+    /// Headings are those of a part, not of the page.
+    within: bool,
 }
 
 impl Page {
     /// An empty page of `command`, which the page names as what made it.
     pub fn new(command: &'static str, title: &str) -> Self {
-        Self { command, title: title.to_owned(), body: String::new() }
+        Self { command, title: title.to_owned(), body: String::new(), within: false }
     }
 
     /// A section.
     pub fn heading(&mut self, text: &str) {
-        self.element("h2", text);
+        self.element(if self.within { "h3" } else { "h2" }, text);
     }
 
     /// A part of a section.
     pub fn subheading(&mut self, text: &str) {
-        self.element("h3", text);
+        self.element(if self.within { "h4" } else { "h3" }, text);
+    }
+
+    /// What would be a page of its own as a part of this one.
+    pub fn part(&mut self, text: &str, add: impl FnOnce(&mut Self)) {
+        self.element("h2", text);
+        let within = std::mem::replace(&mut self.within, true);
+        add(self);
+        self.within = within;
     }
 
     /// A paragraph; nothing where there is nothing to say.

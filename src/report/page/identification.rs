@@ -21,6 +21,12 @@ type Captioned = (Figure, String);
 pub fn page(outcome: &Outcome) -> String {
     let mut page = Page::new("identify", &format!("Identification: {}", outcome.machine));
     page.paragraph(&outcome.inputs);
+    add(&mut page, outcome);
+    page.finish()
+}
+
+/// All of it that is not about where it comes from.
+pub fn add(page: &mut Page, outcome: &Outcome) {
     page.lines(&capitalised(&text::parts(outcome)));
     page.lines(&text::remarks(outcome));
     page.heading("The model (4-1)");
@@ -29,19 +35,18 @@ pub fn page(outcome: &Outcome) -> String {
     page.section(&text::cross_validation(outcome));
     page.paragraph(&capitalised(&text::taken(outcome)));
     page.section(&text::own_scores(outcome));
-    tried(&mut page, outcome);
+    tried(page, outcome);
     let tests = text::residual_tests(outcome);
     if !tests.sheet.rows.is_empty() {
         page.heading("Residuals of the prediction (Figure 4-9)");
         page.section(&tests);
         page.paragraph(&capitalised(text::CLOSED_LOOP));
-        show(&mut page, &shown(outcome, correlations));
+        show(page, &shown(outcome, correlations));
     }
-    show_data(&mut page, outcome);
+    show_data(page, outcome);
     if let Some(nonlinear) = &outcome.nonlinear {
-        curves::add(&mut page, nonlinear);
+        curves::add(page, nonlinear);
     }
-    page.finish()
 }
 
 fn show(page: &mut Page, figures: &[Captioned]) {

@@ -26,6 +26,12 @@ const HOUR: f64 = 3600.0;
 pub fn page(result: &Tuning) -> String {
     let mut page = Page::new("tune", &format!("Tuning: {}", result.machine));
     page.paragraph(&result.inputs);
+    add(&mut page, result);
+    page.finish()
+}
+
+/// All of it that is not about where it comes from.
+pub fn add(page: &mut Page, result: &Tuning) {
     page.paragraph(&capitalised(&text::part(result)));
     page.lines(&result.remarks.join("\n"));
     page.heading("Thresholds");
@@ -42,11 +48,10 @@ pub fn page(result: &Tuning) -> String {
     page.figures([(&responses(result), "The residual after a step of 1 in the reading")]);
     page.heading("Healthy residuals and their tails");
     page.section(&text::tails(result));
-    show(&mut page, &pairs(result));
+    show(page, &pairs(result));
     page.heading("Weights");
     page.section(&text::search(&result.search));
     page.paragraph(&capitalised(&text::tried(&result.search)));
-    page.finish()
 }
 
 fn show(page: &mut Page, figures: &[Captioned]) {

@@ -1,0 +1,96 @@
+//! Which commissionings there are.
+
+use serde::{Deserialize, Serialize};
+
+/// Machines, half of them fine and half coarse.
+pub const MACHINES: usize = 24;
+
+/// s.
+const LENGTHS: [f64; 3] = [900.0, 3600.0, 10_800.0];
+
+/// One more commissioning with a fault in its recording for so many sound ones.
+const ONE_FAULTY_FOR: usize = 8;
+
+/// What befalls a recording and is no fault of a transducer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mishap {
+    None,
+    /// 0.5 % of the samples of every transducer are four counts off.
+    Spikes,
+    /// 0.5 % of the cycles are lost.
+    Losses,
+    /// The machine comes to rest for a minute.
+    Stop,
+}
+
+const MISHAPS: [Mishap; 4] = [Mishap::None, Mishap::Spikes, Mishap::Losses, Mishap::Stop];
+
+/// A fault of one transducer in the recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Spoilt {
+    /// 0.5 mm for 10 s.
+    Step,
+    /// Noise of 0.87 mm for 20 s.
+    Noise,
+    /// 20 mm for 1 s.
+    Jump,
+    /// 0.5 mm from the middle on.
+    Stays,
+}
+
+const SPOILT: [Spoilt; 4] = [Spoilt::Step, Spoilt::Noise, Spoilt::Jump, Spoilt::Stays];
+
+/// One commissioning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Task {
+    pub number: usize,
+    /// Of the census.
+    pub seed: u64,
+    /// From 0.
+    pub machine: usize,
+    /// Of the recording, s.
+    pub length: f64,
+    /// The same for both orders of the same files.
+    pub pair: usize,
+    pub calm_first: bool,
+    pub mishap: Mishap,
+    pub spoilt: Option<Spoilt>,
+}
+
+impl Task {
+    /// Every other machine has coarse transducers.
+    pub const fn is_coarse(&self) -> bool {
+        self.machine % 2 == 1
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub tasks: Vec<Task>,
+}
+
+impl Plan {
+    /// So many sound commissionings, both orders of the same files beside each other, and some with a
+    /// fault; no recording longer than `longest`, s.
+    pub fn new(commissionings: usize, seed: u64, longest: f64) -> Self {
+        let lengths: Vec<f64> = LENGTHS.into_iter().filter(|it| *it <= longest).collect();
+        let lengths = if lengths.is_empty() { vec![longest] } else { lengths };
+        let task = |number: usize, pair: usize, spoilt: Option<Spoilt>| {
+            let (machine, round) = (pair % MACHINES, pair / MACHINES);
+            // Every machine meets other lengths and mishaps in each round.
+            let length = lengths[(round + machine / 2) % lengths.len()];
+            let sound = MISHAPS[(round + machine / 2 / lengths.len()) % MISHAPS.len()];
+            let mishap = if spoilt.is_some() { Mishap::None } else { sound };
+            let calm_first = number.is_multiple_of(2);
+            Task { number, seed, machine, length, pair, calm_first, mishap, spoilt }
+        };
+        let sound = (0..commissionings).map(|number| task(number, number / 2, None));
+        let faulty = (0..commissionings / ONE_FAULTY_FOR).map(|index| {
+            let spoilt = Some(SPOILT[index % SPOILT.len()]);
+            task(commissionings + index, commissionings + index, spoilt)
+        });
+        Self { tasks: sound.chain(faulty).collect() }
+    }
+}

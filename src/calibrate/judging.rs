@@ -1,0 +1,68 @@
+//! Whether a calibration can be used.
+
+use super::{Bound, Calibrated, Calibration, Course, LARGEST_BOUND, LEAST_BOUND};
+use crate::survey::{Origin, Recording};
+
+impl Calibration {
+    /// What `course` makes of the `recording` from `origin`.
+    ///
+    /// # Errors
+    /// The recording's own.
+    pub fn of<R: Recording>(
+        course: &Course,
+        recording: &R,
+        origin: &Origin,
+    ) -> Result<Self, R::Error> {
+        let settings = course.settings;
+        let Calibrated { cylinders, bound } = course.run(recording)?;
+        let own = cylinders.iter().any(|cylinder| cylinder.level.is_some());
+        let configured = settings.sequential.level.filter(|_| own).map(|level| {
+            format!(
+                "sequential.level of the configuration, {level} nats, goes before the level of each \
+                 cylinder; take it out"
+            )
+        });
+        Ok(Self {
+            machine: settings.machine.name.clone(),
+            inputs: origin.inputs.clone(),
+            first: origin.first,
+            fitted: course.fitted,
+            tried: course.tried,
+            cylinders,
+            bound: bound.map(|bound| Bound { level: bound.level.max(LEAST_BOUND), ..bound }),
+            remarks: origin.remarks.iter().cloned().chain(configured).collect(),
+        })
+    }
+
+    /// A bound that is no warning before the machine itself trips, at `critical` m, is none.
+    ///
+    /// # Errors
+    /// Why, in words: then nothing is written.
+    pub fn usable(&self, critical: f64) -> Result<(), String> {
+        let most = LARGEST_BOUND * critical;
+        let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
+        Err(format!(
+            "for {} false alarms a year R3 would take a bound of {:.2} mm, and with more than {:.2} mm, a \
+             tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
+             C2| beyond the line is {:.2} mm; with {:.2} mm, the thesis's, this recording speaks of about \
+             {:.0} a year (--false-alarms-per-year). Is it of a healthy machine? Look at C1 - C2 over time \
+             (`replay --residuals`)",
+            bound.per_year,
+            bound.level * 1e3,
+            most * 1e3,
+            bound.worst * 1e3,
+            LEAST_BOUND * 1e3,
+            bound.often.ceil(),
+        ))
+    }
+
+    /// The cylinders that have no calibration, or none for their sequential detector, and why.
+    pub fn refusals(&self) -> Vec<(u8, String)> {
+        let refused = self.cylinders.iter().filter_map(|cylinder| {
+            let refusal = cylinder.result.as_ref().err().map(ToString::to_string);
+            let told = refusal.or_else(|| cylinder.contradiction.map(|it| it.to_string()))?;
+            Some((cylinder.number, told))
+        });
+        refused.collect()
+    }
+}

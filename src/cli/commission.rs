@@ -1,0 +1,183 @@
+//! `tertius commission`: from a healthy recording to a configuration that can be used.
+
+use super::Failure;
+use super::files::{self, Claimed, Inputs, Mark, Overwriting};
+use super::survey::{Field, Surveyed};
+use super::tables;
+use crate::commission::{Commissioned, Fitness, Stage, Step, Task};
+use crate::config::edit;
+use crate::monitor::MonitorDesign;
+use crate::report::{commission, page};
+use crate::survey::Recording;
+use clap::Args;
+use std::fmt::Write as _;
+use std::fs;
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+/// Commissions a machine by a healthy recording: identifies, calibrates, tunes, and tries all of it on
+/// blocks that were held back. What is fit for use is put into the configuration.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  tertius commission monday.log.zst tuesday.log.zst --config \
+                  config/e-type.toml --report commissioning.html\n\nThe configuration changes in its \
+                  place: comments and order stay, and the file as it was is kept beside it. What is not \
+                  fit for use is not written; then the exit code is 1, and the reasons are told.")]
+pub struct Commission {
+    #[command(flatten)]
+    field: Field,
+    /// Shows what would change in the configuration, and changes nothing
+    #[arg(long, conflicts_with = "output")]
+    dry_run: bool,
+    /// Writes a new, complete configuration, and leaves the given one as it is
+    #[arg(long, value_name = "FILE.toml")]
+    output: Option<PathBuf>,
+    /// Writes a page with figures, in one file; the recording is read once more for it
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Takes the tables of the other cylinders where some are refused
+    #[arg(long)]
+    accept_refused: bool,
+    /// False alarms that a year of monitoring may bring: of R1 and R2, of R3, and of the sequential
+    /// detectors, all cylinders together
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
+    false_alarms_per_year: f64,
+    #[command(flatten)]
+    overwriting: Overwriting,
+}
+
+impl Commission {
+    /// Commissions.
+    ///
+    /// # Errors
+    /// What is wrong with the call or its files; a machine, or a cylinder, that is not fit for use.
+    pub fn run(self) -> Result<(), Failure> {
+        let surveyed = self.field.open()?;
+        surveyed.damage().map_err(|damage| {
+            Failure::Failed(format!(
+                "{damage}; nothing is learnt from what cannot be read as a whole"
+            ))
+        })?;
+        let [output, report] = self.claim(&surveyed)?;
+        let config = &self.field.config;
+        let before = surveyed.machine.loaded.document.text();
+        let task = Task {
+            name: &config.display().to_string(),
+            text: before,
+            database: &surveyed.machine.database,
+            origin: &surveyed.origin(),
+            per_year: self.false_alarms_per_year,
+            version: env!("CARGO_PKG_VERSION"),
+        };
+        let result = task.run(&surveyed, tell)?;
+        std::io::stdout()
+            .write_all(commission::page(&result).as_bytes())
+            .map_err(|error| Failure::writing("standard output", &error))?;
+        if let Some(report) = report {
+            report.write(&figures(&surveyed, &result)?)?;
+        }
+        self.judge(&result)?;
+        self.write(before, &result.taught.text, output)
+    }
+
+    /// Takes the files that are written; the configuration is one of them, in its place.
+    fn claim(&self, surveyed: &Surveyed) -> Result<[Option<Claimed>; 2], Failure> {
+        let config = self.field.config.as_path();
+        let logs = self.field.logs.iter().map(PathBuf::as_path);
+        let inputs = Inputs::new(logs.chain(surveyed.machine.files(config)));
+        let wanted = [
+            (self.output.as_deref(), Mark::Whole),
+            (self.report.as_deref(), Mark::Page("commission")),
+        ];
+        let claimed = inputs.claim(wanted, self.overwriting)?;
+        if self.output.is_none() && !self.dry_run {
+            // Before minutes are spent on it.
+            let before = surveyed.machine.loaded.document.text();
+            let own = [(Some(config), Mark::Text(before))];
+            Inputs::default().claim(own, Overwriting::default())?;
+        }
+        Ok(claimed)
+    }
+
+    /// Whether the result is written.
+    fn judge(&self, result: &Commissioned) -> Result<(), Failure> {
+        let verdict = &result.verdict;
+        match &verdict.fitness {
+            Fitness::Fit => Ok(()),
+            Fitness::Partly(_) if self.accept_refused => Ok(()),
+            Fitness::Partly(_) | Fitness::Unfit => {
+                let mut told = format!("{}; nothing was written", verdict.sentence);
+                for reason in &verdict.reasons {
+                    _ = write!(told, "\ntertius: {reason}");
+                }
+                Err(Failure::Failed(told))
+            }
+        }
+    }
+
+    fn write(&self, before: &str, after: &str, output: Option<Claimed>) -> Result<(), Failure> {
+        let config = self.field.config.as_path();
+        let Some(path) = self.output.as_deref() else {
+            tables::approve(config, after, MonitorDesign::new)?;
+            return match self.dry_run {
+                true => tables::show(config, before, after),
+                false => tables::replace(config, before, after),
+            };
+        };
+        let moved = moved(config, path, after)?;
+        tables::approve(path, &moved, MonitorDesign::new)?;
+        output.map_or(Ok(()), |output| output.write(&moved))
+    }
+}
+
+/// The configuration `text` of `config` as it has to be in the file `path`: other files that it names are
+/// named from there.
+fn moved(config: &Path, path: &Path, text: &str) -> Result<String, Failure> {
+    let (from, to) = (files::folder(config), files::folder(path));
+    if files::is_same_folder(from, to) {
+        return Ok(text.to_owned());
+    }
+    let table: toml::Table = text.parse().map_err(|error| {
+        Failure::Failed(format!("{} cannot be edited: {error}", config.display()))
+    })?;
+    let mut tables = String::new();
+    for (table_of, key) in [("bus", "dbc"), ("sequential", "history")] {
+        let named = table.get(table_of).and_then(|it| it.get(key)).and_then(toml::Value::as_str);
+        let Some(named) = named.filter(|named| Path::new(named).is_relative()) else { continue };
+        let folder = fs::canonicalize(from).map_err(|error| Failure::creating(path, &error))?;
+        let whole = toml::Value::String(folder.join(named).display().to_string());
+        _ = writeln!(tables, "[{table_of}]\n{key} = {whole}");
+    }
+    edit::put(text, &tables, &[])
+        .map_err(|error| Failure::Failed(format!("{} cannot be edited: {error}", config.display())))
+}
+
+/// The page of HTML.
+fn figures(surveyed: &Surveyed, result: &Commissioned) -> Result<String, Failure> {
+    let settings = &surveyed.machine.loaded.settings;
+    let sample_time = settings.machine.sample_time;
+    let calibration = result.taught.calibration.as_ref();
+    let mut differences = calibration.map(|it| page::Differences::new(it, sample_time));
+    if let Some(differences) = &mut differences {
+        surveyed.read(surveyed.window, differences)?;
+    }
+    Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound))
+}
+
+/// Tells who waits at a terminal what is done.
+fn tell(step: Step) {
+    if std::io::stderr().is_terminal() {
+        tell!("{}", words(step));
+    }
+}
+
+const fn words(step: Step) -> &'static str {
+    match step {
+        Step::Learn(Stage::Identify) => "identifying the model",
+        Step::Learn(Stage::Calibrate) => "calibrating C2",
+        Step::Learn(Stage::Tune) => "tuning weights and thresholds",
+        Step::Rehearse(Stage::Identify) => "for the trial, without what is held back: identifying",
+        Step::Rehearse(Stage::Calibrate) => "for the trial: calibrating",
+        Step::Rehearse(Stage::Tune) => "for the trial: tuning",
+        Step::Try => "trying it on what was held back, healthy and with faults",
+    }
+}

@@ -1,0 +1,134 @@
+//! What is left out of a recording.
+
+use crate::calibrate::Division;
+use crate::survey::{Recording, Row, Surveyor, Window};
+
+/// One block in so many is held back. Odd, so that both halves of a calibration, which alternate, lose
+/// the same.
+const ONE_IN: u64 = 3;
+
+/// The blocks of a recording that a trial is made on, and nothing is learnt from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blocks {
+    window: Window,
+    /// s.
+    length: f64,
+}
+
+impl Blocks {
+    /// Of what is within `window`, as long as those of a calibration.
+    pub fn of(window: Window) -> Self {
+        let length = Division::new(window, window).block().unwrap_or(window.length());
+        Self { window, length }
+    }
+
+    /// s.
+    pub const fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The row at `t`, s, is held back.
+    pub fn hold(&self, t: f64) -> bool {
+        let block = (t / self.length).max(0.0) as u64;
+        self.window.holds(t) && block % ONE_IN == ONE_IN - 1
+    }
+
+    /// From when until when each of them lasts, s.
+    pub fn spans(&self) -> Vec<[f64; 2]> {
+        let first = (self.window.from / self.length).max(0.0) as u64;
+        let blocks = (first..).map(|block| (block, block as f64 * self.length));
+        blocks
+            .take_while(|(_, from)| *from < self.window.to)
+            .filter(|(block, _)| block % ONE_IN == ONE_IN - 1)
+            .map(|(_, from)| [from.max(self.window.from), (from + self.length).min(self.window.to)])
+            .collect()
+    }
+}
+
+/// Times of each cylinder, s, from which nothing is learnt, as they do not look healthy.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cuts(pub Vec<Vec<[f64; 2]>>);
+
+impl Cuts {
+    pub fn hold(&self, cylinder: u8, t: f64) -> bool {
+        let spans = self.0.get(usize::from(cylinder).wrapping_sub(1));
+        spans.into_iter().flatten().any(|[from, to]| *from <= t && t < *to)
+    }
+}
+
+/// A recording without what is left out of it: there rows end as they do where cycles are missing.
+#[derive(Debug)]
+pub struct Without<'a, R> {
+    pub recording: R,
+    pub blocks: Option<Blocks>,
+    pub cuts: &'a Cuts,
+}
+
+impl<R: Recording> Recording for Without<'_, R> {
+    type Error = R::Error;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), R::Error> {
+        let Self { recording, blocks, cuts } = self;
+        recording.read(window, Rest { surveyor, blocks: *blocks, cuts })
+    }
+}
+
+#[derive(Debug)]
+struct Rest<'a, S> {
+    surveyor: S,
+    blocks: Option<Blocks>,
+    cuts: &'a Cuts,
+}
+
+impl<S: Surveyor> Surveyor for Rest<'_, S> {
+    fn row(&mut self, row: &Row) {
+        let held_back = self.blocks.is_some_and(|blocks| blocks.hold(row.t));
+        if held_back || self.cuts.hold(row.cylinder, row.t) {
+            self.surveyor.gap(row.cylinder);
+        } else {
+            self.surveyor.row(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.surveyor.gap(cylinder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_third_block_is_held_back_and_both_halves_lose_the_same() {
+        let window = Window { from: 0.0, to: 1200.0 };
+        let blocks = Blocks::of(window);
+        assert_eq!(blocks.length(), 60.0);
+        let spans = blocks.spans();
+        assert_eq!(spans.len(), 6);
+        assert_eq!(spans[..2], [[120.0, 180.0], [300.0, 360.0]]);
+        for [from, to] in &spans {
+            assert!(blocks.hold(*from) && blocks.hold(to - 1e-6) && !blocks.hold(*to));
+            assert!(!blocks.hold(from - 1e-6));
+        }
+        let division = Division::new(window, window);
+        let halves: Vec<_> = spans.iter().map(|[from, _]| division.taught(*from)).collect();
+        assert_eq!(halves, [0, 1, 0, 1, 0, 1].map(Some));
+    }
+
+    #[test]
+    fn a_part_of_a_recording_has_whole_blocks_and_ends() {
+        let blocks = Blocks::of(Window { from: 130.0, to: 1000.0 });
+        let spans = blocks.spans();
+        assert_eq!(spans[0], [130.0, 180.0]);
+        assert!(spans.iter().all(|[from, to]| from < to && *to <= 1000.0));
+        assert!(!blocks.hold(125.0) && blocks.hold(131.0));
+    }
+
+    #[test]
+    fn cuts_are_of_one_cylinder() {
+        let cuts = Cuts(vec![vec![], vec![[1.0, 2.0]]]);
+        assert!(cuts.hold(2, 1.0) && !cuts.hold(2, 2.0));
+        assert!(!cuts.hold(1, 1.5) && !cuts.hold(3, 1.5) && !cuts.hold(0, 1.5));
+    }
+}

@@ -1,0 +1,180 @@
+//! A commissioning as a page for people: the verdict first.
+
+use super::provenance::four_digits;
+use super::sheet::{Section, Sheet};
+use super::tuning::length;
+use crate::alarm::Detector;
+use crate::commission::trial::{DETECTORS, KindResult};
+use crate::commission::{Commissioned, Fitness, Trial, coverage};
+use crate::evaluate::{CONFIDENCE, poisson_upper};
+use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
+use std::fmt::Write as _;
+
+/// The page.
+pub fn page(result: &Commissioned) -> String {
+    let mut text = format!("{}\n", result.verdict.sentence);
+    for (head, lines) in [("why", &result.verdict.reasons), ("what to do", &result.verdict.advice)]
+    {
+        text += &listed(head, lines);
+    }
+    _ = writeln!(text, "\n{}", origin(result));
+    for section in [tables(result), trial(result), faults(result)] {
+        let section = section.text();
+        if !section.is_empty() {
+            _ = write!(text, "\n{section}");
+        }
+    }
+    text += &listed("a longer recording would win", &wins(result));
+    text += &listed("to be known", &remarks(result));
+    text
+}
+
+fn listed(head: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: String = lines.iter().map(|line| format!("  {line}\n")).collect();
+    format!("\n{head}:\n{lines}")
+}
+
+/// What it was learnt from.
+pub fn origin(result: &Commissioned) -> String {
+    let minutes = result.length / 60.0;
+    let tried = result.trial.as_ref().map_or(String::new(), |trial| {
+        let held = trial.held / 60.0;
+        format!(
+            "; the trial is of tables that were learnt without the {held:.1} min that it is made on"
+        )
+    });
+    format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
+}
+
+/// What the configuration has then.
+pub fn tables(result: &Commissioned) -> Section {
+    let mut table = Sheet::new(&["", "learnt", "of"]);
+    let taught = &result.taught;
+    let mut add = |name: &str, learnt: String, of: String| {
+        table.add_row([name.to_owned(), learnt, of]);
+    };
+    if let Some(choice) = taught.identification.as_ref().and_then(|it| it.choice) {
+        let of =
+            format!("position VAF at least {:.2} %, simulated on every cylinder", choice.worst);
+        add("model (4-1)", format!("that of cylinder {}", choice.of), of);
+    }
+    if let Some(bound) = taught.calibration.as_ref().and_then(|it| it.bound) {
+        let of = format!("largest |C1 − Ĉ2| seen {:.2} mm", bound.worst * 1e3);
+        add("bound of R3", format!("{:.2} mm", four_digits(bound.level) * 1e3), of);
+    }
+    if let Some(tuning) = &taught.tuning {
+        let worst = tuning.detectors.iter().filter_map(|it| it.tail).map(|it| it.worst);
+        let of = format!("largest |R1|, |R2| seen {}", length(worst.fold(0.0, f64::max)));
+        let (low, high) = (tuning.thresholds.low, tuning.thresholds.high);
+        add("δ_l, δ_h of R1 and R2", format!("{}, {}", length(low), length(high)), of);
+    }
+    let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let levels: Vec<f64> = cylinders.filter_map(|it| it.level).collect();
+    let seen: Vec<f64> = result.coverage.iter().map(|it| it.seen).collect();
+    if let (Some([low, high]), Some([least, most])) = (ends(&levels), ends(&seen)) {
+        let of = format!("{:.0} to {:.0} % of the strokes known", 100.0 * least, 100.0 * most);
+        add("levels, sequential", format!("{low:.1} to {high:.1} nats"), of);
+    }
+    table.about("what was learnt")
+}
+
+fn ends(values: &[f64]) -> Option<[f64; 2]> {
+    let low = values.iter().copied().reduce(f64::min)?;
+    Some([low, values.iter().copied().fold(low, f64::max)])
+}
+
+const fn name(detector: Detector) -> &'static str {
+    match detector {
+        Detector::Fde1 => "FDE1 (R1)",
+        Detector::Fde2 => "FDE2 (R2)",
+        Detector::Fde3 => "FDE3 (R3)",
+        _ => "sequential",
+    }
+}
+
+/// What was said of the machine as it is, in what was held back.
+pub fn trial(result: &Commissioned) -> Section {
+    let header = ["detector", "false alarms", "at most an hour (95 %)", "judged"];
+    let mut table = Sheet::new(&header);
+    let Some(trial) = &result.trial else { return table.about("") };
+    for detector in DETECTORS {
+        let count = trial.false_alarms.iter().filter(|it| it.detector == detector).count() as u64;
+        let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);
+        let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
+        table.add_row([name(detector).to_owned(), count.to_string(), format!("{most:.0}"), judged]);
+    }
+    table.about(format!("trial, {:.1} min held back: as it was recorded", trial.held / 60.0))
+}
+
+fn known(trial: &Trial) -> String {
+    let parts: Vec<f64> = trial.known.iter().map(|(_, part)| *part).collect();
+    ends(&parts).map_or("no cylinder".to_owned(), |[low, high]| {
+        format!("{:.0} to {:.0} % of the time", 100.0 * low, 100.0 * high)
+    })
+}
+
+/// What was said of faults.
+pub fn faults(result: &Commissioned) -> Section {
+    let header =
+        ["fault", "tried", "found", "median", "95 %", "right", "undecided", "wrong", "no place"];
+    let mut table = Sheet::new(&header);
+    for kind in result.trial.iter().flat_map(|it| &it.kinds) {
+        let KindResult { tried, unplaced, delays, right, undecided, wrong, .. } = kind;
+        let seconds =
+            |delay: Option<f64>| delay.map_or("–".to_owned(), |it| format!("{it:.2} s"));
+        let most = (0.95 * *tried as f64).ceil() as usize;
+        table.add_row([
+            kind.kind.to_string(),
+            tried.to_string(),
+            delays.len().to_string(),
+            seconds(kind.median()),
+            seconds(most.checked_sub(1).and_then(|place| delays.get(place)).copied()),
+            right.to_string(),
+            undecided.to_string(),
+            wrong.to_string(),
+            unplaced.to_string(),
+        ]);
+    }
+    table.about(
+        "and with faults put into it, each transducer of each cylinder: how soon the first detector \
+         warns, and whether the right transducer is blamed",
+    )
+}
+
+/// What a longer recording would win.
+pub fn wins(result: &Commissioned) -> Vec<String> {
+    coverage::wins(&result.taught, &result.coverage)
+}
+
+/// What each stage has to say beside its tables, once.
+pub fn remarks(result: &Commissioned) -> Vec<String> {
+    let taught = &result.taught;
+    let mut remarks: Vec<String> = Vec::new();
+    let mut add = |remark: String| {
+        if !remarks.contains(&remark) {
+            remarks.push(remark);
+        }
+    };
+    taught.identification.iter().flat_map(|it| &it.remarks).for_each(|it| add(it.clone()));
+    if let Some(calibration) = &taught.calibration {
+        let own = calibration.cylinders.iter();
+        let own = own.flat_map(|it| it.remarks.iter().map(|remark| (it.number, remark)));
+        // An old calibration is not to be had at the first time.
+        let own = own.filter(|(_, remark)| !remark.contains("without an earlier calibration"));
+        own.for_each(|(number, remark)| add(format!("cylinder {number}: {remark}")));
+        calibration.remarks.iter().for_each(|it| add(it.clone()));
+    }
+    // What was within the level says nothing here.
+    let worth = |it: &&String| !it.starts_with(OF_A_LEVEL) || it.contains(WOULD_HAVE_WARNED);
+    let tuning = taught.tuning.iter().flat_map(|it| &it.remarks).filter(worth);
+    tuning.for_each(|it| add(it.clone()));
+    remarks
+}
+
+/// Whether it can be written, and as a whole.
+pub const fn is_good(result: &Commissioned) -> bool {
+    matches!(result.verdict.fitness, Fitness::Fit)
+}
