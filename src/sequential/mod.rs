@@ -37,6 +37,7 @@ pub mod scale;
 pub mod skew;
 pub mod statistic;
 pub mod stops;
+pub mod tanh;
 pub mod trend;
 pub mod velocity;
 pub mod wild;
