@@ -34,6 +34,7 @@ pub mod reference;
 pub mod samples;
 pub mod sampling;
 pub mod scale;
+pub mod search;
 pub mod skew;
 pub mod statistic;
 pub mod stops;

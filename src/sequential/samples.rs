@@ -1,8 +1,8 @@
-//! The newest samples, as sums: of all, of those that are news, and of those of them in motion.
+//! The newest samples: of all, of those that are news, and of those of them in motion.
 
 use super::clip::Clip;
 use super::novelty::News;
-use super::windows::{Sums, VALUES};
+use super::windows::{Few, Sums, VALUES};
 
 /// Up to this width a window takes every sample that is news; wider ones only those in motion, because
 /// at rest the count hardly changes and one sample says much of what the one before has said.
@@ -10,6 +10,10 @@ pub const AT_REST: usize = 6;
 
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
+
+/// Of those that are news, as many as a window takes at rest, and of those in motion.
+const NEWS: usize = AT_REST.next_power_of_two();
+const MOVING: usize = 1024;
 
 /// Samples that tell how far the readings are apart now.
 const FEW: usize = 4;
@@ -30,19 +34,76 @@ impl Sample {
     }
 }
 
-/// The sums of the weighed residual as far as it counts, m, of its square likewise, m², and of the
-/// share by which it was weighed; then of the residual itself, m, of its square, m², and of the cycles
-/// since the sample before.
+/// What is looked at when there is an alarm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Past {
+    /// m.
+    residual: f64,
+    /// Since the sample before.
+    cycles: u32,
+}
+
+/// The newest `N` samples at most; `N` is a power of two.
+#[derive(Clone, Debug)]
+pub struct Newest<const N: usize> {
+    ring: [Past; N],
+    next: usize,
+    held: usize,
+}
+
+impl<const N: usize> Default for Newest<N> {
+    fn default() -> Self {
+        const { assert!(N.is_power_of_two()) };
+        Self { ring: [Past::default(); N], next: 0, held: 0 }
+    }
+}
+
+impl<const N: usize> Newest<N> {
+    /// Samples that are held.
+    pub const fn held(&self) -> usize {
+        self.held
+    }
+
+    #[inline]
+    fn push(&mut self, past: Past) {
+        self.ring[self.next % N] = past;
+        self.next = (self.next + 1) % N;
+        self.held = (self.held + 1).min(N);
+    }
+
+    const fn clear(&mut self) {
+        self.held = 0;
+    }
+
+    fn newest(&self) -> impl Iterator<Item = &Past> {
+        (1..=self.held).map(|ago| &self.ring[self.next.wrapping_sub(ago) % N])
+    }
+
+    /// The residuals, the newest first, m.
+    pub fn residuals(&self) -> impl Iterator<Item = f64> {
+        self.newest().map(|past| past.residual)
+    }
+
+    /// The cycles that the newest `count` go back.
+    pub fn cycles(&self, count: usize) -> usize {
+        self.newest().take(count).map(|past| past.cycles as usize).sum()
+    }
+}
+
+/// The newest samples, one by one; and as sums: of the weighed residual as far as it counts, m, of its
+/// square likewise, m², and of the share by which it was weighed.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    /// Over all samples.
-    pub all: Sums<{ NEWEST + 1 }>,
-    /// Over those that do not repeat others.
-    news: Sums<{ AT_REST + 1 }>,
-    /// Over those of them that are in motion.
-    pub moving: Sums<1025>,
-    /// Cycles since the newest of each of the two.
-    since: [u32; 2],
+    pub all: Newest<NEWEST>,
+    /// Those that do not repeat others, …
+    news: Newest<NEWS>,
+    few: Few<AT_REST, { 2 * AT_REST }>,
+    /// … and those of them that are in motion.
+    pub moving: Box<Newest<MOVING>>,
+    many: Sums<MOVING>,
+    /// Of this sample, and of the newest of each of the two.
+    cycle: u64,
+    newest: [u64; 2],
 }
 
 impl History {
@@ -50,42 +111,74 @@ impl History {
     #[inline]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
         let Sample { residual, share } = sample;
+        self.all.push(Past { residual, cycles: 1 });
+        self.cycle += 1;
+        if news == News::Repeated {
+            return;
+        }
         let weighed = residual * share;
         let clipped = weighed.clamp(-clip.farthest, clip.farthest);
         let square = (weighed * weighed).min(clip.square);
-        let values = |cycles| [clipped, square, share, residual, residual * residual, cycles];
-        self.all.push(values(1.0));
-        self.since = self.since.map(|cycles| cycles.saturating_add(1));
-        let [said, moved] = &mut self.since;
-        let cycles = |since: &mut u32| f64::from(std::mem::take(since));
-        if news != News::Repeated {
-            self.news.push(values(cycles(said)));
-        }
+        let values = [clipped, square, share];
+        let cycle = self.cycle;
+        let past = |newest: &mut u64| Past {
+            residual,
+            cycles: (cycle - std::mem::replace(newest, cycle)) as u32,
+        };
+        let [said, moved] = &mut self.newest;
+        self.news.push(past(said));
+        self.few.push(values);
         if news == News::InMotion {
-            self.moving.push(values(cycles(moved)));
+            self.moving.push(past(moved));
+            self.many.push(values);
         }
     }
 
     pub fn clear(&mut self) {
         self.all.clear();
-        self.news.clear();
         self.moving.clear();
-        self.since = [0; 2];
+        self.news.clear();
+        self.few.clear();
+        self.many.clear();
+        self.newest = [self.cycle; 2];
     }
 
     /// How far the newest few residuals are from none, news or not, m; `None` if there are not so many.
     pub fn apart(&self) -> Option<f64> {
-        self.all.over(FEW).map(|[.., squares, _]| squares.max(0.0).sqrt())
+        let squares = self.all.residuals().take(FEW).map(|residual| residual * residual);
+        (self.all.held() >= FEW).then(|| squares.sum::<f64>().sqrt())
     }
 
     /// The cycles that the newest `width` samples that count go back.
     pub fn cycles(&self, width: usize) -> usize {
-        self.over(width).map_or(width, |[.., cycles]| cycles as usize)
+        let of_few = width <= AT_REST;
+        let held = if of_few { self.news.held() } else { self.moving.held() };
+        match (width <= held, of_few) {
+            (true, true) => self.news.cycles(width),
+            (true, false) => self.moving.cycles(width),
+            (false, _) => width,
+        }
+    }
+
+    /// The sums over the newest `width` samples that count, for widths up to [`AT_REST`]: over the newest
+    /// sample, over the newest two, and so on; and how many of these there are.
+    #[inline]
+    pub fn few(&self) -> ([[f64; VALUES]; AT_REST], usize) {
+        (self.few.sums(), self.few.held())
+    }
+
+    /// The same for wider windows.
+    #[inline]
+    pub const fn many(&self) -> &Sums<MOVING> {
+        &self.many
     }
 
     /// The sums over the newest `width` samples that count; `None` if there are not so many.
-    #[inline]
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        if width <= AT_REST { self.news.over(width) } else { self.moving.over(width) }
+        if width > AT_REST {
+            return self.many.over(width);
+        }
+        let (sums, held) = self.few();
+        (width <= held).then(|| sums[width - 1])
     }
 }
