@@ -213,6 +213,7 @@ impl Sequential {
 
     /// Takes one cycle. Where the alarm that stands has become another one, or has ended, it shows
     /// in [`Self::alarm`].
+    #[inline(always)]
     pub fn step(&mut self, input: &Input) {
         if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
             self.dwells.add(dwell);
@@ -332,6 +333,7 @@ impl Sequential {
     }
 
     /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
+    #[inline(always)]
     fn follow(&mut self, input: &Input, difference: Option<(f64, f64)>) {
         let Some(pair) = &mut self.pair else { return };
         let lengths = input.lengths[0]

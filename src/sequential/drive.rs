@@ -13,7 +13,10 @@ const BENT: usize = 6;
 /// The command of so many cycles ago has the valve open now.
 const DELAY: usize = 3;
 
-const HELD: usize = 17;
+const NEEDED: usize = 17;
+
+/// As many as there are places in a ring, a power of two.
+const HELD: usize = 32;
 
 /// Speeds at which a valve's overlap and friction bend, m/s; the second is five times the first.
 const BENDS: [f64; 2] = [0.01, 0.05];
@@ -21,39 +24,40 @@ const BENDS: [f64; 2] = [0.01, 0.05];
 /// The newest commands, m/s.
 #[derive(Clone, Debug)]
 pub struct Commands {
-    /// A ring, twice: from `next` on it has the newest in a row, the oldest first.
+    /// A ring, twice: somewhere it has the newest in a row.
     rings: [f64; 2 * HELD],
-    next: usize,
-    held: usize,
+    /// Commands that came.
+    count: usize,
 }
 
 impl Default for Commands {
     fn default() -> Self {
-        Self { rings: [0.0; 2 * HELD], next: 0, held: 0 }
+        Self { rings: [0.0; 2 * HELD], count: 0 }
     }
 }
 
 impl Commands {
     /// Takes the command of a cycle.
+    #[inline]
     pub fn push(&mut self, command: f64) {
-        self.rings[self.next] = command;
-        self.rings[self.next + HELD] = command;
-        self.next = if self.next + 1 == HELD { 0 } else { self.next + 1 };
-        self.held = (self.held + 1).min(HELD);
+        let place = self.count % HELD;
+        self.rings[place] = command;
+        self.rings[place + HELD] = command;
+        self.count += 1;
     }
 
-    pub fn clear(&mut self) {
-        self.held = 0;
+    pub const fn clear(&mut self) {
+        self.count = 0;
     }
 
     /// The regressors of the velocity until the next cycle; `None` before enough commands came.
     #[inline]
     pub fn features(&self) -> Option<[f64; FEATURES]> {
-        if self.held < HELD {
+        if self.count < NEEDED {
             return None;
         }
-        let newest: &[f64; HELD] = self.rings.get(self.next..self.next + HELD)?.first_chunk()?;
-        let ago = |cycles: usize| newest[HELD - 1 - cycles];
+        let newest = (self.count - 1) % HELD + HELD;
+        let ago = |cycles: usize| self.rings[newest - cycles];
         let lagged = LAGS.map(ago);
         let bent = bent(ago(DELAY));
         Some(std::array::from_fn(|i| if i < LAGS.len() { lagged[i] } else { bent[i - LAGS.len()] }))
@@ -73,7 +77,7 @@ pub struct Drive(pub [f64; FEATURES]);
 
 impl Drive {
     /// The velocity until the next cycle, m/s; `None` before enough commands came.
-    #[inline]
+    #[inline(always)]
     pub fn velocity(&self, commands: &Commands) -> Option<f64> {
         let features = commands.features()?;
         Some(self.0.iter().zip(&features).map(|(coefficient, feature)| coefficient * feature).sum())
@@ -88,7 +92,7 @@ mod tests {
     fn the_features_are_those_of_the_newest_commands() {
         let mut commands = Commands::default();
         for k in 0..40 {
-            assert_eq!(commands.features().is_some(), k >= HELD, "{k}");
+            assert_eq!(commands.features().is_some(), k >= NEEDED, "{k}");
             commands.push(f64::from(k as u32));
         }
         let features = commands.features().expect("enough came");
@@ -102,7 +106,7 @@ mod tests {
     fn a_valve_bends_at_both_speeds() {
         for u in [-0.3, -0.02, 0.0, 0.004, 0.05] {
             let mut commands = Commands::default();
-            (0..HELD).for_each(|_| commands.push(u));
+            (0..NEEDED).for_each(|_| commands.push(u));
             let features = commands.features().expect("enough came");
             let bent = BENDS.map(|bend| (u / bend).tanh());
             for (found, expected) in features[LAGS.len() + 3..].iter().zip(bent) {

@@ -38,14 +38,18 @@ pub struct Shape {
 pub fn shape(history: &History, deviation: f64) -> Shape {
     let (newest, recent) = fit(&history.all, deviation);
     let (moving, lasting) = fit(&history.moving, deviation);
-    if lasting > recent { moving } else { newest }
+    if lasting > recent {
+        Shape { onset: history.cycles_of_moving(moving.onset), ..moving }
+    } else {
+        newest
+    }
 }
 
-/// The shape, and the squares that it explains, m².
+/// The shape, its onset in samples, and the squares that it explains, m².
 fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
     let mut best = [(0.0, 0.0, 0); 2];
     let (mut sum, mut aged) = (0.0, 0.0);
-    for (count, value) in (1..).zip(samples.residuals()) {
+    for (count, value) in (1..).zip(samples.iter()) {
         let n = count as f64;
         sum += value;
         aged += value * (n - 1.0);
@@ -66,7 +70,6 @@ fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
     let (fault, (_, size, onset)) =
         if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
     let seen = onset < samples.held();
-    let onset = samples.cycles(onset);
     (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
 }
 
@@ -84,7 +87,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
     if span > history.all.held() {
         return None;
     }
-    let newest = || history.all.residuals().take(span);
+    let newest = || history.all.iter().take(span);
     let (sum, squares) =
         newest().fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
     let count = span as f64;

@@ -122,6 +122,7 @@ impl Pair {
     }
 
     /// One cycle: `lengths` of C1 and of C2 as C1 would have it, m, and u(k), m/s.
+    #[inline]
     pub fn step(&mut self, lengths: Option<[f64; 2]>, command: Option<f64>) {
         match command {
             Some(command) => self.commands.push(command),

@@ -11,9 +11,8 @@ pub const AT_REST: usize = 6;
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
 
-/// Of those that are news, as many as a window takes at rest, and of those in motion.
-const NEWS: usize = AT_REST.next_power_of_two();
-const MOVING: usize = 1024;
+/// Of those in motion.
+pub const MOVING: usize = 1024;
 
 /// Samples that tell how far the readings are apart now.
 const FEW: usize = 4;
@@ -34,140 +33,116 @@ impl Sample {
     }
 }
 
-/// What is looked at when there is an alarm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Past {
-    /// m.
-    residual: f64,
-    /// Since the sample before.
-    cycles: u32,
-}
-
-/// The newest `N` samples at most; `N` is a power of two.
+/// The newest `N` residuals at most, m; `N` is a power of two.
 #[derive(Clone, Debug)]
 pub struct Newest<const N: usize> {
-    ring: [Past; N],
-    next: usize,
-    held: usize,
+    ring: Box<[f64; N]>,
+    /// Residuals that came.
+    count: usize,
 }
 
 impl<const N: usize> Default for Newest<N> {
     fn default() -> Self {
         const { assert!(N.is_power_of_two()) };
-        Self { ring: [Past::default(); N], next: 0, held: 0 }
+        Self { ring: Box::new([0.0; N]), count: 0 }
     }
 }
 
 impl<const N: usize> Newest<N> {
-    /// Samples that are held.
-    pub const fn held(&self) -> usize {
-        self.held
+    /// Residuals that are held.
+    #[inline]
+    pub fn held(&self) -> usize {
+        self.count.min(N)
     }
 
     #[inline]
-    fn push(&mut self, past: Past) {
-        self.ring[self.next % N] = past;
-        self.next = (self.next + 1) % N;
-        self.held = (self.held + 1).min(N);
+    fn push(&mut self, residual: f64) {
+        self.ring[self.count % N] = residual;
+        self.count += 1;
     }
 
     const fn clear(&mut self) {
-        self.held = 0;
+        self.count = 0;
     }
 
-    fn newest(&self) -> impl Iterator<Item = &Past> {
-        (1..=self.held).map(|ago| &self.ring[self.next.wrapping_sub(ago) % N])
-    }
-
-    /// The residuals, the newest first, m.
-    pub fn residuals(&self) -> impl Iterator<Item = f64> {
-        self.newest().map(|past| past.residual)
-    }
-
-    /// The cycles that the newest `count` go back.
-    pub fn cycles(&self, count: usize) -> usize {
-        self.newest().take(count).map(|past| past.cycles as usize).sum()
+    /// The newest first, m.
+    pub fn iter(&self) -> impl Iterator<Item = f64> {
+        (1..=self.held()).map(|ago| self.ring[self.count.wrapping_sub(ago) % N])
     }
 }
 
 /// The newest samples, one by one; and as sums: of the weighed residual as far as it counts, m, of its
-/// square likewise, m², and of the share by which it was weighed.
+/// square likewise, m², of the share by which it was weighed, and of the cycles since the sample before.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     pub all: Newest<NEWEST>,
     /// Those that do not repeat others, …
-    news: Newest<NEWS>,
-    few: Few<AT_REST, { 2 * AT_REST }>,
+    few: Few,
     /// … and those of them that are in motion.
-    pub moving: Box<Newest<MOVING>>,
+    pub moving: Newest<MOVING>,
     many: Sums<MOVING>,
     /// Of this sample, and of the newest of each of the two.
     cycle: u64,
-    newest: [u64; 2],
+    said: u64,
+    moved: u64,
 }
 
 impl History {
     /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
         let Sample { residual, share } = sample;
-        self.all.push(Past { residual, cycles: 1 });
+        self.all.push(residual);
         self.cycle += 1;
         if news == News::Repeated {
             return;
         }
         let weighed = residual * share;
         let clipped = weighed.clamp(-clip.farthest, clip.farthest);
-        let square = (weighed * weighed).min(clip.square);
-        let values = [clipped, square, share];
-        let cycle = self.cycle;
-        let past = |newest: &mut u64| Past {
-            residual,
-            cycles: (cycle - std::mem::replace(newest, cycle)) as u32,
-        };
-        let [said, moved] = &mut self.newest;
-        self.news.push(past(said));
-        self.few.push(values);
+        let square = weighed * weighed;
+        // As `min` does, which asks in four instructions more what is to become of no number.
+        let square = if square < clip.square { square } else { clip.square };
+        let values = |cycles: u64| [clipped, square, share, cycles as i64 as f64];
+        self.few.push(values(self.cycle - self.said));
+        self.said = self.cycle;
         if news == News::InMotion {
-            self.moving.push(past(moved));
-            self.many.push(values);
+            self.many.push(values(self.cycle - self.moved));
+            self.moved = self.cycle;
+            self.moving.push(residual);
         }
     }
 
-    pub fn clear(&mut self) {
+    pub const fn clear(&mut self) {
         self.all.clear();
-        self.moving.clear();
-        self.news.clear();
         self.few.clear();
+        self.moving.clear();
         self.many.clear();
-        self.newest = [self.cycle; 2];
+        (self.said, self.moved) = (self.cycle, self.cycle);
     }
 
     /// How far the newest few residuals are from none, news or not, m; `None` if there are not so many.
     pub fn apart(&self) -> Option<f64> {
-        let squares = self.all.residuals().take(FEW).map(|residual| residual * residual);
+        let squares = self.all.iter().take(FEW).map(|residual| residual * residual);
         (self.all.held() >= FEW).then(|| squares.sum::<f64>().sqrt())
     }
 
     /// The cycles that the newest `width` samples that count go back.
     pub fn cycles(&self, width: usize) -> usize {
-        let of_few = width <= AT_REST;
-        let held = if of_few { self.news.held() } else { self.moving.held() };
-        match (width <= held, of_few) {
-            (true, true) => self.news.cycles(width),
-            (true, false) => self.moving.cycles(width),
-            (false, _) => width,
-        }
+        self.over(width).map_or(width, |[.., cycles]| cycles as usize)
     }
 
-    /// The sums over the newest `width` samples that count, for widths up to [`AT_REST`]: over the newest
-    /// sample, over the newest two, and so on; and how many of these there are.
+    /// The same of the newest `count` in motion.
+    pub fn cycles_of_moving(&self, count: usize) -> usize {
+        self.many.over(count).map_or(0, |[.., cycles]| cycles as usize)
+    }
+
+    /// Of the samples that windows up to [`AT_REST`] take.
     #[inline]
-    pub fn few(&self) -> ([[f64; VALUES]; AT_REST], usize) {
-        (self.few.sums(), self.few.held())
+    pub const fn few(&self) -> &Few {
+        &self.few
     }
 
-    /// The same for wider windows.
+    /// Of those that wider ones take.
     #[inline]
     pub const fn many(&self) -> &Sums<MOVING> {
         &self.many
@@ -175,10 +150,6 @@ impl History {
 
     /// The sums over the newest `width` samples that count; `None` if there are not so many.
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        if width > AT_REST {
-            return self.many.over(width);
-        }
-        let (sums, held) = self.few();
-        (width <= held).then(|| sums[width - 1])
+        if width <= AT_REST { self.few.over(width) } else { self.many.over(width) }
     }
 }

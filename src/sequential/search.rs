@@ -1,9 +1,8 @@
 //! The window with the most evidence, found without asking a rate function for each.
 
-use super::samples::{AT_REST, History};
+use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
-use super::windows::{VALUES, WIDTHS};
-use std::ops::Range;
+use super::windows::{Few, Sums, VALUES, WIDTHS, add};
 
 /// So many windows are of samples at rest, too, …
 const FEW: usize = 5;
@@ -49,40 +48,50 @@ impl Scales {
     /// The same of the narrow windows alone, and of the wide ones alone: no rate function is asked for a
     /// window whose bounds are not beyond what another one has.
     fn narrow(&self, history: &History, widest: usize) -> [Peak; 2] {
-        let mut largest = Largest::default();
-        let (few, held) = history.few();
-        for index in 0..FEW {
-            if WIDTHS[index] > held.min(widest) {
-                break;
-            }
-            self.weigh(index, few[WIDTHS[index] - 1], &mut largest);
-        }
-        self.weigh_all(FEW..NARROW, history, widest, &mut largest);
+        let (mut sums, mut largest) = ([0.0; VALUES], Largest::default());
+        let (few, reach) = (history.few(), history.few().held().min(widest));
+        self.few::<0>(few, reach, &mut sums, &mut largest);
+        self.few::<1>(few, reach, &mut sums, &mut largest);
+        self.few::<2>(few, reach, &mut sums, &mut largest);
+        self.few::<3>(few, reach, &mut sums, &mut largest);
+        self.few::<4>(few, reach, &mut sums, &mut largest);
+        let (many, reach) = (history.many(), history.many().held().min(widest));
+        self.many(FEW, many, reach, &mut largest);
+        self.many(FEW + 1, many, reach, &mut largest);
+        self.many(FEW + 2, many, reach, &mut largest);
         largest.peaks
     }
 
     fn wide(&self, history: &History, widest: usize) -> [Peak; 2] {
         let mut largest = Largest::default();
-        self.weigh_all(NARROW..WIDTHS.len(), history, widest, &mut largest);
+        let (many, reach) = (history.many(), history.many().held().min(widest));
+        for index in NARROW..WIDTHS.len() {
+            self.many(index, many, reach, &mut largest);
+        }
         largest.peaks
     }
 
+    /// Goes on from the `sums` of the window before. The index is known to the compiler, which then makes
+    /// no loop of it.
     #[inline(always)]
-    fn weigh_all(
+    fn few<const INDEX: usize>(
         &self,
-        which: Range<usize>,
-        history: &History,
-        widest: usize,
+        few: &Few,
+        reach: usize,
+        sums: &mut [f64; VALUES],
         largest: &mut Largest,
     ) {
-        let widest = history.many().held().min(widest);
-        for index in which {
-            if WIDTHS[index] > widest {
-                break;
-            }
-            if let Some(sums) = history.many().over(WIDTHS[index]) {
-                self.weigh(index, sums, largest);
-            }
+        let from = if INDEX == 0 { 0 } else { WIDTHS[INDEX - 1] };
+        if WIDTHS[INDEX] <= reach {
+            (from..WIDTHS[INDEX]).for_each(|ago| *sums = add(*sums, few.ago(ago)));
+            self.weigh(INDEX, *sums, largest);
+        }
+    }
+
+    #[inline(always)]
+    fn many(&self, index: usize, many: &Sums<MOVING>, reach: usize, largest: &mut Largest) {
+        if WIDTHS[index] <= reach {
+            self.weigh(index, many.newest(WIDTHS[index]), largest);
         }
     }
 
@@ -96,9 +105,8 @@ impl Scales {
                 (largest.peaks[0], largest.root) = (Peak { nats, width }, nats.sqrt());
             }
         }
-        let beyond = window.square_beyond(sums);
-        if window.line[0] * beyond - window.line[1] > largest.peaks[1].nats {
-            let nats = self.square_nats(window, beyond);
+        if window.line[0] * sums[1] - window.line[1] > largest.peaks[1].nats {
+            let nats = self.square_nats(window, window.square_beyond(sums));
             largest.peaks[1] = larger(largest.peaks[1], Peak { nats, width });
         }
     }

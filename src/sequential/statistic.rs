@@ -114,8 +114,8 @@ pub(super) struct Window {
     worth: [f64; 2],
     /// The root of the nats of the mean is at most this, 1/m, times what the sum is beyond its band …
     pub root: f64,
-    /// … and the nats of the mean square are at most the first, 1/m², times what the sum of squares is
-    /// beyond its band, less the second.
+    /// … and those of the mean square are at most the first, 1/m², times the sum of squares, less the
+    /// second.
     pub line: [f64; 2],
 }
 
@@ -137,13 +137,13 @@ impl Window {
 
     /// What a sum is beyond its band, m, …
     #[inline]
-    pub fn beyond(&self, [sum, _, shares]: [f64; VALUES]) -> f64 {
+    pub fn beyond(&self, [sum, _, shares, _]: [f64; VALUES]) -> f64 {
         sum.abs() - self.dead_band * shares
     }
 
     /// … and what that of the squares is, m².
     #[inline]
-    pub fn square_beyond(&self, [_, squares, _]: [f64; VALUES]) -> f64 {
+    pub fn square_beyond(&self, [_, squares, ..]: [f64; VALUES]) -> f64 {
         squares - self.spread_band
     }
 
@@ -153,8 +153,11 @@ impl Window {
         let root = (self.worth[0] * mean.steepest(0.0)).sqrt() * self.part * (1.0 + ROUNDING);
         let silent = square.silent();
         let steepest = self.worth[1] * square.steepest(silent) * (1.0 + ROUNDING);
-        let begins = if silent > 0.0 { steepest * silent * silent * (1.0 - ROUNDING) } else { 0.0 };
-        Self { root, line: [steepest * self.part, begins], ..self }
+        let slope = steepest * self.part;
+        let begins = slope * self.spread_band + steepest * silent * silent;
+        // Of a rate that begins above 0 the slope is infinite: then all are looked at.
+        let begins = if slope.is_finite() { begins * (1.0 - ROUNDING) } else { 0.0 };
+        Self { root, line: [slope, begins], ..self }
     }
 }
 
