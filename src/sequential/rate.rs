@@ -79,6 +79,8 @@ impl Magnitudes {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
     spacing: f64,
+    /// Steps in a metre: to multiply takes a third of the time that to divide does.
+    density: f64,
     /// Values of √I, and what it is more at the next node: between two it is nearly straight, as that of
     /// a normal distribution is.
     roots: Vec<[f64; 2]>,
@@ -105,7 +107,8 @@ impl Rate {
         let roots: Vec<[f64; 2]> =
             values.iter().map(root).zip(next).map(|(root, next)| [root, next - root]).collect();
         let bound = roots.last().map_or(0.0, |[root, _]| root * root);
-        Self { spacing, end: roots.len().saturating_sub(1) as f64, roots, bound }
+        let end = roots.len().saturating_sub(1) as f64;
+        Self { spacing, density: 1.0 / spacing, end, roots, bound }
     }
 
     /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m; `None` where
@@ -186,19 +189,14 @@ impl Rate {
     /// I(x), nats, at least 0; `x` in m, at least 0.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
-        self.along(x / self.spacing)
-    }
-
-    /// I(x), nats, where `x` is in steps of the table.
-    #[inline]
-    pub fn along(&self, x: f64) -> f64 {
-        if x >= self.end {
+        let along = x * self.density;
+        if along >= self.end {
             return self.bound;
         }
         // As u32, which becomes a float again in one instruction, and a usize in six.
-        let node = x as u32;
+        let node = along as u32;
         let [root, more] = self.roots[node as usize];
-        let root = root + (x - f64::from(node)) * more;
+        let root = root + (along - f64::from(node)) * more;
         root * root
     }
 }

@@ -155,6 +155,8 @@ fn middle(said: &[Said], of: impl Fn(&Said) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     fn said(mean: f64, spread: f64) -> Said {
         let (square, square_variance) = (spread * spread, 1e-18);
@@ -180,6 +182,18 @@ mod tests {
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
         let skew = judge(&mut sampling, &[said(-3e-4, 1e-4); 6]);
         assert_eq!(skew.map(|(apart, told)| (apart.mean, told)), Some((-3e-4, Some(true))));
+    }
+
+    #[test]
+    fn the_middle_is_that_of_those_in_order() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for count in 1..=MOST {
+            let said: Vec<Said> =
+                (0..count).map(|_| said(rng.random_range(-1.0..1.0), 0.0)).collect();
+            let mut means: Vec<f64> = said.iter().map(|one| one.seen[0].mean).collect();
+            means.sort_unstable_by(f64::total_cmp);
+            assert_eq!(middle(&said, |one| one.seen[0].mean), means[(count - 1) / 2], "{means:?}");
+        }
     }
 
     #[test]
