@@ -27,7 +27,7 @@ ENGAGED = slice(220_000, 440_000)
 SHORTER = 0.01
 
 # Of a frame of the healthy recording, everything on but sequential tables.
-MOST = 690
+MOST = 660
 # Of a cycle with sequential tables to one without.
 MOST_RATIO = 1.5
 
@@ -204,13 +204,18 @@ def report(binary, profiles):
 def judge(profiles):
     """Whether what is asked for is reached."""
     cost = profiles["whole"].a_frame()
-    cheap = cost <= MOST
-    print(f"\na frame: {cost:.0f}, at most {MOST}: {'reached' if cheap else 'NOT reached'}")
+    reached = [cost <= MOST]
+    print(f"\na frame: {cost:.0f}, at most {MOST}: {word(reached[-1])}")
     for name in ("whole", "engaged"):
         ratio = profiles[f"{name}, with sequential tables"].a_frame() / profiles[name].a_frame()
-        print(f"a cycle with sequential tables to one without, {name}: {ratio:.2f}, wanted at most "
-              f"{MOST_RATIO}: {'reached' if ratio <= MOST_RATIO else 'not reached'}")
-    return cheap
+        reached.append(ratio <= MOST_RATIO)
+        print(f"a cycle with sequential tables to one without, {name}: {ratio:.2f}, at most "
+              f"{MOST_RATIO}: {word(reached[-1])}")
+    return all(reached)
+
+
+def word(is_reached):
+    return "reached" if is_reached else "NOT reached"
 
 
 def main():

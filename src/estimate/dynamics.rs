@@ -98,7 +98,7 @@ impl Feed {
             Driving::Model(b, offset) => Some(b * (u - offset)),
             Driving::Fitted(drive, sample_time) => {
                 self.commands.push(u);
-                let velocity = drive.velocity(&self.commands.features()?);
+                let velocity = drive.velocity(&self.commands)?;
                 Some(Vector3::new(sample_time * velocity, 0.0, 0.0))
             }
         }

@@ -79,8 +79,8 @@ impl Loss {
     pub fn is_long(&mut self, at: Timestamp) -> bool {
         let newest = self.newest.replace(at);
         let passed = |newest: Timestamp| at.since(newest).as_seconds();
-        let long = newest.is_some_and(|newest| !(0.0..=SHORT).contains(&passed(newest)));
-        std::mem::take(&mut self.lost) && long
+        std::mem::take(&mut self.lost)
+            && newest.is_some_and(|newest| !(0.0..=SHORT).contains(&passed(newest)))
     }
 }
 

@@ -16,8 +16,9 @@ use super::reference::Reference;
 use super::samples::{History, Sample};
 use super::sampling::{Apart, Said};
 use super::scale::Proportion;
+use super::search::Search;
 use super::skew::Skew;
-use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales, Search};
+use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
 use super::velocity::Velocity;
 use super::windows::WIDTHS;
@@ -221,6 +222,7 @@ impl Sequential {
 
     /// Takes one cycle. Where the alarm that stands has become another one, or has ended, it shows
     /// in [`Self::alarm`].
+    #[inline(always)]
     pub fn step(&mut self, input: &Input) {
         if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
             self.dwells.add(dwell);
@@ -347,6 +349,7 @@ impl Sequential {
     }
 
     /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
+    #[inline(always)]
     fn follow(&mut self, input: &Input, difference: Option<(f64, f64)>) {
         let Some(pair) = &mut self.pair else { return };
         let lengths = input.lengths[0]

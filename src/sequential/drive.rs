@@ -1,69 +1,74 @@
 //! How fast the command makes the rod go: what both transducers will read, before they do.
 
+use super::tanh::{of_five_times, tanh};
+
 /// Cycles by which commands are looked back at.
 const LAGS: [usize; 11] = [0, 1, 2, 3, 4, 5, 6, 8, 10, 13, 16];
 
 /// What a velocity is made of: the lagged commands, and what a valve does not do in proportion.
-pub const FEATURES: usize = LAGS.len() + 6;
+pub const FEATURES: usize = LAGS.len() + BENT;
+
+const BENT: usize = 6;
 
 /// The command of so many cycles ago has the valve open now.
 const DELAY: usize = 3;
 
-const HELD: usize = 17;
+const NEEDED: usize = 17;
 
-/// Speeds at which a valve's overlap and friction bend, m/s.
+/// As many as there are places in a ring, a power of two.
+const HELD: usize = 32;
+
+/// Speeds at which a valve's overlap and friction bend, m/s; the second is five times the first.
 const BENDS: [f64; 2] = [0.01, 0.05];
 
 /// The newest commands, m/s.
 #[derive(Clone, Debug)]
 pub struct Commands {
-    /// A ring, twice: from `next` on it has the newest in a row, the oldest first.
+    /// A ring, twice: somewhere it has the newest in a row.
     rings: [f64; 2 * HELD],
-    next: usize,
-    held: usize,
+    /// Commands that came.
+    count: usize,
 }
 
 impl Default for Commands {
     fn default() -> Self {
-        Self { rings: [0.0; 2 * HELD], next: 0, held: 0 }
+        Self { rings: [0.0; 2 * HELD], count: 0 }
     }
 }
 
 impl Commands {
     /// Takes the command of a cycle.
+    #[inline]
     pub fn push(&mut self, command: f64) {
-        self.rings[self.next] = command;
-        self.rings[self.next + HELD] = command;
-        self.next = if self.next + 1 == HELD { 0 } else { self.next + 1 };
-        self.held = (self.held + 1).min(HELD);
+        let place = self.count % HELD;
+        self.rings[place] = command;
+        self.rings[place + HELD] = command;
+        self.count += 1;
     }
 
-    pub fn clear(&mut self) {
-        self.held = 0;
+    pub const fn clear(&mut self) {
+        self.count = 0;
     }
 
     /// The regressors of the velocity until the next cycle; `None` before enough commands came.
+    #[inline]
     pub fn features(&self) -> Option<[f64; FEATURES]> {
-        if self.held < HELD {
+        if self.count < NEEDED {
             return None;
         }
-        let newest: &[f64; HELD] = self.rings.get(self.next..self.next + HELD)?.first_chunk()?;
-        let ago = |cycles: usize| newest[HELD - 1 - cycles];
-        let mut features = [0.0; FEATURES];
-        for (feature, lag) in features.iter_mut().zip(LAGS) {
-            *feature = ago(lag);
-        }
-        let u = ago(DELAY);
-        features[LAGS.len()..].copy_from_slice(&[
-            u * u.abs(),
-            u * u * u,
-            u.max(0.0),
-            (u / BENDS[0]).tanh(),
-            (u / BENDS[1]).tanh(),
-            1.0,
-        ]);
-        Some(features)
+        let newest = (self.count - 1) % HELD + HELD;
+        let ago = |cycles: usize| self.rings[newest - cycles];
+        let lagged = LAGS.map(ago);
+        let bent = bent(ago(DELAY));
+        Some(std::array::from_fn(|i| if i < LAGS.len() { lagged[i] } else { bent[i - LAGS.len()] }))
     }
+}
+
+/// What the velocity has of a command `u`, m/s, that is not in proportion to it.
+#[inline]
+fn bent(u: f64) -> [f64; BENT] {
+    let wide = tanh(u * (1.0 / BENDS[1]));
+    [u * u.abs(), u * u * u, u.max(0.0), of_five_times(wide), wide, 1.0]
 }
 
 /// The velocity, m/s, by coefficients that a calibration has fitted.
@@ -71,8 +76,11 @@ impl Commands {
 pub struct Drive(pub [f64; FEATURES]);
 
 impl Drive {
-    pub fn velocity(&self, features: &[f64; FEATURES]) -> f64 {
-        self.0.iter().zip(features).map(|(coefficient, feature)| coefficient * feature).sum()
+    /// The velocity until the next cycle, m/s; `None` before enough commands came.
+    #[inline(always)]
+    pub fn velocity(&self, commands: &Commands) -> Option<f64> {
+        let features = commands.features()?;
+        Some(self.0.iter().zip(&features).map(|(coefficient, feature)| coefficient * feature).sum())
     }
 }
 
@@ -84,7 +92,7 @@ mod tests {
     fn the_features_are_those_of_the_newest_commands() {
         let mut commands = Commands::default();
         for k in 0..40 {
-            assert_eq!(commands.features().is_some(), k >= HELD, "{k}");
+            assert_eq!(commands.features().is_some(), k >= NEEDED, "{k}");
             commands.push(f64::from(k as u32));
         }
         let features = commands.features().expect("enough came");
@@ -92,5 +100,22 @@ mod tests {
         assert_eq!(features[LAGS.len()..], [1296.0, 46656.0, 36.0, 1.0, 1.0, 1.0]);
         commands.clear();
         assert_eq!(commands.features(), None);
+    }
+
+    #[test]
+    fn a_valve_bends_at_both_speeds() {
+        for u in [-0.3, -0.02, 0.0, 0.004, 0.05] {
+            let mut commands = Commands::default();
+            (0..NEEDED).for_each(|_| commands.push(u));
+            let features = commands.features().expect("enough came");
+            let bent = BENDS.map(|bend| (u / bend).tanh());
+            for (found, expected) in features[LAGS.len() + 3..].iter().zip(bent) {
+                assert!((found - expected).abs() < 1e-12, "{u}: {found}, {expected}");
+            }
+            let drive = Drive(std::array::from_fn(|i| 0.1 * i as f64));
+            let sum: f64 = drive.0.iter().zip(features).map(|(c, feature)| c * feature).sum();
+            assert_eq!(drive.velocity(&commands), Some(sum));
+        }
+        assert_eq!(Drive([1.0; FEATURES]).velocity(&Commands::default()), None);
     }
 }

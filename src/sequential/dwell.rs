@@ -38,6 +38,7 @@ impl Default for Dwelling {
 impl Dwelling {
     /// Takes the readings of a cycle, m; `at_stop`: the platform is in a state in which the rods
     /// stand on their stops. Gives each dwell once.
+    #[inline]
     pub fn step(
         &mut self,
         at: Timestamp,
@@ -45,7 +46,10 @@ impl Dwelling {
         lengths: [Option<f64>; 2],
     ) -> Option<Dwell> {
         if !at_stop {
-            *self = Self::default();
+            // Nearly always there is nothing to forget.
+            if self.since.is_some() {
+                *self = Self::default();
+            }
             return None;
         }
         let readings = match lengths {

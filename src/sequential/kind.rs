@@ -1,7 +1,6 @@
 //! Of what kind a fault is, how large and since when, from the residuals since.
 
-use super::samples::History;
-use super::windows::Sums;
+use super::samples::{History, Newest};
 use crate::verdict::Fault;
 
 /// A ramp must explain this much more than a step, nats: one sample alone fits both.
@@ -39,14 +38,18 @@ pub struct Shape {
 pub fn shape(history: &History, deviation: f64) -> Shape {
     let (newest, recent) = fit(&history.all, deviation);
     let (moving, lasting) = fit(&history.moving, deviation);
-    if lasting > recent { moving } else { newest }
+    if lasting > recent {
+        Shape { onset: history.cycles_of_moving(moving.onset), ..moving }
+    } else {
+        newest
+    }
 }
 
-/// The shape, and the squares that it explains, m².
-fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> (Shape, f64) {
+/// The shape, its onset in samples, and the squares that it explains, m².
+fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
     let mut best = [(0.0, 0.0, 0); 2];
     let (mut sum, mut aged) = (0.0, 0.0);
-    for (count, value) in (1..).zip(newest(samples, samples.held())) {
+    for (count, value) in (1..).zip(samples.iter()) {
         let n = count as f64;
         sum += value;
         aged += value * (n - 1.0);
@@ -67,18 +70,7 @@ fn fit<const N: usize>(samples: &Sums<N>, deviation: f64) -> (Shape, f64) {
     let (fault, (_, size, onset)) =
         if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
     let seen = onset < samples.held();
-    let onset = samples.over(onset).map_or(0, |[.., cycles]| cycles as usize);
     (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
-}
-
-/// The newest `span` residuals, the newest first, m.
-fn newest<const N: usize>(samples: &Sums<N>, span: usize) -> impl Iterator<Item = f64> + '_ {
-    let mut newer = 0.0;
-    (1..=span).map_while(|count| samples.over(count)).map(move |[_, _, _, total, ..]| {
-        let value = total - newer;
-        newer = total;
-        value
-    })
 }
 
 /// What some samples are.
@@ -92,14 +84,19 @@ pub enum Looks {
 
 /// What the newest `span` samples are; `None` if there are not so many.
 pub fn looks(history: &History, span: usize) -> Option<Looks> {
-    let [_, _, _, sum, squares, _] = history.all.over(span)?;
+    if span > history.all.held() {
+        return None;
+    }
+    let newest = || history.all.iter().take(span);
+    let (sum, squares) =
+        newest().fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
     if mean * mean > STEADY * square {
         return Some(Looks::Steady);
     }
     let mut before = None;
-    let changes = newest(&history.all, span).map(|value| {
+    let changes = newest().map(|value| {
         let change = before.map_or(0.0, |before: f64| value - before);
         before = Some(value);
         change * change

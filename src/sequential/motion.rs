@@ -15,22 +15,23 @@ pub struct Motion {
     ring: [[f64; 2]; OVER],
     next: usize,
     held: usize,
-    /// Which way each reading went with the cycle before: −1, 0 or 1.
-    way: [i8; 2],
+    /// How far each reading was displaced with the cycle before, m; 0 where that was not far.
+    way: [f64; 2],
 }
 
 impl Motion {
     /// For samples every `sample_time` seconds.
     pub fn new(sample_time: f64) -> Self {
         let least = SLOWEST * OVER as f64 * sample_time;
-        Self { least, ring: [[0.0; 2]; OVER], next: 0, held: 0, way: [0; 2] }
+        Self { least, ring: [[0.0; 2]; OVER], next: 0, held: 0, way: [0.0; 2] }
     }
 
     pub fn reset(&mut self) {
-        (self.held, self.way) = (0, [0; 2]);
+        (self.held, self.way) = (0, [0.0; 2]);
     }
 
     /// Takes the readings of a cycle, m; `true` if the rod moves by either of them.
+    #[inline]
     pub fn step(&mut self, lengths: [f64; 2]) -> bool {
         let before = std::mem::replace(&mut self.ring[self.next], lengths);
         self.next = if self.next + 1 == OVER { 0 } else { self.next + 1 };
@@ -40,10 +41,11 @@ impl Motion {
         }
         let way = [0, 1].map(|which: usize| {
             let displaced = lengths[which] - before[which];
-            i8::from(displaced > self.least) - i8::from(displaced < -self.least)
+            if displaced.abs() > self.least { displaced } else { 0.0 }
         });
         let last = std::mem::replace(&mut self.way, way);
-        (0..2).any(|which| way[which] != 0 && way[which] == last[which])
+        // Both not 0, and of one sign.
+        way[0] * last[0] > 0.0 || way[1] * last[1] > 0.0
     }
 }
 

@@ -58,6 +58,7 @@ impl Novelty {
     }
 
     /// Takes the readings of a cycle, m, and what they differ by.
+    #[inline(always)]
     pub fn step(&mut self, lengths: [f64; 2], sample: Sample) -> News {
         match (self.motion.step(lengths), self.repeats(lengths, sample)) {
             (_, true) => News::Repeated,

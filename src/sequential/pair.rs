@@ -7,7 +7,7 @@
 
 use super::drive::{Commands, Drive};
 use crate::observe::riccati::{self, RiccatiError};
-use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector2, Vector3};
+use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
 /// Innovations that are kept, and the length of the signatures.
 pub const KEPT: usize = 64;
@@ -33,8 +33,8 @@ const BOTH: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
 /// What the filter runs on.
 #[derive(Clone, Debug)]
 pub struct PairDesign {
-    a: Matrix3<f64>,
-    l: Matrix3x2<f64>,
+    /// L: of either innovation, since both transducers are alike.
+    gain: [f64; 3],
     drive: Drive,
     sample_time: f64,
     /// Inverse variances of the innovations' sum and difference, 1/m².
@@ -71,7 +71,8 @@ impl PairDesign {
             })
         };
         let signatures = [respond(|_| 1.0), respond(|age| age as f64 + 1.0)];
-        Ok(Self { a, l, drive, sample_time, weights, signatures })
+        let gain = std::array::from_fn(|state| 0.5 * (l[(state, 0)] + l[(state, 1)]));
+        Ok(Self { gain, drive, sample_time, weights, signatures })
     }
 }
 
@@ -87,7 +88,8 @@ pub enum Form {
 pub struct Pair {
     design: PairDesign,
     commands: Commands,
-    x: Vector3<f64>,
+    /// The length, m, the error of the drive's velocity, m/s, and its slope, m/s².
+    x: [f64; 3],
     running: bool,
     /// A ring.
     innovations: [[f64; 2]; KEPT],
@@ -100,7 +102,7 @@ impl Pair {
         Self {
             design,
             commands: Commands::default(),
-            x: Vector3::zeros(),
+            x: [0.0; 3],
             running: false,
             innovations: [[0.0; 2]; KEPT],
             next: 0,
@@ -120,27 +122,34 @@ impl Pair {
     }
 
     /// One cycle: `lengths` of C1 and of C2 as C1 would have it, m, and u(k), m/s.
+    #[inline]
     pub fn step(&mut self, lengths: Option<[f64; 2]>, command: Option<f64>) {
         match command {
             Some(command) => self.commands.push(command),
             None => self.commands.clear(),
         }
-        let Some(([c1, c2], features)) = lengths.zip(self.commands.features()) else {
+        let PairDesign { gain, drive, sample_time, .. } = &self.design;
+        let Some(([c1, c2], velocity)) = lengths.zip(drive.velocity(&self.commands)) else {
             return self.lose();
         };
         if !self.running {
-            self.x = Vector3::new(0.5 * (c1 + c2), 0.0, 0.0);
+            self.x = [0.5 * (c1 + c2), 0.0, 0.0];
             self.running = true;
         }
-        let innovation = Vector2::new(c1 - self.x[0], c2 - self.x[0]);
-        self.innovations[self.next] = innovation.into();
+        let [length, error, slope] = self.x;
+        let innovation = [c1 - length, c2 - length];
+        self.innovations[self.next % KEPT] = innovation;
         self.next = (self.next + 1) % KEPT;
         self.held = (self.held + 1).min(KEPT);
-        let PairDesign { a, l, drive, sample_time, .. } = &self.design;
-        self.x = a * self.x + l * innovation;
-        self.x[0] += sample_time * drive.velocity(&features);
-        // As in the observers: zero, unless one of the three is not finite.
-        if (self.x * 0.0).sum().is_nan() {
+        // A x + L ν + B u, without what is 0 in A ([`dynamics`]), both columns of L being the same.
+        let sum = innovation[0] + innovation[1];
+        self.x = [
+            length + sample_time * error + gain[0] * sum + sample_time * velocity,
+            error + sample_time * slope + gain[1] * sum,
+            FADE * slope + gain[2] * sum,
+        ];
+        // Whatever is not finite gets there first.
+        if !self.x[0].is_finite() {
             self.lose();
         }
     }

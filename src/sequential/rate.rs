@@ -79,8 +79,11 @@ impl Magnitudes {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
     spacing: f64,
-    /// Values of √I: between two nodes it is nearly straight, as that of a normal distribution is.
-    roots: Vec<f64>,
+    /// Steps in a metre: to multiply takes a third of the time that to divide does.
+    density: f64,
+    /// Values of √I, and what it is more at the next node: between two it is nearly straight, as that of
+    /// a normal distribution is.
+    roots: Vec<[f64; 2]>,
     /// How far the table goes, in steps, and the value there: I beyond it, nats.
     end: f64,
     bound: f64,
@@ -99,9 +102,13 @@ impl Rate {
     /// The table that begins with I(0) and has a value each `spacing`, m; nats, at least 2 of them and
     /// none negative.
     pub fn new(spacing: f64, values: &[f64]) -> Self {
-        let roots: Vec<f64> = values.iter().map(|value| value.max(0.0).sqrt()).collect();
-        let bound = roots.last().map_or(0.0, |root| root * root);
-        Self { spacing, end: roots.len().saturating_sub(1) as f64, roots, bound }
+        let root = |value: &f64| value.max(0.0).sqrt();
+        let next = values.iter().skip(1).chain(values.last()).map(root);
+        let roots: Vec<[f64; 2]> =
+            values.iter().map(root).zip(next).map(|(root, next)| [root, next - root]).collect();
+        let bound = roots.last().map_or(0.0, |[root, _]| root * root);
+        let end = roots.len().saturating_sub(1) as f64;
+        Self { spacing, density: 1.0 / spacing, end, roots, bound }
     }
 
     /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m; `None` where
@@ -147,7 +154,7 @@ impl Rate {
 
     /// The table, nats; begins with 0 and never falls.
     pub fn values(&self) -> Vec<f64> {
-        self.roots.iter().map(|root| root * root).collect()
+        self.roots.iter().map(|[root, _]| root * root).collect()
     }
 
     /// Beyond this one sample is no more evidence, m.
@@ -155,25 +162,41 @@ impl Rate {
         self.spacing * (self.roots.len() - 1) as f64
     }
 
-    /// The most that I(x) is of x², 1/m².
-    pub fn steepest(&self) -> f64 {
-        // √I is straight between two nodes, so that √I/x is largest at one of them.
-        let along = |(i, root): (usize, &f64)| root / (i as f64 * self.spacing);
-        let most = self.roots.iter().enumerate().skip(1).map(along).fold(0.0, f64::max);
-        most * most
+    /// x₀: up to there I is 0, m.
+    pub fn silent(&self) -> f64 {
+        let zeros = self.roots.iter().take_while(|[root, _]| *root == 0.0).count();
+        self.spacing * zeros.saturating_sub(1) as f64
+    }
+
+    /// M: the most that I(x) is of x² − `from`², 1/m², where `from` is a node up to which I is 0, m;
+    /// infinite where I(0) is not 0.
+    ///
+    /// √I = a + bx between two nodes, and the derivative of (a + bx)²/(x² − from²) has the sign of
+    /// −(a + bx)(b·from² + ax). With a ≥ 0 the ratio falls, and with a < 0 it falls and then rises: so it
+    /// is largest at one of both nodes, or nothing at `from` itself. Beyond the table it falls.
+    pub fn steepest(&self, from: f64) -> f64 {
+        if self.roots.first().is_some_and(|[root, _]| *root > 0.0) {
+            return f64::INFINITY;
+        }
+        let beyond = (0..).zip(&self.roots).filter(|(_, [root, _])| *root > 0.0);
+        let along = |(i, [root, _]): (u32, &[f64; 2])| {
+            let x = f64::from(i) * self.spacing;
+            root * root / (x * x - from * from)
+        };
+        beyond.map(along).fold(0.0, f64::max)
     }
 
     /// I(x), nats, at least 0; `x` in m, at least 0.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
-        let along = x / self.spacing;
+        let along = x * self.density;
         if along >= self.end {
             return self.bound;
         }
         // As u32, which becomes a float again in one instruction, and a usize in six.
         let node = along as u32;
-        let i = node as usize;
-        let root = self.roots[i] + (along - f64::from(node)) * (self.roots[i + 1] - self.roots[i]);
+        let [root, more] = self.roots[node as usize];
+        let root = root + (along - f64::from(node)) * more;
         root * root
     }
 }

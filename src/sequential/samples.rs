@@ -1,8 +1,8 @@
-//! The newest samples, as sums: of all, of those that are news, and of those of them in motion.
+//! The newest samples: of all, of those that are news, and of those of them in motion.
 
 use super::clip::Clip;
 use super::novelty::News;
-use super::windows::{Sums, VALUES};
+use super::windows::{Few, Sums, VALUES};
 
 /// Up to this width a window takes every sample that is news; wider ones only those in motion, because
 /// at rest the count hardly changes and one sample says much of what the one before has said.
@@ -10,6 +10,9 @@ pub const AT_REST: usize = 6;
 
 /// Of all samples, in motion or not, so many are held.
 const NEWEST: usize = 64;
+
+/// Of those in motion.
+pub const MOVING: usize = 1024;
 
 /// Samples that tell how far the readings are apart now.
 const FEW: usize = 4;
@@ -30,52 +33,97 @@ impl Sample {
     }
 }
 
-/// The sums of the weighed residual as far as it counts, m, of its square likewise, m², and of the
-/// share by which it was weighed; then of the residual itself, m, of its square, m², and of the cycles
-/// since the sample before.
+/// The newest `N` residuals at most, m; `N` is a power of two.
+#[derive(Clone, Debug)]
+pub struct Newest<const N: usize> {
+    ring: Box<[f64; N]>,
+    /// Residuals that came.
+    count: usize,
+}
+
+impl<const N: usize> Default for Newest<N> {
+    fn default() -> Self {
+        const { assert!(N.is_power_of_two()) };
+        Self { ring: Box::new([0.0; N]), count: 0 }
+    }
+}
+
+impl<const N: usize> Newest<N> {
+    /// Residuals that are held.
+    #[inline]
+    pub fn held(&self) -> usize {
+        self.count.min(N)
+    }
+
+    #[inline]
+    fn push(&mut self, residual: f64) {
+        self.ring[self.count % N] = residual;
+        self.count += 1;
+    }
+
+    const fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// The newest first, m.
+    pub fn iter(&self) -> impl Iterator<Item = f64> {
+        (1..=self.held()).map(|ago| self.ring[self.count.wrapping_sub(ago) % N])
+    }
+}
+
+/// The newest samples, one by one; and as sums: of the weighed residual as far as it counts, m, of its
+/// square likewise, m², of the share by which it was weighed, and of the cycles since the sample before.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    /// Over all samples.
-    pub all: Sums<{ NEWEST + 1 }>,
-    /// Over those that do not repeat others.
-    news: Sums<{ AT_REST + 1 }>,
-    /// Over those of them that are in motion.
-    pub moving: Sums<1025>,
-    /// Cycles since the newest of each of the two.
-    since: [u32; 2],
+    pub all: Newest<NEWEST>,
+    /// Those that do not repeat others, …
+    few: Few,
+    /// … and those of them that are in motion.
+    pub moving: Newest<MOVING>,
+    many: Sums<MOVING>,
+    /// Of this sample, and of the newest of each of the two.
+    cycle: u64,
+    said: u64,
+    moved: u64,
 }
 
 impl History {
     /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
         let Sample { residual, share } = sample;
+        self.all.push(residual);
+        self.cycle += 1;
+        if news == News::Repeated {
+            return;
+        }
         let weighed = residual * share;
         let clipped = weighed.clamp(-clip.farthest, clip.farthest);
-        let square = (weighed * weighed).min(clip.square);
-        let values = |cycles| [clipped, square, share, residual, residual * residual, cycles];
-        self.all.push(values(1.0));
-        self.since = self.since.map(|cycles| cycles.saturating_add(1));
-        let [said, moved] = &mut self.since;
-        let cycles = |since: &mut u32| f64::from(std::mem::take(since));
-        if news != News::Repeated {
-            self.news.push(values(cycles(said)));
-        }
+        let square = weighed * weighed;
+        // As `min` does, which asks in four instructions more what is to become of no number.
+        let square = if square < clip.square { square } else { clip.square };
+        let values = |cycles: u64| [clipped, square, share, cycles as i64 as f64];
+        self.few.push(values(self.cycle - self.said));
+        self.said = self.cycle;
         if news == News::InMotion {
-            self.moving.push(values(cycles(moved)));
+            self.many.push(values(self.cycle - self.moved));
+            self.moved = self.cycle;
+            self.moving.push(residual);
         }
     }
 
-    pub fn clear(&mut self) {
+    pub const fn clear(&mut self) {
         self.all.clear();
-        self.news.clear();
+        self.few.clear();
         self.moving.clear();
-        self.since = [0; 2];
+        self.many.clear();
+        (self.said, self.moved) = (self.cycle, self.cycle);
     }
 
     /// How far the newest few residuals are from none, news or not, m; `None` if there are not so many.
     pub fn apart(&self) -> Option<f64> {
-        self.all.over(FEW).map(|[.., squares, _]| squares.max(0.0).sqrt())
+        let squares = self.all.iter().take(FEW).map(|residual| residual * residual);
+        (self.all.held() >= FEW).then(|| squares.sum::<f64>().sqrt())
     }
 
     /// The cycles that the newest `width` samples that count go back.
@@ -83,9 +131,25 @@ impl History {
         self.over(width).map_or(width, |[.., cycles]| cycles as usize)
     }
 
-    /// The sums over the newest `width` samples that count; `None` if there are not so many.
+    /// The same of the newest `count` in motion.
+    pub fn cycles_of_moving(&self, count: usize) -> usize {
+        self.many.over(count).map_or(0, |[.., cycles]| cycles as usize)
+    }
+
+    /// Of the samples that windows up to [`AT_REST`] take.
     #[inline]
+    pub const fn few(&self) -> &Few {
+        &self.few
+    }
+
+    /// Of those that wider ones take.
+    #[inline]
+    pub const fn many(&self) -> &Sums<MOVING> {
+        &self.many
+    }
+
+    /// The sums over the newest `width` samples that count; `None` if there are not so many.
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        if width <= AT_REST { self.news.over(width) } else { self.moving.over(width) }
+        if width <= AT_REST { self.few.over(width) } else { self.many.over(width) }
     }
 }

@@ -74,54 +74,93 @@ impl Sampling {
         if count < LEAST {
             return None;
         }
-        let [fast, slow] = [0, 1].map(|which: usize| {
-            let mean = middle(said, |one| one.seen[which].mean);
-            let spread = middle(said, |one| one.seen[which].square).max(0.0).sqrt();
-            Apart { mean, spread, changing: false }
+        let [fast, slow] = [0, 1].map(|which: usize| Middle {
+            mean: middle(said, |one| one.seen[which].mean),
+            square: middle(said, |one| one.seen[which].square),
         });
+        let known = middle(said, |one| one.known);
         let mean = if (fast.mean - slow.mean).abs() > LEAST_APART { fast.mean } else { slow.mean };
         let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
-        let told = self.tell(said, slow);
-        let changing = told == Some(true) || !self.changed && surely(said, 0);
-        Some((Apart { mean, spread: fast.spread.max(slow.spread), changing }, told))
+        let told = self.tell(said, slow, known);
+        let limit = limit(known);
+        let changing = told == Some(true)
+            || !self.changed && fast.may_be_beyond(limit) && surely(said, 0, limit);
+        Some((Apart { mean, spread: fast.square.max(slow.square).max(0.0).sqrt(), changing }, told))
     }
 
     /// Of what is known for sure.
-    fn tell(&mut self, said: &[Said], slow: Apart) -> Option<bool> {
-        let known = middle(said, |one| one.known);
-        let error = middle(said, |one| one.seen[1].mean_error);
-        let limit = LEAST_APART.max(MORE * known);
-        let changed = slow.mean.abs() - SURE * error > LEAST_APART || surely(said, 1);
-        let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.spread < limit;
-        let now = if self.changed { !over } else { changed };
+    fn tell(&mut self, said: &[Said], slow: Middle, known: f64) -> Option<bool> {
+        let limit = limit(known);
+        let moved = || {
+            let error = middle(said, |one| one.seen[1].mean_variance).sqrt();
+            slow.mean.abs() - SURE * error > LEAST_APART
+        };
+        let now = if self.changed {
+            let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.square < limit * limit;
+            !over
+        } else {
+            slow.mean.abs() > LEAST_APART && moved()
+                || slow.may_be_beyond(limit) && surely(said, 1, limit)
+        };
         (std::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
 }
 
-/// Chance adds more than what is known, as the newest half second (0) or half minute (1) has it.
-fn surely(said: &[Said], which: usize) -> bool {
-    let limit = LEAST_APART.max(MORE * middle(said, |one| one.known));
-    let least = |one: &Said| one.seen[which].square - SURE * one.seen[which].square_error;
+/// Of the cylinders.
+#[derive(Clone, Copy, Debug)]
+struct Middle {
+    mean: f64,
+    square: f64,
+}
+
+impl Middle {
+    /// What each is sure of is less than what it has seen, and so are their medians: mostly one look tells.
+    fn may_be_beyond(&self, limit: f64) -> bool {
+        self.square > limit * limit
+    }
+}
+
+/// The scatter that a timing of `known`, s, is taken to be exceeded by, s.
+fn limit(known: f64) -> f64 {
+    LEAST_APART.max(MORE * known)
+}
+
+/// Chance adds more than `limit`, s, as the newest half second (0) or half minute (1) has it.
+#[cold]
+fn surely(said: &[Said], which: usize, limit: f64) -> bool {
+    let least = |one: &Said| {
+        let seen = one.seen[which];
+        seen.square - SURE * seen.square_variance.sqrt()
+    };
     middle(said, least) > limit * limit
 }
 
 /// The lower median.
 fn middle(said: &[Said], of: impl Fn(&Said) -> f64) -> f64 {
-    let mut values = [0.0; MOST];
-    let values = &mut values[..said.len()];
-    for (value, one) in values.iter_mut().zip(said) {
-        *value = of(one);
+    // Integers in the order of the numbers, which are compared at once.
+    let key = |bits: i64| bits ^ ((bits >> 63) as u64 >> 1) as i64;
+    let mut keys = [0; MOST];
+    for (count, one) in said.iter().enumerate().take(MOST) {
+        let one = key(of(one).to_bits() as i64);
+        let mut place = count;
+        while place > 0 && keys[place - 1] > one {
+            keys[place] = keys[place - 1];
+            place -= 1;
+        }
+        keys[place] = one;
     }
-    values.sort_unstable_by(f64::total_cmp);
-    values[(values.len() - 1) / 2]
+    f64::from_bits(key(keys[(said.len() - 1) / 2]) as u64)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
 
     fn said(mean: f64, spread: f64) -> Said {
-        let seen = Seen { mean, mean_error: 1e-5, square: spread * spread, square_error: 1e-9 };
+        let (square, square_variance) = (spread * spread, 1e-18);
+        let seen = Seen { mean, mean_variance: 1e-10, square, square_variance };
         Said { seen: [seen; 2], known: 1e-4 }
     }
 
@@ -143,6 +182,18 @@ mod tests {
         assert_eq!(judge(&mut sampling, &[healthy; 6]).map(|it| it.1), Some(Some(false)));
         let skew = judge(&mut sampling, &[said(-3e-4, 1e-4); 6]);
         assert_eq!(skew.map(|(apart, told)| (apart.mean, told)), Some((-3e-4, Some(true))));
+    }
+
+    #[test]
+    fn the_middle_is_that_of_those_in_order() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for count in 1..=MOST {
+            let said: Vec<Said> =
+                (0..count).map(|_| said(rng.random_range(-1.0..1.0), 0.0)).collect();
+            let mut means: Vec<f64> = said.iter().map(|one| one.seen[0].mean).collect();
+            means.sort_unstable_by(f64::total_cmp);
+            assert_eq!(middle(&said, |one| one.seen[0].mean), means[(count - 1) / 2], "{means:?}");
+        }
     }
 
     #[test]

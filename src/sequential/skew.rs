@@ -25,48 +25,42 @@ pub struct Seen {
     /// By how much C1 − C2 grows with the velocity more than calibrated, s: C2 is sampled so much
     /// sooner.
     pub mean: f64,
-    /// Its standard error at most, s.
-    pub mean_error: f64,
+    /// Its variance at most, s².
+    pub mean_variance: f64,
     /// The mean square of what chance adds to the time between both samples, s².
     pub square: f64,
-    /// Its standard error at most, s².
-    pub square_error: f64,
+    /// Its variance at most, s⁴.
+    pub square_variance: f64,
 }
 
 /// Sums over the newest samples of a cylinder, the older the less.
 #[derive(Clone, Debug)]
 pub struct Skew {
     known: f64,
-    newest: [Forgetting; 2],
+    /// What is left of each sum with a sample more.
+    keep: [f64; TIMES.len()],
+    sums: [[f64; TIMES.len()]; SUMS],
 }
 
-#[derive(Clone, Copy, Debug, Default)]
-struct Forgetting {
-    keep: f64,
-    /// Of v² and v⁴.
-    speeds: [f64; 2],
-    /// Of v e, and of v² times what e² is beyond the noise at rest.
-    products: [f64; 2],
-    /// Of the variances of these two.
-    variances: [f64; 2],
-}
+/// Of v², of v⁴, of v e, of v² times what e² is beyond the noise at rest, and of the variances of these
+/// two.
+const SUMS: usize = 6;
 
 impl Skew {
     /// Of samples every `sample_time` seconds, of a calibration with the timing `known`, s.
     pub fn new(sample_time: f64, known: f64) -> Self {
-        let forgetting =
-            |time: f64| Forgetting { keep: (-sample_time / time).exp(), ..Forgetting::default() };
-        Self { known, newest: TIMES.map(forgetting) }
+        let keep = TIMES.map(|time| (-sample_time / time).exp());
+        Self { known, keep, sums: [[0.0; TIMES.len()]; SUMS] }
     }
 
     /// The bus was lost: the devices may have started anew.
-    pub fn reset(&mut self) {
-        self.newest =
-            self.newest.map(|newest| Forgetting { keep: newest.keep, ..Forgetting::default() });
+    pub const fn reset(&mut self) {
+        self.sums = [[0.0; TIMES.len()]; SUMS];
     }
 
     /// Takes a residual as the calibration has it, m, at a `velocity`, m/s; `noise` and `mean`, s, are
     /// what is believed of the timing.
+    #[inline]
     pub fn take(&mut self, residual: f64, velocity: f64, noise: &Noise, mean: f64) {
         let square = velocity * velocity;
         let variance = noise.variance(velocity);
@@ -74,29 +68,36 @@ impl Skew {
         if left * left > WILD * variance {
             return;
         }
-        let clipped = (left * left).min(CLIP * variance) / CLIPPED;
+        let (all, most) = (left * left, CLIP * variance);
+        let clipped = if all < most { all } else { most } * (1.0 / CLIPPED);
         let excess = clipped - noise.rest * noise.rest;
-        for newest in &mut self.newest {
-            let add = |sum: &mut f64, value: f64| *sum = *sum * newest.keep + value;
-            add(&mut newest.speeds[0], square);
-            add(&mut newest.speeds[1], square * square);
-            add(&mut newest.products[0], velocity * residual);
-            add(&mut newest.products[1], square * excess);
-            add(&mut newest.variances[0], square * variance);
-            add(&mut newest.variances[1], square * square * variance * variance);
+        let fourth = square * square;
+        let values = [
+            square,
+            fourth,
+            velocity * residual,
+            square * excess,
+            square * variance,
+            fourth * (variance * variance),
+        ];
+        for (sums, value) in self.sums.iter_mut().zip(values) {
+            let [fast, slow] = *sums;
+            *sums = [fast * self.keep[0] + value, slow * self.keep[1] + value];
         }
     }
 
     /// What the newest half second says, and what the newest half minute does.
     pub fn seen(&self) -> [Seen; 2] {
-        self.newest.map(|newest| {
-            let [square, fourth] = newest.speeds;
-            let [few, fewer] = [SAMPLES * SPEED * SPEED, SAMPLES * SPEED.powi(4)];
+        let [squares, fourths, products, excesses, variances, others] = self.sums;
+        let few = [SAMPLES * SPEED * SPEED, SAMPLES * SPEED.powi(4)];
+        let known = few[1] * self.known * self.known;
+        [0, 1].map(|i: usize| {
+            let [by_square, by_fourth] = [1.0 / (squares[i] + few[0]), 1.0 / (fourths[i] + few[1])];
             Seen {
-                mean: newest.products[0] / (square + few),
-                mean_error: newest.variances[0].sqrt() / (square + few),
-                square: (newest.products[1] + fewer * self.known * self.known) / (fourth + fewer),
-                square_error: (2.0 * newest.variances[1]).sqrt() / (fourth + fewer),
+                mean: products[i] * by_square,
+                mean_variance: variances[i] * (by_square * by_square),
+                square: (excesses[i] + known) * by_fourth,
+                square_variance: 2.0 * others[i] * (by_fourth * by_fourth),
             }
         })
     }
@@ -132,7 +133,7 @@ mod tests {
         assert!((slow.square.sqrt() - 4e-4).abs() < 1e-4 && slow.mean.abs() < 3e-5, "{slow:?}");
         let [fast, slow] = after(60.0, -3e-4, 0.0, usize::MAX);
         assert!((fast.mean + 3e-4).abs() < 1e-4 && (slow.mean + 3e-4).abs() < 3e-5, "{slow:?}");
-        assert!(slow.mean_error < 2e-5, "{slow:?}");
+        assert!(slow.mean_variance.sqrt() < 2e-5, "{slow:?}");
         let [fast, slow] = after(1.0, 0.0, 5e-4, usize::MAX);
         assert!(fast.square > 9e-8 && slow.square > 4e-8, "{fast:?} {slow:?}");
     }

@@ -3,7 +3,8 @@
 use super::rate::Rate;
 use super::samples::History;
 use super::wild;
-use super::windows::WIDTHS;
+use super::windows::{VALUES, WIDTHS};
+use std::ops::Range;
 
 /// A statistic and the window that it comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,7 +16,7 @@ pub struct Peak {
 }
 
 /// The larger of two.
-fn larger(one: Peak, other: Peak) -> Peak {
+pub(super) fn larger(one: Peak, other: Peak) -> Peak {
     if other.nats > one.nats { other } else { one }
 }
 
@@ -97,13 +98,12 @@ pub struct Scales {
     mean: Rate,
     square: Rate,
     bands: Bands,
-    windows: [Window; WIDTHS.len()],
+    pub(super) windows: [Window; WIDTHS.len()],
 }
 
 /// What the statistics of one window need, with the width multiplied out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Window {
-    width: usize,
+pub(super) struct Window {
     /// 1/w.
     part: f64,
     /// ε_w, m.
@@ -112,53 +112,62 @@ struct Window {
     spread_band: f64,
     /// Samples that count, w/κ, of mean and of mean square.
     worth: [f64; 2],
-    /// The most nats in a square of what the sum is beyond its band, and in what that of the squares
-    /// is, 1/m²: no need to look closer where that is less than what another window has.
-    most: [f64; 2],
+    /// The root of the nats of the mean is at most this, 1/m, times what the sum is beyond its band …
+    pub root: f64,
+    /// … and those of the mean square are at most the first, 1/m², times the sum of squares, less the
+    /// second.
+    pub line: [f64; 2],
 }
 
-/// So many windows, up to 16 samples, are looked at with every sample, …
-const NARROW: usize = 8;
+/// The bounds are so much too large: rounding must not let one fall below what it bounds.
+const ROUNDING: f64 = 1e-9;
 
-/// … and wider ones every so many: what fills them comes no sooner.
-const EVERY: u32 = 4;
-
-/// The largest evidence of a history, as it grows.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Search {
-    /// Samples since the wide windows were looked at, and what they had.
-    age: u32,
-    wide: [Peak; 2],
-}
-
-impl Search {
-    /// The largest of both statistics with a sample more.
-    #[inline]
-    pub fn step(&mut self, scales: &Scales, history: &History, widest: usize) -> [Peak; 2] {
-        let narrow = scales.largest(history, &scales.windows[..NARROW], widest);
-        if self.age == 0 {
-            self.wide = scales.largest(history, &scales.windows[NARROW..], widest);
+impl Window {
+    fn new(width: usize, dead_band: f64, spread_band: f64, worth: [f64; 2]) -> Self {
+        let width = width as f64;
+        Self {
+            part: 1.0 / width,
+            dead_band,
+            spread_band: width * spread_band,
+            worth,
+            root: 0.0,
+            line: [0.0; 2],
         }
-        self.age = (self.age + 1) % EVERY;
-        [larger(narrow[0], self.wide[0]), larger(narrow[1], self.wide[1])]
+    }
+
+    /// What a sum is beyond its band, m, …
+    #[inline]
+    pub fn beyond(&self, [sum, _, shares, _]: [f64; VALUES]) -> f64 {
+        sum.abs() - self.dead_band * shares
+    }
+
+    /// … and what that of the squares is, m².
+    #[inline]
+    pub fn square_beyond(&self, [_, squares, ..]: [f64; VALUES]) -> f64 {
+        squares - self.spread_band
+    }
+
+    /// With bounds: I(x) ≤ M x², where x is what the sum is beyond its band, by the width; and I₂(x) ≤
+    /// M₂ (x² − x₀²), where x² is the same of the squares ([`Rate::steepest`]).
+    fn bounded(self, mean: &Rate, square: &Rate) -> Self {
+        let root = (self.worth[0] * mean.steepest(0.0)).sqrt() * self.part * (1.0 + ROUNDING);
+        let silent = square.silent();
+        let steepest = self.worth[1] * square.steepest(silent) * (1.0 + ROUNDING);
+        let slope = steepest * self.part;
+        let begins = slope * self.spread_band + steepest * silent * silent;
+        // Of a rate that begins above 0 the slope is infinite: then all are looked at.
+        let begins = if slope.is_finite() { begins * (1.0 - ROUNDING) } else { 0.0 };
+        Self { root, line: [slope, begins], ..self }
     }
 }
 
 impl Scales {
     /// By the rate functions of the mean and of the mean square of weighed residuals.
     pub fn new(mean: Rate, square: Rate, dependence: Dependence, bands: Bands) -> Self {
-        let steepest = [mean.steepest(), square.steepest()];
         let windows = std::array::from_fn(|index| {
-            let width = WIDTHS[index] as f64;
-            let worth = dependence.map(|of| width / of[index]);
-            Window {
-                width: WIDTHS[index],
-                part: 1.0 / width,
-                dead_band: bands.dead_bands[index],
-                spread_band: width * bands.spread_band,
-                worth,
-                most: [worth[0] * steepest[0] / (width * width), worth[1] * steepest[1] / width],
-            }
+            let worth = dependence.map(|of| WIDTHS[index] as f64 / of[index]);
+            Window::new(WIDTHS[index], bands.dead_bands[index], bands.spread_band, worth)
+                .bounded(&mean, &square)
         });
         Self { mean, square, bands, windows }
     }
@@ -170,26 +179,41 @@ impl Scales {
     /// Of both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
     /// ε_w share), and w/κ₂ I₂(mean square − δ), where these are above 0.
     pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
-        self.largest(history, &self.windows, widest)
+        self.exhaustive(0..WIDTHS.len(), history, widest)
+    }
+
+    /// By definition, window by window.
+    pub(super) fn exhaustive(
+        &self,
+        which: Range<usize>,
+        history: &History,
+        widest: usize,
+    ) -> [Peak; 2] {
+        let mut peaks = [Peak::default(); 2];
+        for index in which.take_while(|index| WIDTHS[*index] <= widest) {
+            let Some(sums) = history.over(WIDTHS[index]) else { continue };
+            let (width, window) = (WIDTHS[index], &self.windows[index]);
+            let mean = self.mean_nats(window, window.beyond(sums));
+            let square = self.square_nats(window, window.square_beyond(sums));
+            peaks[0] = larger(peaks[0], Peak { nats: mean, width });
+            peaks[1] = larger(peaks[1], Peak { nats: square, width });
+        }
+        peaks
+    }
+
+    /// Of what a sum is `beyond` its band, m; and of what that of the squares is, m².
+    #[inline]
+    pub(super) fn mean_nats(&self, window: &Window, beyond: f64) -> f64 {
+        if beyond > 0.0 { window.worth[0] * self.mean.at(beyond * window.part) } else { 0.0 }
     }
 
     #[inline]
-    fn largest(&self, history: &History, windows: &[Window], widest: usize) -> [Peak; 2] {
-        let mut peaks = [Peak::default(); 2];
-        for window in windows.iter().take_while(|window| window.width <= widest) {
-            let Some([sum, squares, shares, ..]) = history.over(window.width) else { continue };
-            let beyond = sum.abs() - window.dead_band * shares;
-            if beyond > 0.0 && window.most[0] * beyond * beyond > peaks[0].nats {
-                let nats = window.worth[0] * self.mean.at(beyond * window.part);
-                peaks[0] = larger(peaks[0], Peak { nats, width: window.width });
-            }
-            let beyond = squares - window.spread_band;
-            if beyond > 0.0 && window.most[1] * beyond > peaks[1].nats {
-                let nats = window.worth[1] * self.square.at((beyond * window.part).sqrt());
-                peaks[1] = larger(peaks[1], Peak { nats, width: window.width });
-            }
+    pub(super) fn square_nats(&self, window: &Window, beyond: f64) -> f64 {
+        if beyond > 0.0 {
+            window.worth[1] * self.square.at((beyond * window.part).sqrt())
+        } else {
+            0.0
         }
-        peaks
     }
 
     /// The evidence of a mean that is so much `beyond` its band, m, of as many samples as the window of
@@ -254,21 +278,6 @@ mod tests {
             let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
             assert!(mean.nats < BY_DEAD_BAND, "{length}: {mean:?}");
         }
-    }
-
-    #[test]
-    fn wide_windows_are_looked_at_now_and_then_and_remembered() {
-        let (mut history, scales) = (History::default(), scales(1e-4));
-        let (clip, mut search) = (Clip::new(scales.bands()), Search::default());
-        let mut all: Vec<f64> = Vec::new();
-        for k in 0..300_usize {
-            history.push(Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }), &clip, News::InMotion);
-            all.push(scales.peaks(&history, 1024)[0].nats);
-            let [found, _] = search.step(&scales, &history, 1024);
-            let before = all[k.saturating_sub(EVERY as usize - 1)];
-            assert!(found.nats < all[k] + 1e-9 && found.nats > before - 1e-9, "{k}: {found:?}");
-        }
-        assert!(all[299] > 20.0, "{}", all[299]);
     }
 
     #[test]

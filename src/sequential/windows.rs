@@ -6,43 +6,44 @@ pub const WIDTHS: [usize; 20] =
     [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
 
 /// Values that are summed.
-pub const VALUES: usize = 6;
+pub const VALUES: usize = 4;
 
-/// Running sums of some values over the newest `N` − 1 samples at most, in constant time.
+/// Running sums of some values over the newest `N` samples at most, in constant time; `N` is a power of
+/// two, so that a place in the ring is a few bits of a number.
 #[derive(Clone, Debug)]
 pub struct Sums<const N: usize> {
     /// Of everything before each of the newest samples; a ring.
     before: Box<[[f64; VALUES]; N]>,
     total: [f64; VALUES],
-    next: usize,
-    held: usize,
+    /// Samples that came.
+    count: usize,
 }
 
 impl<const N: usize> Sums<N> {
     pub fn new() -> Self {
-        Self { before: Box::new([[0.0; VALUES]; N]), total: [0.0; VALUES], next: 0, held: 0 }
+        const { assert!(N.is_power_of_two()) };
+        Self { before: Box::new([[0.0; VALUES]; N]), total: [0.0; VALUES], count: 0 }
     }
 
-    pub fn clear(&mut self) {
-        (self.total, self.next, self.held) = ([0.0; VALUES], 0, 0);
+    pub const fn clear(&mut self) {
+        (self.total, self.count) = ([0.0; VALUES], 0);
     }
 
     /// Samples that are held.
-    pub const fn held(&self) -> usize {
-        self.held
+    #[inline]
+    pub fn held(&self) -> usize {
+        self.count.min(N)
     }
 
     /// Takes a sample.
     #[inline]
     pub fn push(&mut self, values: [f64; VALUES]) {
-        self.before[self.next] = self.total;
+        self.before[self.count % N] = self.total;
         for (total, value) in self.total.iter_mut().zip(values) {
             *total += value;
         }
-        self.next += 1;
-        self.held = (self.held + 1).min(N - 1);
-        if self.next == N {
-            self.next = 0;
+        self.count += 1;
+        if self.count.is_multiple_of(N) {
             self.rebase();
         }
     }
@@ -50,11 +51,14 @@ impl<const N: usize> Sums<N> {
     /// The sums over the newest `width` samples; `None` if there are not so many.
     #[inline]
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        (width <= self.held).then(|| {
-            let i = self.next + if self.next < width { N } else { 0 } - width;
-            let before = &self.before[i];
-            std::array::from_fn(|i| self.total[i] - before[i])
-        })
+        (width <= self.held()).then(|| self.newest(width))
+    }
+
+    /// The same of a `width` that is known to be held.
+    #[inline]
+    pub fn newest(&self, width: usize) -> [f64; VALUES] {
+        let before = &self.before[self.count.wrapping_sub(width) % N];
+        std::array::from_fn(|i| self.total[i] - before[i])
     }
 
     /// Sums that run for years lose their last digits.
@@ -76,34 +80,95 @@ impl<const N: usize> Default for Sums<N> {
     }
 }
 
+/// So many samples are few.
+const FEW: usize = 8;
+
+/// The newest samples, so few that they are added up each time.
+#[derive(Clone, Debug, Default)]
+pub struct Few {
+    /// A ring, twice: somewhere it has the newest in a row.
+    rings: [[f64; VALUES]; 2 * FEW],
+    count: usize,
+}
+
+impl Few {
+    pub const fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Samples that are held.
+    #[inline]
+    pub fn held(&self) -> usize {
+        self.count.min(FEW)
+    }
+
+    /// Takes a sample.
+    #[inline]
+    pub fn push(&mut self, values: [f64; VALUES]) {
+        let place = self.count % FEW;
+        self.rings[place] = values;
+        self.rings[place + FEW] = values;
+        self.count += 1;
+    }
+
+    /// What was pushed so many samples `ago`, less than eight.
+    #[inline]
+    pub fn ago(&self, ago: usize) -> [f64; VALUES] {
+        let newest = self.count.wrapping_sub(1) % FEW + FEW;
+        self.rings[newest - ago % FEW]
+    }
+
+    /// The sums over the newest `width` samples; `None` if there are not so many.
+    pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
+        (width <= self.held()).then(|| {
+            (0..width)
+                .map(|ago| self.ago(ago))
+                .fold([0.0; VALUES], |sums, values| add(sums, values))
+        })
+    }
+}
+
+/// Both, value by value.
+#[inline]
+pub fn add(sums: [f64; VALUES], values: [f64; VALUES]) -> [f64; VALUES] {
+    std::array::from_fn(|i| sums[i] + values[i])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_sums_are_those_of_the_newest_samples() {
-        let mut sums = Sums::<9>::new();
-        let value = |k: i32| [f64::from(k * k % 17), f64::from(k), 1.0, -f64::from(k), 0.5, 2.0];
-        for k in 0..200 {
-            sums.push(value(k));
-            let held = (k as usize + 1).min(8);
-            assert_eq!(sums.held(), held);
-            for width in 1..=8 {
-                let newest = (k - width + 1..=k).map(value);
-                let sum = newest.fold([0.0; VALUES], |s, v| std::array::from_fn(|i| s[i] + v[i]));
-                let expected = (width as usize <= held).then_some(sum);
-                assert_eq!(sums.over(width as usize), expected, "{k} {width}");
+        let (mut sums, mut few) = (Sums::<8>::new(), Few::default());
+        let value = |k: i32| [f64::from(k * k % 17), f64::from(k), 0.5, 1.0];
+        for from in [0, 1000] {
+            for k in from..from + 200 {
+                sums.push(value(k));
+                few.push(value(k));
+                let held = (k - from + 1).min(8) as usize;
+                assert_eq!((sums.held(), few.held()), (held, held));
+                assert_eq!(few.ago(0), value(k));
+                for width in 1..=8 {
+                    let newest = (k - width + 1..=k).map(value);
+                    let sum = newest.fold([0.0; VALUES], add);
+                    let width = width as usize;
+                    let expected = (width <= held).then_some(sum);
+                    assert_eq!([sums.over(width), few.over(width)], [expected; 2], "{k} {width}");
+                }
+                assert_eq!(sums.over(9), None);
             }
+            sums.clear();
+            few.clear();
+            assert_eq!((sums.over(1), few.over(1)), (None, None));
         }
-        sums.clear();
-        assert_eq!(sums.over(1), None);
     }
 
     #[test]
     fn months_lose_no_digits() {
-        let mut sums = Sums::<1025>::new();
+        let mut sums = Sums::<1024>::new();
         for _ in 0..20_000_000 {
-            sums.push([0.1, 1.0, 0.0, 0.0, 1.0, 1.0]);
+            sums.push([0.1, 1.0, 0.0, 1.0]);
         }
         let [sum, count, ..] = sums.over(1024).expect("it is full");
         assert!((sum - 102.4).abs() < 1e-10 && count == 1024.0, "{sum}");

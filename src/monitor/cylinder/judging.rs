@@ -69,6 +69,7 @@ impl Cylinder {
         self.precedence.judge(raised, standing);
     }
 
+    #[inline(never)]
     pub(super) fn judge_sequentially(
         &mut self,
         now: Evaluation,
