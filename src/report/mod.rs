@@ -1,6 +1,7 @@
 //! What people and scripts read of a replay: lines of JSON, tables of residuals, a page of text.
 
 pub mod calibration;
+pub mod coverage;
 pub mod episode;
 pub mod estimates;
 pub mod evaluation;

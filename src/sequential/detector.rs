@@ -237,8 +237,10 @@ impl Sequential {
             .zip(velocity)
             .and_then(|((c1, c2), velocity)| reference.residual(c1, c2, velocity));
         let velocity = velocity.unwrap_or(0.0);
-        let residual = calibrated.map(|residual| residual - self.sooner * velocity);
+        let doubt = calibrated.map_or(0.0, |(_, doubt)| doubt);
+        let residual = calibrated.map(|(residual, _)| residual - self.sooner * velocity);
         let baseline = self.baseline.value();
+        let of_baseline = self.baseline.doubt();
         self.follow(input, residual.zip(baseline));
         let Some((residual, (c1, c2))) = residual.zip(lengths) else {
             self.verdict = self.without_evidence();
@@ -246,14 +248,15 @@ impl Sequential {
         };
         self.slow.push(residual);
         if self.alarm.is_none() {
-            self.baseline.follow(residual);
+            self.baseline.follow(residual, doubt);
         }
         let Some(baseline) = baseline else {
             self.verdict = self.without_evidence();
             return;
         };
         let residual = residual - baseline;
-        let sample = Sample { residual, share: self.noise.share(velocity) };
+        let doubt = doubt * doubt + of_baseline * of_baseline;
+        let sample = Sample { residual, share: self.noise.share(velocity), doubt };
         let news = self.novelty.step([c1, c2], sample);
         if news == News::InMotion {
             if let Some(alarm) = &self.alarm {

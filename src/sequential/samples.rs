@@ -2,6 +2,7 @@
 
 use super::clip::Clip;
 use super::novelty::News;
+use super::statistic::DEAD_BAND;
 use super::windows::{Sums, VALUES};
 
 /// Up to this width a window takes every sample that is news; wider ones only those in motion, because
@@ -21,17 +22,29 @@ pub struct Sample {
     pub residual: f64,
     /// What it is multiplied by to scatter as one at rest does ([`super::noise::Noise::share`]).
     pub share: f64,
+    /// The square of what the residual may be off by, for its reference and its baseline may be, m².
+    pub doubt: f64,
 }
 
 impl Sample {
-    /// Of a rod that stands.
+    /// Of a rod that stands where all is known.
     pub const fn at_rest(residual: f64) -> Self {
-        Self { residual, share: 1.0 }
+        Self { residual, share: 1.0, doubt: 0.0 }
+    }
+
+    /// The share of the dead band that it has: what is not known is added to that, in quadrature.
+    #[inline]
+    fn band(&self) -> f64 {
+        if self.doubt > 0.0 {
+            self.share * (1.0 + self.doubt / (DEAD_BAND * DEAD_BAND)).sqrt()
+        } else {
+            self.share
+        }
     }
 }
 
-/// The sums of the weighed residual as far as it counts, m, of its square likewise, m², and of the
-/// share by which it was weighed; then of the residual itself, m, of its square, m², and of the cycles
+/// The sums of the weighed residual as far as it counts, m, of its square likewise less what its doubt
+/// explains, m², and of the share of the dead band that it has; then of the residual itself, m, of its square, m², and of the cycles
 /// since the sample before.
 #[derive(Clone, Debug, Default)]
 pub struct History {
@@ -49,11 +62,12 @@ impl History {
     /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
     #[inline]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
-        let Sample { residual, share } = sample;
+        let Sample { residual, share, doubt } = sample;
         let weighed = residual * share;
         let clipped = weighed.clamp(-clip.farthest, clip.farthest);
-        let square = (weighed * weighed).min(clip.square);
-        let values = |cycles| [clipped, square, share, residual, residual * residual, cycles];
+        let square = (weighed * weighed).min(clip.square) - share * share * doubt;
+        let band = sample.band();
+        let values = |cycles| [clipped, square, band, residual, residual * residual, cycles];
         self.all.push(values(1.0));
         self.since = self.since.map(|cycles| cycles.saturating_add(1));
         let [said, moved] = &mut self.since;

@@ -8,6 +8,7 @@
 
 pub mod axis;
 pub mod calibration;
+mod coverage;
 pub mod curves;
 pub mod differences;
 mod drawing;
