@@ -276,11 +276,11 @@ fn a_recording_that_mostly_rests_calibrates_a_sequential_detector_of_little_or_n
         let text = fs::read_to_string(&output).expect("it was written");
         text.parse::<Table>().expect("TOML")
     };
-    let tables = calibrated(["little for the sequential detector", "is known to 3.4 %"], &[]);
+    let tables = calibrated(["little for the sequential detector", "is known to 2.3 %"], &[]);
     let fitted = tables["cylinder"][0]["sequential"].as_table().expect("there is one");
     assert!(fitted.contains_key("rate") && !fitted.contains_key("drive"), "{tables}");
     let told = ["no tables for the sequential detector", "it takes 200;"];
-    let tables = calibrated(told, &["--held-back", "30"]);
+    let tables = calibrated(told, &["--held-back", "10"]);
     assert!(tables["cylinder"][0].get("sequential").is_none(), "{tables}");
     // The simulated machine moves all the time.
     let log = "tests/recordings/e-type-healthy.log.zst";

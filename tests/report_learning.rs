@@ -52,7 +52,24 @@ fn a_calibration_shows_the_difference_before_and_after_with_its_bounds() {
     assert_tables(&text, &html);
     let document = parse(&html);
     let figures = Figure::all(&document);
+    let (along, figures): (Vec<_>, Vec<_>) =
+        figures.into_iter().partition(|figure| figure.title.contains("known along the stroke"));
     assert_eq!(figures.len(), 12, "by time and by position, six cylinders");
+    assert_eq!(along.len(), 6);
+    for figure in &along {
+        let profile = &figure.panels()[0];
+        let (band, middle) = (profile.runs(Look::SKY), profile.runs(Look::BLUE));
+        let ([low, high], [middle]) = (&band[..], &middle[..]) else {
+            panic!("{}: {band:?} {middle:?}", figure.title)
+        };
+        assert!(middle.len() > 3 && low.len() == middle.len() && high.len() == middle.len());
+        for ((low, middle), high) in low.iter().zip(middle).zip(high) {
+            assert!(low.1 <= middle.1 && middle.1 <= high.1, "{low:?} {middle:?} {high:?}");
+            // Two thirds of what it may be off by, to either side, which is 0.2 mm at the most.
+            assert!(high.1 - low.1 < 0.28, "{low:?} {high:?}");
+        }
+        assert!(high[0].1 - low[0].1 > 0.24, "at its ends it is known no better: {low:?} {high:?}");
+    }
     let bound = millimetres(&text, "proposed bound of R3:");
     for figure in &figures {
         let [before, after] = &figure.panels()[..] else { panic!("{}", figure.title) };

@@ -8,6 +8,7 @@ use super::{
 };
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
+use crate::sequential::reference::DOUBTED;
 use crate::survey::{Recording, Window};
 
 /// What a calibration is made with.
@@ -40,11 +41,14 @@ const MOST_PLACES: usize = 2;
 /// More of the recording than this part is not cut out.
 const MOST_CUT: f64 = 0.1;
 
+/// Of each cylinder, and of both halves of the recording.
+type Profiles = Vec<Option<(Profile, Halves)>>;
+
 /// What each cylinder has taught.
 struct Taught {
     gathering: Gathering,
     results: Vec<Result<super::Fitted, Refusal>>,
-    profiles: Vec<Option<(Profile, Halves)>>,
+    profiles: Profiles,
     scattering: Scattering,
     trying: Trying,
     sequential: Vec<Option<(Profile, Scatter)>>,
@@ -81,21 +85,19 @@ impl Course<'_> {
         let (sample_time, division) = (settings.machine.sample_time, self.division());
         let (gathering, results) = self.lines(recording, cuts)?;
         let fits = || results.iter().map(|result| result.as_ref().ok());
-        let mut profiling = Profiling::new(division, settings.machine.stroke, sample_time, fits());
-        let whole = self.whole();
-        recording.read(whole, Cutting { cuts, surveyor: &mut profiling })?;
-        let profiles: Vec<Option<(Profile, Halves)>> =
-            (0..results.len()).map(|i| profiling.result(i)).collect();
-        let known = || fits().zip(&profiles).map(|(fit, profile)| fit.zip(profile.as_ref()));
-        let halves = known().map(|known| known.map(|(fit, (_, halves))| (fit, halves)));
+        let profiles = self.profiles(recording, cuts, &results)?;
+        let halves = fits().zip(&profiles).map(|(fit, taught)| {
+            let (_, halves) = taught.as_ref()?;
+            Some((fit?, halves))
+        });
         let mut spreading = Spreading::new(sample_time, division, halves);
         let mut trying = Trying::new(fits(), settings.warning_cycles());
         let both = (&mut trying, &mut spreading);
         recording.read(tried, Cutting { cuts, surveyor: both })?;
-        let spread = known().enumerate().map(|(index, known)| {
-            let ((fit, taught), spread) = known.zip(spreading.result(index))?;
-            Some((fit, taught, spread))
-        });
+        let spread = fits()
+            .zip(&profiles)
+            .enumerate()
+            .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
         let mut scattering = Scattering::new(sample_time, division, spread);
         recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
         let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
@@ -113,6 +115,21 @@ impl Course<'_> {
         };
         taught.levels = self.levels(recording, cuts, &taught)?;
         Ok(taught)
+    }
+
+    /// What each cylinder is along its stroke.
+    fn profiles<R: Recording>(
+        &self,
+        recording: &R,
+        cuts: &Cuts,
+        results: &[Result<super::Fitted, Refusal>],
+    ) -> Result<Profiles, R::Error> {
+        let machine = &self.settings.machine;
+        let fits = results.iter().map(|result| result.as_ref().ok());
+        let mut profiling =
+            Profiling::new(self.division(), machine.stroke, machine.sample_time, fits);
+        recording.read(self.whole(), Cutting { cuts, surveyor: &mut profiling })?;
+        Ok((0..results.len()).map(|index| profiling.result(index)).collect())
     }
 
     /// a and b of every cylinder, and what there was to make them from.
@@ -269,6 +286,7 @@ impl CylinderCalibration {
                     first: reference.first,
                     spacing: reference.spacing,
                     nodes: reference.nodes.clone(),
+                    node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
                     deviation: scatter.deviation,

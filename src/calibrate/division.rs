@@ -9,6 +9,9 @@ const BLOCK: f64 = 60.0;
 /// A short recording has at least so many blocks.
 const LEAST_BLOCKS: f64 = 8.0;
 
+/// What is seen of a place in so many seconds is one look, of which a block has two at least.
+const LOOK: f64 = 30.0;
+
 /// See [`Division::lots`].
 const LOTS: usize = 4;
 
@@ -39,6 +42,11 @@ impl Division {
         self.block
     }
 
+    /// What teaches.
+    pub const fn fitted(&self) -> Window {
+        self.fitted
+    }
+
     /// The half, 0 or 1, that the row at `t`, s, teaches.
     pub fn taught(&self, t: f64) -> Option<usize> {
         self.fitted.holds(t).then(|| self.half(t))
@@ -58,6 +66,12 @@ impl Division {
     /// … of which the row at `t`, s, belongs to this one: what is in one place is in few of them.
     pub fn lot(&self, t: f64) -> usize {
         self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % LOTS)
+    }
+
+    /// Which look the row at `t`, s, is of.
+    pub fn look(&self, t: f64) -> u64 {
+        let length = self.block.map_or(LOOK, |block| LOOK.min(0.5 * block));
+        (t / length).max(0.0) as u64
     }
 
     fn half(&self, t: f64) -> usize {
@@ -144,7 +158,9 @@ mod tests {
         }
         assert_eq!((division.taught(600.0), division.judged(-1.0)), (None, None));
         let short = Window { from: 0.0, to: 80.0 };
-        assert_eq!(Division::new(short, short).block(), Some(10.0));
+        let short = Division::new(short, short);
+        assert_eq!([4.9, 5.0, 9.9, 10.0].map(|t| short.look(t)), [0, 1, 1, 2]);
+        assert_eq!([29.9, 30.0].map(|t| division.look(t)), [0, 1]);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::line::{Line, Robust};
 use super::refusal::Refusal;
+use super::roughness::Roughness;
 use crate::identify::qr::Triangle;
 use crate::survey::{Row, Surveyor};
 
@@ -29,6 +30,8 @@ pub struct Fitted {
     pub trimmed: u64,
     /// m.
     pub limit: f64,
+    /// What C1 − Ĉ2 scatters by from cycle to cycle, standard deviation, m.
+    pub roughness: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -37,6 +40,7 @@ struct Regressed {
     limit: f64,
     /// Of C2, 1 and C1.
     triangle: Triangle<3>,
+    roughness: Roughness,
     trimmed: u64,
 }
 
@@ -53,6 +57,7 @@ impl Fitting {
             robust,
             limit: ROUNDING.max(NEAR * robust.deviation),
             triangle: Triangle::new(),
+            roughness: Roughness::default(),
             trimmed: 0,
         };
         Self { cylinders: lines.into_iter().map(|line| line.map(regressed)).collect() }
@@ -76,14 +81,18 @@ impl Surveyor for Fitting {
     }
 
     fn gap(&mut self, cylinder: u8) {
-        _ = cylinder;
+        if let Some(regressed) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
+            regressed.roughness.interrupt();
+        }
     }
 }
 
 impl Regressed {
     fn take(&mut self, c1: f64, c2: f64) {
-        if self.robust.line.error(c2, c1).abs() <= self.limit {
+        let error = self.robust.line.error(c2, c1);
+        if error.abs() <= self.limit {
             self.triangle.add(&[c2, 1.0, c1]);
+            self.roughness.add(error);
         } else {
             self.trimmed += 1;
         }
@@ -105,6 +114,7 @@ impl Regressed {
             rows,
             trimmed,
             limit,
+            roughness: self.roughness.deviation(),
         })
     }
 }

@@ -11,6 +11,7 @@
 
 mod course;
 mod division;
+mod driving;
 mod finding;
 mod fitting;
 mod gathering;
@@ -20,7 +21,9 @@ mod profile;
 mod refusal;
 mod residuals;
 mod resolution;
+mod roughness;
 mod scatter;
+mod smoothing;
 mod spreading;
 mod trying;
 pub mod watch;

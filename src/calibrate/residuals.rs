@@ -36,6 +36,8 @@ pub struct Residual {
     pub velocity: f64,
     /// Beyond the baseline, m; `None` before it has begun.
     pub beyond: Option<f64>,
+    /// The square of what that may be off by, for what it is compared with may be, m².
+    pub doubt: f64,
     pub news: News,
 }
 
@@ -90,14 +92,15 @@ impl Residuals {
         let (c1, c2) = row.c1.zip(row.c2).filter(healthy)?;
         let velocity = velocity?;
         let half = self.division.judged(row.t)?;
-        let residual = self.halves[half].as_ref()?.residual(c1, c2, velocity)?;
+        let (residual, doubt) = self.halves[half].as_ref()?.residual(c1, c2, velocity)?;
         if self.loss.is_long(row.timestamp) {
             self.baseline.reset();
         }
-        let baseline = self.baseline.value();
-        self.baseline.follow(residual);
+        let (baseline, of_baseline) = (self.baseline.value(), self.baseline.doubt());
+        self.baseline.follow(residual, doubt);
         let news = self.novelty.step([c1, c2], Sample::at_rest(residual));
         let beyond = baseline.map(|baseline| residual - baseline);
-        Some(Residual { lengths: [c1, c2], velocity, beyond, news })
+        let doubt = doubt * doubt + of_baseline * of_baseline;
+        Some(Residual { lengths: [c1, c2], velocity, beyond, doubt, news })
     }
 }

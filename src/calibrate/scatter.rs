@@ -228,7 +228,8 @@ impl Judged {
             }
         }
         let Some((residual, beyond)) = residual.zip(beyond) else { return };
-        let sample = Sample { residual: beyond, share: self.noise.share(residual.velocity) };
+        let share = self.noise.share(residual.velocity);
+        let sample = Sample { residual: beyond, share, doubt: residual.doubt };
         self.history.push(sample, &Clip::new(&self.bands), residual.news);
         if residual.in_motion().is_some() {
             let weighed = sample.share * beyond;

@@ -114,7 +114,8 @@ impl Spreads {
     fn result(&self) -> Option<Spread> {
         let resolution = [0, 1].map(|which: usize| self.resolutions[which].count());
         let counts = WILD_COUNTS * 0.5 * (resolution[0] + resolution[1]);
-        let first = |magnitudes: &Magnitudes| (WILD * BY_MEDIAN * median(magnitudes)).max(counts);
+        let first =
+            |magnitudes: &Magnitudes| (WILD * BY_MEDIAN * quantile(magnitudes, 0.5)).max(counts);
         let mut noise = self.fit(|_, magnitudes| first(magnitudes))?;
         for _ in 1..ROUNDS {
             noise = self.fit(|square, _| FAR * noise.variance(square.sqrt()).sqrt())?;
@@ -171,9 +172,9 @@ fn line(points: &[(f64, f64, f64)]) -> Option<Noise> {
     Some(Noise { rest: variance[0].sqrt(), timing: variance[1].sqrt() })
 }
 
-/// m; 0 of nothing.
-fn median(magnitudes: &Magnitudes) -> f64 {
-    let mut left = magnitudes.total() / 2;
+/// The magnitude that `part` of them is below, m; 0 of nothing.
+pub(super) fn quantile(magnitudes: &Magnitudes, part: f64) -> f64 {
+    let mut left = (part * magnitudes.total() as f64) as u64;
     for (magnitude, count) in magnitudes.bins() {
         if count > left {
             return magnitude;
@@ -223,10 +224,19 @@ mod tests {
 
     fn nothing() -> Spreads {
         let line = crate::calibrate::Line { gain: 1.0, offset: 0.0 };
-        let fitted = Fitted { line, errors: [0.0; 2], rms: 1e-4, rows: 0, trimmed: 0, limit: 1e-3 };
+        let fitted = Fitted {
+            line,
+            errors: [0.0; 2],
+            rms: 1e-4,
+            rows: 0,
+            trimmed: 0,
+            limit: 1e-3,
+            roughness: 1e-4,
+        };
         let all = crate::survey::Window::ALL;
+        let division = Division::new(all, all);
         Spreads {
-            residuals: Residuals::new(0.02, &fitted, Division::new(all, all), [None, None]),
+            residuals: Residuals::new(0.02, &fitted, division, [None, None]),
             resolutions: Default::default(),
             speeds: Vec::new(),
         }

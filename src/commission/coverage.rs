@@ -3,6 +3,7 @@
 use super::stages::Taught;
 use crate::calibrate::LEAST_BOUND;
 use crate::extremes::HOURS_PER_YEAR;
+use crate::sequential::reference::LARGEST_DOUBT;
 use crate::sequential::{Reference, wild};
 use crate::tune::LEAST_HIGH;
 
@@ -15,7 +16,7 @@ pub struct Coverage {
     pub seen: f64,
     /// From and to, m.
     pub stroke: [f64; 2],
-    /// From and to, m, where it knows nothing.
+    /// From and to, m, where it knows nothing: where nobody was, or not long enough.
     pub unseen: Vec<[f64; 2]>,
 }
 
@@ -31,19 +32,15 @@ pub fn of(taught: &Taught) -> Vec<Coverage> {
 
 impl Coverage {
     fn new(cylinder: u8, reference: &Reference) -> Self {
-        let Reference { first, spacing, covered, .. } = reference;
-        let mut unseen: Vec<[f64; 2]> = Vec::new();
-        for (cell, _) in covered.iter().enumerate().filter(|(_, covered)| !**covered) {
-            let from = first + cell as f64 * spacing;
-            match unseen.last_mut() {
-                Some(last) if (last[1] - from).abs() < 0.5 * spacing => last[1] = from + spacing,
-                _ => unseen.push([from, from + spacing]),
-            }
-        }
-        let seen = covered.iter().filter(|covered| **covered).count();
-        let cells = covered.len();
-        let stroke = [*first, first + cells as f64 * spacing];
-        Self { cylinder, seen: seen as f64 / cells.max(1) as f64, stroke, unseen }
+        let begin = reference.first;
+        let end = begin + reference.covered.len() as f64 * reference.spacing;
+        let known = reference.spans(-1.0, LARGEST_DOUBT);
+        let from = [begin].into_iter().chain(known.iter().map(|place| place[1]));
+        let to = known.iter().map(|place| place[0]).chain([end]);
+        let unseen = from.zip(to).map(|(from, to)| [from, to]);
+        let unseen = unseen.filter(|[from, to]| to - from > 1e-9).collect();
+        let seen: f64 = known.iter().map(|[from, to]| to - from).sum();
+        Self { cylinder, seen: seen / (end - begin), stroke: [begin, end], unseen }
     }
 
     /// From and to, m, where it knows something.
@@ -138,12 +135,13 @@ mod tests {
             first: -0.2,
             spacing: 0.1,
             nodes: vec![0.0; 6],
+            doubts: vec![0.0; 6],
             covered: vec![false, false, true, true, false],
             velocity: 0.0,
         };
         let coverage = Coverage::new(2, &reference);
         assert_eq!(coverage.places(), "-0.2 to 0.0 m, 0.2 to 0.3 m");
-        assert_eq!((coverage.cylinder, coverage.seen), (2, 0.4));
+        assert!(coverage.cylinder == 2 && (coverage.seen - 0.4).abs() < 1e-9, "{coverage:?}");
         let [known] = coverage.known()[..] else { panic!("{:?}", coverage.known()) };
         assert!(known[0].abs() < 1e-9 && (known[1] - 0.2).abs() < 1e-9);
         let like = Coverage { cylinder: 5, ..coverage.clone() };

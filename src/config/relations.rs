@@ -237,6 +237,13 @@ impl Relations<'_> {
             format!("`{key}` has {count} values, but there are {cells} cells between the nodes"),
             HELP,
         );
+        let (key, count) = (format!("{table}.node_deviations"), fitted.node_deviations.len());
+        self.require(
+            count == 0 || count == fitted.nodes.len(),
+            &[&key],
+            format!("`{key}` has {count} values, but there are {} nodes", fitted.nodes.len()),
+            HELP,
+        );
         let key = format!("{table}.rate");
         self.require(
             fitted.rate.first() == Some(&0.0) && fitted.rate.is_sorted(),

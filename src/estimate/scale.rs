@@ -38,6 +38,7 @@ mod tests {
             first: -1.0,
             spacing: 0.5,
             nodes: vec![1e-3, 2e-3, 4e-3],
+            doubts: vec![0.0; 3],
             covered: vec![true, false],
             velocity: 1e-3,
         };

@@ -1,10 +1,12 @@
 //! A calibration as a page for people, and as tables that the configuration reads.
 
+use super::coverage;
 use super::provenance::{self, four_digits, one_line};
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND, Tried};
 use crate::calibrate::{Profile, Scatter};
-use crate::sequential::{Drive, Reference};
+use crate::sequential::Drive;
+use crate::sequential::reference::{DOUBTED, LARGEST_DOUBT};
 use std::fmt::Write as _;
 
 /// What is rarer than the evidence by more than this is bounded by it, and not measured.
@@ -13,7 +15,8 @@ const FAR: f64 = 100.0;
 /// The page.
 pub fn page(result: &Calibration) -> String {
     let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, parts(result));
-    for section in [lines(result), bands(result), sequential(result)] {
+    let coverage = coverage::section(result);
+    for section in [lines(result), bands(result), sequential(result), coverage] {
         let section = section.text();
         if !section.is_empty() {
             text += &section;
@@ -85,14 +88,15 @@ pub fn sequential(result: &Calibration) -> Section {
         Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command", "h"]);
     for cylinder in &result.cylinders {
         let Some((profile, scatter)) = &cylinder.sequential else { continue };
-        let Reference { spacing, covered, velocity, .. } = &profile.reference;
-        let cells = covered.iter().filter(|covered| **covered).count();
+        let reference = &profile.reference;
+        let known = reference.spans(f64::NEG_INFINITY, LARGEST_DOUBT);
+        let known: f64 = known.iter().map(|[from, to]| to - from).sum();
         table.add_row([
             cylinder.number.to_string(),
-            format!("{:.1} m", cells as f64 * spacing),
+            format!("{known:.1} m"),
             format!("{:.4} mm", scatter.deviation * 1e3),
             format!("{:.3} mm", scatter.largest * 1e3),
-            format!("{:.3} ms", velocity * 1e3),
+            format!("{:.3} ms", reference.velocity * 1e3),
             scatter.prediction.map_or("none".to_owned(), |p| format!("{:.4} mm", p * 1e3)),
             cylinder.level.map_or("by rate".to_owned(), |nats| format!("{nats:.2} nats")),
         ]);
@@ -233,19 +237,21 @@ fn sequential_table(
     scatter: &Scatter,
 ) -> String {
     let sample_time = cylinder.sample_time;
-    let Profile { reference, samples, drive } = profile;
+    let Profile { reference, samples, drive, .. } = profile;
+    let deviations: Vec<f64> = reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect();
     let Scatter { rate, square_rate, dependence, deviation, spread, prediction, .. } = scatter;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
         format!("[{}]", texts.join(", "))
     };
     let mut text = format!(
-        "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nsamples = {samples:?}\n\
+        "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nnode_deviations = {}\nsamples = {samples:?}\n\
          velocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
          square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
         reference.first,
         reference.spacing,
         six(&reference.nodes),
+        six(&deviations),
         reference.velocity,
         spread.noise.rest,
         spread.noise.timing,

@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod commission;
+pub mod coverage;
 pub mod episode;
 pub mod estimates;
 pub mod evaluation;

@@ -11,18 +11,23 @@ const BEGIN: f64 = 5.0;
 /// It follows a residual by at most so many deviations.
 const CLIP: f64 = 3.0;
 
+/// A residual that may be off by so much teaches half as much as one that is known, m.
+const HALF: f64 = 1e-4;
+
 /// No temperature does more than this, m: a sample beyond is wild, and a mean must not follow it.
 const WILD: f64 = 2e-3;
 
-/// A slow mean of the residual.
+/// A slow mean of the residual, of the doubtful the less, and what it may be off by itself.
 #[derive(Clone, Debug)]
 pub struct Baseline {
     /// Of one sample.
     gain: f64,
-    begin: u32,
+    begin: f64,
     clip: f64,
-    seen: u32,
+    /// Samples, as far as they teach.
+    seen: f64,
     value: f64,
+    doubt: f64,
 }
 
 impl Baseline {
@@ -30,15 +35,21 @@ impl Baseline {
     pub fn new(sample_time: f64, deviation: f64) -> Self {
         Self {
             gain: sample_time / TIME,
-            begin: (BEGIN / sample_time).round() as u32,
+            begin: (BEGIN / sample_time).round(),
             clip: CLIP * deviation,
-            seen: 0,
+            seen: 0.0,
             value: 0.0,
+            doubt: 0.0,
         }
     }
 
     pub fn reset(&mut self) {
-        (self.seen, self.value) = (0, 0.0);
+        (self.seen, self.value, self.doubt) = (0.0, 0.0, 0.0);
+    }
+
+    /// What it may be off by, m, for what it has followed may be.
+    pub const fn doubt(&self) -> f64 {
+        self.doubt
     }
 
     /// The baseline, m, once it has begun.
@@ -46,13 +57,18 @@ impl Baseline {
         (self.seen >= self.begin).then_some(self.value)
     }
 
-    /// Follows a residual, m.
-    pub fn follow(&mut self, residual: f64) {
+    /// Follows a residual that may be off by `doubt`, m.
+    pub fn follow(&mut self, residual: f64, doubt: f64) {
+        let share = 1.0 / (1.0 + (doubt / HALF).powi(2));
+        let off = residual - self.value;
         if self.seen < self.begin {
-            self.seen += 1;
-            self.value += (residual - self.value).clamp(-WILD, WILD) / f64::from(self.seen);
+            self.seen += share;
+            self.value += share * off.clamp(-WILD, WILD) / self.seen;
+            self.doubt += share * (doubt - self.doubt) / self.seen;
         } else {
-            self.value += self.gain * (residual - self.value).clamp(-self.clip, self.clip);
+            let clip = self.clip + doubt;
+            self.value += self.gain * share * off.clamp(-clip, clip);
+            self.doubt += self.gain * share * (doubt - self.doubt);
         }
     }
 }
@@ -140,12 +156,29 @@ mod tests {
         let mut baseline = Baseline::new(0.02, 1e-4);
         for k in 0..250 {
             assert_eq!(baseline.value(), None);
-            baseline.follow(if k % 2 == 0 { 1e-3 } else { 3e-3 });
+            baseline.follow(if k % 2 == 0 { 1e-3 } else { 3e-3 }, 0.0);
         }
         assert!((baseline.value().unwrap() - 2e-3).abs() < 1e-12);
         // A jump of a metre moves it by three deviations a minute at the most.
-        (0..3000).for_each(|_| baseline.follow(1.0));
-        assert!((baseline.value().unwrap() - 2.3e-3).abs() < 1e-9);
+        (0..3000).for_each(|_| baseline.follow(1.0, 0.0));
+        assert!((baseline.value().unwrap() - 2.3e-3).abs() < 1e-9 && baseline.doubt() == 0.0);
+    }
+
+    /// Of a place that may be off by 0.2 mm, and is.
+    #[test]
+    fn what_is_doubtful_teaches_little_and_leaves_its_doubt() {
+        let mut baseline = Baseline::new(0.02, 1e-4);
+        let begun = (0..2000).position(|_| {
+            baseline.follow(2e-4, 2e-4);
+            baseline.value().is_some()
+        });
+        // Five times as many as of what is known.
+        assert!(begun.is_some_and(|samples| (1245..1255).contains(&samples)), "{begun:?}");
+        assert!((baseline.doubt() - 2e-4).abs() < 1e-12, "{baseline:?}");
+        (0..6000).for_each(|_| baseline.follow(0.0, 0.0));
+        assert!(baseline.value().unwrap() < 3e-5 && baseline.doubt() < 3e-5, "{baseline:?}");
+        (0..150).for_each(|_| baseline.follow(2e-4, 2e-4));
+        assert!(baseline.value().unwrap() < 3e-5, "{baseline:?}");
     }
 
     #[test]
@@ -153,7 +186,7 @@ mod tests {
         let (mut baseline, mut slow) = (Baseline::new(0.02, 1e-4), Slow::new(0.02));
         for k in 0..3000 {
             let residual = if k % 200 == 100 { 0.5 } else { 0.0 };
-            baseline.follow(residual);
+            baseline.follow(residual, 0.0);
             slow.push(residual);
             assert!(baseline.value().is_none_or(|value| value < 2e-5), "{k}: {baseline:?}");
         }

@@ -4,10 +4,15 @@
 //! repeats the sample before is left out ([`super::novelty`]); how much the others of readings that move in
 //! coarse counts have in common is measured, by how much the evidence of healthy windows of each width
 //! outgrows its rarity.
+//!
+//! Where readings stand off for a fraction of a second now and then, two or three such stretches come
+//! together, and fill a window that one alone does not. Whoever knows what is seen in windows as long as a
+//! stretch, and how often, knows what wider ones are worth, which are several of those.
 
-use super::rate::Magnitudes;
+use super::rate::{Magnitudes, Of, Rate};
 use super::samples::History;
 use super::statistic::{Bands, Dependence, INDEPENDENT, Scales};
+use super::wild;
 use super::windows::WIDTHS;
 
 /// The tail that is looked at: this part of the windows, …
@@ -19,6 +24,12 @@ const MOST: f64 = 0.2;
 
 /// What fewer windows without a sample in common have seen is chance.
 const RARE: f64 = 3.0;
+
+/// So many samples that say as much as one are a stretch in which the readings stand off, …
+const STRETCH: f64 = 2.0;
+
+/// … and it is as long as the widest window in which they are nearly as many.
+const NEARLY: f64 = 0.8;
 
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-7;
@@ -61,7 +72,78 @@ impl Measuring {
             dependence[0][index] = outgrown(&self.means[index], WIDTHS[index], by_mean);
             dependence[1][index] = outgrown(&self.squares[index], WIDTHS[index], by_square);
         }
+        if let Some(stretch) = stretch(&dependence) {
+            self.compose(&mut dependence, stretch, scales);
+        }
         dependence
+    }
+
+    /// Windows wider than that of the index `stretch` are as many of it as they are wider.
+    fn compose(&self, dependence: &mut Dependence, stretch: usize, scales: &Scales) {
+        let mean = Composed::of(&self.means[stretch], Of::Mean, stretch);
+        let square = Composed::of(&self.squares[stretch], Of::Square, stretch);
+        for index in stretch + 1..WIDTHS.len() {
+            let by_mean = |beyond: f64| scales.by_mean(index, beyond);
+            let by_square = |root: f64| scales.by_square(index, root * root);
+            let [of_mean, of_square] = [
+                mean.as_ref().map_or(1.0, |it| it.outgrown(index, by_mean)),
+                square.as_ref().map_or(1.0, |it| it.outgrown(index, by_square)),
+            ];
+            dependence[0][index] = dependence[0][index].max(of_mean);
+            dependence[1][index] = dependence[1][index].max(of_square);
+        }
+    }
+}
+
+/// The index of the window that is as long as what the readings stand off for; `None` where they do not.
+fn stretch(dependence: &Dependence) -> Option<usize> {
+    let longest = |widths: &[f64; WIDTHS.len()]| {
+        let most = widths.iter().copied().fold(1.0, f64::max);
+        let last = widths.iter().rposition(|value| *value >= NEARLY * most);
+        last.filter(|_| most >= STRETCH)
+    };
+    dependence.iter().filter_map(longest).max()
+}
+
+/// What windows of one width have shown, of which wider ones are made.
+struct Composed {
+    rate: Rate,
+    width: usize,
+    /// What no less than a few of them had, m.
+    largest: f64,
+}
+
+impl Composed {
+    fn of(windows: &Magnitudes, what: Of, index: usize) -> Option<Self> {
+        let (width, mut beyond) = (WIDTHS[index], 0.0);
+        let least = RARE * width as f64;
+        let few = |(_, count): &(f64, u64)| {
+            beyond += *count as f64;
+            beyond >= least
+        };
+        let (largest, _) = windows.bins().rev().find(few)?;
+        Some(Self { rate: Rate::seen(windows, what)?, width, largest })
+    }
+
+    /// By how much `evidence` of the window of `index` is larger than what its parts are worth, at the least
+    /// level: there it matters.
+    fn outgrown(&self, index: usize, evidence: impl Fn(f64) -> f64) -> f64 {
+        let parts = WIDTHS[index] as f64 / self.width as f64;
+        let (level, most) = (wild::least_level(), parts * self.rate.at(self.largest));
+        if most < level {
+            // However far off all of it is, it may be so many stretches.
+            return (evidence(f64::INFINITY) / most).max(1.0);
+        }
+        let (mut low, mut high) = (0.0, self.largest);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if parts * self.rate.at(middle) < level {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        (evidence(high) / level).max(1.0)
     }
 }
 
@@ -111,6 +193,7 @@ mod tests {
     use super::super::novelty::News;
     use super::super::rate::{Of, Rate};
     use super::super::samples::Sample;
+    use super::super::statistic::DEAD_BAND;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -137,6 +220,69 @@ mod tests {
             [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
         let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
         measuring.dependence(&Scales::new(mean, square, INDEPENDENT, bands))
+    }
+
+    /// Residuals that stand off by five deviations for ten samples now and then, to either side.
+    struct Fluctuating(ChaCha8Rng, u32, f64);
+
+    impl Iterator for Fluctuating {
+        type Item = f64;
+
+        fn next(&mut self) -> Option<f64> {
+            use rand::RngExt as _;
+            let normal: f64 = StandardNormal.sample(&mut self.0);
+            let chance: f64 = self.0.random();
+            if self.1 == 0 && chance < 1e-3 {
+                (self.1, self.2) = (10, if chance < 5e-4 { 5.0 } else { -5.0 });
+            }
+            let off = if self.1 > 0 { self.2 } else { 0.0 };
+            self.1 = self.1.saturating_sub(1);
+            Some(DEVIATION * (normal + off))
+        }
+    }
+
+    /// What comes in the first quarter of an hour is known afterwards, also where two or three of it come
+    /// together: in two hours there are hundreds of those.
+    #[test]
+    fn stretches_that_come_together_are_expected() {
+        let bands = Bands::new(DEVIATION, DEAD_BAND, [0.0; 2]);
+        let clip = Clip::new(&bands);
+        let (mut history, mut measuring) = (History::default(), Measuring::default());
+        let mut magnitudes = Magnitudes::new(1e-6);
+        let mut residuals = Fluctuating(ChaCha8Rng::seed_from_u64(8), 0, 0.0);
+        let mut push = |history: &mut History| {
+            let residual = residuals.next().expect("it never ends");
+            history.push(Sample::at_rest(residual), &clip, News::InMotion);
+            residual
+        };
+        for _ in 0..45_000 {
+            magnitudes.add(push(&mut history));
+            measuring.take(&history, &bands);
+        }
+        let [mean, square] =
+            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
+        let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
+        let scales =
+            |dependence| Scales::new(mean.clone(), square.clone(), dependence, bands.clone());
+        let dependence = measuring.dependence(&scales(INDEPENDENT));
+        assert!(dependence[0][9] > 3.0, "{dependence:?}");
+        assert!(dependence[0][19] < 2.0, "20 s are many of them: {dependence:?}");
+        let scales = scales(dependence);
+        let mut most = 0.0_f64;
+        for k in 0..450_000 {
+            push(&mut history);
+            if k % 4 == 0 {
+                let [mean, square] = scales.peaks(&history, 1024);
+                most = most.max(mean.nats).max(square.nats);
+            }
+        }
+        assert!((4.0..0.75 * wild::least_level()).contains(&most), "{most}");
+        // What stays is found within a second.
+        for _ in 0..50 {
+            history.push(Sample::at_rest(5.0 * DEVIATION), &clip, News::InMotion);
+        }
+        let [mean, _] = scales.peaks(&history, 1024);
+        assert!(mean.nats > wild::least_level(), "{mean:?}");
     }
 
     #[test]

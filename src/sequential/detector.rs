@@ -87,6 +87,8 @@ pub struct Sequential {
     /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
     noise: Noise,
     sooner: f64,
+    /// The cylinders may be about to find that they are sampled otherwise.
+    may_be_timing: bool,
     skew: Skew,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -122,6 +124,7 @@ impl Sequential {
             search: Search::default(),
             noise: design.noise.relied_on(),
             sooner: 0.0,
+            may_be_timing: false,
             skew: Skew::new(design.sample_time, design.noise.timing),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -188,6 +191,7 @@ impl Sequential {
         let Noise { rest, timing } = self.design.noise.relied_on();
         self.noise = Noise { rest, timing: apart.timing(timing) };
         self.sooner = apart.mean;
+        self.may_be_timing = apart.perhaps;
         if apart.changing {
             self.lay_to_timing();
         }
@@ -253,21 +257,24 @@ impl Sequential {
             Some(_) => Unknown::NotCalibrated,
         };
         let velocity = velocity.unwrap_or(0.0);
-        let residual = calibrated.map(|residual| residual - self.sooner * velocity);
+        let doubt = calibrated.map_or(0.0, |(_, doubt)| doubt);
+        let residual = calibrated.map(|(residual, _)| residual - self.sooner * velocity);
         let baseline = self.baseline.value();
+        let of_baseline = self.baseline.doubt();
         self.follow(input, residual.zip(baseline));
         let Some((residual, (c1, c2))) = residual.zip(lengths) else {
             return self.go_without(reason);
         };
         self.slow.push(residual);
         if self.alarm.is_none() {
-            self.baseline.follow(residual);
+            self.baseline.follow(residual, doubt);
         }
         let Some(baseline) = baseline else {
             return self.go_without(Unknown::NoBaseline);
         };
         let residual = residual - baseline;
-        let sample = Sample { residual, share: self.noise.share(velocity) };
+        let doubt = doubt * doubt + of_baseline * of_baseline;
+        let sample = Sample { residual, share: self.noise.share(velocity), doubt };
         let news = self.novelty.step([c1, c2], sample);
         if news == News::InMotion {
             if let Some(alarm) = &self.alarm {

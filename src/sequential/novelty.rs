@@ -68,7 +68,7 @@ impl Novelty {
     }
 
     fn repeats(&mut self, lengths: [f64; 2], sample: Sample) -> bool {
-        let Sample { residual, share } = sample;
+        let Sample { residual, share, .. } = sample;
         let Some((from, before)) = self.newest.replace((lengths, residual)) else { return false };
         let moved = [lengths[0] - from[0], lengths[1] - from[1]];
         let same = self.moved.replace(moved).is_some_and(|before| {

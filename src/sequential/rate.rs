@@ -5,6 +5,9 @@ use super::wild;
 /// The bins of a [`Magnitudes`].
 const BINS: usize = 512;
 
+/// So many bins are one in [`Rate::seen`].
+const SEEN: usize = 8;
+
 /// Nodes of a [`Rate`] beside that at zero.
 const NODES: usize = 48;
 
@@ -130,12 +133,31 @@ impl Rate {
             .collect();
         let near: f64 = points.iter().map(|(_, share)| share).sum();
         points.push((farthest, 1.0 - near));
+        Some(Self::conjugate(&points, what, farthest))
+    }
+
+    /// The rate function of `magnitudes` that were seen so often that nothing else is expected; `None`
+    /// where there are none.
+    pub fn seen(magnitudes: &Magnitudes, what: Of) -> Option<Self> {
+        let all = magnitudes.total as f64;
+        let chunks = magnitudes.counts.chunks(SEEN).enumerate();
+        let points: Vec<(f64, f64)> = chunks
+            .map(|(i, counts)| (((i + 1) * SEEN) as f64 * magnitudes.width, counts.iter().sum()))
+            .filter(|(_, count): &(f64, u64)| *count > 0)
+            .map(|(magnitude, count)| (magnitude, count as f64 / all))
+            .collect();
+        let (farthest, _) = *points.last()?;
+        Some(Self::conjugate(&points, what, farthest))
+    }
+
+    /// Of magnitudes, m, and their shares, up to the `farthest`.
+    fn conjugate(points: &[(f64, f64)], what: Of, farthest: f64) -> Self {
         let spacing = farthest / NODES as f64;
         let at = |x: f64| match what {
-            Of::Mean => conjugate(&points, x / farthest, farthest, |tilt, r| {
+            Of::Mean => conjugate(points, x / farthest, farthest, |tilt, r| {
                 0.5 * ((tilt * (r - 1.0)).exp() + (-tilt * (r + 1.0)).exp())
             }),
-            Of::Square => conjugate(&points, (x / farthest).powi(2), farthest, |tilt, r| {
+            Of::Square => conjugate(points, (x / farthest).powi(2), farthest, |tilt, r| {
                 (tilt * (r * r - 1.0)).exp()
             }),
         };
@@ -144,7 +166,7 @@ impl Rate {
         for i in 1..values.len() {
             values[i] = values[i].max(values[i - 1]);
         }
-        Some(Self::new(spacing, &values))
+        Self::new(spacing, &values)
     }
 
     /// From value to value, m.

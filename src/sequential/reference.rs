@@ -1,4 +1,10 @@
-//! What C1 − C2 is on a healthy cylinder: along the stroke and with speed.
+//! What C1 − C2 is on a healthy cylinder: along the stroke and with speed, and how well that is known.
+
+/// Where the reference may be off by more than this, nothing is known, m: so much is a fault elsewhere.
+pub const LARGEST_DOUBT: f64 = 2e-4;
+
+/// It may be off by so many of its standard deviations.
+pub const DOUBTED: f64 = 3.0;
 
 /// Hat functions along the stroke and one term in velocity. With it go a and b of (5-20), what no
 /// straight line takes away, and the time by which one transducer samples after the other.
@@ -10,6 +16,8 @@ pub struct Reference {
     pub spacing: f64,
     /// C1 − C2 at rest at each node, m; at least two.
     pub nodes: Vec<f64>,
+    /// What that may be off by, m, at each node.
+    pub doubts: Vec<f64>,
     /// For each cell between two nodes, whether the calibration has covered it.
     pub covered: Vec<bool>,
     /// What it grows by with the velocity, s.
@@ -34,17 +42,44 @@ impl Reference {
         inside.then_some(Place { cell, part: along - f64::from(floor) })
     }
 
-    /// C1 − (C2 + φᵀθ), m, of readings in m and a velocity in m/s; `None` where the calibration
-    /// has not been by either of them: one may be wrong by a lot.
-    pub fn residual(&self, c1: f64, c2: f64, velocity: f64) -> Option<f64> {
-        let place = self.covered(c2).or_else(|| self.covered(c1))?;
-        Some(c1 - c2 - self.at(place, velocity))
+    /// C1 − (C2 + φᵀθ), m, of readings in m and a velocity in m/s, and what that may be off by, m; `None`
+    /// where the calibration does not know either of their places: one may be wrong by a lot.
+    #[inline]
+    pub fn residual(&self, c1: f64, c2: f64, velocity: f64) -> Option<(f64, f64)> {
+        let (place, doubt) = self.known(c2).or_else(|| self.known(c1))?;
+        Some((c1 - c2 - self.at(place, velocity), doubt))
     }
 
-    /// C1 − C2, m, of healthy readings where C2 reads `c2`, m, at a velocity in m/s; `None` where the
-    /// calibration has not been.
+    /// C1 − C2, m, of healthy readings where C2 reads `c2`, m, at a velocity in m/s; `None` where that is
+    /// not known.
     pub fn healthy(&self, c2: f64, velocity: f64) -> Option<f64> {
-        self.covered(c2).map(|place| self.at(place, velocity))
+        self.known(c2).map(|(place, _)| self.at(place, velocity))
+    }
+
+    /// The parts of the stroke, from and to in m, whose doubt is beyond `above`, m, and at the most `most`.
+    pub fn spans(&self, above: f64, most: f64) -> Vec<[f64; 2]> {
+        let mut spans: Vec<[f64; 2]> = Vec::new();
+        let cells = self.doubts.windows(2).zip(&self.covered).enumerate();
+        for (cell, (ends, _)) in cells.filter(|(_, (_, covered))| **covered) {
+            let (low, grows) = (ends[0], ends[1] - ends[0]);
+            let crossing = |doubt: f64| ((doubt - low) / grows).clamp(0.0, 1.0);
+            let mut cuts = [0.0, crossing(above), crossing(most), 1.0];
+            if grows == 0.0 {
+                cuts = [0.0, 0.0, 0.0, 1.0];
+            }
+            cuts.sort_by(f64::total_cmp);
+            for part in cuts.windows(2).filter(|part| part[0] < part[1]) {
+                let doubt = low + 0.5 * (part[0] + part[1]) * grows;
+                let [from, to] =
+                    [part[0], part[1]].map(|part| self.first + self.spacing * (cell as f64 + part));
+                match spans.last_mut() {
+                    _ if doubt <= above || doubt > most => {}
+                    Some(last) if from - last[1] < 1e-9 => last[1] = to,
+                    _ => spans.push([from, to]),
+                }
+            }
+        }
+        spans
     }
 
     fn at(&self, place: Place, velocity: f64) -> f64 {
@@ -52,9 +87,14 @@ impl Reference {
         low + place.part * (high - low) + self.velocity * velocity
     }
 
-    fn covered(&self, length: f64) -> Option<Place> {
+    /// The place of a length, m, and what the reference may be off by there, m: between two nodes it is
+    /// no more than what is between theirs.
+    #[inline]
+    fn known(&self, length: f64) -> Option<(Place, f64)> {
         let place = Self::place(self.first, self.spacing, self.nodes.len(), length)?;
-        self.covered[place.cell].then_some(place)
+        let [low, high] = [self.doubts[place.cell], self.doubts[place.cell + 1]];
+        let doubt = low + place.part * (high - low);
+        (self.covered[place.cell] && doubt <= LARGEST_DOUBT).then_some((place, doubt))
     }
 }
 
@@ -67,20 +107,26 @@ mod tests {
             first: -1.0,
             spacing: 0.5,
             nodes: vec![1e-3, 2e-3, 4e-3],
+            doubts: vec![0.0; 3],
             covered: vec![true, false],
             velocity: 1e-4,
         }
     }
 
+    /// From the first node to half of the last cell, better and better known up to the second.
+    fn doubtful() -> Reference {
+        Reference { doubts: vec![1.5e-4, 0.5e-4, 3.5e-4], covered: vec![true; 2], ..reference() }
+    }
+
     #[test]
     fn between_two_nodes_it_is_a_straight_line() {
         let residual = reference().residual(-0.75 + 1.5e-3 + 2e-5, -0.75, 0.2);
-        assert!(residual.is_some_and(|r| r.abs() < 1e-15), "{residual:?}");
+        assert!(residual.is_some_and(|(r, doubt)| r.abs() < 1e-15 && doubt == 0.0), "{residual:?}");
     }
 
     #[test]
     fn a_reading_that_left_the_covered_stroke_is_still_compared() {
-        let residual = reference().residual(-0.75, 0.4, 0.0).expect("C1 is where it is known");
+        let (residual, _) = reference().residual(-0.75, 0.4, 0.0).expect("C1 is where it is known");
         assert!((residual - (-1.15 - 1.5e-3)).abs() < 1e-12, "{residual}");
     }
 
@@ -89,5 +135,28 @@ mod tests {
         for c2 in [-0.25, -1.01, 0.0, 7.0, f64::NAN, f64::INFINITY] {
             assert_eq!(reference().residual(c2, c2, 0.0), None, "{c2}");
         }
+    }
+
+    #[test]
+    fn what_is_known_badly_is_told_and_what_is_not_known_is_not_judged() {
+        let doubt = |c2: f64| doubtful().residual(c2, c2, 0.0).map(|(_, doubt)| doubt);
+        assert!(doubt(-0.75).is_some_and(|doubt| (doubt - 1e-4).abs() < 1e-12));
+        assert!(doubt(-0.26).is_some_and(|doubt| (1.9e-4..2e-4).contains(&doubt)));
+        assert_eq!(doubt(-0.24), None);
+        assert_eq!(doubtful().healthy(-0.24, 0.0), None);
+    }
+
+    #[test]
+    fn the_spans_of_a_doubt_are_cut_where_it_crosses() {
+        let near = |found: &[[f64; 2]], expected: &[[f64; 2]]| {
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            let both = found.iter().flatten().zip(expected.iter().flatten());
+            both.for_each(|(one, other)| assert!((one - other).abs() < 1e-9, "{found:?}"));
+        };
+        let spans = |above, most| doubtful().spans(above, most);
+        near(&spans(-1.0, LARGEST_DOUBT), &[[-1.0, -0.25]]);
+        near(&spans(1e-4, LARGEST_DOUBT), &[[-1.0, -0.75], [-0.5 + 0.5 / 6.0, -0.25]]);
+        near(&spans(LARGEST_DOUBT, 1.0), &[[-0.25, 0.0]]);
+        near(&reference().spans(-1.0, LARGEST_DOUBT), &[[-1.0, -0.5]]);
     }
 }

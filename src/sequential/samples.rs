@@ -2,6 +2,7 @@
 
 use super::clip::Clip;
 use super::novelty::News;
+use super::statistic::DEAD_BAND;
 use super::windows::{Few, Sums, VALUES};
 
 /// Up to this width a window takes every sample that is news; wider ones only those in motion, because
@@ -24,12 +25,24 @@ pub struct Sample {
     pub residual: f64,
     /// What it is multiplied by to scatter as one at rest does ([`super::noise::Noise::share`]).
     pub share: f64,
+    /// The square of what the residual may be off by, for its reference and its baseline may be, m².
+    pub doubt: f64,
 }
 
 impl Sample {
-    /// Of a rod that stands.
+    /// Of a rod that stands where all is known.
     pub const fn at_rest(residual: f64) -> Self {
-        Self { residual, share: 1.0 }
+        Self { residual, share: 1.0, doubt: 0.0 }
+    }
+
+    /// The share of the dead band that it has: what is not known is added to that, in quadrature.
+    #[inline]
+    fn band(&self) -> f64 {
+        if self.doubt > 0.0 {
+            self.share * (1.0 + self.doubt / (DEAD_BAND * DEAD_BAND)).sqrt()
+        } else {
+            self.share
+        }
     }
 }
 
@@ -72,7 +85,8 @@ impl<const N: usize> Newest<N> {
 }
 
 /// The newest samples, one by one; and as sums: of the weighed residual as far as it counts, m, of its
-/// square likewise, m², of the share by which it was weighed, and of the cycles since the sample before.
+/// square likewise less what its doubt explains, m², of the share of the dead band that it has, and of the
+/// cycles since the sample before.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     pub all: Newest<NEWEST>,
@@ -91,7 +105,7 @@ impl History {
     /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
     #[inline(always)]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
-        let Sample { residual, share } = sample;
+        let Sample { residual, share, doubt } = sample;
         self.all.push(residual);
         self.cycle += 1;
         if news == News::Repeated {
@@ -102,7 +116,8 @@ impl History {
         let square = weighed * weighed;
         // As `min` does, which asks in four instructions more what is to become of no number.
         let square = if square < clip.square { square } else { clip.square };
-        let values = |cycles: u64| [clipped, square, share, cycles as i64 as f64];
+        let (square, band) = (square - share * share * doubt, sample.band());
+        let values = |cycles: u64| [clipped, square, band, cycles as i64 as f64];
         self.few.push(values(self.cycle - self.said));
         self.said = self.cycle;
         if news == News::InMotion {

@@ -25,6 +25,9 @@ const MARGIN: f64 = 1.15;
 /// Standard errors that something told is beyond.
 const SURE: f64 = 3.0;
 
+/// And something that nobody is to be blamed for in the meantime.
+const LIKELY: f64 = 1.0;
+
 /// How far apart in time C1 and C2 are sampled, beside what the calibration has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
@@ -34,6 +37,8 @@ pub struct Apart {
     pub spread: f64,
     /// The newest half second is sure that chance adds more, and that is not told yet.
     pub changing: bool,
+    /// It may be that, and it is not sure yet.
+    pub perhaps: bool,
 }
 
 impl Apart {
@@ -83,9 +88,12 @@ impl Sampling {
         let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
         let told = self.tell(said, slow, known);
         let limit = limit(known);
-        let changing = told == Some(true)
-            || !self.changed && fast.may_be_beyond(limit) && surely(said, 0, limit);
-        Some((Apart { mean, spread: fast.square.max(slow.square).max(0.0).sqrt(), changing }, told))
+        let by = |errors: f64| {
+            !self.changed && fast.may_be_beyond(limit) && is_beyond(said, 0, limit, errors)
+        };
+        let (changing, perhaps) = (told == Some(true) || by(SURE), by(LIKELY));
+        let spread = fast.square.max(slow.square).max(0.0).sqrt();
+        Some((Apart { mean, spread, changing, perhaps }, told))
     }
 
     /// Of what is known for sure.
@@ -100,7 +108,7 @@ impl Sampling {
             !over
         } else {
             slow.mean.abs() > LEAST_APART && moved()
-                || slow.may_be_beyond(limit) && surely(said, 1, limit)
+                || slow.may_be_beyond(limit) && is_beyond(said, 1, limit, SURE)
         };
         (std::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
@@ -125,12 +133,13 @@ fn limit(known: f64) -> f64 {
     LEAST_APART.max(MORE * known)
 }
 
-/// Chance adds more than `limit`, s, as the newest half second (0) or half minute (1) has it.
+/// Chance adds more than `limit`, s, by so many standard errors, as the newest half second (0) or half minute
+/// (1) has it.
 #[cold]
-fn surely(said: &[Said], which: usize, limit: f64) -> bool {
+fn is_beyond(said: &[Said], which: usize, limit: f64, errors: f64) -> bool {
     let least = |one: &Said| {
         let seen = one.seen[which];
-        seen.square - SURE * seen.square_variance.sqrt()
+        seen.square - errors * seen.square_variance.sqrt()
     };
     middle(said, least) > limit * limit
 }

@@ -165,7 +165,9 @@ mod tests {
                 1 => News::AtRest,
                 _ => News::InMotion,
             };
-            (Sample { residual, share: rng.random_range(0.5..1.0) }, news)
+            // Every third place is not known for sure.
+            let doubt = if k % 3 == 0 { 1e-8 } else { 0.0 };
+            (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, news)
         };
         (0..count).map(one).collect()
     }

@@ -262,7 +262,7 @@ mod tests {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(scales.bands());
         for residual in residuals {
-            history.push(Sample { residual, share }, &clip, news);
+            history.push(Sample { residual, share, doubt: 0.0 }, &clip, news);
         }
         scales.peaks(&history, 1024)
     }
@@ -278,6 +278,24 @@ mod tests {
             let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
             assert!(mean.nats < BY_DEAD_BAND, "{length}: {mean:?}");
         }
+    }
+
+    /// A place where the reference may be off by 0.2 mm, and is; and a fault there.
+    #[test]
+    fn what_is_not_known_costs_evidence_in_quadrature() {
+        let most = |residual: f64, doubt: f64, length: usize| {
+            let (mut history, scales) = (History::default(), scales(1e-4));
+            let (clip, mut most) = (Clip::new(scales.bands()), 0.0_f64);
+            for _ in 0..length {
+                let doubt = doubt * doubt;
+                history.push(Sample { residual, share: 1.0, doubt }, &clip, News::InMotion);
+                let [mean, square] = scales.peaks(&history, 1024);
+                most = most.max(mean.nats).max(square.nats);
+            }
+            most
+        };
+        assert!(most(2e-4, 0.0, 300) > 40.0 && most(2e-4, 2e-4, 300) < 5.0);
+        assert!(most(5e-4, 2e-4, 10) > 22.0 && most(5e-4, 0.0, 5) > 22.0);
     }
 
     #[test]

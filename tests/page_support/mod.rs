@@ -10,6 +10,7 @@ impl Look {
     pub const RED: &str = "#C8102E";
     pub const ORANGE: &str = "#E69F00";
     pub const BLUE: &str = "#005B9E";
+    pub const SKY: &str = "#56A0D3";
     const FRAME: &str = "#6E6E6E";
 }
 
@@ -131,6 +132,14 @@ impl Panel<'_> {
             found.len() == values.len() && found.iter().zip(&values).all(near),
             "{found:?} instead of {values:?}"
         );
+    }
+
+    /// The lines of `colour`, each for itself, as [`Self::curve`] has them.
+    pub fn runs(&self, colour: &str) -> Vec<Vec<(f64, f64)>> {
+        let [left, _, right, _] = self.frame;
+        let point = |(x, y): (f64, f64)| ((x - left) / (right - left), self.value(y));
+        let lines = self.lines(colour).into_iter();
+        lines.map(|line| line.into_iter().map(point).collect()).collect()
     }
 
     /// The curve of `colour`: x as a part of the panel's width, and the values.

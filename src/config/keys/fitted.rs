@@ -52,6 +52,10 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",
         "from node to node, m"),
     Key::required("nodes", fitted(2, 1001), "[0.001, 0.0012]", "C1 - C2 at each node, m"),
+    Key::optional("node_deviations",
+        Kind::List { least: 2, most: 1001, of: Scalar::Number(Limits::least(0.0, FITTED)) },
+        "[0.00001, 0.00005]", "the standard deviation of each node, m: where three of them are beyond 0.2 mm, \
+         nothing is judged; absent: nodes are taken for known where `samples` are 400 or more"),
     Key::required("samples",
         Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) }, "[5000]",
         "samples that the calibration had between each two nodes"),

@@ -49,6 +49,9 @@ pub struct CylinderSequential {
     pub spacing: f64,
     /// C1 − C2 at each node, m.
     pub nodes: Vec<f64>,
+    /// The standard deviation of each, m; absent: they are taken for known where there were samples enough.
+    #[serde(default)]
+    pub node_deviations: Vec<f64>,
     /// Samples that the calibration had of each cell between two nodes.
     pub samples: Vec<u64>,
     /// What C1 − C2 grows by with the velocity, s.

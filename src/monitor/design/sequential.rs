@@ -3,6 +3,7 @@
 use super::{Flaw, Wirer};
 use crate::calibrate::LEAST_SAMPLES;
 use crate::config::settings::CylinderSequential;
+use crate::sequential::reference::DOUBTED;
 use crate::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
 impl Wirer<'_> {
@@ -51,11 +52,16 @@ impl Wirer<'_> {
 }
 
 fn reference(fitted: &CylinderSequential) -> Reference {
+    let deviations = &fitted.node_deviations;
+    let doubts = deviations.iter().map(|deviation| DOUBTED * deviation).collect();
+    // A table of an earlier version has samples alone.
+    let enough = |samples: &u64| !deviations.is_empty() || *samples >= LEAST_SAMPLES;
     Reference {
         first: fitted.first,
         spacing: fitted.spacing,
         nodes: fitted.nodes.clone(),
-        covered: fitted.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
+        doubts: if deviations.is_empty() { vec![0.0; fitted.nodes.len()] } else { doubts },
+        covered: fitted.samples.iter().map(enough).collect(),
         velocity: fitted.velocity,
     }
 }

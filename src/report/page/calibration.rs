@@ -2,12 +2,14 @@
 
 use super::Page;
 use super::axis::Axis;
+use super::coverage;
 use super::differences::{Difference, Differences};
 use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, Tried};
 use crate::report::calibration as text;
+use crate::report::coverage as covered;
 use crate::report::provenance::four_digits;
 use plotters::style::RGBColor;
 
@@ -30,6 +32,7 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     page.section(&text::lines(result));
     page.section(&text::bands(result));
     page.section(&text::sequential(result));
+    page.section(&covered::section(result));
     page.lines(&capitalised(&text::bound(result)));
     let figures: Vec<(Figure, String)> = result
         .cylinders
@@ -40,6 +43,13 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     if !figures.is_empty() {
         page.heading("Before and after the correction (Figures 5-14 and 5-15)");
         page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
+    }
+    let profiles = covered::profiles(result);
+    let profiles: Vec<(Figure, String)> =
+        profiles.filter_map(|(cylinder, profile)| coverage::figure(cylinder, profile)).collect();
+    if !profiles.is_empty() {
+        page.heading("Where on the stroke the sequential detectors know what C1 − C2 is");
+        page.figures(profiles.iter().map(|(figure, caption)| (figure, caption.as_str())));
     }
 }
 

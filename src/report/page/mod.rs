@@ -9,6 +9,7 @@
 pub mod axis;
 pub mod calibration;
 pub mod commission;
+mod coverage;
 pub mod curves;
 pub mod differences;
 mod drawing;

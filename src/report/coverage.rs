@@ -1,0 +1,49 @@
+//! Where on the stroke the difference of both readings is known, and how well.
+
+use super::sheet::{Section, Sheet};
+use crate::calibrate::{Calibration, CylinderCalibration, Profile};
+use crate::sequential::reference::LARGEST_DOUBT;
+use crate::sequential::statistic::DEAD_BAND;
+
+/// The profiles of the cylinders that have one.
+pub fn profiles(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Profile)> {
+    result
+        .cylinders
+        .iter()
+        .filter_map(|cylinder| Some((cylinder, &cylinder.sequential.as_ref()?.0)))
+}
+
+/// A row for each cylinder.
+pub fn section(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "C2 known", "thin places", "in motion", "bend"]);
+    for (cylinder, profile) in profiles(result) {
+        let samples: u64 = profile.samples.iter().sum();
+        table.add_row([
+            cylinder.number.to_string(),
+            told(&known(profile)),
+            told(&profile.reference.spans(DEAD_BAND, LARGEST_DOUBT)),
+            format!("{:.1} min", samples as f64 * cylinder.sample_time / 60.0),
+            format!("{:.2} mm", profile.bend * 1e3),
+        ]);
+    }
+    table.about(format!(
+        "where on the stroke the sequential detectors know what C1 − C2 is, to {:.1} mm; thin places are \
+         those where no better than to {:.1} mm, so that small faults take longer there; beyond, they say \
+         unknown; and by what the profile is taken to bend from node to node",
+        LARGEST_DOUBT * 1e3,
+        DEAD_BAND * 1e3
+    ))
+}
+
+/// The spans of the stroke, m, in which something can be judged.
+pub fn known(profile: &Profile) -> Vec<[f64; 2]> {
+    profile.reference.spans(f64::NEG_INFINITY, LARGEST_DOUBT)
+}
+
+fn told(spans: &[[f64; 2]]) -> String {
+    let span = |[from, to]: &[f64; 2]| format!("{from:.2} to {to:.2} m");
+    if spans.is_empty() {
+        return "none".to_owned();
+    }
+    spans.iter().map(span).collect::<Vec<_>>().join(", ")
+}
