@@ -47,7 +47,7 @@ fn a_sound_configuration_is_described() {
         "frames    0x186 0x196 0x1A6",
         // Table 4-1: nearly integrating, a commanded metre per second moves one.
         "model     moduli of the poles 0.99878, 0.99878, 0.87704; steady speed per commanded speed 1.002",
-        "FDE1      gain of the position's innovation 1.7023, 32.0305, -9612.4",
+        "FDE1      gain of the position's innovation 1.7034, 38.1411, -255525.1",
         "FDE3      C1 − (1 C2 +0 m)",
         "estimate  both transducers and the model; valid up to σ = 5 mm; not sent",
     ] {

@@ -29,7 +29,7 @@ fn absent_tables_have_the_values_of_the_thesis() {
     assert_eq!(settings.model.gamma, [0.0926, 6.5427]);
     assert_eq!(
         settings.observer,
-        Observer { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2], settle: 1.0, sample_time: None }
+        Observer { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0], settle: 1.0, sample_time: None }
     );
     assert_eq!(settings.fde, Fde { low: 7.5e-4, high: 1e-3 });
     assert_eq!(settings.comparator, Comparator { bound: 1.5e-3, low: None, critical: 0.05 });

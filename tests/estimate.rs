@@ -38,6 +38,8 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
         studies,
         contest_hours: 0.0,
         lessons,
+        weights_hours: 0.0,
+        weights: Vec::new(),
     };
     let mut plan = Plan::new(4, extent).expect("it is not too much");
     plan.cells = vec![Cell { grade: Grade::Fine, sea: SEA }];
@@ -45,7 +47,7 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
     for job in plan.jobs() {
         gathering.take(job, plan.run(&stand, job).expect("it can be simulated"));
     }
-    let figures = gathering.finish("it", &[]).estimates;
+    let figures = gathering.finish("it", &[], 1.0).estimates;
     assert_eq!(figures.len(), CASES.len());
     for it in &figures {
         println!(

@@ -10,6 +10,7 @@ use tertius::alarm::Detector;
 use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
 use tertius::evaluate::contest::{Course, Rival};
+use tertius::evaluate::weights::{FAULTS, SETS, SetResult};
 use tertius::evaluate::{
     Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Lessons, Outcome, Plan, Product, Row,
     Stand, Study,
@@ -57,7 +58,16 @@ impl Bench {
 fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
     let lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
     let studies = studies.to_vec();
-    let extent = Extent { trials, hours, seas: vec![SEA], studies, contest_hours: hours, lessons };
+    let extent = Extent {
+        trials,
+        hours,
+        seas: vec![SEA],
+        studies,
+        contest_hours: hours,
+        lessons,
+        weights_hours: hours,
+        weights: SETS.to_vec(),
+    };
     Plan::new(4, extent).expect("it is not too much")
 }
 
@@ -131,7 +141,7 @@ fn evaluated(
     for job in jobs {
         gathering.take(job, plan.run(stand, job).expect("it can be simulated"));
     }
-    gathering.finish("a machine", &stand.monitors)
+    gathering.finish("a machine", &stand.monitors, 1.0)
 }
 
 #[test]
@@ -148,6 +158,45 @@ fn the_order_of_the_jobs_does_not_matter() {
     for cell in &forwards.healthy {
         assert!((0.32..0.334).contains(&cell.hours), "two stretches: {} h", cell.hours);
     }
+}
+
+/// Weights for fine transducers ask for less at the same rate of false alarms than those of the thesis's design,
+/// and weights for coarse ones seldom cross its threshold, as docs/EVALUATION.md has it on more machines.
+#[test]
+fn weights_are_compared_on_the_same_machines_each_with_its_own_threshold() {
+    let bench = Bench::new();
+    let mut stand = bench.stand();
+    let mut plan = Plan { cells: Vec::new(), ..plan(&[Study::Weights], 24, 0.5) };
+    let weighing = plan.weighing.as_mut().expect("it was asked for");
+    weighing.seas = vec![SEA, [1.2, 6.5]];
+    stand.weighed =
+        weighing.designs(&bench.settings, &bench.database).expect("they have observers");
+    let jobs = plan.jobs();
+    assert_eq!(jobs.len(), 3 * (3 + 4 * FAULTS.len()), "stretches, and machines of six faults");
+    let forwards = evaluated(&stand, &bench, &plan, jobs.iter().copied());
+    let backwards = evaluated(&stand, &bench, &plan, jobs.iter().rev().copied());
+    assert_eq!(forwards, backwards);
+    assert_eq!(forwards.weights.len(), 3 * SETS.len());
+    let of = |kind: &str, set: usize| {
+        let mut results = forwards.weights.iter().filter(|result| result.kind == kind);
+        results.nth(set).expect("there is one for each set")
+    };
+    for result in &forwards.weights {
+        let [hourly, daily, yearly] = result.levels.expect("half an hour is enough for a tail");
+        assert!(3e-4 < hourly && hourly < daily && daily < yearly, "{result:?}");
+        let [thesis, own] = &result.seen[..] else { panic!("{result:?}") };
+        assert_eq!((thesis.high, own.high), (1e-3, daily));
+        for seen in &result.seen {
+            let found: Vec<u64> = seen.faults.iter().map(|fault| fault.found.count).collect();
+            assert!(found[0] <= found[1] && found[1] <= found[2], "larger steps: {seen:?}");
+            assert!(seen.faults.iter().all(|fault| fault.found.of == 24), "{seen:?}");
+        }
+    }
+    let daily = |result: &SetResult| result.levels.expect("as above")[1];
+    let (thesis, own) = (of("fine", 0), of("fine", 1));
+    assert!(daily(own) < 0.98 * daily(thesis), "{own:?} {thesis:?}");
+    let (thesis, own) = (of("coarse", 0), of("coarse", 2));
+    assert!(thesis.crossings.events > 3 * own.crossings.events.max(1), "{own:?} {thesis:?}");
 }
 
 /// One grade, few rows, and an hour without a fault.

@@ -22,6 +22,7 @@ use tertius::simulator::{
 use tertius::transducer::Transducer;
 
 const CONFIG: &str = "config/e-type-simulated.toml";
+const COARSE: &str = "config/e-type-coarse.toml";
 const PLANT: &str = include_str!("../config/e-type-plant.toml");
 
 struct Setup {
@@ -573,6 +574,17 @@ fn the_configuration_of_the_simulated_machine_is_the_default_with_corrections() 
     assert_eq!(simulated.cylinder.len(), 6);
     simulated.cylinder.clear();
     assert_eq!(simulated, load("config/e-type.toml").settings);
+}
+
+/// What is of the grade of the transducers is the weights and their thresholds, and nothing else.
+#[test]
+fn the_configuration_of_coarse_transducers_is_the_default_but_for_the_observers() {
+    let load = |path: &str| config::load(&support::top().join(Path::new(path))).expect("sound");
+    let (fine, mut coarse) = (load("config/e-type.toml").settings, load(COARSE).settings);
+    assert!(coarse.observer != fine.observer && coarse.fde.high > fine.fde.high);
+    (coarse.observer, coarse.fde) = (fine.observer.clone(), fine.fde.clone());
+    assert_eq!(coarse, fine);
+    support::tertius(&["check", COARSE], b"").ok();
 }
 
 #[test]

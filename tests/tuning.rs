@@ -86,7 +86,7 @@ fn the_search_makes_bad_weights_as_good_as_those_of_the_simulation() {
         Weights { q: [1e-12, 1e-9, 1e-3], r: [1e-8, 1e-4] },
     ] {
         let found = search(&CRITERION, &cylinders(), &store, begun).expect("it has a score");
-        assert!(found.score.smallest <= 1.02 * truth.smallest, "{found:?} {truth:?}");
+        assert!(found.score.times <= 1.02 * truth.times, "{found:?} {truth:?}");
         assert!(found.score.settled <= CRITERION.sharp && found.tried > 10, "{found:?}");
         assert!(found.weights.r[0] == begun.r[0]);
     }
@@ -98,7 +98,7 @@ fn a_residual_that_is_not_sharp_has_no_score() {
     let store = store(&rows(5, 10_000));
     let slow = Weights { q: [1e-14, 1e-12, 1e-8], r: [1e-8, 1e-4] };
     let score = CRITERION.score(&cylinders(), &store, slow).expect("it has an observer");
-    assert!(score.settled > CRITERION.sharp && score.smallest.is_infinite(), "{score:?}");
+    assert!(score.settled > CRITERION.sharp && score.times.is_infinite(), "{score:?}");
 }
 
 /// Residuals of C1 with a step of `size` from `at` on, by an observer that ran before.

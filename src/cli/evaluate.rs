@@ -5,12 +5,16 @@ use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::plant;
 use super::progress::Bar;
+use crate::config::Settings;
 use crate::evaluate::contest::Contest;
+use crate::evaluate::weights::{self, Weighing};
 use crate::evaluate::{
     Evaluation, Extent, Gathering, Job, Learnt, Lessons, Plan, Product, Stand, StandError, Study,
 };
+use crate::monitor::MonitorDesign;
 use crate::report::{evaluation, page};
 use crate::simulator::Options;
+use crate::tune::Weights;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::num::NonZero;
@@ -56,6 +60,10 @@ pub struct Evaluate {
     /// 1.5,7 and 3,10; --quick: 2.5,8]
     #[arg(long = "sea", value_name = "HS,TP")]
     seas: Vec<String>,
+    /// Weights of the observers for --rows weights: the diagonals of Q and R; may be given again
+    /// [default: those of the configuration, and four sets of docs/EVALUATION.md]
+    #[arg(long, value_name = "Q1,Q2,Q3,R1,R2", value_parser = weights)]
+    weights: Vec<Weights>,
     /// Machines that are simulated at once [default: as many as there are cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
@@ -101,6 +109,8 @@ enum Studied {
     Contest,
     /// The virtual third sensor
     Estimate,
+    /// Weights of the observers, each with its own thresholds
+    Weights,
     /// False alarms
     Healthy,
 }
@@ -108,7 +118,7 @@ enum Studied {
 impl Studied {
     /// Whether it takes seconds with few faults, too: what learns first, or simulates long, does not.
     const fn is_quick(self) -> bool {
-        !matches!(self, Self::Contest | Self::Estimate)
+        !matches!(self, Self::Contest | Self::Estimate | Self::Weights)
     }
 
     const fn study(self) -> Option<Study> {
@@ -123,6 +133,7 @@ impl Studied {
             Self::Loop => Study::Loop,
             Self::Contest => Study::Contest,
             Self::Estimate => Study::Estimate,
+            Self::Weights => Study::Weights,
             Self::Healthy => return None,
         })
     }
@@ -144,16 +155,19 @@ impl Evaluate {
     /// # Errors
     /// What is wrong with the call or its files; output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let plan = Plan::new(self.seed, self.extent()?)
-            .map_err(|error| Failure::Wrong(error.to_string()))?;
         let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load(&self.config)?;
         let settings = &machine.loaded.settings;
+        let plan = Plan::new(self.seed, self.extent(settings)?)
+            .map_err(|error| Failure::Wrong(error.to_string()))?;
         let mut stand = Stand::new(&tables, settings, &machine.database, &machine.design);
         // Whatever the call asks for that cannot be, before anything is done.
         for cell in &plan.cells {
             let options = Options { sea: Some(cell.sea), ..Options::default() };
             stand.simulator(*cell, &options).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
+        if let Some(weighing) = &plan.weighing {
+            stand.weighed = weighed(weighing, &machine)?;
         }
         // And where it cannot be written, before minutes have been spent on it.
         let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.as_deref()));
@@ -165,7 +179,7 @@ impl Evaluate {
         if let Some(contest) = &plan.contest {
             stand.monitors = learn(contest, &stand, plan.extent.lessons)?;
         }
-        let evaluation = self.evaluate(&plan, &stand, settings.machine.sample_time)?;
+        let evaluation = self.evaluate(&plan, &stand)?;
         let json = evaluation::json(&evaluation);
         if let Some(file) = output {
             file.write(&json)?;
@@ -182,7 +196,7 @@ impl Evaluate {
             .map_err(|error| Failure::writing("standard output", &error))
     }
 
-    fn extent(&self) -> Result<Extent, Failure> {
+    fn extent(&self, settings: &Settings) -> Result<Extent, Failure> {
         let asked: Vec<Studied> = if self.rows.is_empty() {
             let all = Studied::value_variants().iter().copied();
             all.filter(|studied| !self.quick || studied.is_quick()).collect()
@@ -201,19 +215,36 @@ impl Evaluate {
             trials: self.trials.unwrap_or(if self.quick { 12 } else { 600 }),
             hours: if healthy { hours } else { 0.0 },
             seas,
+            weights_hours: if asked.contains(&Studied::Weights) { hours } else { 0.0 },
+            weights: self.sets(settings)?,
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
         })
     }
 
+    /// The weights that are compared.
+    fn sets(&self, settings: &Settings) -> Result<Vec<Weights>, Failure> {
+        let most = weights::MOST;
+        if self.weights.len() > most {
+            let given = self.weights.len();
+            return Err(Failure::Wrong(format!(
+                "--weights: {given} sets, expected {most} at most"
+            )));
+        }
+        if !self.weights.is_empty() {
+            return Ok(self.weights.clone());
+        }
+        let configured = Weights { q: settings.observer.q, r: settings.observer.r };
+        let own = Some(configured).filter(|own| !weights::SETS.contains(own));
+        Ok(own.into_iter().chain(weights::SETS).collect())
+    }
+
     /// Does the jobs on all cores, and gathers what they bring.
-    fn evaluate(
-        &self,
-        plan: &Plan,
-        stand: &Stand,
-        sample_time: f64,
-    ) -> Result<Evaluation, Failure> {
+    fn evaluate(&self, plan: &Plan, stand: &Stand) -> Result<Evaluation, Failure> {
+        let settings = stand.settings;
+        let sample_time = settings.machine.sample_time;
+        let block = f64::from(settings.warning_cycles()) * sample_time;
         let jobs = plan.jobs();
         let threads = self.threads.or_else(|| std::thread::available_parallelism().ok());
         let (next, bar) = (AtomicUsize::new(0), Bar::counting(jobs.len()));
@@ -233,8 +264,26 @@ impl Evaluate {
             Ok(())
         });
         bar.finish();
-        gathered.map(|()| gathering.finish(&stand.settings.machine.name, &stand.monitors))
+        gathered.map(|()| gathering.finish(&settings.machine.name, &stand.monitors, block))
     }
+}
+
+/// The diagonals of Q and R.
+fn weights(text: &str) -> Result<Weights, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    match numbers.as_deref() {
+        Ok(&[q1, q2, q3, r1, r2]) => Ok(Weights { q: [q1, q2, q3], r: [r1, r2] }),
+        _ => Err("expected five numbers, such as 1e-8,1e-3,100,1e-8,1e-2".to_owned()),
+    }
+}
+
+/// The monitors by the sets of weights.
+fn weighed(weighing: &Weighing, machine: &Machine) -> Result<Vec<MonitorDesign>, Failure> {
+    weighing.designs(&machine.loaded.settings, &machine.database).map_err(|flaws| {
+        let told: Vec<String> =
+            flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect();
+        Failure::Wrong(format!("--weights: {}", told.join("; ")))
+    })
 }
 
 /// What the detectors of all grades know, each grade on a core of its own.

@@ -184,6 +184,7 @@ impl Replay {
         let summary = Summary {
             stops: &stops,
             duration: duration.as_seconds(),
+            sample_time: machine.loaded.settings.machine.sample_time,
             judgement,
             statistics: recording.statistics(),
             counts: monitor.counts(),

@@ -171,10 +171,10 @@ static MODEL: Table = Table { keys: &[
 #[rustfmt::skip]
 static OBSERVER: Table = Table { keys: &[
     Key::optional("q", numbers(3, Limits::least(0.0, "a variance of the process")),
-        "[1e-8, 1e-3, 100.0]", "the diagonal of Q: position, velocity, load pressure"),
+        "[5e-9, 2e-4, 1e4]", "the diagonal of Q: position, velocity, load pressure"),
     Key::optional("r",
         numbers(2, Limits::above(0.0, "the variance of a measurement; without noise there is no gain")),
-        "[1e-8, 1e-2]", "the diagonal of R: position, velocity"),
+        "[1e-8, 5.0]", "the diagonal of R: position, velocity"),
     Key::optional("settle", number(Limits::least(0.0, DURATION).most(600.0)), "1.0",
         "an observer judges after it has followed its readings for this long, s"),
     Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",

@@ -199,7 +199,7 @@ pub struct Observer {
 
 impl Default for Observer {
     fn default() -> Self {
-        Self { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2], settle: 1.0, sample_time: None }
+        Self { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0], settle: 1.0, sample_time: None }
     }
 }
 

@@ -11,6 +11,7 @@ use super::plan::{Cell, Job, Plan, Product};
 use super::proportion::Proportion;
 use super::rate::Rate;
 use super::row::Row;
+use super::weights;
 use crate::alarm::Detector;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -26,6 +27,9 @@ pub struct Evaluation {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contest: Vec<contest::GradeResult>,
     pub estimates: Vec<EstimateResult>,
+    /// Weights of the observers against each other.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weights: Vec<weights::SetResult>,
 }
 
 /// A row with its figures.
@@ -77,6 +81,7 @@ pub struct Gathering<'a> {
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
     contest: Option<contest::Gathering<'a>>,
+    weights: Option<weights::Gathering<'a>>,
     /// By cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -96,6 +101,7 @@ impl<'a> Gathering<'a> {
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
             contest: plan.contest.as_ref().map(contest::Gathering::new),
+            weights: plan.weighing.as_ref().map(weights::Gathering::new),
             estimates: BTreeMap::new(),
         }
     }
@@ -118,24 +124,35 @@ impl<'a> Gathering<'a> {
                     contest.take(job, product);
                 }
             }
+            (Job::Weights(job), Product::Weights(product)) => {
+                if let Some(weights) = &mut self.weights {
+                    weights.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
             // A job brings what it is.
             (
-                Job::Trial { .. } | Job::Healthy { .. } | Job::Contest(_) | Job::Estimate { .. },
+                Job::Trial { .. }
+                | Job::Healthy { .. }
+                | Job::Contest(_)
+                | Job::Weights(_)
+                | Job::Estimate { .. },
                 _,
             ) => {}
         }
     }
 
-    /// The result, of the rows that are complete; `learnt` is what the contest's detectors knew.
-    pub fn finish(self, machine: &str, learnt: &[Learnt]) -> Evaluation {
+    /// The result, of the rows that are complete; `learnt` is what the contest's detectors knew, `block` the
+    /// time that one warning is, s.
+    pub fn finish(self, machine: &str, learnt: &[Learnt], block: f64) -> Evaluation {
         let cells = self.plan.cells.iter().zip(&self.healthy);
         let healthy = cells.filter(|(_, healthy)| healthy.judged[0] > 0);
         let contest = self.contest.map(|contest| contest.finish(learnt, self.sample_time));
         Evaluation {
             contest: contest.unwrap_or_default(),
+            weights: self.weights.map(|weights| weights.finish(block)).unwrap_or_default(),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

@@ -13,6 +13,8 @@
 //! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; what they know
 //! of the machine they learn from it first ([`Stand::learn`]).
 //!
+//! Sets of the observers' weights, each with its threshold, are compared by [`weights`].
+//!
 //! A fault begins on a machine that is engaged, with observers that have settled; its delay counts
 //! from the Sync at which the first faulty reading was sampled. Where it is *in the loop* the
 //! machine's controller reads it, too: the second recommendation of the thesis's chapter 6.
@@ -33,6 +35,7 @@ mod rate;
 mod row;
 mod stand;
 mod trial;
+pub mod weights;
 
 pub use claim::{Claim, Judged};
 pub use estimate::{CASES, Case, Errors, EstimateResult};

@@ -9,7 +9,9 @@ use super::outcome::Outcome;
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
+use super::weights::{self, Kind, Weighing};
 use crate::plant::CYLINDERS;
+use crate::tune::Weights;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -37,6 +39,9 @@ pub struct Extent {
     /// learn from.
     pub contest_hours: f64,
     pub lessons: Lessons,
+    /// Hours of a healthy machine of each grade in each sea for the weights, and the sets that are tried.
+    pub weights_hours: f64,
+    pub weights: Vec<Weights>,
 }
 
 /// Why there is no plan.
@@ -63,6 +68,8 @@ pub enum Job {
     Healthy { cell: usize, number: u32 },
     /// One of the contest.
     Contest(contest::Job),
+    /// One of the weights.
+    Weights(weights::Job),
     /// The machine of that number of a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -73,6 +80,7 @@ pub enum Product {
     Trial(Vec<Outcome>),
     Healthy(Box<Healthy>),
     Contest(contest::Product),
+    Weights(weights::Product),
     Estimate(Errors),
 }
 
@@ -85,6 +93,8 @@ pub struct Plan {
     pub cells: Vec<Cell>,
     /// The detectors against each other, if that is asked for.
     pub contest: Option<Contest>,
+    /// And the observers' weights.
+    pub weighing: Option<Weighing>,
 }
 
 /// Above every stream of a row.
@@ -105,7 +115,7 @@ impl Plan {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
         }
-        for given in [extent.hours, extent.contest_hours] {
+        for given in [extent.hours, extent.contest_hours, extent.weights_hours] {
             if !(0.0..=MOST_HOURS).contains(&given) {
                 return Err(PlanError::Hours { given });
             }
@@ -118,7 +128,15 @@ impl Plan {
             let hours = extent.contest_hours * extent.seas.len() as f64;
             Contest::new(seed, &extent.seas, extent.trials, hours)
         });
-        Ok(Self { seed, extent, rows, cells, contest })
+        let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
+            kinds: Kind::ALL.to_vec(),
+            sets: extent.weights.clone(),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.weights_hours * extent.seas.len() as f64,
+            seed,
+        });
+        Ok(Self { seed, extent, rows, cells, contest, weighing })
     }
 
     /// The machines of a row.
@@ -147,7 +165,8 @@ impl Plan {
                 numbers.map(move |number| Job::Estimate { cell, case, number })
             })
         });
-        contest.chain(trials).chain(healthy).chain(estimates).collect()
+        let weights = self.weighing.iter().flat_map(Weighing::jobs).map(Job::Weights);
+        contest.chain(weights).chain(trials).chain(healthy).chain(estimates).collect()
     }
 
     /// Does one job on `stand`.
@@ -166,6 +185,10 @@ impl Plan {
             Job::Contest(job) => {
                 let contest = self.contest.as_ref().expect("its jobs are of its own plan");
                 Product::Contest(contest.run(stand, job)?)
+            }
+            Job::Weights(job) => {
+                let weighing = self.weighing.as_ref().expect("its jobs are of its own plan");
+                Product::Weights(weighing.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -31,10 +31,12 @@ pub enum Study {
     Contest,
     /// The virtual sensor, which has cases of its own instead of rows.
     Estimate,
+    /// Weights of the observers against each other.
+    Weights,
 }
 
 impl Study {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -45,6 +47,7 @@ impl Study {
         Self::Loop,
         Self::Contest,
         Self::Estimate,
+        Self::Weights,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -59,6 +62,7 @@ impl Study {
             Self::Loop => "loop",
             Self::Contest => "contest",
             Self::Estimate => "estimate",
+            Self::Weights => "weights",
         }
     }
 }
@@ -99,15 +103,7 @@ const GAINS: [f64; 4] = [1e-3, 2e-3, 5e-3, 1e-2];
 pub fn rows(cells: &[Cell]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for (index, cell) in (0_u64..).zip(cells) {
-        let open = Row {
-            study: Study::Step,
-            cell: *cell,
-            in_loop: false,
-            wanted: None,
-            watch: WATCH,
-            claim: None,
-            stream: 0,
-        };
+        let open = Row::open(Study::Step, *cell, None);
         let first = rows.len();
         rows.extend(thesis(open));
         rows.extend(others(open));
@@ -191,6 +187,11 @@ fn loops(cell: Cell) -> Vec<Row> {
 }
 
 impl Row {
+    /// A fault that nothing reads, without a claim.
+    pub const fn open(study: Study, cell: Cell, wanted: Option<Wanted>) -> Self {
+        Self { study, cell, in_loop: false, wanted, watch: WATCH, claim: None, stream: 0 }
+    }
+
     /// Whether it has one fault of C1 a machine, instead of one a cylinder.
     pub fn is_alone(&self) -> bool {
         self.study == Study::Loop
@@ -202,18 +203,7 @@ impl Row {
             None => "none",
             Some(Wanted::OutOfRange(_)) => "out_of_range",
             Some(Wanted::BrokenWire(_)) => "broken_wire",
-            Some(Wanted::Shape(shape)) => match shape {
-                Shape::Step { .. } => "step",
-                Shape::Noise { .. } => "noise",
-                Shape::Incipient { .. } => "incipient",
-                Shape::Drift { .. } => "drift",
-                Shape::Scale { .. } => "scale",
-                Shape::Freeze => "freeze",
-                Shape::Spike { .. } => "spike",
-                Shape::Constant(_) => "constant",
-                Shape::Stale => "stale",
-                Shape::Loss { .. } => "loss",
-            },
+            Some(Wanted::Shape(shape)) => name(shape),
         }
     }
 
@@ -264,22 +254,43 @@ impl Row {
 
     /// Its fault as a person says it.
     pub fn label(&self) -> String {
-        let Some(Wanted::Shape(shape)) = self.wanted else {
-            return self.fault().replace('_', " ");
-        };
-        let name = self.fault();
-        match shape {
-            Shape::Step { size } => format!("{name} {} mm", tidy(size * 1e3)),
-            Shape::Noise { size } => format!("{name} {} σ", tidy(size / SIGMA)),
-            Shape::Incipient { size, b } => format!("{name} {} mm, b {b}", tidy(size * 1e3)),
-            Shape::Drift { rate } => format!("{name} {} mm/s", tidy(rate * 1e3)),
-            Shape::Scale { gain } => format!("{name} {} %", tidy(gain * 1e2)),
-            Shape::Spike { size, probability } => {
-                format!("{name} {} mm in {} %", tidy(size * 1e3), tidy(probability * 1e2))
-            }
-            Shape::Loss { probability } => format!("{name} of {} %", tidy(probability * 1e2)),
-            Shape::Freeze | Shape::Stale | Shape::Constant(_) => name.to_owned(),
+        match self.wanted {
+            Some(Wanted::Shape(shape)) => label(shape),
+            _ => self.fault().replace('_', " "),
         }
+    }
+}
+
+/// The name of a fault of that shape, as `inject` has it.
+const fn name(shape: Shape) -> &'static str {
+    match shape {
+        Shape::Step { .. } => "step",
+        Shape::Noise { .. } => "noise",
+        Shape::Incipient { .. } => "incipient",
+        Shape::Drift { .. } => "drift",
+        Shape::Scale { .. } => "scale",
+        Shape::Freeze => "freeze",
+        Shape::Spike { .. } => "spike",
+        Shape::Constant(_) => "constant",
+        Shape::Stale => "stale",
+        Shape::Loss { .. } => "loss",
+    }
+}
+
+/// A fault of that shape as a person says it.
+pub fn label(shape: Shape) -> String {
+    let name = name(shape);
+    match shape {
+        Shape::Step { size } => format!("{name} {} mm", tidy(size * 1e3)),
+        Shape::Noise { size } => format!("{name} {} σ", tidy(size / SIGMA)),
+        Shape::Incipient { size, b } => format!("{name} {} mm, b {b}", tidy(size * 1e3)),
+        Shape::Drift { rate } => format!("{name} {} mm/s", tidy(rate * 1e3)),
+        Shape::Scale { gain } => format!("{name} {} %", tidy(gain * 1e2)),
+        Shape::Spike { size, probability } => {
+            format!("{name} {} mm in {} %", tidy(size * 1e3), tidy(probability * 1e2))
+        }
+        Shape::Loss { probability } => format!("{name} of {} %", tidy(probability * 1e2)),
+        Shape::Freeze | Shape::Stale | Shape::Constant(_) => name.to_owned(),
     }
 }
 

@@ -28,6 +28,8 @@ pub struct Stand<'a> {
     pub design: &'a MonitorDesign,
     /// Monitors with sequential detectors, of the grades that were learnt.
     pub monitors: Vec<Learnt>,
+    /// Monitors by the sets of weights that are compared.
+    pub weighed: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -46,7 +48,15 @@ impl<'a> Stand<'a> {
         let mut still = *tables;
         still.transducer.fluctuation_probability = 0.0;
         let (tables, steady) = (graded(tables), graded(&still));
-        Self { settings, database, design, monitors: Vec::new(), tables, steady }
+        Self {
+            settings,
+            database,
+            design,
+            monitors: Vec::new(),
+            weighed: Vec::new(),
+            tables,
+            steady,
+        }
     }
 
     /// What was learnt of `grade`.
@@ -63,7 +73,15 @@ impl<'a> Stand<'a> {
     /// # Errors
     /// If the configuration's machine cannot be simulated, or not in that sea.
     pub fn simulator(&self, cell: Cell, options: &Options) -> Result<Simulator, StandError> {
-        self.simulate(&self.tables, cell.grade, options)
+        self.graded(cell.grade, options)
+    }
+
+    /// The machine with transducers of `grade`, in the sea of `options`.
+    ///
+    /// # Errors
+    /// As [`Self::simulator`].
+    pub fn graded(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
+        self.simulate(&self.tables, grade, options)
     }
 
     /// The machine with transducers of `grade` that do not fluctuate.

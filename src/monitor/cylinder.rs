@@ -18,7 +18,7 @@ use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restar
 use crate::sample::motion::Motion;
 use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{self, Dwell, DwellHistory, Judgement, Sequential};
+use crate::sequential::{self, Coverage, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
@@ -85,6 +85,8 @@ pub struct Tally {
     pub implausible: [u64; 2],
     /// Largest |R1| and |R2| judged, and largest |R3|, m.
     pub worst: [Option<f64>; 3],
+    /// Of the sequential detector; `None` without one.
+    pub sequential: Option<Coverage>,
 }
 
 /// What came of a transducer in a cycle.

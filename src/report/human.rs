@@ -63,6 +63,7 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     }
     page += &overview(summary);
     page += &cylinders(heading, summary);
+    page += &coverage(heading, summary);
     page += &what_happened(heading, summary);
     page += &on_the_stops(heading, summary);
     page += &what_was_noticed(heading, notices);
@@ -128,6 +129,21 @@ fn cylinders(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!("{}\n{}\n", table.trim_fmt(), wording::counter_jumps(summary))
+}
+
+fn coverage(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
+    let rows = wording::coverage_rows(summary);
+    if rows.is_empty() {
+        return String::new();
+    }
+    let mut table = table(heading, &wording::COVERAGE_COLUMNS);
+    for row in rows {
+        table.add_row(row);
+    }
+    for column in table.column_iter_mut() {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    format!("{}:\n\n{}\n\n", wording::COVERAGE, table.trim_fmt())
 }
 
 fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {

@@ -5,6 +5,7 @@ use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
+use crate::sequential::{Coverage, Unknown};
 use crate::time::{Span, Timestamp};
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -121,6 +122,27 @@ struct CylinderLine {
     worst_r2: Option<f64>,
     worst_r3: Option<f64>,
     warnings: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sequential: Option<CoverageFields>,
+}
+
+/// For how long a sequential detector judged, and why not.
+#[derive(Serialize)]
+struct CoverageFields {
+    judged_seconds: f64,
+    unknown_seconds: BTreeMap<&'static str, f64>,
+}
+
+impl CoverageFields {
+    fn new(coverage: &Coverage, sample_time: f64) -> Self {
+        // What is said is worth a millisecond.
+        let seconds = |cycles: u64| (cycles as f64 * sample_time * 1e3).round() / 1e3;
+        let unknown = Unknown::ALL.map(Unknown::name).into_iter();
+        Self {
+            judged_seconds: seconds(coverage.judged),
+            unknown_seconds: unknown.zip(coverage.unknown.map(seconds)).collect(),
+        }
+    }
 }
 
 /// Writes `warning`; `first` is the time stamp of the recording's first frame.
@@ -232,6 +254,9 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
                 worst_r2: tally.worst[1],
                 worst_r3: tally.worst[2],
                 warnings: episodes.of_cylinder(index + 1),
+                sequential: tally
+                    .sequential
+                    .map(|coverage| CoverageFields::new(&coverage, summary.sample_time)),
             })
             .collect(),
         trends: summary.stops.lines(),

@@ -33,6 +33,8 @@ use crate::monitor::{Counts, cylinder::Tally};
 pub struct Summary<'a> {
     /// From the first to the last frame, s.
     pub duration: f64,
+    /// Of a cycle, s.
+    pub sample_time: f64,
     pub judgement: &'a Judgement,
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,

@@ -4,6 +4,7 @@ use super::provenance::{self, four_digits};
 use super::sheet::{Section, Sheet};
 use crate::calibrate::watch::Level;
 use crate::extremes::{HOURS_PER_YEAR, per_second};
+use crate::tune::criterion::STEP;
 use crate::tune::{Detector, LEAST_HIGH, Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
@@ -28,31 +29,29 @@ pub fn part(result: &Tuning) -> String {
 
 /// The weights before and after.
 pub fn search(search: &Search) -> Section {
-    let header = ["", "q", "r", "threshold", "peak", "over after", "criterion"];
+    let header = ["", "q", "r", "threshold", "of 1 mm", "of (5-18)", "over after", "criterion"];
     let mut table = Sheet::new(&header);
     for (name, weights, score) in
         [("configured", &search.begun, &search.before), ("taken", &search.weights, &search.score)]
     {
         let Weights { q, r } = weights;
-        let Score { threshold, peak, settled, smallest } = score;
+        let Score { threshold, peak, incipient, settled, times } = score;
         table.add_row([
             name.to_owned(),
             format!("{:.2e} {:.2e} {:.2e}", q[0], q[1], q[2]),
             format!("{:.2e} {:.2e}", r[0], r[1]),
             format!("{:.3} mm", threshold * 1e3),
-            format!("{peak:.2}"),
+            format!("{:.2} mm", peak * STEP * 1e3),
+            format!("{:.2} mm", incipient * 1e3),
             format!("{settled} cycles"),
-            if smallest.is_finite() {
-                format!("{:.3} mm", smallest * 1e3)
-            } else {
-                "not sharp".to_owned()
-            },
+            if times.is_finite() { format!("{times:.2}") } else { "not sharp".to_owned() },
         ]);
     }
     table.about(
         "weights: the criterion is the threshold at the wanted rate (by exponential tails) divided \
-         by the peak of the residual after a unit step, where nine tenths of the step are over within \
-         alarm.coincidence",
+         by what a step of 1 mm leaves in the residual within 0.1 s, or the incipient fault (5-18) of \
+         70 mm and b = 1, wherever in a cycle it begins, whichever is less; with 1 and below both are \
+         seen. Nine tenths of a step have to be over within alarm.coincidence",
     )
 }
 
@@ -231,14 +230,15 @@ pub fn tables(result: &Tuning, version: &str) -> String {
     let parts = [("tuned on", *window)];
     let mut text = provenance::heading(version, "tune", machine, inputs, *first, &parts);
     let Weights { q, r } = result.search.weights;
-    let Score { threshold, peak, settled, .. } = result.search.score;
+    let Score { threshold, peak, incipient, settled, .. } = result.search.score;
     _ = writeln!(
         text,
         "\n# {} sets of weights tried; threshold by exponential tails {:.4} mm, peak of a unit step \
-         {peak:.2}, over after {settled} cycles.\n[observer]\nq = {q:?}\nr = {r:?}\n\
+         {peak:.2}, over after {settled} cycles, of the incipient fault (5-18) {:.2} mm.\n[observer]\nq = {q:?}\nr = {r:?}\n\
          sample_time = {:?}\n",
         result.search.tried,
         threshold * 1e3,
+        incipient * 1e3,
         result.sample_time
     );
     for line in meaning(result) {

@@ -20,6 +20,10 @@ pub const CYLINDER_COLUMNS: [&str; 9] = [
     "warnings",
 ];
 
+/// For how long the sequential detectors judged, and why not.
+pub const COVERAGE_COLUMNS: [&str; 6] =
+    ["cylinder", "judged", "not monitored", "no reading", "not calibrated", "no baseline"];
+
 pub const EPISODE_COLUMNS: [&str; 10] = [
     "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
     "lasted",
@@ -46,6 +50,23 @@ pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 9]> {
     };
     (1..).zip(summary.tallies).map(row).collect()
 }
+
+/// A row for each cylinder with a sequential detector: seconds.
+pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
+    let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
+    let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
+        let coverage = tally.sequential?;
+        let [unmonitored, unread, uncalibrated, baseline] = coverage.unknown.map(seconds);
+        let judged = seconds(coverage.judged);
+        Some([number.to_string(), judged, unmonitored, unread, uncalibrated, baseline])
+    };
+    (1..).zip(summary.tallies).filter_map(row).collect()
+}
+
+/// What the rows of [`coverage_rows`] are.
+pub const COVERAGE: &str = "Sequential detectors: for how long they judged, and for how long they \
+     knew nothing: the platform in no monitored state, C1, C2 or the speed missing or implausible, the \
+     rod where the calibration has not been, the difference in this stretch of motion not yet learnt";
 
 /// A line; empty where no counter jumped.
 pub fn counter_jumps(summary: &Summary<'_>) -> String {

@@ -5,6 +5,7 @@ mod alarmed;
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
 use super::clip::Clip;
+use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
 use super::noise::Noise;
@@ -91,6 +92,8 @@ pub struct Sequential {
     velocity: Velocity,
     was_monitored: bool,
     verdict: Verdict,
+    /// Why nothing is known after the newest cycle.
+    unknown: Option<Unknown>,
     /// Of the newest cycle, beyond the baseline, m.
     residual: Option<f64>,
     peaks: [Peak; 2],
@@ -124,6 +127,7 @@ impl Sequential {
             velocity: Velocity::new(design.sample_time),
             was_monitored: false,
             verdict: Verdict::Unknown,
+            unknown: None,
             residual: None,
             peaks: [Peak::default(); 2],
             alarm: None,
@@ -142,6 +146,11 @@ impl Sequential {
     /// What is known after the newest cycle.
     pub const fn verdict(&self) -> Verdict {
         self.verdict
+    }
+
+    /// Why nothing is known after the newest cycle; `None` where something is.
+    pub const fn unknown(&self) -> Option<Unknown> {
+        self.unknown
     }
 
     /// The residual of the newest cycle beyond its baseline, m, where it was judged.
@@ -223,6 +232,7 @@ impl Sequential {
                 self.leave();
             }
             self.verdict = Verdict::Unknown;
+            self.unknown = Some(Unknown::NotMonitored);
             return;
         }
         self.was_monitored = true;
@@ -236,21 +246,23 @@ impl Sequential {
         let calibrated = lengths
             .zip(velocity)
             .and_then(|((c1, c2), velocity)| reference.residual(c1, c2, velocity));
+        let reason = match lengths.and(velocity) {
+            None => Unknown::NoReading,
+            Some(_) => Unknown::NotCalibrated,
+        };
         let velocity = velocity.unwrap_or(0.0);
         let residual = calibrated.map(|residual| residual - self.sooner * velocity);
         let baseline = self.baseline.value();
         self.follow(input, residual.zip(baseline));
         let Some((residual, (c1, c2))) = residual.zip(lengths) else {
-            self.verdict = self.without_evidence();
-            return;
+            return self.go_without(reason);
         };
         self.slow.push(residual);
         if self.alarm.is_none() {
             self.baseline.follow(residual);
         }
         let Some(baseline) = baseline else {
-            self.verdict = self.without_evidence();
-            return;
+            return self.go_without(Unknown::NoBaseline);
         };
         let residual = residual - baseline;
         let sample = Sample { residual, share: self.noise.share(velocity) };
@@ -326,8 +338,12 @@ impl Sequential {
         }
     }
 
-    fn without_evidence(&self) -> Verdict {
-        if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Unknown }
+    /// There is no evidence in this cycle: what was found stands.
+    const fn go_without(&mut self, reason: Unknown) {
+        (self.verdict, self.unknown) = match self.alarm {
+            Some(_) => (Verdict::Faulty, None),
+            None => (Verdict::Unknown, Some(reason)),
+        };
     }
 
     /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
@@ -355,6 +371,7 @@ impl Sequential {
             self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
+        self.unknown = None;
     }
 }
 

@@ -173,6 +173,7 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("transducer.fluctuation_probability", it.fluctuation_probability, [0.0, 1.0]),
         ("transducer.fluctuation_time", it.fluctuation_time, [0.0, MUCH]),
         ("transducer.speed_noise", it.speed_noise, [0.0, 10.0]),
+        ("transducer.speed_lag", it.speed_lag, [0.0, 10.0]),
         ("transducer.counts", it.counts, [2.0, MUCH]),
         ("sensors.pressure", tables.sensors.pressure, [0.0, 100.0]),
         ("sensors.supply", tables.sensors.supply, [0.0, 100.0]),

@@ -84,7 +84,7 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key has to be there, but `[disturbance]`, ripple and warming.
+    /// Reads tables from TOML; every key has to be there, but `[disturbance]`, ripple, warming and speed_lag.
     ///
     /// # Errors
     /// The first thing wrong with them.

@@ -23,6 +23,9 @@ pub struct Common {
     pub fluctuation_time: f64,
     /// Standard deviation of a speed, m/s.
     pub speed_noise: f64,
+    /// How long a speed lags behind, as by a filter of the first order, s. Nothing, unless it is given.
+    #[serde(default)]
+    pub speed_lag: f64,
     /// Counts over the whole range: 27648 in (5-3).
     pub counts: f64,
     /// The range that the counts cover, m.
@@ -128,6 +131,10 @@ pub struct Transducer {
     /// Readings that are left of the present one, and what it adds, m.
     left: u32,
     shift: f64,
+    /// What of a change of speed comes in one reading, and the speed that has come, m/s; `None` before the
+    /// first.
+    following: f64,
+    followed: Option<f64>,
 }
 
 /// What a transducer says.
@@ -151,6 +158,8 @@ impl Transducer {
             lasting: ((common.fluctuation_time / sample_time).round() as u32).max(1),
             left: 0,
             shift: 0.0,
+            following: sample_time / (sample_time + common.speed_lag),
+            followed: None,
         }
     }
 
@@ -168,12 +177,24 @@ impl Transducer {
         let noise = self.common.noise * length_noise + self.fluctuation(rng);
         let unrounded =
             self.calibrated(time, true_length) + noise + counts * self.common.grid().count;
+        let speed = self.lagging(speed);
         Reading {
             length: self.quantised(unrounded),
             unrounded,
             speed: speed * (1.0 + self.errors.gain[self.cylinder])
                 + self.common.speed_noise * speed_noise,
         }
+    }
+
+    /// The speed as far as it has come, m/s.
+    fn lagging(&mut self, speed: f64) -> f64 {
+        if self.common.speed_lag == 0.0 {
+            return speed;
+        }
+        let before = self.followed.unwrap_or(speed);
+        let followed = before + self.following * (speed - before);
+        self.followed = Some(followed);
+        followed
     }
 
     /// What the present fluctuation adds, m; 0 between two.
@@ -219,6 +240,7 @@ mod tests {
         fluctuation_probability: 0.0,
         fluctuation_time: 0.2,
         speed_noise: 0.0,
+        speed_lag: 0.0,
         counts: 27648.0,
         range: [-1.5, 1.5],
     };
@@ -254,5 +276,29 @@ mod tests {
             assert!((difference - expected).abs() < 1e-15, "{difference} {expected}");
             assert_eq!(read(&rippled, 1, time, length), read(&straight, 1, time, length));
         }
+    }
+
+    /// A filter of the first order is late on a ramp by its time, and a cycle's share of it.
+    #[test]
+    fn a_speed_lags_behind_by_its_time() {
+        let errors = Errors {
+            offset: [0.0; CYLINDERS],
+            gain: [0.0; CYLINDERS],
+            bow: [0.0; CYLINDERS],
+            skew: [0.0; CYLINDERS],
+            ripple: Ripple::default(),
+            warming: Warming::default(),
+        };
+        let common = Common { speed_lag: 0.06, ..QUIET };
+        let mut transducer = Transducer::new(&common, &errors, 0, 0.02);
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut at = |k: u32| {
+            let speed = 0.1 + 0.5 * 0.02 * f64::from(k);
+            let reading = transducer.read(0.0, [0.0, speed], [0.0; 2], &mut rng);
+            (reading.speed, speed)
+        };
+        assert_eq!(at(0).0, 0.1, "it has stood at the first speed for ever");
+        let (read, speed) = (1..200).map(&mut at).last().expect("there are some");
+        assert!((read - (speed - 0.5 * 0.06)).abs() < 1e-9, "{read} {speed}");
     }
 }

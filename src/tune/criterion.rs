@@ -30,11 +30,22 @@ pub struct Score {
     pub threshold: f64,
     /// The largest innovation after a unit step within the horizon, at least 1.
     pub peak: f64,
+    /// What an incipient fault (5-18) of [`INCIPIENT`] leaves of itself within the horizon, the mean over where
+    /// in a cycle it begins, m.
+    pub incipient: f64,
     /// Cycles until the response to a step stays below a tenth.
     pub settled: usize,
-    /// What is minimised: `threshold` by `peak`, m; infinite where the response is not sharp.
-    pub smallest: f64,
+    /// What is minimised: how many times as large as they are a step of [`STEP`] and the incipient fault
+    /// would have to be for both to be seen; at 1 and below, they are. Infinite where the response is
+    /// not sharp.
+    pub times: f64,
 }
+
+/// The step that is to be seen, (5-15), m.
+pub const STEP: f64 = 1e-3;
+
+/// The incipient fault that is to be seen, φ in m and b of (5-18): section 5-4-4's own.
+pub const INCIPIENT: (f64, f64) = (0.07, 1.0);
 
 impl Criterion {
     /// The score of `weights` on `store`; `None` where a cylinder has no observer with them, or
@@ -46,7 +57,7 @@ impl Criterion {
         weights: Weights,
     ) -> Option<Score> {
         let designs = designs(cylinders, weights, self.settle).ok()?;
-        let (mut peak, mut settled) = (f64::INFINITY, 0);
+        let (mut peak, mut incipient, mut settled) = (f64::INFINITY, f64::INFINITY, 0);
         let mut tails = Vec::new();
         for (index, (cylinder, designs)) in cylinders.iter().zip(&designs).enumerate() {
             for (transducer, design) in designs.iter().enumerate() {
@@ -55,6 +66,9 @@ impl Criterion {
                 }
                 let response = response::step(design, self.horizon.max(1));
                 peak = peak.min(response.iter().fold(0.0, |peak, value| peak.max(value.abs())));
+                let slow =
+                    response::incipient(design, INCIPIENT, self.sample_time, self.horizon.max(1));
+                incipient = incipient.min(slow);
                 settled = settled.max(response::settled(design, 2 * self.sharp + 1));
                 tails.extend(self.tail(store, index, transducer, design));
             }
@@ -65,8 +79,9 @@ impl Criterion {
         // The search compares: the heaviest of few peaks would decide alone with a Pareto tail.
         tails.iter_mut().for_each(|tail| tail.heavy = false);
         let threshold = common_level(&tails, self.rate);
-        let smallest = if settled <= self.sharp { threshold / peak } else { f64::INFINITY };
-        Some(Score { threshold, peak, settled, smallest })
+        let times = (threshold / (peak * STEP)).max(threshold / incipient);
+        let times = if settled <= self.sharp { times } else { f64::INFINITY };
+        Some(Score { threshold, peak, incipient, settled, times })
     }
 
     fn tail(

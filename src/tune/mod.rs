@@ -6,9 +6,9 @@
 //! ```
 //!
 //! The thesis tuned Q and R by hand, until the innovation was small and a step showed sharply in
-//! it. Here that is a number ([`criterion`]): the smallest step that can be told from the healthy
-//! innovation at the wanted rate of false alarms, provided that what a step leaves in the residual
-//! is over before another detector could take it for an event of its own. [`mod@search`] makes it as
+//! it. Here that is a number ([`criterion`]): the smallest step, and the smallest incipient fault (5-18),
+//! that can be told from the healthy innovation at the wanted rate of false alarms, provided that what a
+//! step leaves in the residual is over before another detector could take it for an event of its own. [`mod@search`] makes it as
 //! small as it gets, on [`store`]d stretches of the recording; [`evidence`] then reads all of it,
 //! and [`sensitivity`] says what the thresholds find. [`mod@course`] does all of it in turn.
 

@@ -72,10 +72,10 @@ pub fn search(
 
 /// Of two that are not sharp the one that is over sooner.
 fn is_better(one: &Score, other: &Score) -> bool {
-    if one.smallest.is_infinite() && other.smallest.is_infinite() {
+    if one.times.is_infinite() && other.times.is_infinite() {
         return one.settled < other.settled;
     }
-    one.smallest < (1.0 - BETTER) * other.smallest
+    one.times < (1.0 - BETTER) * other.times
 }
 
 /// Which of q and the second of r do anything.

@@ -77,7 +77,7 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
             critical * 1e3
         ));
     }
-    if result.search.score.smallest.is_infinite() {
+    if result.search.score.times.is_infinite() {
         remarks.push(
             "with no weights the response to a step is over within alarm.coincidence: a fault may \
              be taken for two"

@@ -86,6 +86,7 @@ impl Cylinder {
             at: now.opened,
             at_stop: now.at_stop,
         });
+        self.tally.sequential.get_or_insert_default().count(sequential.unknown());
         let [fde1, fde2, _] = self.bank.verdicts();
         let [r1, r2, _] = residuals.r;
         let raised = [fde1, fde2].map(|verdict| verdict == Verdict::Faulty);

@@ -1,6 +1,7 @@
 //! An evaluation as text for a terminal and as JSON. The page of HTML is made of the same tables.
 
 mod contest;
+mod weights;
 
 use super::sheet::{Section, Sheet};
 use crate::evaluate::{
@@ -47,6 +48,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
     sections.extend(contest::sections(&evaluation.contest));
     sections.push(estimates(&evaluation.estimates));
+    sections.push(weights::section(&evaluation.weights));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

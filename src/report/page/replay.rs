@@ -34,6 +34,12 @@ pub fn page(
         wording::cylinder_rows(summary).into_iter().map(Vec::from).collect();
     page.table(&wording::CYLINDER_COLUMNS, &rows);
     page.lines(&wording::counter_jumps(summary));
+    let known: Vec<Vec<String>> =
+        wording::coverage_rows(summary).into_iter().map(Vec::from).collect();
+    if !known.is_empty() {
+        page.paragraph(&format!("{}.", wording::COVERAGE));
+        page.table(&wording::COVERAGE_COLUMNS, &known);
+    }
     stops::section(&mut page, summary.stops);
     over_time(&mut page, recorded);
     around_warnings(&mut page, heading, summary, recorded);

@@ -1,0 +1,47 @@
+//! For how long a detector could say something, and why not.
+
+/// Why a detector says nothing of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unknown {
+    /// The platform is in no monitored state.
+    NotMonitored,
+    /// C1, C2 or the speed is missing or implausible.
+    NoReading,
+    /// The rod is where the calibration has not been, or has not been long enough.
+    NotCalibrated,
+    /// What C1 and C2 differ by in this stretch of motion is still being learnt.
+    NoBaseline,
+}
+
+impl Unknown {
+    pub const ALL: [Self; 4] =
+        [Self::NotMonitored, Self::NoReading, Self::NotCalibrated, Self::NoBaseline];
+
+    /// As files and columns have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotMonitored => "not_monitored",
+            Self::NoReading => "no_reading",
+            Self::NotCalibrated => "not_calibrated",
+            Self::NoBaseline => "no_baseline",
+        }
+    }
+}
+
+/// Cycles in which a detector judged, and those in which it did not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    pub judged: u64,
+    /// In the order of [`Unknown::ALL`].
+    pub unknown: [u64; Unknown::ALL.len()],
+}
+
+impl Coverage {
+    /// Counts a cycle.
+    pub const fn count(&mut self, unknown: Option<Unknown>) {
+        match unknown {
+            None => self.judged += 1,
+            Some(why) => self.unknown[why as usize] += 1,
+        }
+    }
+}
