@@ -189,7 +189,7 @@ mod tests {
         let Ok(()) = without.read(window, &mut taken);
         assert!(taken.rows.iter().all(|(_, t)| !blocks.hold(*t)));
         let of = |n: u8| taken.rows.iter().filter(|(cylinder, _)| *cylinder == n).count();
-        assert_eq!((of(1), of(2)), (800, 790));
+        assert_eq!((of(1), of(2)), (840, 830));
         assert!(taken.gaps > 0);
     }
 
