@@ -9,6 +9,9 @@ use toml::Table;
 /// Seconds in each sea.
 const HALF: i64 = 150;
 
+/// Seconds between two recordings.
+const PAUSE: i64 = 30;
+
 const CALM: [&str; 2] = ["1.2,6.5", "31"];
 const ROUGH: [&str; 2] = ["2.5,8", "32"];
 
@@ -59,7 +62,7 @@ impl Yard {
         let parts = seas.iter().zip(0..).map(|(of, number)| {
             let log = self.record(&format!("{}.log", of[1]), *of, HALF, &["--force"]);
             let text = fs::read_to_string(log).expect("it was written");
-            text.lines().map(|line| moved(line, number * HALF)).collect::<String>()
+            text.lines().map(|line| moved(line, number * (HALF + PAUSE))).collect::<String>()
         });
         let log = self.0.write(name, parts.collect::<String>());
         if faults.is_empty() {
@@ -152,9 +155,11 @@ fn a_cylinder_with_a_fault_is_refused_and_the_others_are_taken_if_one_says_so() 
     let faults: Vec<String> = [20, 70, 130, 190, 250].map(fault).to_vec();
     let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
     let log = yard.recording("healthy.log", &faults);
-    let words = ["is fit for use but for cylinder 3", "nothing was written", "nats of evidence"];
+    let words = ["is fit for use but for cylinder 3", "nothing was written"];
     let run = yard.commission(&[&log], &[]).failed(1, &words);
-    assert!(run.stdout.contains("--accept-refused"), "{}", run.stdout);
+    for word in ["cylinder 3 is refused (calibrate): ", "nats of evidence at", "--accept-refused"] {
+        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    }
     yard.is_untouched(&before);
     let output = yard.path("others.toml");
     yard.commission(&[&log], &["--accept-refused", "--output", &output]).ok();
@@ -163,31 +168,27 @@ fn a_cylinder_with_a_fault_is_refused_and_the_others_are_taken_if_one_says_so() 
     tertius(&["check", &output]).ok();
 }
 
-/// A fault of a few seconds is left out, and does not count as a false alarm of the trial.
+/// A fault of a few seconds is left out of calibration, thresholds and trial, and told.
 #[test]
 fn a_short_fault_is_left_out_of_all_that_is_learnt() {
     let yard = Yard::new();
     // What is left out is a tenth of it at the most, 20 s to either side of the fault included.
-    let seas = [CALM, ROUGH, ["2.0,7", "33"]];
-    let healthy = yard.recording_of(&seas, "healthy.log", &[]);
+    let seas = [CALM, ROUGH, ["2.0,7", "33"], ["1.8,7", "34"]];
+    let fault = "step,cylinder=3,sensor=c1,at=130,until=132,size=0.004";
+    let faulty = yard.recording_of(&seas, "healthy.log", &[fault]);
     let folder = yard.path("elsewhere");
     fs::create_dir(&folder).expect("a folder");
-    let learnt = |log: &str, name: &str| {
-        // Another folder: the DBC is named from there.
-        let output = format!("{folder}/{name}");
-        let run = yard.commission(&[log], &["--output", &output]).ok();
-        tertius(&["check", &output]).ok();
-        let text = fs::read_to_string(&output).expect("it was written");
-        (run, text.parse::<Table>().expect("TOML"))
-    };
-    let (_, sound) = learnt(&healthy, "sound.toml");
-    let fault = "step,cylinder=3,sensor=c1,at=130,until=134,size=0.004";
-    let faulty = yard.recording_of(&seas, "again.log", &[fault]);
-    let (run, cut) = learnt(&faulty, "cut.toml");
+    // In another folder the DBC is named from there.
+    let output = format!("{folder}/cut.toml");
+    let run = yard.commission(&[&faulty], &["--output", &output]).ok();
+    tertius(&["check", &output]).ok();
     assert!(run.stdout.contains("no false alarm in"), "{}", run.stdout);
     assert!(run.stdout.contains("cylinder 3: no healthy cylinder reads what it did in"));
-    let high = |table: &Table| table["fde"]["high"].as_float().expect("a number");
-    assert!((high(&cut) / high(&sound) - 1.0).abs() < 0.05, "{} {}", high(&cut), high(&sound));
+    let text = fs::read_to_string(&output).expect("it was written");
+    let table: Table = text.parse().expect("TOML");
+    // A healthy machine's is the thesis's; with the fault it would be some millimetres.
+    assert_eq!(table["fde"]["high"].as_float(), Some(1e-3), "{}", run.stdout);
+    assert_eq!(sequential(&text), [1, 2, 3, 4, 5, 6]);
 }
 
 #[test]
@@ -195,19 +196,21 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
     let yard = Yard::new();
     let before = yard.read("config.toml");
     let refused = |log: &str, words: &[&str]| {
-        let run = yard.commission(&[log], &[]).failed(1, words);
-        assert!(run.stdout.contains("is not fit for use"), "{}", run.stdout);
+        let run = yard.commission(&[log], &[]).failed(1, &["nothing was written"]);
+        let first = run.stdout.lines().next().expect("a line");
+        assert!(first.contains("is not fit for use"), "{first}");
+        assert!(words.iter().all(|word| run.stdout.contains(word)), "{}", run.stdout);
         yard.is_untouched(&before);
     };
     let short = yard.record("short.log", ROUGH, 20, &[]);
-    refused(&short, &["nothing was written", "too short"]);
+    refused(&short, &["too short", "what to do:"]);
     let still = yard.record("still.log", ["0.01,8", "1"], 90, &[]);
-    refused(&still, &["nothing was written", "record it in motion"]);
+    refused(&still, &["record it in motion"]);
     // C2 at a tenth, as a wrong DBC has it.
     let sound = yard.record("sound.log", ROUGH, 60, &[]);
     let dbc = yard.read("e-type.dbc");
     yard.0.write("e-type.dbc", wrong(&dbc));
-    refused(&sound, &["nothing was written", "check unit, factor and offset of both in the DBC"]);
+    refused(&sound, &["check unit, factor and offset of both in the DBC"]);
 }
 
 /// The DBC with each C2 at a tenth of its length.

@@ -55,6 +55,7 @@ fn cylinders() -> [CylinderModel; 1] {
         command_offset: 0.0,
         transducers: [true; 2],
         velocities: [true; 2],
+        max_gap: 5,
     }]
 }
 
@@ -150,6 +151,37 @@ fn the_smallest_step_is_found_in_nineteen_of_twenty_places_and_half_of_it_is_mos
     let alarms: u32 = (0..2).map(|i| alarms(&fresh, &design[i], i, threshold)).sum();
     println!("{alarms} false alarms of 10");
     assert!((3..=20).contains(&alarms), "{alarms}");
+}
+
+/// One cycle in fifty is lost, and an observer settles for fifty: what is lost is predicted over as the
+/// monitor does, or nothing would ever be judged.
+#[test]
+fn lost_cycles_cost_evidence_and_no_more() {
+    let whole = rows(5, 60_000);
+    let judged = |lossy: bool| {
+        let mut store = Store::new(&cylinders());
+        let design = designs(&cylinders(), TRUE, 50).expect("it has an observer");
+        let mut evidence = Evidence::new(&cylinders(), &design, 50);
+        for row in &whole {
+            if lossy && row.cycle % 50 == 49 {
+                store.gap(1);
+                evidence.gap(1);
+            } else {
+                store.row(row);
+                evidence.row(row);
+            }
+        }
+        store.finish();
+        let score = CRITERION.score(&cylinders(), &store, TRUE).expect("there is enough");
+        let detectors = evidence.detectors(learning_support::TS);
+        let count = detectors[0].residuals.count;
+        (count, score.threshold, detectors[0].tail.expect("there is enough").worst)
+    };
+    let ((all, threshold, worst), (rest, of_rest, worst_of_rest)) = (judged(false), judged(true));
+    assert!(rest > all / 2, "{rest} of {all}");
+    assert!((of_rest / threshold - 1.0).abs() < 0.1, "{of_rest} {threshold}");
+    // A prediction over what is lost is none that a threshold is made for.
+    assert!(worst_of_rest <= worst * (1.0 + 1e-9), "{worst_of_rest} {worst}");
 }
 
 /// Seconds in which the residual exceeds `threshold`.

@@ -53,7 +53,8 @@ pub fn draw(harsh: &Tables, task: &Task) -> Tables {
 pub fn befallen(tables: &Tables, task: &Task) -> Tables {
     let mut tables = *tables;
     if task.mishap == Mishap::Spikes {
-        let counts = 4.0;
+        // As far off as Figure 5-9 has it, 0.43 mm: four fine counts, one coarse one.
+        let counts = if task.is_coarse() { 1.0 } else { 4.0 };
         tables.disturbance.spikes =
             Some(Spikes { time: [0.0, 1e6], share: [0.005, 0.005], counts });
     }

@@ -18,14 +18,19 @@ use tertius::time::Span;
 
 /// What all commissionings have in common.
 pub struct World {
-    text: String,
-    settings: Settings,
+    /// Of fine and of coarse transducers.
+    configurations: [Configuration; 2],
     database: Database,
     harsh: Tables,
 }
 
-/// What the configurations of both kinds are called in their problems.
-const NAME: &str = "config/e-type.toml";
+struct Configuration {
+    name: &'static str,
+    text: String,
+    settings: Settings,
+}
+
+const NAMES: [&str; 2] = ["config/e-type.toml", "config/e-type-coarse.toml"];
 
 impl World {
     /// Reads the files of the repository `top`.
@@ -34,13 +39,22 @@ impl World {
             fs::read(top.join(name)).map_err(|error| format!("{name} cannot be read: {error}"))
         };
         let utf8 = |bytes| String::from_utf8(bytes).map_err(|error| error.to_string());
-        let text = utf8(read(NAME)?)?;
-        let (settings, _) = config::parse(NAME, &text).map_err(|error| error.to_string())?;
+        let configuration = |name: &'static str| {
+            let text = utf8(read(name)?)?;
+            let (settings, _) = config::parse(name, &text).map_err(|error| error.to_string())?;
+            Ok::<_, String>(Configuration { name, text, settings })
+        };
+        let [fine, coarse] = NAMES;
+        let configurations = [configuration(fine)?, configuration(coarse)?];
         let dbc = text::from_bytes(&read("dbc/e-type.dbc")?).into_owned();
         let database = Database::parse(&dbc).map_err(|error| error.to_string())?;
         let harsh = utf8(read("config/e-type-harsh-plant.toml")?)?;
         let harsh = Tables::parse(&harsh).map_err(|error| error.to_string())?;
-        Ok(Self { text, settings, database, harsh })
+        Ok(Self { configurations, database, harsh })
+    }
+
+    fn configuration(&self, task: &Task) -> &Configuration {
+        &self.configurations[usize::from(task.is_coarse())]
     }
 }
 
@@ -70,14 +84,16 @@ fn placed(task: &Task, world: &World) -> Vec<Placed> {
         let [from, until] = [from, until].map(Span::from_seconds);
         let (sensor, wanted) = ("c1", Wanted::Shape(shape));
         let fault = Fault { cylinder, sensor, wanted, window: Window { from, until: Some(until) } };
-        place(&fault, &world.settings, &world.database).expect("the machine has C1")
+        place(&fault, &world.configuration(task).settings, &world.database)
+            .expect("the machine has C1")
     });
     fault.into_iter().collect()
 }
 
 /// Records, commissions, and watches for `hours` and through so many faults of each kind.
 pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line {
-    let World { text, settings, database, harsh } = world;
+    let World { database, harsh, .. } = world;
+    let Configuration { name, text, settings } = world.configuration(task);
     let begun = cpu();
     let tables = machine::draw(harsh, task);
     let befallen = machine::befallen(&tables, task);
@@ -93,7 +109,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
         remarks: Vec::new(),
     };
     let room = commission::Task {
-        name: NAME,
+        name,
         text,
         database,
         origin: &origin,
@@ -105,7 +121,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     let commissioned = cpu();
     let mut line = line(task, &result);
     if result.verdict.fitness != Fitness::Unfit {
-        match monitor(&result.taught.text, database) {
+        match monitor(name, &result.taught.text, database) {
             Ok((settings, design)) if result.verdict.fitness == Fitness::Fit => {
                 let (settings, design) = (&settings, &design);
                 // The bus goes on as it was.
@@ -123,8 +139,12 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
 }
 
 /// As `check` would judge.
-fn monitor(text: &str, database: &Database) -> Result<(Settings, MonitorDesign), String> {
-    let (settings, _) = config::parse(NAME, text).map_err(|error| error.to_string())?;
+fn monitor(
+    name: &str,
+    text: &str,
+    database: &Database,
+) -> Result<(Settings, MonitorDesign), String> {
+    let (settings, _) = config::parse(name, text).map_err(|error| error.to_string())?;
     let design = MonitorDesign::new(&settings, database);
     let design = design.map_err(|flaws| {
         flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect::<String>()

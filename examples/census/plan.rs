@@ -16,7 +16,7 @@ const ONE_FAULTY_FOR: usize = 8;
 #[serde(rename_all = "lowercase")]
 pub enum Mishap {
     None,
-    /// 0.5 % of the samples of every transducer are four counts off.
+    /// 0.5 % of the samples of every transducer are 0.43 mm off.
     Spikes,
     /// 0.5 % of the cycles are lost.
     Losses,

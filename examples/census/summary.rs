@@ -218,8 +218,8 @@ fn unusable(lines: &[Line]) -> Judged {
 /// Levels, and thresholds of both grades.
 fn numbers(fit: &[&Line]) -> Vec<Judged> {
     let most = |what: &str, coarse: bool, bound: f64, of: fn(&Line) -> Option<f64>| {
-        let own = fit.iter().filter(|line| line.coarse == coarse).filter_map(|line| of(line));
-        let largest = own.fold(0.0, f64::max);
+        let own = fit.iter().filter(|line| line.coarse == coarse);
+        let largest = own.filter_map(|line| of(line)).fold(0.0, f64::max);
         Judged {
             what: format!("{what}, {}", grade(coarse)),
             found: format!("up to {largest:.2} mm"),

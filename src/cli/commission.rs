@@ -105,11 +105,8 @@ impl Commission {
             Fitness::Fit => Ok(()),
             Fitness::Partly(_) if self.accept_refused => Ok(()),
             Fitness::Partly(_) | Fitness::Unfit => {
-                let mut told = format!("{}; nothing was written", verdict.sentence);
-                for reason in &verdict.reasons {
-                    _ = write!(told, "\ntertius: {reason}");
-                }
-                Err(Failure::Failed(told))
+                // The reasons are on the page.
+                Err(Failure::Failed(format!("{}; nothing was written", verdict.sentence)))
             }
         }
     }

@@ -125,6 +125,74 @@ mod tests {
         assert!(!blocks.hold(125.0) && blocks.hold(131.0));
     }
 
+    /// A row every second of two cylinders.
+    struct Steady;
+
+    impl Recording for Steady {
+        type Error = std::convert::Infallible;
+
+        fn read(&self, _: Window, mut surveyor: impl Surveyor) -> Result<(), Self::Error> {
+            for t in 0..1200_i32 {
+                for cylinder in [1, 2] {
+                    let record = row(t, cylinder);
+                    surveyor.row(&record);
+                }
+            }
+            Ok(())
+        }
+    }
+
+    fn row(t: i32, cylinder: u8) -> Row {
+        Row {
+            timestamp: crate::time::Timestamp::default(),
+            t: f64::from(t),
+            cycle: t.unsigned_abs().into(),
+            cylinder,
+            c1: None,
+            c2: None,
+            v1: None,
+            v2: None,
+            u: None,
+            pressure_bottom: None,
+            pressure_rod: None,
+            pressure_load: None,
+            supply: None,
+            spool: None,
+            monitored: true,
+            raw: [None; 2],
+            qualities: [crate::sample::Quality::Good; 2],
+        }
+    }
+
+    #[derive(Default)]
+    struct Taken {
+        rows: Vec<(u8, f64)>,
+        gaps: usize,
+    }
+
+    impl Surveyor for Taken {
+        fn row(&mut self, row: &Row) {
+            self.rows.push((row.cylinder, row.t));
+        }
+
+        fn gap(&mut self, _: u8) {
+            self.gaps += 1;
+        }
+    }
+
+    #[test]
+    fn nobody_learns_from_what_is_left_out() {
+        let window = Window { from: 0.0, to: 1200.0 };
+        let (blocks, cuts) = (Blocks::of(window), Cuts(vec![vec![], vec![[10.0, 20.0]]]));
+        let mut taken = Taken::default();
+        let without = Without { recording: Steady, blocks: Some(blocks), cuts: &cuts };
+        let Ok(()) = without.read(window, &mut taken);
+        assert!(taken.rows.iter().all(|(_, t)| !blocks.hold(*t)));
+        let of = |n: u8| taken.rows.iter().filter(|(cylinder, _)| *cylinder == n).count();
+        assert_eq!((of(1), of(2)), (840, 830));
+        assert!(taken.gaps > 0);
+    }
+
     #[test]
     fn cuts_are_of_one_cylinder() {
         let cuts = Cuts(vec![vec![], vec![[1.0, 2.0]]]);

@@ -94,8 +94,9 @@ impl Task<'_> {
         let trial = match &rehearsed {
             Some((rehearsal, blocks)) if rehearsal.is_whole() => {
                 tell(Step::Try);
-                trial::Course { task: self, rehearsal, blocks: *blocks, cuts: &taught.cuts() }
-                    .run(frames)?
+                let (refused, cuts) = (&taught.refused_cylinders()[..], &taught.cuts());
+                let blocks = *blocks;
+                trial::Course { task: self, rehearsal, blocks, refused, cuts }.run(frames)?
             }
             _ => None,
         };

@@ -72,6 +72,8 @@ pub(super) struct Course<'a> {
     pub task: &'a Task<'a>,
     pub rehearsal: &'a Taught,
     pub blocks: Blocks,
+    /// Cylinders that are refused by all of the recording.
+    pub refused: &'a [u8],
     pub cuts: &'a Cuts,
 }
 
@@ -134,8 +136,8 @@ impl Course<'_> {
         let design = MonitorDesign::new(&settings, database);
         debug_assert!(design.is_ok(), "{}", told(&design.clone().err().unwrap_or_default()));
         let refused = self.rehearsal.refused_cylinders();
-        let cylinders: Vec<u8> =
-            (1..=settings.machine.cylinders).filter(|n| !refused.contains(n)).collect();
+        let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);
+        let cylinders: Vec<u8> = (1..=settings.machine.cylinders).filter(sound).collect();
         let second = settings.signals.cylinder.c2.is_some();
         let planned = faults::plan(&self.blocks, &cylinders, second);
         let injectors = planned.iter().enumerate().map(|(seed, one)| {
@@ -145,7 +147,8 @@ impl Course<'_> {
         let mut waiting: Vec<(Planned, Injector)> = injectors.flatten().collect();
         waiting.reverse();
         let monitor = Monitor::new(design.ok()?);
-        let known = monitor.sequential().map(|(number, _)| (number, [0, 0])).collect();
+        let own = monitor.sequential().map(|(number, _)| (number, [0, 0]));
+        let known = own.filter(|(number, _)| cylinders.contains(number)).collect();
         Some(Trying {
             course: self,
             first: origin.first,

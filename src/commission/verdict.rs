@@ -35,6 +35,9 @@ const LEAST_FOUND: f64 = 0.5;
 /// … where so many were tried.
 const ENOUGH: usize = 8;
 
+/// Who would live with more false alarms a year: two an hour.
+const MOST_PER_YEAR: f64 = 2.0 * HOURS_PER_YEAR;
+
 /// So many false alarms are told one by one.
 const TOLD: usize = 6;
 
@@ -126,12 +129,18 @@ fn wrongs(
             let (detector, cylinder, t) = (alarm.detector.name(), alarm.cylinder, alarm.t);
             format!("{detector} of cylinder {cylinder} warns at {t:.1} s")
         }));
-        advice.push(format!(
+        advice.push(
             "look there (`replay --report`): a fault, or readings that stand off now and then? Leave a \
-             fault out (--from, --to) and record again; if that is how the machine is, ask for as many \
-             false alarms as it makes (--false-alarms-per-year {:.0})",
-            (heard as f64 / trial.held * 3600.0 * HOURS_PER_YEAR).ceil()
-        ));
+             fault out (--from, --to), or record again"
+                .to_owned(),
+        );
+        let per_year = (heard as f64 / trial.held * 3600.0 * HOURS_PER_YEAR).ceil();
+        if per_year <= MOST_PER_YEAR {
+            advice.push(format!(
+                "if that is how the machine is, ask for as many false alarms as it makes \
+                 (--false-alarms-per-year {per_year:.0})"
+            ));
+        }
         let held = trial.held / 60.0;
         return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
     }
@@ -176,7 +185,9 @@ fn finds(trial: &Trial) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::trial::FalseAlarm;
     use super::*;
+    use crate::alarm::Detector;
 
     /// scipy.stats.chi2.ppf(0.05, 2 n) / 2.
     #[test]
@@ -185,5 +196,73 @@ mod tests {
             assert!((poisson_lower(events) - bound).abs() < 1e-6, "{}", poisson_lower(events));
         }
         assert!(!beyond(0, 1e-9) && beyond(1, 1e-4) && !beyond(1, 0.06) && beyond(10, 5.4));
+    }
+
+    fn taught() -> Taught {
+        Taught {
+            machine: "It".to_owned(),
+            text: String::new(),
+            identification: None,
+            calibration: None,
+            tuning: None,
+            refused: Vec::new(),
+            failed: None,
+        }
+    }
+
+    /// Of 300 s, with so many of twelve steps of 1 mm found.
+    fn trial(found: usize) -> Trial {
+        let one = KindResult {
+            kind: Kind::Step(1e-3),
+            tried: 12,
+            unplaced: 0,
+            delays: vec![0.04; found],
+            right: found,
+            undecided: 0,
+            wrong: 0,
+        };
+        Trial { held: 300.0, false_alarms: Vec::new(), known: Vec::new(), kinds: vec![one] }
+    }
+
+    #[test]
+    fn one_false_alarm_where_one_a_year_is_wanted_is_too_many() {
+        let sound = Verdict::of(&taught(), Some(&taught()), Some(&trial(12)));
+        assert_eq!(sound.fitness, Fitness::Fit);
+        assert_eq!(
+            sound.sentence,
+            "It is fit for use: no false alarm in 5.0 min that were held back; found after step of 1 mm \
+             0.04 s (12 of 12)"
+        );
+        assert!(sound.reasons.is_empty() && sound.advice.is_empty());
+        let mut heard = trial(12);
+        let detector = Detector::Fde3;
+        heard.false_alarms.push(FalseAlarm { t: 130.0, cylinder: 4, detector });
+        let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
+        assert_eq!(unfit.fitness, Fitness::Unfit);
+        assert_eq!(unfit.reasons, ["fde3 of cylinder 4 warns at 130.0 s"]);
+    }
+
+    #[test]
+    fn who_finds_little_is_not_fit() {
+        let fitness = |found| Verdict::of(&taught(), Some(&taught()), Some(&trial(found))).fitness;
+        assert_eq!([5, 6].map(fitness), [Fitness::Unfit, Fitness::Fit]);
+    }
+
+    #[test]
+    fn a_refused_cylinder_is_named_once_and_no_trial_is_no_use() {
+        let mut partly = taught();
+        for by in [Stage::Identify, Stage::Calibrate] {
+            partly.refused.push(Refused { cylinder: 3, by, why: "so".to_owned() });
+        }
+        let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
+        assert_eq!(verdict.fitness, Fitness::Partly(vec![3]));
+        assert!(verdict.sentence.starts_with("It is fit for use but for cylinder 3: no false"));
+        assert_eq!(verdict.reasons.len(), 2);
+        let mut short = taught();
+        short.failed = Some((Stage::Tune, "too little".to_owned()));
+        let untried = Verdict::of(&taught(), Some(&short), None);
+        assert_eq!(untried.fitness, Fitness::Unfit);
+        assert!(untried.reasons[0].ends_with("tune comes to nothing: too little"));
+        assert_eq!(Verdict::of(&short, None, None).fitness, Fitness::Unfit);
     }
 }

@@ -134,6 +134,7 @@ impl Course<'_> {
             command_offset: settings.command_offset_of(n),
             transducers: [first, second],
             velocities: [signals.c1_velocity.is_some(), second && signals.c2_velocity.is_some()],
+            max_gap: settings.cycles(settings.machine.max_gap),
         }
     }
 
@@ -148,7 +149,7 @@ impl Course<'_> {
         let little = || {
             format!(
                 "in no cylinder there is enough to judge: at least {:.0} s in monitored states with \
-                 position and command are needed, without the times after gaps in which the \
+                 position and command are needed, without the times after longer gaps, in which the \
                  observers settle",
                 f64::from(criterion.block) * criterion.sample_time * LEAST_BLOCKS as f64
             )

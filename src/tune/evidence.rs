@@ -1,6 +1,7 @@
 //! How large the residuals of the tuned observers get in the whole recording.
 
 use super::CylinderModel;
+use super::pause::Pause;
 use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
@@ -43,6 +44,7 @@ pub struct Detector {
 #[derive(Clone, Debug)]
 pub struct Evidence {
     cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
+    pauses: Vec<Pause>,
 }
 
 impl Evidence {
@@ -59,7 +61,8 @@ impl Evidence {
             };
             (*cylinder, [witness(0), witness(1)])
         };
-        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect() }
+        let pauses = vec![Pause::default(); cylinders.len()];
+        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses }
     }
 
     /// What every observer came to; tails where there is enough for one.
@@ -88,10 +91,18 @@ impl Evidence {
 
 impl Surveyor for Evidence {
     fn row(&mut self, row: &Row) {
-        let (cylinder, witnesses) = &mut self.cylinders[usize::from(row.cylinder) - 1];
+        let index = usize::from(row.cylinder) - 1;
+        let (cylinder, witnesses) = &mut self.cylinders[index];
         let cycle = Cycle::new(row, cylinder.command_offset);
+        let missing = self.pauses[index].before(row.cycle, cylinder.max_gap);
         for (transducer, witness) in witnesses.iter_mut().enumerate() {
             let Some(witness) = witness else { continue };
+            match missing {
+                Some(missing) => (0..missing).for_each(|_| {
+                    _ = Cycle::NONE.step(&mut witness.observer, transducer);
+                }),
+                None => witness.observer.stop(Restart::Gap),
+            }
             if let Some(residual) = cycle.step(&mut witness.observer, transducer) {
                 witness.residuals.add(residual);
                 witness.magnitudes.add(residual);
@@ -101,9 +112,6 @@ impl Surveyor for Evidence {
     }
 
     fn gap(&mut self, cylinder: u8) {
-        let (_, witnesses) = &mut self.cylinders[usize::from(cylinder) - 1];
-        for witness in witnesses.iter_mut().flatten() {
-            witness.observer.stop(Restart::Gap);
-        }
+        self.pauses[usize::from(cylinder) - 1].tell();
     }
 }

@@ -15,6 +15,7 @@
 pub mod course;
 pub mod criterion;
 pub mod evidence;
+mod pause;
 pub mod response;
 pub mod search;
 pub mod sensitivity;
@@ -45,6 +46,8 @@ pub struct CylinderModel {
     pub transducers: [bool; 2],
     /// Their velocities are.
     pub velocities: [bool; 2],
+    /// Missing cycles that its observers predict over; after more they start anew.
+    pub max_gap: u32,
 }
 
 /// The diagonals of Q and R.
@@ -65,8 +68,8 @@ pub fn designs(
 ) -> Result<Vec<[Design; 2]>, (u8, RiccatiError)> {
     let one = |cylinder: &CylinderModel| {
         let of = |velocity| {
-            // Rows have no gaps to predict over; a gap is told and starts the observer anew.
-            Design::new(&cylinder.model, weights.q, weights.r, velocity, settle, 0)
+            let Weights { q, r } = weights;
+            Design::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
                 .map_err(|error| (cylinder.number, error))
         };
         let [first, second] = cylinder.velocities;

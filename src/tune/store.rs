@@ -1,8 +1,9 @@
 //! Stretches of a recording in a bounded number of cycles.
 
 use super::CylinderModel;
+use super::pause::Pause;
 use crate::extremes::Thinned;
-use crate::observe::observer::{Design, Measurement, Observer};
+use crate::observe::observer::{Design, Innovation, Measurement, Observer};
 use crate::survey::{Row, Surveyor};
 
 /// Cycles of a stretch: half a minute at 50 Hz, so that settling is a small part of it.
@@ -23,6 +24,9 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// One that is missing.
+    pub const NONE: Self = Self { command: None, measurements: [None; 2], monitored: false };
+
     pub fn new(row: &Row, command_offset: f64) -> Self {
         Self {
             command: row.u.map(|u| u - command_offset),
@@ -36,16 +40,20 @@ impl Cycle {
         let measurement = self.measurements[transducer]
             .map(|(position, velocity)| Measurement { position, velocity });
         let (innovation, _) = observer.step(measurement, self.command);
-        let judged = innovation.filter(|innovation| innovation.settled && self.monitored)?;
+        let judges = |it: &Innovation| it.settled && it.whole && self.monitored;
+        let judged = innovation.filter(judges)?;
         // Without a command the model predicts nothing.
         self.command.map(|_| judged.residual)
     }
 }
 
-/// Stretches of each cylinder, spread evenly over the recording.
+/// Stretches of each cylinder, spread evenly over the recording; a few missing cycles are part of one.
 #[derive(Clone, Debug)]
 pub struct Store {
     offsets: Vec<f64>,
+    /// Missing cycles that are predicted over.
+    max_gaps: Vec<u32>,
+    pauses: Vec<Pause>,
     open: Vec<Vec<Cycle>>,
     stretches: Vec<Thinned<Vec<Cycle>>>,
 }
@@ -55,6 +63,8 @@ impl Store {
         let count = cylinders.len().max(1);
         Self {
             offsets: cylinders.iter().map(|cylinder| cylinder.command_offset).collect(),
+            max_gaps: cylinders.iter().map(|cylinder| cylinder.max_gap).collect(),
+            pauses: vec![Pause::default(); count],
             open: vec![Vec::new(); count],
             stretches: vec![Thinned::new(MOST / LENGTH / count); count],
         }
@@ -98,13 +108,20 @@ impl Surveyor for Store {
     fn row(&mut self, row: &Row) {
         let index = usize::from(row.cylinder) - 1;
         let cycle = Cycle::new(row, self.offsets[index]);
+        match self.pauses[index].before(row.cycle, self.max_gaps[index]) {
+            Some(missing) => {
+                let missing = std::iter::repeat_n(Cycle::NONE, missing as usize);
+                self.open[index].extend(missing);
+            }
+            None => self.close(index),
+        }
         self.open[index].push(cycle);
-        if self.open[index].len() == LENGTH {
+        if self.open[index].len() >= LENGTH {
             self.close(index);
         }
     }
 
     fn gap(&mut self, cylinder: u8) {
-        self.close(usize::from(cylinder) - 1);
+        self.pauses[usize::from(cylinder) - 1].tell();
     }
 }

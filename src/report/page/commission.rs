@@ -13,7 +13,7 @@ pub fn page(result: &Commissioned, differences: Option<&Differences>, configured
     let mut page = Page::new("commission", &format!("Commissioning: {}", result.machine));
     let verdict = &result.verdict;
     if text::is_good(result) {
-        page.paragraph(&verdict.sentence);
+        page.good(&verdict.sentence);
     } else {
         let said = [&verdict.sentence].into_iter().chain(&verdict.reasons).chain(&verdict.advice);
         let lines: Vec<String> = said.map(|line| capitalised(line)).collect();

@@ -21,6 +21,7 @@ h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
 h4 { font-size: .95rem; margin: 1.1rem 0 .2rem; }
 p { margin: .4rem 0; max-width: 52rem; }
 .alarm { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #b00020; background: #fdecee; }
+.good { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #2e7d32; background: #edf7ed; }
 ul.lines { list-style: none; margin: .4rem 0; padding: 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .5rem 0; font-variant-numeric: tabular-nums; }
@@ -107,6 +108,13 @@ impl Page {
             self.lines(text);
             self.body += "</div>\n";
         }
+    }
+
+    /// As [`Self::alarm`], where all is well.
+    pub fn good(&mut self, text: &str) {
+        self.body += "<div class=\"good\">\n";
+        self.lines(text);
+        self.body += "</div>\n";
     }
 
     /// Each line of `text` on a line of its own, empty ones left out.
