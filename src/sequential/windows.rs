@@ -120,11 +120,7 @@ impl Few {
 
     /// The sums over the newest `width` samples; `None` if there are not so many.
     pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
-        (width <= self.held()).then(|| {
-            (0..width)
-                .map(|ago| self.ago(ago))
-                .fold([0.0; VALUES], |sums, values| add(sums, values))
-        })
+        (width <= self.held()).then(|| (0..width).map(|ago| self.ago(ago)).fold([0.0; VALUES], add))
     }
 }
 
