@@ -85,6 +85,8 @@ pub struct Sequential {
     /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
     noise: Noise,
     sooner: f64,
+    /// The cylinders may be about to find that they are sampled otherwise.
+    may_be_timing: bool,
     skew: Skew,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -118,6 +120,7 @@ impl Sequential {
             search: Search::default(),
             noise: design.noise.relied_on(),
             sooner: 0.0,
+            may_be_timing: false,
             skew: Skew::new(design.sample_time, design.noise.timing),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -178,6 +181,7 @@ impl Sequential {
         let Noise { rest, timing } = self.design.noise.relied_on();
         self.noise = Noise { rest, timing: apart.timing(timing) };
         self.sooner = apart.mean;
+        self.may_be_timing = apart.perhaps;
         if apart.changing {
             self.lay_to_timing();
         }

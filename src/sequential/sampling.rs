@@ -34,6 +34,8 @@ pub struct Apart {
     pub spread: f64,
     /// The newest half second is sure that chance adds more, and that is not told yet.
     pub changing: bool,
+    /// The newest half second has it so, if not for sure: nobody is to be blamed in the meantime.
+    pub perhaps: bool,
 }
 
 impl Apart {
@@ -77,13 +79,15 @@ impl Sampling {
         let [fast, slow] = [0, 1].map(|which: usize| {
             let mean = middle(said, |one| one.seen[which].mean);
             let spread = middle(said, |one| one.seen[which].square).max(0.0).sqrt();
-            Apart { mean, spread, changing: false }
+            Apart { mean, spread, ..Apart::default() }
         });
         let mean = if (fast.mean - slow.mean).abs() > LEAST_APART { fast.mean } else { slow.mean };
         let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
         let told = self.tell(said, slow);
-        let changing = told == Some(true) || !self.changed && surely(said, 0);
-        Some((Apart { mean, spread: fast.spread.max(slow.spread), changing }, told))
+        let by = |errors: f64| !self.changed && beyond(said, 0, errors);
+        let changing = told == Some(true) || by(SURE);
+        let spread = fast.spread.max(slow.spread);
+        Some((Apart { mean, spread, changing, perhaps: by(0.0) }, told))
     }
 
     /// Of what is known for sure.
@@ -91,17 +95,18 @@ impl Sampling {
         let known = middle(said, |one| one.known);
         let error = middle(said, |one| one.seen[1].mean_error);
         let limit = LEAST_APART.max(MORE * known);
-        let changed = slow.mean.abs() - SURE * error > LEAST_APART || surely(said, 1);
+        let changed = slow.mean.abs() - SURE * error > LEAST_APART || beyond(said, 1, SURE);
         let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.spread < limit;
         let now = if self.changed { !over } else { changed };
         (std::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
 }
 
-/// Chance adds more than what is known, as the newest half second (0) or half minute (1) has it.
-fn surely(said: &[Said], which: usize) -> bool {
+/// Chance adds more than what is known by so many standard errors, as the newest half second (0) or half
+/// minute (1) has it.
+fn beyond(said: &[Said], which: usize, errors: f64) -> bool {
     let limit = LEAST_APART.max(MORE * middle(said, |one| one.known));
-    let least = |one: &Said| one.seen[which].square - SURE * one.seen[which].square_error;
+    let least = |one: &Said| one.seen[which].square - errors * one.seen[which].square_error;
     middle(said, least) > limit * limit
 }
 

@@ -155,7 +155,8 @@ impl Sequential {
             alarm.clear_suspect();
         }
         (alarm.fault, alarm.size) = (Fault::Noise, size);
-        if alarm.suspect == Suspect::Undecided && alarm.age >= NOISE_TOLD && !alarm.of_timing {
+        let of_timing = alarm.of_timing || self.may_be_timing;
+        if alarm.suspect == Suspect::Undecided && alarm.age >= NOISE_TOLD && !of_timing {
             let span = (alarm.age as usize).min(LONGEST);
             decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
         }
