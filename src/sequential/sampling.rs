@@ -25,9 +25,6 @@ const MARGIN: f64 = 1.15;
 /// Standard errors that something told is beyond.
 const SURE: f64 = 3.0;
 
-/// And something that nobody is to be blamed for in the meantime.
-const LIKELY: f64 = 1.0;
-
 /// How far apart in time C1 and C2 are sampled, beside what the calibration has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
@@ -37,7 +34,7 @@ pub struct Apart {
     pub spread: f64,
     /// The newest half second is sure that chance adds more, and that is not told yet.
     pub changing: bool,
-    /// It may be that, and it is not sure yet.
+    /// The newest half second has it so, if not for sure: nobody is to be blamed in the meantime.
     pub perhaps: bool,
 }
 
@@ -88,10 +85,8 @@ impl Sampling {
         let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
         let told = self.tell(said, slow, known);
         let limit = limit(known);
-        let by = |errors: f64| {
-            !self.changed && fast.may_be_beyond(limit) && is_beyond(said, 0, limit, errors)
-        };
-        let (changing, perhaps) = (told == Some(true) || by(SURE), by(LIKELY));
+        let perhaps = !self.changed && fast.may_be_beyond(limit);
+        let changing = told == Some(true) || perhaps && surely(said, 0, limit);
         let spread = fast.square.max(slow.square).max(0.0).sqrt();
         Some((Apart { mean, spread, changing, perhaps }, told))
     }
@@ -108,7 +103,7 @@ impl Sampling {
             !over
         } else {
             slow.mean.abs() > LEAST_APART && moved()
-                || slow.may_be_beyond(limit) && is_beyond(said, 1, limit, SURE)
+                || slow.may_be_beyond(limit) && surely(said, 1, limit)
         };
         (std::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
@@ -133,13 +128,12 @@ fn limit(known: f64) -> f64 {
     LEAST_APART.max(MORE * known)
 }
 
-/// Chance adds more than `limit`, s, by so many standard errors, as the newest half second (0) or half minute
-/// (1) has it.
+/// Chance adds more than `limit`, s, for sure, as the newest half second (0) or half minute (1) has it.
 #[cold]
-fn is_beyond(said: &[Said], which: usize, limit: f64, errors: f64) -> bool {
+fn surely(said: &[Said], which: usize, limit: f64) -> bool {
     let least = |one: &Said| {
         let seen = one.seen[which];
-        seen.square - errors * seen.square_variance.sqrt()
+        seen.square - SURE * seen.square_variance.sqrt()
     };
     middle(said, least) > limit * limit
 }
