@@ -31,6 +31,9 @@ const STRETCH: f64 = 2.0;
 /// … and it is as long as the widest window in which they are nearly as many.
 const NEARLY: f64 = 0.8;
 
+/// A longer one, in samples, is a fault that comes and goes, and is not expected to.
+const LONGEST: usize = 48;
+
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-7;
 
@@ -95,14 +98,16 @@ impl Measuring {
     }
 }
 
-/// The index of the window that is as long as what the readings stand off for; `None` where they do not.
+/// The index of the window that is as long as what the readings stand off for; `None` where they do not, or for
+/// longer than [`LONGEST`].
 fn stretch(dependence: &Dependence) -> Option<usize> {
     let longest = |widths: &[f64; WIDTHS.len()]| {
         let most = widths.iter().copied().fold(1.0, f64::max);
         let last = widths.iter().rposition(|value| *value >= NEARLY * most);
         last.filter(|_| most >= STRETCH)
     };
-    dependence.iter().filter_map(longest).max()
+    let stretch = dependence.iter().filter_map(longest).max();
+    stretch.filter(|index| WIDTHS[*index] <= LONGEST)
 }
 
 /// What windows of one width have shown, of which wider ones are made.
