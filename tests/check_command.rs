@@ -287,6 +287,24 @@ fn a_model_or_a_table_of_another_sample_time() {
     refused(&scratch, &config, 1, "0.005\n", &words);
 }
 
+/// How well each node is known: of every one, or, in a table of an earlier version, of none.
+#[test]
+fn deviations_of_nodes_that_are_not_there() {
+    let scratch = Scratch::new();
+    let table = "tests/recordings/e-type-sequential.toml";
+    let text = fs::read_to_string(top().join(table)).expect("the configuration is there");
+    let text = text.replace("../../dbc/e-type.dbc", "e-type.dbc");
+    scratch.write("e-type.dbc", fs::read(top().join("dbc/e-type.dbc")).expect("it is kept"));
+    let with = |deviations: &str| {
+        let table = format!("[cylinder.sequential]\nnode_deviations = {deviations}\n");
+        scratch.write("nodes.toml", text.replacen("[cylinder.sequential]\n", &table, 1))
+    };
+    tertius(&["check", &scratch.write("nodes.toml", &text)], b"").ok();
+    let words = ["`cylinder[0].sequential.node_deviations` has 2 values, but there are"];
+    refused(&scratch, &with("[1e-5, 2e-5]"), 1, "[1e-5, 2e-5]", &words);
+    tertius(&["check", &with("[1e-5, -2e-5]")], b"").failed(2, &["node_deviations"]);
+}
+
 /// What cannot be: six cylinders' frames within a millisecond at 500 kbit/s.
 #[test]
 fn a_cycle_that_the_bus_cannot_carry() {

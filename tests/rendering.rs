@@ -91,7 +91,7 @@ fn the_pages_of_what_learns_look_right() {
     let of = |command: &[&str], figures| {
         assert_looks_right(&[command, &[&healthy, "--config", E_TYPE]].concat(), figures);
     };
-    of(&["calibrate"], 12);
+    of(&["calibrate"], 12 + 6);
     of(&["identify", "--nonlinear", "--supply", "200"], 6 + 12 + 6 + 6);
     of(&["tune", "--keep-weights"], 2 + 24);
 }

@@ -258,8 +258,8 @@ mod tests {
             assert!((velocity - 3e-4).abs() < 3e-5, "{velocity}");
             let off = |i: usize| nodes[i] - bent(0.1 * i as f64);
             let mean: f64 = (0..=CELLS).map(|i| hats[i] * off(i)).sum();
-            for i in 0..=CELLS {
-                let ratio = (off(i) - mean) / deviations[i];
+            for (i, deviation) in deviations.iter().enumerate() {
+                let ratio = (off(i) - mean) / deviation;
                 squares += ratio * ratio;
                 most = most.max(ratio.abs());
             }

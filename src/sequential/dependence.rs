@@ -85,15 +85,17 @@ impl Measuring {
     fn compose(&self, dependence: &mut Dependence, stretch: usize, scales: &Scales) {
         let mean = Composed::of(&self.means[stretch], Of::Mean, stretch);
         let square = Composed::of(&self.squares[stretch], Of::Square, stretch);
-        for index in stretch + 1..WIDTHS.len() {
+        let [means, squares] = dependence;
+        let widths = means.iter_mut().zip(squares).enumerate().skip(stretch + 1);
+        for (index, (of_mean, of_square)) in widths {
             let by_mean = |beyond: f64| scales.by_mean(index, beyond);
             let by_square = |root: f64| scales.by_square(index, root * root);
-            let [of_mean, of_square] = [
-                mean.as_ref().map_or(1.0, |it| it.outgrown(index, by_mean)),
-                square.as_ref().map_or(1.0, |it| it.outgrown(index, by_square)),
-            ];
-            dependence[0][index] = dependence[0][index].max(of_mean);
-            dependence[1][index] = dependence[1][index].max(of_square);
+            if let Some(mean) = &mean {
+                *of_mean = of_mean.max(mean.outgrown(index, by_mean));
+            }
+            if let Some(square) = &square {
+                *of_square = of_square.max(square.outgrown(index, by_square));
+            }
         }
     }
 }
