@@ -112,6 +112,7 @@ fn places(coverage: &[Coverage]) -> Vec<String> {
 fn levels(taught: &Taught) -> Option<String> {
     let least = wild::least_level();
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let cylinders = cylinders.filter(|it| it.sequential.is_some());
     let raised: Vec<String> = cylinders
         .filter_map(|it| Some((it.number, it.level.filter(|level| *level > WORTH * least)?)))
         .map(|(number, level)| format!("{level:.1} nats of cylinder {number}"))

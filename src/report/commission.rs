@@ -72,7 +72,8 @@ pub fn tables(result: &Commissioned) -> Section {
         add("δ_l, δ_h of R1 and R2", format!("{}, {}", length(low), length(high)), of);
     }
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
-    let levels: Vec<f64> = cylinders.filter_map(|it| it.level).collect();
+    let taught = cylinders.filter(|it| it.sequential.is_some());
+    let levels: Vec<f64> = taught.filter_map(|it| it.level).collect();
     let seen: Vec<f64> = result.coverage.iter().map(|it| it.seen).collect();
     if let (Some([low, high]), Some([least, most])) = (ends(&levels), ends(&seen)) {
         let of = format!("{:.0} to {:.0} % of the strokes known", 100.0 * least, 100.0 * most);
