@@ -102,6 +102,22 @@ fn a_residual_that_is_not_sharp_has_no_score() {
     assert!(score.settled > CRITERION.sharp && score.times.is_infinite(), "{score:?}");
 }
 
+/// Both kinds of fault are asked for: with the weights of the thesis's design an incipient one of 70 mm leaves less
+/// of itself than a step of a millimetre.
+#[test]
+fn the_criterion_is_of_the_fault_that_is_harder_to_see() {
+    let store = store(&rows(5, 10_000));
+    let thesis = Weights { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2] };
+    let score = CRITERION.score(&cylinders(), &store, thesis).expect("it has an observer");
+    assert!(score.incipient < 0.9e-3 && score.peak >= 1.0, "{score:?}");
+    assert!((score.times - score.threshold / score.incipient).abs() < 1e-12, "{score:?}");
+    // One that follows slowly leaves more of it than of a step at once.
+    let slow = Weights { q: [1e-9, 1e-6, 100.0], r: [1e-8, 1e-2] };
+    let score = CRITERION.score(&cylinders(), &store, slow).expect("it has an observer");
+    assert!(score.incipient > 1.1e-3, "{score:?}");
+    assert!((score.times - score.threshold / (score.peak * 1e-3)).abs() < 1e-9, "{score:?}");
+}
+
 /// Residuals of C1 with a step of `size` from `at` on, by an observer that ran before.
 fn found(rows: &[Row], design: &Design, at: usize, size: f64, threshold: f64) -> Option<usize> {
     let mut observer = Observer::new(design.clone());

@@ -166,7 +166,7 @@ mod tests {
                 _ => News::InMotion,
             };
             // Every third place is not known for sure.
-            let doubt = if k % 3 == 0 { 1e-8 } else { 0.0 };
+            let doubt = if k.is_multiple_of(3) { 1e-8 } else { 0.0 };
             (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, news)
         };
         (0..count).map(one).collect()
