@@ -36,8 +36,19 @@ pub enum Spoilt {
     Noise,
     /// 20 mm for 1 s.
     Jump,
-    /// 0.5 mm from the middle on.
+    /// 0.5 mm from three tenths of the recording to its middle.
     Stays,
+}
+
+impl Spoilt {
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Step => "0.5 mm for 10 s",
+            Self::Noise => "noise of 0.87 mm for 20 s",
+            Self::Jump => "20 mm for 1 s",
+            Self::Stays => "0.5 mm for a fifth of the recording",
+        }
+    }
 }
 
 const SPOILT: [Spoilt; 4] = [Spoilt::Step, Spoilt::Noise, Spoilt::Jump, Spoilt::Stays];

@@ -1,7 +1,7 @@
 //! What the census says, against what was asked for.
 
 use crate::line::{Faults, Line};
-use crate::plan::Mishap;
+use crate::plan::{Mishap, Spoilt};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use tertius::evaluate::poisson_upper;
@@ -110,9 +110,9 @@ fn spoilt(faulty: &[&Line]) -> String {
     let mut text = "\n| fault in the recording | of | left out | refused | learnt |\n\
                     | --- | --- | --- | --- | --- |\n"
         .to_owned();
-    let mut kinds: BTreeMap<String, Vec<&Line>> = BTreeMap::new();
+    let mut kinds: BTreeMap<&str, Vec<&Line>> = BTreeMap::new();
     for line in faulty {
-        kinds.entry(format!("{:?}", line.spoilt)).or_default().push(line);
+        kinds.entry(line.spoilt.map_or("none", Spoilt::words)).or_default().push(line);
     }
     for (kind, lines) in kinds {
         let count = |is: fn(&Line) -> bool| lines.iter().filter(|line| is(line)).count();
