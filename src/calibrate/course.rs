@@ -178,8 +178,8 @@ impl Course<'_> {
             let halves = taught.as_ref().map(|(_, halves)| halves);
             design.as_ref().zip(halves)
         });
-        let mut watch = Watch::crossed(crossed, self.division(), sample_time);
-        recording.read(self.tried, Cutting { cuts, surveyor: &mut watch })?;
+        let mut watch = Watch::crossed(crossed, self.division(), cuts, sample_time);
+        recording.read(self.tried, &mut watch)?;
         Ok(watch.levels(self.per_year))
     }
 

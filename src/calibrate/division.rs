@@ -116,7 +116,8 @@ impl Cuts {
         })
     }
 
-    fn hold(&self, row: &Row) -> bool {
+    /// The row neither teaches nor is judged.
+    pub fn hold(&self, row: &Row) -> bool {
         let spans = &self.spans[usize::from(row.cylinder) - 1];
         spans.iter().any(|[from, to]| *from <= row.t && row.t < *to)
     }

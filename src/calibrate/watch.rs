@@ -1,6 +1,7 @@
 //! How much evidence against a healthy machine its recording seems to hold: the levels of the
 //! sequential detectors.
 
+use super::division::Cuts;
 use super::{Division, Halves};
 use crate::extremes::{Asked, Maxima, levels};
 use crate::sequential::{Design, Input, Sequential};
@@ -20,6 +21,9 @@ const MOST: usize = 2000;
 #[derive(Clone, Debug)]
 pub struct Watch {
     sample_time: f64,
+    /// What is not judged. The baseline goes on over it: a fault that stays behind its beginning is still
+    /// one where only that is cut out.
+    cuts: Option<Cuts>,
     /// By cylinder.
     watched: Vec<Option<Watched>>,
 }
@@ -84,20 +88,21 @@ impl Watch {
     ) -> Self {
         let watched = |design: &Design| Watched::new(design, sample_time, None);
         let watched = designs.into_iter().map(|design| design.map(watched)).collect();
-        Self { sample_time, watched }
+        Self { sample_time, cuts: None, watched }
     }
 
-    /// The same, of a recording whose halves judge each other.
+    /// The same, of a recording whose halves judge each other, without what is cut out.
     pub fn crossed<'a>(
         designs: impl IntoIterator<Item = Option<(&'a Design, &'a Halves)>>,
         division: Division,
+        cuts: &Cuts,
         sample_time: f64,
     ) -> Self {
         let watched = |(design, halves): (&Design, &Halves)| {
             Watched::new(design, sample_time, Some((division, halves.clone())))
         };
         let watched = designs.into_iter().map(|both| both.map(watched)).collect();
-        Self { sample_time, watched }
+        Self { sample_time, cuts: Some(cuts.clone()), watched }
     }
 
     /// What every cylinder's level has to be that all together have `per_year` false alarms a year;
@@ -240,7 +245,10 @@ impl Watched {
 
 impl Surveyor for Watch {
     fn row(&mut self, row: &Row) {
-        if let Some(watched) = &mut self.watched[usize::from(row.cylinder) - 1] {
+        let Some(watched) = &mut self.watched[usize::from(row.cylinder) - 1] else { return };
+        if self.cuts.as_ref().is_some_and(|cuts| cuts.hold(row)) {
+            watched.detector.pause();
+        } else {
             watched.take(row);
         }
     }

@@ -75,7 +75,7 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let thresholds = taught.tuning.as_ref().map(|it| it.thresholds);
     wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
         format!(
-            "δ_h of {:.2} mm instead of the thesis's {:.0} mm is said of {:.0} times the evidence; with more \
+            "a δ_h of {:.2} mm instead of the thesis's {:.0} mm is said of {:.0} times the evidence; with more \
              of it, it may fall",
             it.high * 1e3,
             LEAST_HIGH * 1e3,

@@ -76,8 +76,8 @@ pub fn tables(result: &Commissioned) -> Section {
     let levels: Vec<f64> = taught.filter_map(|it| it.level).collect();
     let seen: Vec<f64> = result.coverage.iter().map(|it| it.seen).collect();
     if let (Some([low, high]), Some([least, most])) = (ends(&levels), ends(&seen)) {
-        let of = format!("{:.0} to {:.0} % of the strokes known", 100.0 * least, 100.0 * most);
-        add("levels, sequential", format!("{low:.1} to {high:.1} nats"), of);
+        let of = format!("{} % of the strokes known", range(100.0 * least, 100.0 * most, 0));
+        add("levels, sequential", format!("{} nats", range(low, high, 1)), of);
     }
     table.about("what was learnt")
 }
@@ -110,10 +110,16 @@ pub fn trial(result: &Commissioned) -> Section {
     table.about(format!("trial, {:.1} min held back: as it was recorded", trial.held / 60.0))
 }
 
+/// Both ends to so many digits, or one where they are the same.
+fn range(low: f64, high: f64, digits: usize) -> String {
+    let [low, high] = [low, high].map(|end| format!("{end:.digits$}"));
+    if low == high { low } else { format!("{low} to {high}") }
+}
+
 fn known(trial: &Trial) -> String {
     let parts: Vec<f64> = trial.known.iter().map(|(_, part)| *part).collect();
     ends(&parts).map_or("no cylinder".to_owned(), |[low, high]| {
-        format!("{:.0} to {:.0} % of the time", 100.0 * low, 100.0 * high)
+        format!("{} % of the time", range(100.0 * low, 100.0 * high, 0))
     })
 }
 

@@ -219,6 +219,12 @@ impl Sequential {
         self.dwelling = Dwelling::default();
     }
 
+    /// What comes is not to be judged for a while; what follows it is, against what was before.
+    pub fn pause(&mut self) {
+        self.stop();
+        self.skew.reset();
+    }
+
     /// Another calibration of the same cylinder takes over.
     pub fn refer(&mut self, reference: &Reference) {
         self.design.reference.clone_from(reference);
