@@ -10,7 +10,7 @@ use tertius::config::Settings;
 use tertius::decode::Database;
 use tertius::evaluate::{Blame, Outcome};
 use tertius::inject::{Fault, Shape, Wanted, Window, place};
-use tertius::monitor::{Monitor, MonitorDesign, Sink};
+use tertius::monitor::{Monitor, MonitorDesign};
 use tertius::simulator::{Options, Simulator, Tables};
 use tertius::time::Span;
 use tertius::verdict::Suspect;
@@ -29,19 +29,6 @@ pub struct Watched<'a> {
     pub settings: &'a Settings,
     pub database: &'a Database,
     pub design: &'a MonitorDesign,
-}
-
-#[derive(Default)]
-struct Warnings(Vec<Warning>);
-
-impl Sink for Warnings {
-    fn wants_records(&self) -> bool {
-        false
-    }
-
-    fn warning(&mut self, warning: &Warning) {
-        self.0.push(*warning);
-    }
 }
 
 /// Shapes by name, and how long they are watched, s.
@@ -137,7 +124,7 @@ impl Watched<'_> {
             Options { seed, sea: Some(sea), in_loop: true, faults: faulty, ..Options::default() };
         let mut simulator =
             Simulator::new(tables, settings, database, &options).expect("it was recorded");
-        let (mut monitor, mut heard) = (Monitor::new(design.clone()), Warnings::default());
+        let (mut monitor, mut heard) = (Monitor::new(design.clone()), Vec::new());
         let mut onsets = vec![None; faults.len()];
         let cycles = (begin + 5.0 + watch + 1.0) / settings.machine.sample_time;
         for _ in 0..cycles as u64 {
@@ -153,7 +140,7 @@ impl Watched<'_> {
         let outcome = |((cylinder, suspect, _, _), onset): (&(u8, Suspect, f64, Shape), _)| {
             let onset: tertius::time::Timestamp = Option::expect(onset, "it was put in");
             let end = onset.after(Span::from_seconds(watch));
-            Outcome::read(&heard.0, *cylinder, *suspect, onset, end)
+            Outcome::read(&heard, *cylinder, *suspect, onset, end)
         };
         faults.iter().zip(onsets).map(outcome).collect()
     }
@@ -169,14 +156,14 @@ impl Watched<'_> {
             let options = Options { seed: rng.random(), sea: seas.next(), ..Options::default() };
             let mut simulator =
                 Simulator::new(tables, settings, database, &options).expect("it was recorded");
-            let (mut monitor, mut heard) = (Monitor::new(design.clone()), Warnings::default());
+            let (mut monitor, mut heard) = (Monitor::new(design.clone()), Vec::new());
             for _ in 0..(3600.0 * rest.min(1.0) / settings.machine.sample_time) as u64 {
                 simulator.step(&mut |frame| monitor.take(frame, &mut heard));
             }
             monitor.finish(&mut heard);
             for ((_, count), detector) in counts.iter_mut().zip(DETECTORS) {
                 let raised = |it: &&Warning| it.detector == detector && it.state == State::Raised;
-                *count += heard.0.iter().filter(raised).count() as u64;
+                *count += heard.iter().filter(raised).count() as u64;
             }
             rest -= 1.0;
         }

@@ -1,6 +1,6 @@
 //! A calibration from beginning to end, on whatever can be read again and again.
 
-use super::division::{Cuts, Cutting};
+use super::cutting::{Cuts, Cutting};
 use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,

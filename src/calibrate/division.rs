@@ -1,7 +1,7 @@
 //! Which part of a recording teaches, and which judges what it has taught.
 
 use crate::sequential::Reference;
-use crate::survey::{Row, Surveyor, Window};
+use crate::survey::Window;
 
 /// Of blocks that alternate, s: long beside what a baseline remembers, short beside a change of the sea.
 const BLOCK: f64 = 60.0;
@@ -81,68 +81,6 @@ impl Division {
 
 /// What both halves have taught of one cylinder.
 pub type Halves = [Option<Reference>; 2];
-
-/// Times, s, of each cylinder that neither teach nor judge.
-#[derive(Clone, Debug, Default)]
-pub struct Cuts {
-    /// By cylinder: from, and up to.
-    spans: Vec<Vec<[f64; 2]>>,
-}
-
-impl Cuts {
-    pub fn none(cylinders: usize) -> Self {
-        Self { spans: vec![Vec::new(); cylinders] }
-    }
-
-    pub fn add(&mut self, index: usize, span: [f64; 2]) {
-        self.spans[index].push(span);
-    }
-
-    /// What was cut out of the cylinder of `index` (from 0), s.
-    pub fn of(&self, index: usize) -> &[[f64; 2]] {
-        &self.spans[index]
-    }
-
-    /// The same, for a person; `None` where nothing was.
-    pub fn told(&self, index: usize) -> Option<String> {
-        let place = |[from, to]: &[f64; 2]| format!("{:.0} to {to:.0} s", from.max(0.0));
-        let places: Vec<String> = self.spans[index].iter().map(place).collect();
-        (!places.is_empty()).then(|| {
-            format!(
-                "no healthy cylinder reads what it did in {}, which was left out: look there for a \
-                 fault",
-                places.join(", ")
-            )
-        })
-    }
-
-    /// The row neither teaches nor is judged.
-    pub fn hold(&self, row: &Row) -> bool {
-        let spans = &self.spans[usize::from(row.cylinder) - 1];
-        spans.iter().any(|[from, to]| *from <= row.t && row.t < *to)
-    }
-}
-
-/// Shows all rows to a surveyor but those that are cut out.
-#[derive(Debug)]
-pub struct Cutting<'a, S> {
-    pub cuts: &'a Cuts,
-    pub surveyor: S,
-}
-
-impl<S: Surveyor> Surveyor for Cutting<'_, S> {
-    fn row(&mut self, row: &Row) {
-        if self.cuts.hold(row) {
-            self.surveyor.gap(row.cylinder);
-        } else {
-            self.surveyor.row(row);
-        }
-    }
-
-    fn gap(&mut self, cylinder: u8) {
-        self.surveyor.gap(cylinder);
-    }
-}
 
 #[cfg(test)]
 mod tests {

@@ -10,6 +10,7 @@
 //! recording at last: what contradicts them is cut out once, and otherwise told ([`Contradiction`]).
 
 mod course;
+mod cutting;
 mod division;
 mod driving;
 mod finding;
@@ -30,6 +31,7 @@ pub mod watch;
 
 pub use crate::survey::Recording;
 pub use course::{Calibrated, Course};
+pub use cutting::{Cuts, Cutting};
 pub use division::{Division, Halves};
 pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};

@@ -1,8 +1,7 @@
 //! How much evidence against a healthy machine its recording seems to hold: the levels of the
 //! sequential detectors.
 
-use super::division::Cuts;
-use super::{Division, Halves};
+use super::{Cuts, Division, Halves};
 use crate::extremes::{Asked, Maxima, levels};
 use crate::sequential::{Design, Input, Sequential};
 use crate::survey::{Row, Surveyor};
@@ -246,7 +245,7 @@ impl Watched {
 impl Surveyor for Watch {
     fn row(&mut self, row: &Row) {
         let Some(watched) = &mut self.watched[usize::from(row.cylinder) - 1] else { return };
-        if self.cuts.as_ref().is_some_and(|cuts| cuts.hold(row)) {
+        if self.cuts.as_ref().is_some_and(|cuts| cuts.hold(row.cylinder, row.t)) {
             watched.detector.pause();
         } else {
             watched.take(row);

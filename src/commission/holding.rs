@@ -1,6 +1,6 @@
 //! What is left out of a recording.
 
-use crate::calibrate::Division;
+use crate::calibrate::{Cuts, Cutting, Division};
 use crate::survey::{Recording, Row, Surveyor, Window};
 
 /// One block in so many is held back. Odd, so that both halves of a calibration, which alternate, lose
@@ -45,17 +45,6 @@ impl Blocks {
     }
 }
 
-/// Times of each cylinder, s, from which nothing is learnt, as they do not look healthy.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cuts(pub Vec<Vec<[f64; 2]>>);
-
-impl Cuts {
-    pub fn hold(&self, cylinder: u8, t: f64) -> bool {
-        let spans = self.0.get(usize::from(cylinder).wrapping_sub(1));
-        spans.into_iter().flatten().any(|[from, to]| *from <= t && t < *to)
-    }
-}
-
 /// A recording without what is left out of it: there rows end as they do where cycles are missing.
 #[derive(Debug)]
 pub struct Without<'a, R> {
@@ -69,21 +58,20 @@ impl<R: Recording> Recording for Without<'_, R> {
 
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), R::Error> {
         let Self { recording, blocks, cuts } = self;
-        recording.read(window, Rest { surveyor, blocks: *blocks, cuts })
+        let surveyor = Cutting { cuts, surveyor };
+        recording.read(window, Rest { surveyor, blocks: *blocks })
     }
 }
 
 #[derive(Debug)]
-struct Rest<'a, S> {
+struct Rest<S> {
     surveyor: S,
     blocks: Option<Blocks>,
-    cuts: &'a Cuts,
 }
 
-impl<S: Surveyor> Surveyor for Rest<'_, S> {
+impl<S: Surveyor> Surveyor for Rest<S> {
     fn row(&mut self, row: &Row) {
-        let held_back = self.blocks.is_some_and(|blocks| blocks.hold(row.t));
-        if held_back || self.cuts.hold(row.cylinder, row.t) {
+        if self.blocks.is_some_and(|blocks| blocks.hold(row.t)) {
             self.surveyor.gap(row.cylinder);
         } else {
             self.surveyor.row(row);
@@ -183,7 +171,7 @@ mod tests {
     #[test]
     fn nobody_learns_from_what_is_left_out() {
         let window = Window { from: 0.0, to: 1200.0 };
-        let (blocks, cuts) = (Blocks::of(window), Cuts(vec![vec![], vec![[10.0, 20.0]]]));
+        let (blocks, cuts) = (Blocks::of(window), Cuts::from(vec![vec![], vec![[10.0, 20.0]]]));
         let mut taken = Taken::default();
         let without = Without { recording: Steady, blocks: Some(blocks), cuts: &cuts };
         let Ok(()) = without.read(window, &mut taken);
@@ -191,12 +179,5 @@ mod tests {
         let of = |n: u8| taken.rows.iter().filter(|(cylinder, _)| *cylinder == n).count();
         assert_eq!((of(1), of(2)), (840, 830));
         assert!(taken.gaps > 0);
-    }
-
-    #[test]
-    fn cuts_are_of_one_cylinder() {
-        let cuts = Cuts(vec![vec![], vec![[1.0, 2.0]]]);
-        assert!(cuts.hold(2, 1.0) && !cuts.hold(2, 2.0));
-        assert!(!cuts.hold(1, 1.5) && !cuts.hold(3, 1.5) && !cuts.hold(0, 1.5));
     }
 }

@@ -26,9 +26,10 @@ pub use stages::{Refused, Stage, Taught};
 pub use trial::Trial;
 pub use verdict::{Fitness, Verdict};
 
+use crate::calibrate::Cuts;
 use crate::decode::Database;
 use crate::survey::{Frames, Origin};
-use holding::{Blocks, Cuts};
+use holding::Blocks;
 use stages::Lesson;
 
 /// A machine that is to be commissioned.

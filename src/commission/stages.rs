@@ -1,8 +1,8 @@
 //! The three rooms that learn, each with the tables of the one before.
 
 use super::Task;
-use super::holding::{Blocks, Cuts, Without};
-use crate::calibrate::Calibration;
+use super::holding::{Blocks, Without};
+use crate::calibrate::{Calibration, Cuts};
 use crate::config::settings::Settings;
 use crate::config::{self, edit};
 use crate::identify::Outcome;
@@ -66,7 +66,8 @@ impl Taught {
     /// What the calibration has left out, as no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
         let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
-        Cuts(cylinders.map(|cylinder| cylinder.left_out.clone()).collect())
+        let spans: Vec<_> = cylinders.map(|cylinder| cylinder.left_out.clone()).collect();
+        spans.into()
     }
 
     /// The cylinders that were refused, in order, each once.

@@ -6,9 +6,10 @@
 
 use super::Task;
 use super::faults::{self, Kind, Planned};
-use super::holding::{Blocks, Cuts};
+use super::holding::Blocks;
 use super::stages::{Taught, told};
 use crate::alarm::{Detector, State, Warning};
+use crate::calibrate::Cuts;
 use crate::config;
 use crate::evaluate::{Blame, Outcome};
 use crate::frame::Frame;
@@ -94,26 +95,12 @@ impl Sink for Heard {
     }
 }
 
-/// Hears warnings only.
-#[derive(Clone, Debug, Default)]
-struct Warnings(Vec<Warning>);
-
-impl Sink for Warnings {
-    fn wants_records(&self) -> bool {
-        false
-    }
-
-    fn warning(&mut self, warning: &Warning) {
-        self.0.push(*warning);
-    }
-}
-
 /// A fault at work in a monitor of its own.
 struct Attempt {
     planned: Planned,
     monitor: Monitor,
     injector: Injector,
-    heard: Warnings,
+    heard: Vec<Warning>,
     /// The first frame with the fault.
     onset: Option<Timestamp>,
     begun: Timestamp,
@@ -204,7 +191,7 @@ impl Trying<'_> {
         for (planned, injector) in self.waiting.split_off(due) {
             let [_, latest] = planned.begin;
             if self.has_place(planned.cylinder, t) {
-                let (monitor, heard) = (self.monitor.clone(), Warnings::default());
+                let (monitor, heard) = (self.monitor.clone(), Vec::new());
                 let attempt =
                     Attempt { planned, monitor, injector, heard, onset: None, begun: now };
                 self.attempts.push(attempt);
@@ -329,6 +316,6 @@ impl Attempt {
         let onset = self.onset.unwrap_or(self.begun);
         let Planned { cylinder, transducer, .. } = self.planned;
         let end = self.end();
-        Outcome::read(&self.heard.0, cylinder, transducer, onset, end)
+        Outcome::read(&self.heard, cylinder, transducer, onset, end)
     }
 }

@@ -98,3 +98,14 @@ pub trait Sink {
         _ = notice;
     }
 }
+
+/// Warnings, and nothing else.
+impl Sink for Vec<Warning> {
+    fn wants_records(&self) -> bool {
+        false
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.push(*warning);
+    }
+}
