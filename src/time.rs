@@ -87,6 +87,14 @@ fn write_seconds(f: &mut fmt::Formatter<'_>, nanos: i64) -> fmt::Result {
     write!(f, "{sign}{seconds}.{fraction:0digits$}")
 }
 
+/// Hours of a mean year.
+pub const HOURS_PER_YEAR: f64 = 8766.0;
+
+/// Events in a year, as events in a second.
+pub const fn per_second(per_year: f64) -> f64 {
+    per_year / (HOURS_PER_YEAR * 3600.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

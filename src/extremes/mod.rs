@@ -10,16 +10,9 @@ mod slope;
 mod tail;
 mod thinned;
 
+pub use crate::time::{HOURS_PER_YEAR, per_second};
 pub use maxima::Maxima;
 pub use sketch::Sketch;
 pub use slope::{Asked, LARGEST_LEVEL, levels};
 pub use tail::{LEAST_BLOCKS, Pareto, Tail, common_level};
 pub use thinned::Thinned;
-
-/// Hours of a mean year.
-pub const HOURS_PER_YEAR: f64 = 8766.0;
-
-/// Events in a year, as events in a second.
-pub const fn per_second(per_year: f64) -> f64 {
-    per_year / (HOURS_PER_YEAR * 3600.0)
-}

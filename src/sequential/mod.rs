@@ -45,7 +45,7 @@ pub mod velocity;
 pub mod wild;
 pub mod windows;
 
-use crate::extremes::per_second;
+use crate::time::per_second;
 pub use alarm::{Alarm, Cause};
 pub use archive::Archive;
 pub use coverage::{Coverage, Unknown};
