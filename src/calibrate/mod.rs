@@ -37,7 +37,7 @@ pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};
-pub use profile::{LEAST_SAMPLES, Profile, Profiling};
+pub use profile::{Profile, Profiling};
 pub use refusal::Refusal;
 pub use scatter::{Scatter, Scattering};
 pub use spreading::{Spread, Spreading};

@@ -18,10 +18,6 @@ use crate::survey::{Row, Surveyor};
 /// From node to node, m.
 const SPACING: f64 = 0.1;
 
-/// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
-/// not covered.
-pub const LEAST_SAMPLES: u64 = 400;
-
 /// What a temperature may do to a difference within so many seconds, m.
 const WARMING: f64 = 3e-4;
 const WARMING_TIME: f64 = 900.0;

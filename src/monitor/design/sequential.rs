@@ -1,10 +1,13 @@
 //! From the fitted tables to a sequential detector.
 
 use super::{Flaw, Wirer};
-use crate::calibrate::LEAST_SAMPLES;
 use crate::config::settings::CylinderSequential;
 use crate::sequential::reference::DOUBTED;
 use crate::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
+
+/// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
+/// not covered.
+const LEAST_SAMPLES: u64 = 400;
 
 impl Wirer<'_> {
     /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
