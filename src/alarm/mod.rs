@@ -8,6 +8,6 @@ pub mod status;
 pub mod warning;
 
 pub use frames::{Encoder, OwnFrame};
-pub use level::Level;
+pub use level::{Level, Levels};
 pub use register::Register;
 pub use warning::{Detector, Evidence, Finding, State, Warning};

@@ -325,7 +325,7 @@ mod tests {
             (&FDE, fields::<settings::Fde>()),
             (&COMPARATOR, fields::<settings::Comparator>()),
             (&ALARM, fields::<settings::Alarm>()),
-            (&LEVELS, fields::<settings::Levels>()),
+            (&LEVELS, fields::<Levels>()),
             (&estimate::ESTIMATE, fields::<settings::Estimate>()),
             (&GATEWAY, fields::<settings::Gateway>()),
             (&HTTP, fields::<settings::Http>()),
@@ -337,6 +337,14 @@ mod tests {
             names.sort_unstable();
             assert_eq!(names, fields);
         }
+    }
+
+    /// What `[alarm.levels]` is read into.
+    #[derive(serde::Deserialize)]
+    #[serde(transparent)]
+    struct Levels {
+        #[serde(with = "settings::LevelsTable")]
+        _read: crate::alarm::Levels,
     }
 
     /// The file of all examples, or of those that are required only.

@@ -2,10 +2,12 @@
 //! seconds, speeds metres per second. What is absent in the file has its default here.
 
 mod estimate;
+mod levels;
 mod sequential;
 
-use crate::alarm::Level;
+use crate::alarm::Levels;
 pub use estimate::Estimate;
+pub use levels::LevelsTable;
 pub use sequential::{CylinderSequential, Sequential};
 use serde::Deserialize;
 use std::net::SocketAddr;
@@ -242,43 +244,13 @@ pub struct Alarm {
     pub clear: f64,
     /// FDEs that raise within this time of each other saw the same event, s.
     pub coincidence: f64,
+    #[serde(with = "LevelsTable")]
     pub levels: Levels,
 }
 
 impl Default for Alarm {
     fn default() -> Self {
         Self { clear: 1.0, coincidence: 0.2, levels: Levels::default() }
-    }
-}
-
-/// Which finding has which level of Table 2-1.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Levels {
-    /// One transducer is blamed by its FDE.
-    pub located: Level,
-    /// R3 beyond its bound and no decision on the location.
-    pub undecided: Level,
-    /// Both observers disagree with readings that agree with each other.
-    pub process: Level,
-    /// A reading is stale, out of range, frozen or has a broken wire.
-    pub implausible: Level,
-    /// Neither transducer of a cylinder can be relied on.
-    pub both: Level,
-    /// The measured C1 − C2 beyond the critical limit, where the machine itself trips.
-    pub critical: Level,
-}
-
-impl Default for Levels {
-    fn default() -> Self {
-        Self {
-            located: Level::Yellow,
-            undecided: Level::Yellow,
-            process: Level::Yellow,
-            implausible: Level::Orange,
-            both: Level::Black,
-            critical: Level::Black,
-        }
     }
 }
 

@@ -10,8 +10,8 @@ mod telling;
 
 use super::gate::Opening;
 use super::implausible::Implausible;
+use crate::alarm::Levels;
 use crate::compare::Comparator;
-use crate::config::settings::Levels;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
 use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
