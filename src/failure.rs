@@ -6,6 +6,15 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+/// Tells a person a line on standard error. Where that cannot be written there is nobody to tell, which
+/// is no reason to end.
+macro_rules! tell {
+    ($($argument:tt)*) => {{
+        use std::io::Write as _;
+        _ = writeln!(std::io::stderr(), $($argument)*);
+    }};
+}
+
 /// A failure with its exit code: 1 it failed, 2 the call or a file of the user's is wrong.
 #[derive(Debug)]
 pub enum Failure {

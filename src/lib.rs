@@ -48,6 +48,9 @@
 
 #![forbid(unsafe_code)]
 
+#[macro_use]
+pub mod failure;
+
 pub mod alarm;
 pub mod appliance;
 pub mod bus;

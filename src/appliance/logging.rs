@@ -1,7 +1,7 @@
 //! The log of the live gateway.
 
 use super::journald::{JournalFormat, JournalWriter, SOCKET};
-use crate::cli::Failure;
+use crate::failure::Failure;
 use clap::ValueEnum;
 use std::io;
 use std::path::Path;

@@ -1,14 +1,5 @@
 //! The commands.
 
-/// Tells a person a line on standard error. Where that cannot be written there is nobody to tell, which
-/// is no reason to end.
-macro_rules! tell {
-    ($($argument:tt)*) => {{
-        use std::io::Write as _;
-        _ = writeln!(std::io::stderr(), $($argument)*);
-    }};
-}
-
 mod broadcast;
 mod calibrate;
 mod check;
@@ -16,7 +7,6 @@ mod commission;
 mod demo;
 mod doctor;
 mod evaluate;
-mod failure;
 mod faults;
 mod files;
 mod history;
@@ -38,8 +28,8 @@ mod tables;
 mod tune;
 mod virtual_bus;
 
+pub use crate::failure::Failure;
 use clap::{Parser, Subcommand};
-pub use failure::Failure;
 
 /// The third vote for redundant position transducers: monitors the cylinders of motion-compensated
 /// gangways from their CAN bus, and advises. The machine's own safety system acts.
