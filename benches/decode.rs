@@ -3,7 +3,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use tertius::decode::{Database, Decoded, SignalPlan};
+use tertius::dbc::Database;
+use tertius::decode::{Decoded, SignalPlan};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
 

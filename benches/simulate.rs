@@ -9,10 +9,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use tertius::config;
+use tertius::config::design;
 use tertius::controller::Readings;
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
-use tertius::monitor::{Monitor, MonitorDesign, Sink};
+use tertius::monitor::{Monitor, Sink};
 use tertius::simulator::{Machine, Options, Simulator, Tables};
 
 const CYCLES: u32 = 30_000;
@@ -30,7 +31,7 @@ fn main() {
     let loaded = config::load(&path).expect("the configuration is sound");
     let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("the DBC is sound");
     let settings = &loaded.settings;
-    let design = MonitorDesign::new(settings, &database).expect("they fit");
+    let design = design::judging(settings, &database).expect("they fit");
     let tables = Tables::default();
     let options = Options { seed: 1, ..Options::default() };
     let made = Machine::new(&tables, settings.machine.sample_time, &options).expect("it is sound");

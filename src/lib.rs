@@ -11,7 +11,7 @@
 //!
 //! - [`bus`]: where frames come from and go to: candump recordings, SocketCAN, a bus inside the
 //!   program. The only room that knows files of frames and sockets.
-//! - [`decode`]: a DBC, checked and compiled to bit plans.
+//! - [`decode`]: bit plans, from frames to values. [`dbc`]: a DBC, checked and compiled to them.
 //! - [`sample`]: which readings belong to one cycle, and whether they are plausible.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
@@ -60,6 +60,7 @@ pub mod commission;
 pub mod compare;
 pub mod config;
 pub mod controller;
+pub mod dbc;
 pub mod decode;
 pub mod error_frame;
 pub mod estimate;

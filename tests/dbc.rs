@@ -1,8 +1,7 @@
 //! What a DBC may have wrong, and what is said about it.
 
-use tertius::decode::{
-    Concern, Database, Decoded, Inserted, LookupError, MAX_TEXT, ParseError, Raw, Severity,
-};
+use tertius::dbc::{Concern, Database, LookupError, MAX_TEXT, ParseError, Severity};
+use tertius::decode::{Decoded, Inserted, Raw};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
 

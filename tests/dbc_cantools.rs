@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use dbc_support::{Dice, random_dbc};
-use tertius::decode::{Database, Decoded, Message, Raw};
+use tertius::dbc::{Database, Message};
+use tertius::decode::{Decoded, Raw};
 use tertius::frame::{Frame, Kind};
 use tertius::time::Timestamp;
 

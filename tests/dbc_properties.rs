@@ -4,7 +4,8 @@ mod dbc_support;
 
 use dbc_support::{Dice, random_dbc};
 use proptest::prelude::*;
-use tertius::decode::{Database, Decoded, Inserted, Raw};
+use tertius::dbc::Database;
+use tertius::decode::{Decoded, Inserted, Raw};
 use tertius::frame::{Frame, Id, Kind, MAX_DATA};
 use tertius::time::Timestamp;
 
@@ -111,7 +112,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_text(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        use_all(&tertius::decode::text::from_bytes(&bytes));
+        use_all(&tertius::dbc::text::from_bytes(&bytes));
     }
 
     #[test]

@@ -13,9 +13,10 @@ use tertius::appliance::history::{HistoryFile, Keeper, Kept};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::appliance::telemetry::exposition::exposition;
+use tertius::config::design;
 use tertius::config::{self, Settings};
-use tertius::decode::{Database, text};
-use tertius::monitor::{Monitor, MonitorDesign, Sink};
+use tertius::dbc::{Database, text};
+use tertius::monitor::{Monitor, Sink};
 use tertius::sequential::{Archive, Blame, Dwell, Judgement, Limits, stops};
 use visits::{CONFIG, COUNT, DRIFTING, NAME, STEP, visits};
 
@@ -36,7 +37,7 @@ fn monitor_of(change: impl Fn(&mut Settings)) -> Monitor {
     let mut loaded = config::load(&top().join(CONFIG)).expect("it ships");
     change(&mut loaded.settings);
     let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
-    Monitor::new(MonitorDesign::new(&loaded.settings, &database).expect("they fit"))
+    Monitor::new(design::judging(&loaded.settings, &database).expect("they fit"))
 }
 
 /// What `monitor` reads on the stops.

@@ -6,11 +6,11 @@ mod support;
 
 use sequential_support::{Setup, fine, setup as calibrated};
 use std::sync::OnceLock;
-use tertius::decode::{Database, text};
+use tertius::config::design;
+use tertius::dbc::{Database, text};
 use tertius::evaluate::{
     CASES, Cell, EstimateResult, Extent, Gathering, Grade, Lessons, Plan, Stand, Study,
 };
-use tertius::monitor::MonitorDesign;
 
 const SEA: [f64; 2] = [2.5, 8.0];
 
@@ -27,7 +27,7 @@ fn plain() -> &'static Setup {
 
 /// The figures of every case, of so many machines each, on fine transducers.
 fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
-    let design = MonitorDesign::new(&setup.settings, &setup.database).expect("they fit");
+    let design = design::judging(&setup.settings, &setup.database).expect("they fit");
     let stand = Stand::new(&setup.tables, &setup.settings, &setup.database, &design);
     let studies = vec![Study::Estimate];
     let lessons = Lessons { calibration: 0.0, level: 0.0 };

@@ -7,8 +7,9 @@ mod support;
 use page_support::{Figure, parse};
 use support::Scratch;
 use tertius::alarm::Detector;
+use tertius::config::design;
 use tertius::config::{self, Settings};
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::evaluate::contest::{Course, Rival};
 use tertius::evaluate::weights::{FAULTS, SETS, SetResult};
 use tertius::evaluate::{
@@ -33,7 +34,7 @@ impl Bench {
     fn new() -> Self {
         let loaded = config::load(&support::top().join(CONFIG)).expect("it is sound");
         let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
-        let design = MonitorDesign::new(&loaded.settings, &database).expect("they fit");
+        let design = design::judging(&loaded.settings, &database).expect("they fit");
         Self { settings: loaded.settings, database, design }
     }
 

@@ -7,7 +7,7 @@ mod support;
 use std::path::Path;
 use support::{Bench, Heard, Setup, fine};
 use tertius::alarm::{Detector, State as Said};
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::simulator::{EPOCH, Options, Tables};
 use tertius::verdict::Suspect;
 

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tertius::config;
-use tertius::decode::Database;
-use tertius::monitor::MonitorDesign;
+use tertius::config::design;
+use tertius::dbc::Database;
 
 fn recordings() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings")
@@ -68,7 +68,7 @@ fn one_cylinders_model_is_that_of_all_six() {
     assert!((-0.05..-0.001).contains(&settings.model.theta[0]), "{tables}");
     let dbc = Path::new(env!("CARGO_MANIFEST_DIR")).join("dbc/e-type.dbc");
     let database = Database::parse(&fs::read_to_string(dbc).expect("UTF-8")).expect("sound");
-    MonitorDesign::new(&settings, &database).expect("the model has an observer");
+    design::judging(&settings, &database).expect("the model has an observer");
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn the_hanging_load_has_a_reduced_model_and_an_offset() {
     assert_eq!(settings.command_offset_of(1), offset);
     let dbc = fs::read_to_string(recordings().join("hanging-load.dbc")).expect("UTF-8");
     let database = Database::parse(&dbc).expect("sound");
-    MonitorDesign::new(&settings, &database).expect("the reduced model has an observer");
+    design::judging(&settings, &database).expect("the reduced model has an observer");
 }
 
 /// The configuration and DBC of the E-type in a folder, changed.

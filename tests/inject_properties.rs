@@ -5,7 +5,8 @@ mod dbc_support;
 
 use dbc_support::{Dice, random_dbc};
 use proptest::prelude::*;
-use tertius::decode::{Database, Decoded, Message, Raw, Signal, SignalPlan};
+use tertius::dbc::{Database, Message, Signal};
+use tertius::decode::{Decoded, Raw, SignalPlan};
 use tertius::frame::{Frame, Id, Kind, MAX_DATA};
 use tertius::inject::{Code, Injector, Placed, Shape, Tally, Window};
 use tertius::time::{Span, Timestamp};

@@ -13,7 +13,7 @@ use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, Unrestricted, UnrestrictedPort};
 use tertius::config;
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::inject::{Fault, Injector, place};
 use tertius::live::proxy::{self, Bench, LaneCounts, Limits, Proxy, Side};

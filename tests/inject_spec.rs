@@ -1,7 +1,7 @@
 //! The words for faults, in arguments and tables.
 
 use tertius::config;
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::inject::{
     Code, Fault, PlaceError, SENSORS, Shape, SpecError, Wanted, Window, grammar, place, table,
 };

@@ -6,9 +6,10 @@ mod machine;
 use machine::{Collected, Cycle, MS};
 use std::path::Path;
 use tertius::config;
-use tertius::decode::{Database, text};
+use tertius::config::design;
+use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::monitor::{Monitor, MonitorDesign};
+use tertius::monitor::Monitor;
 use tertius::time::Timestamp;
 
 const CYCLES: i64 = 300;
@@ -41,7 +42,7 @@ fn monitor(message: &str, multiplexing: &str, lines: &[(&str, &str)]) -> Result<
     let dbc = text::from_bytes(&read("dbc/e-type.dbc")?).into_owned();
     let dbc = dbc.replacen("\nBO_ 385 ", &format!("\n{message}\nBO_ 385 "), 1) + multiplexing;
     let database = Database::parse(&dbc).map_err(|error| error.to_string())?;
-    let design = MonitorDesign::new(&settings, &database).map_err(|flaws| format!("{flaws:?}"))?;
+    let design = design::judging(&settings, &database).map_err(|flaws| format!("{flaws:?}"))?;
     Ok(Monitor::new(design))
 }
 

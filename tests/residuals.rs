@@ -10,8 +10,9 @@ use std::io::Cursor;
 use support::{E_TYPE, HANGING_LOAD, Scratch, Seeded, between, recorded, replay, top};
 use tertius::bus::{Options, Recording, Source};
 use tertius::config;
-use tertius::decode::{self, Database};
-use tertius::monitor::{Monitor, MonitorDesign, Record, Sink};
+use tertius::config::design;
+use tertius::dbc::{self, Database};
+use tertius::monitor::{Monitor, Record, Sink};
 
 /// What the oracle makes of a recording, after the comparison that every recording has to stand:
 /// the same rows, the same places empty, and no number further apart than 1e-12.
@@ -79,9 +80,9 @@ impl Sink for Records {
 #[test]
 fn numbers_read_back_bit_for_bit() {
     let loaded = config::load(&top().join(E_TYPE)).expect("it is sound");
-    let dbc = decode::text::from_bytes(&loaded.dbc_text);
+    let dbc = dbc::text::from_bytes(&loaded.dbc_text);
     let database = Database::parse(&dbc).expect("it is sound");
-    let design = MonitorDesign::new(&loaded.settings, &database).expect("they fit");
+    let design = design::judging(&loaded.settings, &database).expect("they fit");
     let log = spoilt(&between(&recorded("e-type-healthy.log.zst"), 115.0, 145.0));
     let reader = Box::new(Cursor::new(log.clone()));
     let mut recording = Recording::from_reader("memory", reader, Options::default());

@@ -9,13 +9,14 @@ use std::path::Path;
 use support::Scratch;
 use tertius::alarm::{Detector, Warning};
 use tertius::bus::LogWriter;
+use tertius::config::design;
 use tertius::config::{self, Settings};
 use tertius::controller::{State, soft};
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::evaluate::Grade;
 use tertius::frame::Frame;
 use tertius::inject::{self, Fault, Shape, Wanted, place, table};
-use tertius::monitor::{Monitor, MonitorDesign, Record, Sink};
+use tertius::monitor::{Monitor, Record, Sink};
 use tertius::simulator::{
     LayoutError, Options, Simulator, SimulatorError, TableError, Tables, truth,
 };
@@ -49,7 +50,7 @@ impl Setup {
     }
 
     fn monitor(&self) -> Monitor {
-        Monitor::new(MonitorDesign::new(&self.settings, &self.database).expect("they fit"))
+        Monitor::new(design::judging(&self.settings, &self.database).expect("they fit"))
     }
 }
 

@@ -85,7 +85,7 @@ const FORBIDDEN: [&str; 20] = [
     "dbg",
 ];
 
-/// Their order is another one in every run. `decode` only looks up in them, or sorts what comes out.
+/// Their order is another one in every run. `dbc` only looks up in them, or sorts what comes out.
 const UNORDERED: [&str; 2] = ["HashMap", "HashSet"];
 
 /// What nobody leaves behind, in any room.
@@ -231,8 +231,8 @@ fn worldly_names(source: &Source) -> Vec<String> {
         // `io` is a name to write `io::Write` with, not leave for all that is in it.
         ALLOWED.iter().any(listed) || (reports && ALLOWED_IN_REPORTS.contains(&path))
     };
-    let decodes = source.name.starts_with("decode/");
-    let unordered = |segment: &str| !decodes && UNORDERED.contains(&segment);
+    let looks_up = source.name.starts_with("dbc/");
+    let unordered = |segment: &str| !looks_up && UNORDERED.contains(&segment);
     let worldly = |path: &String| {
         let first = path.split("::").next().unwrap_or_default();
         let from_std = match (first, path.split_once("::")) {

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use tertius::alarm::{State, Warning};
 use tertius::commission::trial::DETECTORS;
 use tertius::config::Settings;
-use tertius::decode::Database;
+use tertius::dbc::Database;
 use tertius::evaluate::{Blame, Outcome};
 use tertius::inject::{Fault, Shape, Wanted, Window, place};
 use tertius::monitor::{Monitor, MonitorDesign};

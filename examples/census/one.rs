@@ -8,8 +8,9 @@ use crate::recording::Memory;
 use std::fs;
 use std::path::Path;
 use tertius::commission::{self, Commissioned, Fitness};
+use tertius::config::design;
 use tertius::config::{self, Settings};
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius::monitor::MonitorDesign;
 use tertius::simulator::Tables;
@@ -145,7 +146,7 @@ fn monitor(
     database: &Database,
 ) -> Result<(Settings, MonitorDesign), String> {
     let (settings, _) = config::parse(name, text).map_err(|error| error.to_string())?;
-    let design = MonitorDesign::new(&settings, database);
+    let design = design::judging(&settings, database);
     let design = design.map_err(|flaws| {
         flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect::<String>()
     })?;

@@ -4,7 +4,7 @@ use crate::plan::{Mishap, Task};
 use std::convert::Infallible;
 use tertius::config::Settings;
 use tertius::controller::State;
-use tertius::decode::Database;
+use tertius::dbc::Database;
 use tertius::frame::{Frame, Id, Kind};
 use tertius::inject::Placed;
 use tertius::simulator::{EPOCH, Options, Simulator, SimulatorError, Tables};

@@ -6,9 +6,10 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
+use tertius::config::design;
 use tertius::config::{ConfigError, MAX_PROBLEMS, parse};
-use tertius::decode::Database;
-use tertius::monitor::{Monitor, MonitorDesign};
+use tertius::dbc::Database;
+use tertius::monitor::{Monitor};
 
 static DATABASE: LazyLock<Database> = LazyLock::new(|| {
     Database::parse(include_str!("../../dbc/e-type.dbc")).expect("the shipped DBC is sound")
@@ -27,7 +28,7 @@ fn check_refusal(error: &ConfigError, text: &str) {
 fuzz_target!(|text: &str| {
     match parse("fuzz.toml", text) {
         Err(error) => check_refusal(&error, text),
-        Ok((settings, document)) => match MonitorDesign::new(&settings, &DATABASE) {
+        Ok((settings, document)) => match design::judging(&settings, &DATABASE) {
             Ok(design) => drop(Monitor::new(design)),
             Err(flaws) => {
                 let problems = flaws

@@ -6,7 +6,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use tertius::decode::{Database, Decoded, Inserted, Message, Raw, SignalPlan, text};
+use tertius::dbc::{Database, Message, text};
+use tertius::decode::{Decoded, Inserted, Raw, SignalPlan};
 use tertius::frame::{Frame, Kind, MAX_DATA};
 use tertius::time::Timestamp;
 

@@ -5,7 +5,7 @@ use super::files::Overwriting;
 use super::survey::{Field, Surveyed};
 use super::tables::{self, InPlace};
 use crate::calibrate::{Calibration, Course};
-use crate::monitor::MonitorDesign;
+use crate::config::design;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
 use crate::survey::Recording;
@@ -66,7 +66,7 @@ impl Calibrate {
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
         if let Some(tables) = written {
-            self.place.put(&tables, &[], MonitorDesign::unjudging)?;
+            self.place.put(&tables, &[], design::unjudging)?;
         }
         if let Some(report) = report {
             report.write(&figures(&surveyed, &result)?)?;

@@ -5,8 +5,8 @@ use super::files::{self, Claimed, Inputs, Mark, Overwriting};
 use super::survey::{Field, Surveyed};
 use super::tables;
 use crate::commission::{Commissioned, Fitness, Stage, Step, Task};
+use crate::config::design;
 use crate::config::edit;
-use crate::monitor::MonitorDesign;
 use crate::report::{commission, page};
 use crate::survey::Recording;
 use clap::Args;
@@ -114,14 +114,14 @@ impl Commission {
     fn write(&self, before: &str, after: &str, output: Option<Claimed>) -> Result<(), Failure> {
         let config = self.field.config.as_path();
         let Some(path) = self.output.as_deref() else {
-            tables::approve(config, after, MonitorDesign::new)?;
+            tables::approve(config, after, design::judging)?;
             return match self.dry_run {
                 true => tables::show(config, before, after),
                 false => tables::replace(config, before, after),
             };
         };
         let moved = moved(config, path, after)?;
-        tables::approve(path, &moved, MonitorDesign::new)?;
+        tables::approve(path, &moved, design::judging)?;
         output.map_or(Ok(()), |output| output.write(&moved))
     }
 }

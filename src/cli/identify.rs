@@ -4,10 +4,10 @@ use super::Failure;
 use super::files::{Claimed, Overwriting};
 use super::survey::Field;
 use super::tables::{self, InPlace};
+use crate::config::design;
 use crate::identify::course::{Course, Wishes};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
-use crate::monitor::MonitorDesign;
 use crate::report::{identification, model_tables, page};
 use clap::{Args, ValueEnum};
 use std::io::Write;
@@ -136,7 +136,7 @@ impl Identify {
             return Ok(());
         };
         output.map_or(Ok(()), |output| output.write(&tables))?;
-        self.place.put(&tables, &model_tables::OF_A_MODEL, MonitorDesign::unjudging)
+        self.place.put(&tables, &model_tables::OF_A_MODEL, design::unjudging)
     }
 
     /// A cylinder without a model is a failure, though the others have theirs.

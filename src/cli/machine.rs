@@ -2,10 +2,10 @@
 
 use super::Failure;
 use crate::bus::Interfaces;
+use crate::config::design::{self, Flaw};
 use crate::config::{self, Document, Loaded, Settings};
-use crate::decode::{self, Database};
+use crate::dbc::{self, Database};
 use crate::monitor::MonitorDesign;
-use crate::monitor::design::Flaw;
 use std::path::{Path, PathBuf};
 
 /// The simulated machine for the monitor, and its DBC; built in, so that a demonstration needs
@@ -30,7 +30,7 @@ impl Machine {
     /// # Errors
     /// Everything wrong with either.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, MonitorDesign::new)
+        Self::new(config::load(path)?, design::judging)
     }
 
     /// The same for who judges nothing with it: model and tables may be of another sample time.
@@ -38,7 +38,7 @@ impl Machine {
     /// # Errors
     /// As [`Self::load`], but for sample times.
     pub fn load_unjudging(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, MonitorDesign::unjudging)
+        Self::new(config::load(path)?, design::unjudging)
     }
 
     /// The same for who learns from a recording: the design reads the pressures, too, and what is to be
@@ -47,7 +47,7 @@ impl Machine {
     /// # Errors
     /// As [`Self::load_unjudging`], and pressures that cannot be used.
     pub fn load_surveying(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, MonitorDesign::surveying)
+        Self::new(config::load(path)?, design::surveying)
     }
 
     /// The machine of the configuration `text`, which is to be in the file `path`.
@@ -68,7 +68,7 @@ impl Machine {
         let dbc_path = PathBuf::from("dbc/e-type.dbc");
         let dbc_text = DBC.to_vec();
         let loaded = Loaded { settings, document, dbc_path, dbc_text, history_path: None };
-        Self::new(loaded, MonitorDesign::new)
+        Self::new(loaded, design::judging)
     }
 
     /// Whose frames of a recording are read: of the interface `asked` for, else of the configuration's.
@@ -80,7 +80,7 @@ impl Machine {
     }
 
     fn new(loaded: Loaded, design: Designer) -> Result<Self, Failure> {
-        let text = decode::text::from_bytes(&loaded.dbc_text);
+        let text = dbc::text::from_bytes(&loaded.dbc_text);
         let database = Database::parse(&text).map_err(|error| {
             refusal(
                 &loaded,

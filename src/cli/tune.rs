@@ -5,7 +5,7 @@ use super::files::Overwriting;
 use super::machine::Machine;
 use super::survey::Field;
 use super::tables::{self, InPlace};
-use crate::monitor::MonitorDesign;
+use crate::config::design;
 use crate::report::{page, tuning};
 use crate::tune::course::{Course, SIGMA, Untuned};
 use clap::Args;
@@ -75,7 +75,7 @@ impl Tune {
         let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));
         tables::publish(&tuning::page(&result), output, written.as_deref())?;
         if let Some(tables) = written {
-            self.place.put(&tables, &[], MonitorDesign::new)?;
+            self.place.put(&tables, &[], design::judging)?;
         }
         if let Some(report) = report {
             report.write(&page::tuning::page(&result))?;

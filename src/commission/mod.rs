@@ -27,7 +27,7 @@ pub use trial::Trial;
 pub use verdict::{Fitness, Verdict};
 
 use crate::calibrate::Cuts;
-use crate::decode::Database;
+use crate::dbc::Database;
 use crate::survey::{Frames, Origin};
 use holding::Blocks;
 use stages::Lesson;

@@ -3,12 +3,12 @@
 use super::Task;
 use super::holding::{Blocks, Without};
 use crate::calibrate::{Calibration, Cuts};
+use crate::config::design::{self, Flaw};
 use crate::config::settings::Settings;
 use crate::config::{self, edit};
 use crate::identify::Outcome;
 use crate::identify::course::Wishes;
 use crate::monitor::MonitorDesign;
-use crate::monitor::design::Flaw;
 use crate::report::{calibration, model_tables, tuning};
 use crate::survey::{Frames, Recording, Rows};
 use crate::tune::Tuning;
@@ -182,7 +182,7 @@ impl<F: Frames> Lesson<'_, F> {
         let failed = |why| Stopped::Failed(Stage::Tune, why);
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, database, .. } = *self.task;
-        MonitorDesign::new(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
+        design::judging(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
         let course = tune::course::Course {
             settings: &settings,
             design: &design,
@@ -208,7 +208,7 @@ impl<F: Frames> Lesson<'_, F> {
     fn machine(&self, taught: &Taught) -> Result<(Settings, MonitorDesign), String> {
         let Task { name, database, .. } = *self.task;
         let (settings, _) = config::parse(name, &taught.text).map_err(|it| it.to_string())?;
-        let design = MonitorDesign::surveying(&settings, database).map_err(|flaws| told(&flaws))?;
+        let design = design::surveying(&settings, database).map_err(|flaws| told(&flaws))?;
         Ok((settings, design))
     }
 

@@ -11,10 +11,11 @@ use super::stages::{Taught, told};
 use crate::alarm::{Detector, State, Warning};
 use crate::calibrate::Cuts;
 use crate::config;
+use crate::config::design;
 use crate::evaluate::{Blame, Outcome};
 use crate::frame::Frame;
 use crate::inject::{Injector, place};
-use crate::monitor::{Monitor, MonitorDesign, Record, Sink};
+use crate::monitor::{Monitor, Record, Sink};
 use crate::survey::Frames;
 use crate::time::{Span, Timestamp};
 use crate::verdict::Verdict;
@@ -120,7 +121,7 @@ impl Course<'_> {
     fn begin(&self) -> Option<Trying<'_>> {
         let Task { name, database, origin, .. } = *self.task;
         let (settings, _) = config::parse(name, &self.rehearsal.text).ok()?;
-        let design = MonitorDesign::new(&settings, database);
+        let design = design::judging(&settings, database);
         debug_assert!(design.is_ok(), "{}", told(&design.clone().err().unwrap_or_default()));
         let refused = self.rehearsal.refused_cylinders();
         let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);

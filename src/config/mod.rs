@@ -3,8 +3,10 @@
 //! [`load`] reads the file and the DBC beside it; [`parse`] is the same without a file system. A
 //! file passes three stages: the walk over its keys (`keys.rs` knows them all), the types of
 //! [`settings`], and the relations between values. What does not pass is refused with everything
-//! that was found ([`ConfigError`]).
+//! that was found ([`ConfigError`]). [`design`] makes of settings and the signals of a DBC what a monitor
+//! is made from.
 
+pub mod design;
 mod document;
 pub mod edit;
 mod keys;

@@ -3,7 +3,8 @@
 use super::settings::{
     Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
 };
-use crate::decode::{Raw, Signal};
+use crate::dbc::Signal;
+use crate::decode::Raw;
 use crate::sequential::{self, Limits};
 
 /// However many false alarms are allowed, less evidence than this is none, nats.

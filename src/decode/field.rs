@@ -10,7 +10,7 @@ const LAST_WIDE_LOAD: usize = MAX_DATA - 16;
 
 /// Up to 64 bits of a payload: which eight bytes to load, and what to do with them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Field {
+pub struct Field {
     /// As many ones as the field has bits.
     mask: u64,
     /// The sign bit at the field's own width; 0 for unsigned ones, so that `(x ^ sign) - sign`
@@ -53,7 +53,7 @@ impl WordField {
 
 /// Why there cannot be such a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NoField {
+pub enum NoField {
     /// The length is 0 or above 64 bits.
     Length,
     /// It ends behind the longest payload.
@@ -130,7 +130,7 @@ impl Field {
 
     /// The field as it lies in the eight bytes that begin with byte `at`; `None` if they do not hold all of
     /// it.
-    pub fn within(&self, at: usize) -> Option<WordField> {
+    pub(super) fn within(&self, at: usize) -> Option<WordField> {
         let (first, length) = (usize::from(self.first), usize::from(self.length));
         let before = first.checked_sub(8 * at)?;
         let behind = 64_usize.checked_sub(before + length)?;

@@ -1,49 +1,11 @@
-//! From frames to physical values: a DBC file's text is parsed, checked and compiled into bit
-//! plans that read a frame without allocating.
+//! From frames to physical values and back: bit plans, which read and write a signal without allocating.
 //!
-//! [`Database::parse`] gives messages that are known to be sound, and [`Finding`]s about the rest;
-//! [`SignalPlan::decode`] is the hot path. Nothing here reads files: [`text::from_bytes`] turns a
-//! file's bytes into text for whoever does.
+//! [`SignalPlan::decode`] is the hot path.
 
-mod check;
-mod collect;
-mod database;
-mod draft;
 mod field;
-mod finding;
-mod lookup;
-mod message;
-mod multiplex;
-mod parse_error;
 mod plan;
-mod statement;
-mod syntax;
-pub mod text;
 mod value;
 
-pub use database::Database;
-pub use finding::{Concern, Finding, Severity};
-pub use lookup::LookupError;
-pub use message::{Message, Signal};
-pub use parse_error::ParseError;
-pub use plan::{Plain, SignalPlan};
+pub use field::{Field, NoField};
+pub use plan::{Form, Gate, Plain, SignalPlan};
 pub use value::{Decoded, Inserted, Raw, Value};
-
-/// The longest DBC text that is read, in bytes.
-pub const MAX_TEXT: usize = 16 << 20;
-/// The longest statement (a message with its signals, a value table), in bytes.
-pub const MAX_STATEMENT: usize = 1 << 20;
-/// The most messages that a DBC may have.
-pub const MAX_MESSAGES: usize = 8192;
-/// The most signals of one message.
-pub const MAX_SIGNALS_PER_MESSAGE: usize = 2048;
-/// The most signals of a whole DBC.
-pub const MAX_SIGNALS: usize = 65_536;
-/// The longest name of a message or signal, in bytes; the format's own limit is 32.
-pub const MAX_NAME: usize = 128;
-/// The most multiplexors on the way to one signal.
-pub const MAX_MULTIPLEX_DEPTH: usize = 8;
-/// The most value ranges of one `SG_MUL_VAL_`.
-pub const MAX_MULTIPLEX_RANGES: usize = 1024;
-/// The most findings that are kept; the others are counted.
-pub const MAX_FINDINGS: usize = 1000;

@@ -6,7 +6,7 @@ use crate::frame::{Frame, Kind, MAX_DATA};
 
 /// How a field's bits are a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
+pub enum Form {
     /// Any that an i64 holds: converted to a double at half the cost of a u64.
     Integer,
     /// Unsigned, 64 bits.
@@ -17,9 +17,10 @@ pub(super) enum Form {
 
 /// A multiplexor on the way to a signal, and the values with which it selects the signal.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Gate {
+pub struct Gate {
+    /// The bits of the multiplexor.
     pub field: Field,
-    /// Inclusive.
+    /// The numbers that select the signal, from the lowest to the highest, both included.
     pub ranges: Box<[(u64, u64)]>,
 }
 
@@ -68,13 +69,9 @@ impl Plain {
 }
 
 impl SignalPlan {
-    pub(super) fn new(
-        field: Field,
-        form: Form,
-        factor: f64,
-        offset: f64,
-        gates: Box<[Gate]>,
-    ) -> Self {
+    /// The signal in `field`, which a frame carries if each of `gates` selects it; its number is
+    /// raw · `factor` + `offset`.
+    pub fn new(field: Field, form: Form, factor: f64, offset: f64, gates: Box<[Gate]>) -> Self {
         Self { factor, offset, field, form, gates }
     }
 

@@ -5,8 +5,8 @@ use super::grade::Grade;
 use super::stand::{Stand, StandError};
 use crate::calibrate::watch::{Level, Watch};
 use crate::calibrate::{Course, Recording};
+use crate::config::design::{self, Flaw};
 use crate::config::settings::Settings;
-use crate::monitor::design::Flaw;
 use crate::monitor::{Monitor, MonitorDesign};
 use crate::plant::CYLINDERS;
 use crate::sequential::{self, Sequential};
@@ -51,8 +51,7 @@ impl Recording for Run<'_> {
     /// `window` is a part of the time in each sea.
     fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), StandError> {
         let Self { stand, grade, seas, settings, seed } = *self;
-        let design =
-            MonitorDesign::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
+        let design = design::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
         for sea in seas {
             let options = Options { seed, sea: Some(*sea), ..Options::default() };
             let mut simulator = stand.steady(grade, &options)?;
@@ -107,8 +106,7 @@ impl Stand<'_> {
             })
         });
         settings.cylinder = tables.collect::<Result<_, _>>()?;
-        let design =
-            MonitorDesign::new(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
+        let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
         let detectors = detectors(&design)?;
         let level = match settings.sequential.level {
             Some(_) => None,
@@ -123,8 +121,7 @@ impl Stand<'_> {
         if let Some(level) = &level {
             settings.sequential.level = Some(level.nats);
         }
-        let design =
-            MonitorDesign::new(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
+        let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
         let nats = settings.sequential_level();
         Ok(Learnt { grade, design, nats, level, detectors })
     }

@@ -4,7 +4,7 @@ use super::grade::Grade;
 use super::learning::Learnt;
 use super::plan::Cell;
 use crate::config::settings::Settings;
-use crate::decode::Database;
+use crate::dbc::Database;
 use crate::inject::PlaceError;
 use crate::monitor::MonitorDesign;
 use crate::simulator::{Options, Simulator, SimulatorError, Tables};

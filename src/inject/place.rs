@@ -5,7 +5,8 @@ use super::kind::nearest;
 use super::shape::{Code, Shape, Window};
 use crate::alarm::frames;
 use crate::config::settings::{CylinderSignals, Settings};
-use crate::decode::{Database, LookupError, Raw, Signal, SignalPlan};
+use crate::dbc::{Database, LookupError, Signal};
+use crate::decode::{Raw, SignalPlan};
 use crate::frame::Id;
 
 /// A fault of a signal of a message.

@@ -106,33 +106,39 @@ impl Intake {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decode::{Database, Decoded};
+    use crate::decode::{Decoded, Field as Bits, Form, Gate};
     use crate::frame::{Id, Kind};
     use crate::sample::Field::{self, Command, Position, Status, Velocity};
     use crate::sample::Transducer::{C1, C2};
     use crate::time::Timestamp;
 
-    const DBC: &str = "VERSION \"\"\nBU_: A\n\
-        BO_ 1 Plain: 8 A\n\
-        SG_ Position : 0|16@1+ (0.0001085,-1.5) [0|0] \"m\" A\n\
-        SG_ Velocity : 31|12@0- (0.0001,0) [0|0] \"m/s\" A\n\
-        SG_ Status : 40|5@1+ (1,0) [0|0] \"\" A\n\
-        SG_ Counter : 55|16@0+ (1,0) [0|0] \"\" A\n\
-        BO_ 2 Paged: 8 A\n\
-        SG_ Page M : 0|8@1+ (1,0) [0|0] \"\" A\n\
-        SG_ Asked m1 : 8|16@1+ (1,0) [0|0] \"m\" A\n\
-        BO_ 3 Float: 8 A\n\
-        SG_ Asked : 0|32@1- (1,0) [0|0] \"m\" A\n\
-        BO_ 4 Huge: 8 A\n\
-        SG_ Asked : 0|16@1- (1e308,0) [0|0] \"m\" A\n\
-        BO_ 5 Wide: 12 A\n\
-        SG_ Asked : 9|64@1+ (1,0) [0|0] \"m\" A\n\
-        SIG_VALTYPE_ 3 Asked : 1;\n";
+    fn field(start: u64, length: u64, motorola: bool, signed: bool) -> Bits {
+        Bits::new(start, length, motorola, signed).expect("it is within a frame")
+    }
 
-    fn wire(message: &str, signal: &str, target: Target) -> Wire {
-        let database = Database::parse(DBC).expect("it is sound");
-        let message = database.message(message).expect("it is there");
-        Wire { plan: message.signal(signal).expect("it is there").plan.clone(), target }
+    fn whole(field: Bits, factor: f64, offset: f64) -> SignalPlan {
+        SignalPlan::new(field, Form::Integer, factor, offset, Box::new([]))
+    }
+
+    /// The signals of a message whose signals are all plain.
+    fn plain(signal: &str) -> SignalPlan {
+        match signal {
+            "Position" => whole(field(0, 16, false, false), 0.000_108_5, -1.5),
+            "Velocity" => whole(field(31, 12, true, true), 0.0001, 0.0),
+            "Status" => whole(field(40, 5, false, false), 1.0, 0.0),
+            "Counter" => whole(field(55, 16, true, false), 1.0, 0.0),
+            _ => panic!("{signal}"),
+        }
+    }
+
+    /// A signal on a page of its message.
+    fn paged() -> SignalPlan {
+        let gate = Gate { field: field(0, 8, false, false), ranges: Box::new([(1, 1)]) };
+        SignalPlan::new(field(8, 16, false, false), Form::Integer, 1.0, 0.0, Box::new([gate]))
+    }
+
+    fn wire(signal: &str, target: Target) -> Wire {
+        Wire { plan: plain(signal), target }
     }
 
     fn to(field: Field) -> Target {
@@ -161,10 +167,10 @@ mod tests {
     #[test]
     fn the_short_way_leads_where_the_long_one_does() {
         let wires = [
-            wire("Plain", "Position", to(Position(C2))),
-            wire("Plain", "Velocity", to(Velocity(C2))),
-            wire("Plain", "Status", to(Status(C2))),
-            wire("Plain", "Velocity", to(Command)),
+            wire("Position", to(Position(C2))),
+            wire("Velocity", to(Velocity(C2))),
+            wire("Status", to(Status(C2))),
+            wire("Velocity", to(Command)),
         ];
         let intake = Intake::of(&wires, None).expect("all are plain");
         assert_eq!(intake.cylinder(), 2);
@@ -184,8 +190,8 @@ mod tests {
 
     #[test]
     fn a_counter_is_read_and_told_of_the_readings_that_it_counts() {
-        let wires = [wire("Plain", "Position", to(Position(C1)))];
-        let counter = wire("Plain", "Counter", to(Field::Counter(C1)));
+        let wires = [wire("Position", to(Position(C1)))];
+        let counter = wire("Counter", to(Field::Counter(C1)));
         let counting = |counted| Counting { plan: &counter.plan, counted };
         let intake = Intake::of(&wires, Some(counting(&[(2, C1)]))).expect("both are plain");
         let id = Id::standard(1).expect("11 bits");
@@ -198,15 +204,14 @@ mod tests {
         assert!(inputs.reading(C1, Field::Counter(C1).bit()).is_some());
         // Of another cylinder, or of another page.
         assert!(Intake::of(&wires, Some(counting(&[(1, C1)]))).is_none());
-        let paged = wire("Paged", "Asked", to(Field::Counter(C1)));
-        let counting = Counting { plan: &paged.plan, counted: &[(2, C1)] };
+        let paged = paged();
+        let counting = Counting { plan: &paged, counted: &[(2, C1)] };
         assert!(Intake::of(&wires, Some(counting)).is_none());
     }
 
     #[test]
     fn a_frame_that_is_too_short_has_no_short_way() {
-        let wires =
-            [wire("Plain", "Position", to(Position(C1))), wire("Plain", "Counter", to(Status(C1)))];
+        let wires = [wire("Position", to(Position(C1))), wire("Counter", to(Status(C1)))];
         let intake = Intake::of(&wires, None).expect("both are plain");
         let id = Id::standard(1).expect("11 bits");
         for length in 0..=8 {
@@ -217,14 +222,17 @@ mod tests {
 
     #[test]
     fn what_has_to_be_asked_has_no_short_way() {
-        for message in ["Paged", "Float", "Huge", "Wide"] {
-            let position = wire(message, "Asked", to(Position(C1)));
-            assert!(Intake::of(&[position], None).is_none(), "{message}");
+        let float =
+            SignalPlan::new(field(0, 32, false, true), Form::Float32, 1.0, 0.0, Box::new([]));
+        let huge = whole(field(0, 16, false, true), 1e308, 0.0);
+        let wide = whole(field(9, 64, false, false), 1.0, 0.0);
+        for plan in [paged(), float, huge, wide] {
+            let position = Wire { plan, target: to(Position(C1)) };
+            assert!(Intake::of(core::slice::from_ref(&position), None).is_none(), "{position:?}");
         }
         let elsewhere = Target::Cylinder(1, Position(C1));
         for target in [Target::State, elsewhere] {
-            let wires =
-                [wire("Plain", "Position", to(Position(C1))), wire("Plain", "Status", target)];
+            let wires = [wire("Position", to(Position(C1))), wire("Status", target)];
             assert!(Intake::of(&wires, None).is_none(), "{target:?}");
         }
         assert!(Intake::of(&[], None).is_none());

@@ -8,7 +8,6 @@
 mod admission;
 mod counts;
 pub mod cylinder;
-pub mod design;
 mod estimates;
 pub mod gate;
 mod implausible;

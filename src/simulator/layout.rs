@@ -3,7 +3,8 @@
 use super::values::{Origin, Values};
 use crate::config::settings::{CylinderSignals, Settings};
 use crate::controller::Readings;
-use crate::decode::{Database, Inserted, LookupError, Message, Raw, SignalPlan};
+use crate::dbc::{Database, LookupError, Message};
+use crate::decode::{Inserted, Raw, SignalPlan};
 use crate::frame::{Frame, Kind};
 use crate::inject::Unrounded;
 use crate::plant::CYLINDERS;

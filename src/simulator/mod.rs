@@ -28,7 +28,8 @@ pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};
 
 use crate::config::settings::Settings;
 use crate::controller::{Readings, State};
-use crate::decode::{Database, SignalPlan};
+use crate::dbc::Database;
+use crate::decode::SignalPlan;
 use crate::frame::Frame;
 use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;

@@ -2,7 +2,7 @@
 //!
 //! The monitor itself decodes, forms the cycles and judges what a reading is worth, so that what is
 //! identified on is what will be monitored. A [`Survey`] is a sink for a monitor of
-//! [`MonitorDesign::surveying`](crate::monitor::MonitorDesign::surveying); it hands [`Row`]s to a
+//! [`design::surveying`](crate::config::design::surveying); it hands [`Row`]s to a
 //! [`Surveyor`], and tells where data before and after do not belong together. Nothing is kept but
 //! the last cycle of each cylinder: memory does not grow with the recording.
 

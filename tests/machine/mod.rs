@@ -3,10 +3,10 @@
 
 use std::path::Path;
 use tertius::alarm::{OwnFrame, Warning};
+use tertius::config::design::{self, Flaw};
 use tertius::config::{self, Settings};
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::monitor::design::Flaw;
 use tertius::monitor::{Estimates, Monitor, MonitorDesign, Notice, Record, Sink};
 use tertius::time::{Span, Timestamp};
 
@@ -123,7 +123,7 @@ impl Cycle {
 
 /// A monitor of the default machine that reads the pressures, too.
 pub fn surveying() -> Monitor {
-    let design = from_files("no such line", MonitorDesign::surveying);
+    let design = from_files("no such line", design::surveying);
     design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
@@ -135,7 +135,7 @@ pub fn monitor() -> Monitor {
 /// The same, which sends its estimates.
 pub fn estimating() -> Monitor {
     let design = from_files("no such line", |settings, database| {
-        let design = MonitorDesign::new(settings, database)?;
+        let design = design::judging(settings, database)?;
         Ok(MonitorDesign { estimates: Estimates::Sent, ..design })
     });
     design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
@@ -146,7 +146,7 @@ pub fn resting_at_50() -> Monitor {
     let offset = |settings: &Settings, database: &Database| {
         let mut settings = settings.clone();
         settings.model.command_offset = 0.05;
-        MonitorDesign::new(&settings, database)
+        design::judging(&settings, database)
     };
     from_files("no such line", offset).map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
@@ -159,7 +159,7 @@ pub fn without_sync() -> Monitor {
 /// The same with cycles of a microsecond, of which no configuration is read.
 pub fn hasty() -> Monitor {
     let design = from_files("no such line", |settings, database| {
-        let mut design = MonitorDesign::new(settings, database)?;
+        let mut design = design::judging(settings, database)?;
         design.timing.sample_time = Span::from_nanos(1000);
         design.timing.deadline = Span::from_nanos(800);
         Ok(design)
@@ -169,7 +169,7 @@ pub fn hasty() -> Monitor {
 
 /// The same without the keys whose lines begin so.
 pub fn without(left_out: &[&str]) -> Monitor {
-    let design = from_files_without(left_out, MonitorDesign::new);
+    let design = from_files_without(left_out, design::judging);
     design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
 }
 
@@ -186,7 +186,7 @@ pub fn play(frames: impl IntoIterator<Item = Frame>) -> (Monitor, Collected) {
 
 /// The default configuration without the lines that begin with `left_out`.
 fn design(left_out: &str) -> Result<MonitorDesign, String> {
-    from_files(left_out, MonitorDesign::new)
+    from_files(left_out, design::judging)
 }
 
 fn from_files(

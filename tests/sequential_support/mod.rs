@@ -7,12 +7,13 @@ use std::sync::OnceLock;
 use tertius::alarm::{Detector, State as Said, Warning};
 use tertius::calibrate::watch::Watch;
 use tertius::calibrate::{Course, Recording};
+use tertius::config::design;
 use tertius::config::settings::Settings;
 use tertius::controller::State;
-use tertius::decode::{Database, text};
+use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
-use tertius::monitor::{Monitor, MonitorDesign, Notice, Sink};
+use tertius::monitor::{Monitor, Notice, Sink};
 use tertius::sequential::Dwell;
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Window};
@@ -63,7 +64,7 @@ impl Recording for Setup {
 
     /// The same machine and sea each time.
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Infallible> {
-        let design = MonitorDesign::surveying(&self.settings, &self.database).expect("they fit");
+        let design = design::surveying(&self.settings, &self.database).expect("they fit");
         let mut monitor = Monitor::new(design);
         let mut survey = Survey::new(EPOCH, window, surveyor);
         let mut simulator = self.simulator(&Options { seed: 77, ..Options::default() });
@@ -140,7 +141,7 @@ impl Setup {
     }
 
     pub fn monitor(&self) -> Monitor {
-        Monitor::new(MonitorDesign::new(&self.settings, &self.database).expect("they fit"))
+        Monitor::new(design::judging(&self.settings, &self.database).expect("they fit"))
     }
 }
 

@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
+use tertius::config::design;
 use tertius::alarm::frames;
 use tertius::config;
-use tertius::decode::Database;
+use tertius::dbc::Database;
 use tertius::frame::Id;
 use tertius::monitor::MonitorDesign;
 
@@ -12,7 +13,7 @@ pub static MACHINE: LazyLock<MonitorDesign> = LazyLock::new(|| {
     let text = include_str!("../../../config/e-type.toml");
     let (settings, _) = config::parse("e-type.toml", text).expect("it ships");
     let database = Database::parse(include_str!("../../../dbc/e-type.dbc")).expect("it ships");
-    MonitorDesign::new(&settings, &database).expect("they fit each other")
+    design::judging(&settings, &database).expect("they fit each other")
 });
 
 /// Of the gateway at the shipped node: Fd_Status, Fd_Warning, Fd_Estimate.

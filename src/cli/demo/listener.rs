@@ -2,7 +2,7 @@
 
 use crate::alarm::e2e;
 use crate::cli::Failure;
-use crate::decode::{Database, Signal};
+use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
 
 /// Cylinders of the demonstration's machine.

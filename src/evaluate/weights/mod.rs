@@ -14,11 +14,11 @@ pub use trial::{Faulty, Quiet};
 use super::grade::Grade;
 use super::row::SIGMA;
 use super::stand::{Stand, StandError};
+use crate::config::design::{self, Flaw};
 use crate::config::settings::Settings;
-use crate::decode::Database;
+use crate::dbc::Database;
 use crate::inject::{Shape, Wanted};
 use crate::monitor::MonitorDesign;
-use crate::monitor::design::Flaw;
 use crate::plant::CYLINDERS;
 use crate::tune::criterion::{INCIPIENT, STEP};
 use crate::tune::{LEAST_HIGH, Weights};
@@ -128,7 +128,7 @@ impl Weighing {
             let mut settings = settings.clone();
             (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
             (settings.fde.high, settings.fde.low) = (LEAST_HIGH, 0.75 * LEAST_HIGH);
-            MonitorDesign::new(&settings, database)
+            design::judging(&settings, database)
         };
         self.sets.iter().map(design).collect()
     }

@@ -5,12 +5,11 @@ use std::collections::HashSet;
 use can_dbc::{ByteOrder, NumericValue, SignalExtendedValueType};
 
 use super::draft::{Draft, DraftSignal};
-use super::field::{Field, NoField};
 use super::finding::{Concern, Finding, Findings, Severity};
 use super::message::{Message, Signal};
 use super::multiplex::{Routes, disjoint, is_float, is_multiplexor, is_signed};
 use super::parse_error::ParseError;
-use super::plan::{Form, Gate, SignalPlan};
+use crate::decode::{Field, Form, Gate, NoField, SignalPlan};
 use crate::frame::{Id, MAX_DATA};
 
 /// Steps that the search for overlaps may take in one DBC: less than a second, and more than an

@@ -1,6 +1,6 @@
 //! Messages and signals that are known to be sound.
 
-use super::plan::SignalPlan;
+use crate::decode::SignalPlan;
 use crate::frame::Id;
 
 /// A message of a DBC.

@@ -2,7 +2,8 @@
 
 use super::{Flaw, Wirer};
 use crate::alarm::frames::{ESTIMATE_LAYOUT, Encoder, EstimateScale, Scale};
-use crate::decode::{Decoded, LookupError, Message, Signal};
+use crate::dbc::{LookupError, Message, Signal};
+use crate::decode::Decoded;
 use crate::frame::{Frame, Kind};
 use crate::time::Timestamp;
 

@@ -1,4 +1,4 @@
-//! From settings and a DBC to everything a monitor is made from.
+//! From settings and a DBC to everything that a monitor is made from.
 
 mod estimate;
 mod scale;
@@ -7,14 +7,14 @@ mod state;
 mod surveyed;
 mod times;
 
-use super::cylinder::CylinderDesign;
-use super::gate::Gate;
-use super::wiring::{Line, Target, Wire, Wiring};
-use super::{Estimates, MonitorDesign};
+use super::settings::{CylinderSignals, Settings};
 use crate::alarm::frames;
 use crate::compare::Comparator;
-use crate::config::settings::{CylinderSignals, Settings};
-use crate::decode::{Database, LookupError, Message, Signal};
+use crate::dbc::{Database, LookupError, Message, Signal};
+use crate::monitor::cylinder::CylinderDesign;
+use crate::monitor::gate::Gate;
+use crate::monitor::wiring::{Line, Target, Wire, Wiring};
+use crate::monitor::{Estimates, MonitorDesign};
 use crate::observe::model::Model;
 use crate::observe::observer::Design;
 use crate::sample::cycle::CycleTiming;
@@ -40,67 +40,34 @@ impl Flaw {
     }
 }
 
-impl MonitorDesign {
-    /// What `settings` ask for, with the signals of `database`.
-    ///
-    /// # Errors
-    /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
-    /// that are the gateway's own, states without a number, weights without an observer gain, models
-    /// and tables of another sample time, estimates that do not fit Fd_Estimate.
-    pub fn new(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        let mut wirer = Wirer::new(settings, database, false);
-        wirer.refuse_other_times();
-        Self::build(wirer)
-    }
+/// The monitor that `settings` ask for, with the signals of `database`.
+///
+/// # Errors
+/// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
+/// that are the gateway's own, states without a number, weights without an observer gain, models
+/// and tables of another sample time, estimates that do not fit Fd_Estimate.
+pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    let mut wirer = Wirer::new(settings, database, false);
+    wirer.refuse_other_times();
+    wirer.build()
+}
 
-    /// The same whatever sample time model and tables are of: for who asks where the signals are, and
-    /// judges nothing.
-    ///
-    /// # Errors
-    /// As [`Self::new`], but for sample times.
-    pub fn unjudging(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        Self::build(Wirer::new(settings, database, false))
-    }
+/// The same whatever sample time model and tables are of: for who asks where the signals are, and
+/// judges nothing.
+///
+/// # Errors
+/// As [`judging`], but for sample times.
+pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    Wirer::new(settings, database, false).build()
+}
 
-    /// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
-    /// They are waited for until the deadline of a cycle, and are never missed.
-    ///
-    /// # Errors
-    /// As [`Self::unjudging`]; and pressures that are not in bar.
-    pub fn surveying(settings: &Settings, database: &Database) -> Result<Self, Vec<Flaw>> {
-        Self::build(Wirer::new(settings, database, true))
-    }
-
-    fn build(mut wirer: Wirer<'_>) -> Result<Self, Vec<Flaw>> {
-        let settings = wirer.settings;
-        wirer.connect_sync();
-        let (monitored, stops) = wirer.connect_state();
-        let cylinders = (1..=settings.machine.cylinders)
-            .filter_map(|n| wirer.connect_cylinder(n))
-            .collect::<Vec<_>>();
-        wirer.refuse_own_identifiers();
-        wirer.refuse_crowded_cycles();
-        match wirer.encoder() {
-            Some(encoder) if wirer.flaws.is_empty() => Ok(Self {
-                wiring: wirer.wiring,
-                timing: CycleTiming {
-                    sample_time: Span::from_seconds(settings.machine.sample_time),
-                    deadline: Span::from_seconds(settings.cycle_deadline()),
-                    synchronised: settings.signals.sync.is_some(),
-                },
-                gap_cycles: settings.cycles(settings.machine.max_gap).into(),
-                gate: Gate::new(
-                    monitored,
-                    stops,
-                    Span::from_seconds(settings.plausibility.state_stale),
-                ),
-                cylinders,
-                estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
-                encoder,
-            }),
-            _ => Err(once_per_key(wirer.flaws)),
-        }
-    }
+/// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
+/// They are waited for until the deadline of a cycle, and are never missed.
+///
+/// # Errors
+/// As [`unjudging`]; and pressures that are not in bar.
+pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    Wirer::new(settings, database, true).build()
 }
 
 /// The first flaw of each key: a misspelt signal is one mistake, not one for each cylinder.
@@ -131,6 +98,37 @@ struct Connected<'a> {
 impl<'a> Wirer<'a> {
     fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
         Self { settings, database, wiring: Wiring::new(), surveys, flaws: Vec::new() }
+    }
+
+    fn build(mut self) -> Result<MonitorDesign, Vec<Flaw>> {
+        let settings = self.settings;
+        self.connect_sync();
+        let (monitored, stops) = self.connect_state();
+        let cylinders = (1..=settings.machine.cylinders)
+            .filter_map(|n| self.connect_cylinder(n))
+            .collect::<Vec<_>>();
+        self.refuse_own_identifiers();
+        self.refuse_crowded_cycles();
+        match self.encoder() {
+            Some(encoder) if self.flaws.is_empty() => Ok(MonitorDesign {
+                wiring: self.wiring,
+                timing: CycleTiming {
+                    sample_time: Span::from_seconds(settings.machine.sample_time),
+                    deadline: Span::from_seconds(settings.cycle_deadline()),
+                    synchronised: settings.signals.sync.is_some(),
+                },
+                gap_cycles: settings.cycles(settings.machine.max_gap).into(),
+                gate: Gate::new(
+                    monitored,
+                    stops,
+                    Span::from_seconds(settings.plausibility.state_stale),
+                ),
+                cylinders,
+                estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
+                encoder,
+            }),
+            _ => Err(once_per_key(self.flaws)),
+        }
     }
 
     fn connect_sync(&mut self) {

@@ -1,7 +1,7 @@
 //! The platform's state: where it is read, and which of its values matter.
 
 use super::{Flaw, Wirer};
-use crate::decode::Signal;
+use crate::dbc::Signal;
 use crate::monitor::wiring::{Target, Wire};
 
 /// States of the thesis (section 2-2-1), for a DBC that names none.
