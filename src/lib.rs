@@ -80,6 +80,7 @@ pub mod sea;
 pub mod sequential;
 pub mod simulator;
 pub mod survey;
+pub mod tables;
 pub mod time;
 pub mod transducer;
 pub mod tune;

@@ -9,6 +9,7 @@ use crate::config::design;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
 use crate::survey::Recording;
+use crate::tables as learnt;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -62,7 +63,7 @@ impl Calibrate {
         let settings = &surveyed.machine.loaded.settings;
         let usable = result.usable(settings.comparator.critical);
         let written =
-            usable.is_ok().then(|| calibration::tables(&result, env!("CARGO_PKG_VERSION")));
+            usable.is_ok().then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION")));
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
         if let Some(tables) = written {

@@ -23,7 +23,7 @@ pub struct Overwriting {
 /// How an existing file shows that the same command wrote it.
 #[derive(Clone, Copy, Debug)]
 pub enum Mark<'a> {
-    /// The comment of the tables of this command, see [`crate::report::provenance`].
+    /// The comment of the tables of this command, see [`crate::tables::provenance`].
     Tables(&'a str),
     /// The generator of a page of this command.
     Page(&'a str),

@@ -8,7 +8,8 @@ use crate::config::design;
 use crate::identify::course::{Course, Wishes};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
-use crate::report::{identification, model_tables, page};
+use crate::report::{identification, page};
+use crate::tables::model;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::PathBuf;
@@ -132,11 +133,11 @@ impl Identify {
             return Ok(());
         }
         let version = env!("CARGO_PKG_VERSION");
-        let Some(tables) = model_tables::tables(outcome, version, self.per_cylinder) else {
+        let Some(tables) = model::of(outcome, version, self.per_cylinder) else {
             return Ok(());
         };
         output.map_or(Ok(()), |output| output.write(&tables))?;
-        self.place.put(&tables, &model_tables::OF_A_MODEL, design::unjudging)
+        self.place.put(&tables, &model::OF_A_MODEL, design::unjudging)
     }
 
     /// A cylinder without a model is a failure, though the others have theirs.

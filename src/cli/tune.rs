@@ -7,6 +7,7 @@ use super::survey::Field;
 use super::tables::{self, InPlace};
 use crate::config::design;
 use crate::report::{page, tuning};
+use crate::tables as learnt;
 use crate::tune::course::{Course, SIGMA, Untuned};
 use clap::Args;
 use std::path::PathBuf;
@@ -72,7 +73,8 @@ impl Tune {
         };
         let result = course.run(&surveyed)?;
         let usable = result.usable(settings);
-        let written = usable.is_ok().then(|| tuning::tables(&result, env!("CARGO_PKG_VERSION")));
+        let written =
+            usable.is_ok().then(|| learnt::tuning::of(&result, env!("CARGO_PKG_VERSION")));
         tables::publish(&tuning::page(&result), output, written.as_deref())?;
         if let Some(tables) = written {
             self.place.put(&tables, &[], design::judging)?;

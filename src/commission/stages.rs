@@ -9,8 +9,8 @@ use crate::config::{self, edit};
 use crate::identify::Outcome;
 use crate::identify::course::Wishes;
 use crate::monitor::MonitorDesign;
-use crate::report::{calibration, model_tables, tuning};
 use crate::survey::{Frames, Recording, Rows};
+use crate::tables;
 use crate::tune::Tuning;
 use crate::tune::course::{SIGMA, Untuned};
 use crate::{calibrate, identify, tune};
@@ -148,7 +148,7 @@ impl<F: Frames> Lesson<'_, F> {
         let course = identify::course::Course { settings: &settings, origin, wishes };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
-        let tables = model_tables::tables(&outcome, self.task.version, false);
+        let learnt = tables::model::of(&outcome, self.task.version, false);
         let follows = outcome.follows(false);
         taught.identification = Some(outcome);
         // Whether the model follows is told by all of the recording; a rehearsal's is tried by the monitor.
@@ -156,8 +156,8 @@ impl<F: Frames> Lesson<'_, F> {
             follows.map_err(failed)?;
         }
         let none = || failed(nothing(taught, "there is no model"));
-        let tables = tables.ok_or_else(none)?;
-        taught.put(&tables, &model_tables::OF_A_MODEL).map_err(failed)
+        let learnt = learnt.ok_or_else(none)?;
+        taught.put(&learnt, &tables::model::OF_A_MODEL).map_err(failed)
     }
 
     fn calibrate(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {
@@ -169,13 +169,13 @@ impl<F: Frames> Lesson<'_, F> {
         let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
             .map_err(Stopped::Recording)?;
         taught.refuse(Stage::Calibrate, result.refusals());
-        let tables = calibration::tables(&result, version);
+        let learnt = tables::calibration::of(&result, version);
         let usable = result.usable(settings.comparator.critical);
         taught.calibration = Some(result);
         usable.map_err(failed)?;
         let none = || failed(nothing(taught, "no cylinder has a calibration"));
-        let tables = tables.ok_or_else(none)?;
-        taught.put(&tables, &[]).map_err(failed)
+        let learnt = learnt.ok_or_else(none)?;
+        taught.put(&learnt, &[]).map_err(failed)
     }
 
     fn tune(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {
@@ -196,11 +196,11 @@ impl<F: Frames> Lesson<'_, F> {
             Untuned::Recording(error) => Stopped::Recording(error),
             Untuned::TooLittle(why) => failed(why),
         })?;
-        let tables = tuning::tables(&result, version);
+        let learnt = tables::tuning::of(&result, version);
         let usable = result.usable(&settings);
         taught.tuning = Some(result);
         usable.map_err(failed)?;
-        taught.put(&tables, &[]).map_err(failed)?;
+        taught.put(&learnt, &[]).map_err(failed)?;
         self.machine(taught).map(drop).map_err(failed)
     }
 

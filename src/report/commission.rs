@@ -1,12 +1,12 @@
 //! A commissioning as a page for people: the verdict first.
 
-use super::provenance::four_digits;
 use super::sheet::{Section, Sheet};
-use super::tuning::length;
 use crate::alarm::Detector;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::evaluate::{CONFIDENCE, poisson_upper};
+use crate::tables::provenance::four_digits;
+use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
 

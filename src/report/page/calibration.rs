@@ -10,7 +10,7 @@ use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, Tried};
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
-use crate::report::provenance::four_digits;
+use crate::tables::provenance::four_digits;
 use plotters::style::RGBColor;
 
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];

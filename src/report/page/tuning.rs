@@ -5,8 +5,9 @@ use super::figure::{Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
 use crate::extremes::{Tail, per_second};
-use crate::report::provenance::four_digits;
 use crate::report::tuning as text;
+use crate::tables::provenance::four_digits;
+use crate::tables::tuning::length;
 use crate::tune::{Detector, Tuning};
 
 type Captioned = (Figure, String);
@@ -64,7 +65,7 @@ fn show(page: &mut Page, figures: &[Captioned]) {
 fn thresholds(result: &Tuning, x: &Axis) -> Vec<Mark> {
     let mark = |name: &str, colour, value: f64| {
         let beyond = if 1e3 * value > x.high() { ", beyond the scale" } else { "" };
-        let name = format!("{name}: {}{beyond}", text::length(value));
+        let name = format!("{name}: {}{beyond}", length(value));
         Mark { name, colour, at: 1e3 * value }
     };
     let thresholds = &result.thresholds;

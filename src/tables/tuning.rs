@@ -1,0 +1,96 @@
+//! A tuning as tables that the configuration reads.
+
+use super::provenance::{self, four_digits};
+use crate::calibrate::watch::Level;
+use crate::extremes::HOURS_PER_YEAR;
+use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
+use std::fmt::Write as _;
+
+/// The number of its cylinder and the name of its residual.
+pub fn name(detector: &Detector) -> [String; 2] {
+    [detector.cylinder.to_string(), format!("R{}", detector.transducer + 1)]
+}
+
+/// In millimetres, or in metres where it is no threshold any more.
+pub fn length(metres: f64) -> String {
+    if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
+}
+
+/// What the numbers mean, and how far they can be believed.
+pub fn meaning(result: &Tuning) -> Vec<String> {
+    let Thresholds { per_year, hours, .. } = result.thresholds;
+    let count = result.detectors.len();
+    vec![
+        format!(
+            "high: {count} residuals together exceed it {per_year} times a year of monitoring at most; \
+             one number for all, since their rates are added up; at least the thesis's {:.1} mm",
+            LEAST_HIGH * 1e3
+        ),
+        "low: the residual that varies most stays below it in 95 % of the seconds (of alarm.clear), \
+         so that a warning ends soon after its fault; at most 0.75 high"
+            .to_owned(),
+        format!(
+            "evidence: {hours:.4} h for each residual; the wanted rate is {:.2e} times beyond it. \
+             What was not recorded (weather, load, temperature, wear) is not in it, residuals that \
+             go together count twice, and bursts at the border of two seconds, too",
+            HOURS_PER_YEAR / per_year / hours
+        ),
+    ]
+}
+
+/// What the level of the sequential detectors means, where `per_year` false alarms were wanted.
+pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
+    vec![format!(
+        "level: reached {per_year} times a year, all cylinders together, by a tail of the largest \
+         evidence of each ten seconds whose slope is one by theory, and at least 0.75 a nat; at least \
+         the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {:.1e} times beyond \
+         them",
+        level.worst,
+        level.hours,
+        HOURS_PER_YEAR / per_year / level.hours
+    )]
+}
+
+/// The tables, with what they were made from.
+pub fn of(result: &Tuning, version: &str) -> String {
+    let Tuning { machine, inputs, first, window, .. } = result;
+    let parts = [("tuned on", *window)];
+    let mut text = provenance::heading(version, "tune", machine, inputs, *first, &parts);
+    let Weights { q, r } = result.search.weights;
+    let Score { threshold, peak, incipient, settled, .. } = result.search.score;
+    _ = writeln!(
+        text,
+        "\n# {} sets of weights tried; threshold by exponential tails {:.4} mm, peak of a unit step \
+         {peak:.2}, over after {settled} cycles, of the incipient fault (5-18) {:.2} mm.\n[observer]\nq = {q:?}\nr = {r:?}\n\
+         sample_time = {:?}\n",
+        result.search.tried,
+        threshold * 1e3,
+        incipient * 1e3,
+        result.sample_time
+    );
+    for line in meaning(result) {
+        _ = writeln!(text, "# {line}");
+    }
+    for detector in &result.detectors {
+        if let Some(step) = detector.step {
+            let [number, _] = name(detector);
+            let transducer = detector.transducer + 1;
+            let step = length(step);
+            _ = writeln!(text, "# smallest step of C{transducer} of cylinder {number}: {step}");
+        }
+    }
+    for remark in &result.remarks {
+        _ = writeln!(text, "# {}", provenance::one_line(remark));
+    }
+    let Thresholds { low, high, .. } = result.thresholds;
+    let (low, high) = (four_digits(low), four_digits(high));
+    // Rounding up may put them past each other where they are the same.
+    _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
+    if let Some(level) = &result.sequential {
+        for line in sequential_meaning(level, result.thresholds.per_year) {
+            _ = writeln!(text, "\n# {line}");
+        }
+        _ = writeln!(text, "[sequential]\nlevel = {:?}", four_digits(level.nats));
+    }
+    text
+}
