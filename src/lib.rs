@@ -1,7 +1,8 @@
 //! Tertius: a third vote for redundant position transducers on the cylinders of
 //! motion-compensated gangways.
 //!
-//! The way of the data, one room each:
+//! This package is the program; its crates, below `crates/`, are passed on here room by room. The way of the
+//! data, one room each:
 //!
 //! ```text
 //! bus ─ frames ─→ decode ─ values ─→ sample ─ cycles ─→ observe ─┐ R1, R2
@@ -41,47 +42,26 @@
 //!   JSON, pages of HTML with figures.
 //!   [`cli`]: the commands.
 //!
-//! Everything from `decode` to `monitor` is pure: time comes with the frames as integers of
+//! Everything from `decode` to `monitor` is one crate, `tertius_core`, and pure: time comes with the frames as integers of
 //! nanoseconds ([`time`]), and there is no clock, socket, file, thread or global. That is why a
 //! replay says what the gateway said. Deliberately absent: any action on the machine. Tertius
 //! advises; the machine's own safety system acts.
 
-#![forbid(unsafe_code)]
-
 #[macro_use]
 pub mod failure;
 
-pub mod alarm;
 pub mod appliance;
 pub mod bus;
-pub mod calibrate;
 pub mod cli;
-pub mod commission;
-pub mod compare;
-pub mod config;
-pub mod controller;
-pub mod dbc;
-pub mod decode;
-pub mod error_frame;
-pub mod estimate;
-pub mod evaluate;
-pub mod extremes;
-pub mod frame;
-pub mod hexapod;
-pub mod identify;
-pub mod inject;
 pub mod live;
-pub mod monitor;
-pub mod observe;
-pub mod plant;
 pub mod report;
-pub mod sample;
-pub mod sea;
-pub mod sequential;
-pub mod simulator;
-pub mod survey;
-pub mod tables;
-pub mod time;
-pub mod transducer;
-pub mod tune;
-pub mod verdict;
+
+pub use tertius_assess::{commission, evaluate};
+pub use tertius_config as config;
+pub use tertius_core::{
+    alarm, compare, decode, error_frame, estimate, frame, monitor, observe, sample, sequential,
+    time, verdict,
+};
+pub use tertius_dbc as dbc;
+pub use tertius_learn::{calibrate, extremes, identify, survey, tables, tune};
+pub use tertius_machine::{controller, hexapod, inject, plant, sea, simulator, transducer};

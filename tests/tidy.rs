@@ -1,16 +1,26 @@
-//! What the source has to keep to: the core has no clock, socket, file, thread or global, so that a
-//! replay says what the gateway said; and nothing is left half done.
+//! What the source has to keep to, and no compiler asks for: what is not named below has no clock, socket,
+//! file, thread or global, so that a replay says what the gateway said; the rooms of a crate use each
+//! other one way; and nothing is left half done.
 //!
 //! It looks at tokens, so that comments and texts may say what they like, and at code outside of
 //! `#[cfg(test)]` only.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms that deal with the world. A room that is added here has a reason to: live frames, files of
-/// the user's, a terminal. Everything else is the core.
-const WORLDLY: [&str; 6] = ["appliance/", "bus/", "cli/", "live/", "config/loader.rs", "main.rs"];
+/// the user's, a terminal. Everything else is pure.
+const WORLDLY: [&str; 7] = [
+    "crates/config/src/loader.rs",
+    "src/appliance/",
+    "src/bus/",
+    "src/cli/",
+    "src/failure.rs",
+    "src/live/",
+    "src/main.rs",
+];
 
 /// Crates that bring the world with them.
 const WORLDLY_CRATES: [&str; 11] = [
@@ -27,7 +37,7 @@ const WORLDLY_CRATES: [&str; 11] = [
     "getrandom",
 ];
 
-/// Of `std` the core may use these modules, of `std::time` and others only the items named.
+/// Of `std` what is pure may use these modules, of `std::time` and others only the items named.
 const ALLOWED: [&str; 27] = [
     "array",
     "borrow",
@@ -95,7 +105,7 @@ const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 const LONGEST: usize = 400;
 
 struct Source {
-    /// Below its folder, with `/`.
+    /// Below the top folder, with `/`.
     name: String,
     text: String,
 }
@@ -103,6 +113,13 @@ struct Source {
 impl Source {
     fn is_worldly(&self) -> bool {
         WORLDLY.iter().any(|room| self.name.starts_with(room))
+    }
+
+    /// The modules on the way from the root of its crate to it; none for the root itself.
+    fn module(&self) -> Vec<&str> {
+        let (_, below) = self.name.split_once("src/").expect("it is in a crate");
+        let path = below.trim_end_matches(".rs").trim_end_matches("/mod");
+        path.split('/').filter(|name| !matches!(*name, "lib" | "main")).collect()
     }
 
     /// Its code without tests.
@@ -114,20 +131,30 @@ impl Source {
     }
 }
 
+/// The folders of the crates' sources.
+fn crates() -> Vec<String> {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let names = fs::read_dir(top).expect("it can be read").map(|entry| {
+        let name = entry.expect("it is there").file_name();
+        format!("crates/{}/src", name.to_str().expect("UTF-8"))
+    });
+    names.chain(["src".to_owned()]).collect()
+}
+
 fn sources() -> Vec<Source> {
-    sources_below("src")
+    crates().iter().flat_map(|folder| sources_below(folder)).collect()
 }
 
 fn sources_below(folder: &str) -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let (mut sources, mut rooms) = (Vec::new(), vec![root.clone()]);
+    let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (mut sources, mut rooms) = (Vec::new(), vec![top.join(folder)]);
     while let Some(room) = rooms.pop() {
         for entry in fs::read_dir(room).expect("it can be read") {
             let path: PathBuf = entry.expect("it is there").path();
             if path.is_dir() {
                 rooms.push(path);
             } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let below = path.strip_prefix(&root).expect("it is below");
+                let below = path.strip_prefix(top).expect("it is below");
                 let name = below.to_str().expect("UTF-8").replace('\\', "/");
                 let text = fs::read_to_string(&path).expect("UTF-8");
                 sources.push(Source { name, text });
@@ -220,10 +247,10 @@ fn path(tokens: &[String], mut at: usize, prefix: &str, paths: &mut Vec<String>)
     at
 }
 
-/// What `source` names that the core must not.
+/// What `source` names that nothing pure may.
 fn worldly_names(source: &Source) -> Vec<String> {
     let tokens = source.tokens();
-    let reports = source.name.starts_with("report/");
+    let reports = source.name.starts_with("src/report/");
     let allowed = |path: &str| {
         let listed = |allowed: &&str| {
             path.strip_prefix(allowed).is_some_and(|more| more.is_empty() || more.starts_with("::"))
@@ -231,7 +258,7 @@ fn worldly_names(source: &Source) -> Vec<String> {
         // `io` is a name to write `io::Write` with, not leave for all that is in it.
         ALLOWED.iter().any(listed) || (reports && ALLOWED_IN_REPORTS.contains(&path))
     };
-    let looks_up = source.name.starts_with("dbc/");
+    let looks_up = source.name.starts_with("crates/dbc/");
     let unordered = |segment: &str| !looks_up && UNORDERED.contains(&segment);
     let worldly = |path: &String| {
         let first = path.split("::").next().unwrap_or_default();
@@ -249,20 +276,69 @@ fn worldly_names(source: &Source) -> Vec<String> {
     let named = paths(&tokens).into_iter().filter(worldly);
     let changed = tokens.windows(2).filter(|pair| pair[0] == "static" && pair[1] == "mut");
     let found = named.chain(changed.map(|pair| pair.join(" ")));
-    found.map(|what| format!("src/{}: {what}", source.name)).collect()
+    found.map(|what| format!("{}: {what}", source.name)).collect()
 }
 
-/// Rooms that `source` must not use: what the world calls does not call the world.
-fn rooms_above(source: &Source) -> Vec<String> {
-    let outward = ["bus", "cli", "live"];
-    // What a recording held is part of a report.
-    let reports = |path: &str| source.name.starts_with("report/") && path.starts_with("crate::bus");
-    let wrong = |path: &String| {
-        let room = path.strip_prefix("crate::").and_then(|path| path.split("::").next());
-        room.is_some_and(|room| outward.contains(&room)) && !reports(path)
-    };
-    let found = paths(&source.tokens()).into_iter().filter(wrong);
-    found.map(|path| format!("src/{}: {path}", source.name)).collect()
+/// Names, and which others each of them uses.
+type Uses = BTreeMap<String, BTreeSet<String>>;
+
+/// Where a crate's rooms use each other in a circle, each of them with what it uses in it.
+fn circles(sources: &[Source]) -> Vec<String> {
+    let mut uses = uses_of_rooms(sources);
+    // What uses none of those that are left is in no circle, and neither is what nobody uses.
+    loop {
+        let before: usize = uses.values().map(BTreeSet::len).sum();
+        let using: BTreeSet<String> = uses.keys().cloned().collect();
+        let used: BTreeSet<String> = uses.values().flatten().cloned().collect();
+        uses.retain(|room, _| used.contains(room));
+        uses.values_mut().for_each(|others| others.retain(|other| using.contains(other)));
+        uses.retain(|_, others| !others.is_empty());
+        if uses.values().map(BTreeSet::len).sum::<usize>() == before {
+            break;
+        }
+    }
+    uses.iter().map(|(room, others)| format!("{room} uses {others:?}")).collect()
+}
+
+/// The rooms of a crate, which are the modules of its root, and which of them each uses.
+fn uses_of_rooms(sources: &[Source]) -> Uses {
+    let rooms: BTreeSet<&str> =
+        sources.iter().filter_map(|it| it.module().first().copied()).collect();
+    let roots = sources.iter().filter(|source| source.module().is_empty());
+    // What the root passes on is of the room that it is from.
+    let passed_on: BTreeMap<String, String> = roots
+        .flat_map(|root| paths(&root.tokens()))
+        .filter_map(|path| {
+            let (room, rest) = path.split_once("::")?;
+            let name = rest.rsplit("::").next()?;
+            rooms.contains(room).then(|| (name.to_owned(), room.to_owned()))
+        })
+        .collect();
+    let mut uses = Uses::new();
+    for source in sources.iter().filter(|source| !source.module().is_empty()) {
+        let module = source.module();
+        let used: &mut BTreeSet<String> = uses.entry(module[0].to_owned()).or_default();
+        for path in paths(&source.tokens()) {
+            let Some(name) = name_in_the_root(&path, module.len()) else { continue };
+            let room = passed_on.get(name).map_or(name, String::as_str);
+            if room != module[0] && rooms.contains(room) {
+                used.insert(room.to_owned());
+            }
+        }
+    }
+    uses
+}
+
+/// The name in the crate's root with which `path` begins, in a module so `deep`; `None` where it begins
+/// elsewhere.
+fn name_in_the_root(path: &str, deep: usize) -> Option<&str> {
+    let segments: Vec<&str> = path.split("::").collect();
+    let up = segments.iter().take_while(|segment| **segment == "super").count();
+    match segments[0] {
+        "crate" => segments.get(1).copied(),
+        "super" if up == deep => segments.get(up).copied(),
+        _ => None,
+    }
 }
 
 /// `.unwrap()`, `todo!` and the like; `expect` says why it cannot fail.
@@ -274,8 +350,7 @@ fn unfinished(source: &Source) -> Vec<String> {
             || (at(*i) == "." && at(i + 1) == "unwrap" && at(i + 2) == "(")
             || is_ignored(&tokens[*i..])
     };
-    let place =
-        |i: usize| format!("src/{}: {}", source.name, [at(i), at(i + 1), at(i + 2)].concat());
+    let place = |i: usize| format!("{}: {}", source.name, [at(i), at(i + 1), at(i + 2)].concat());
     (0..tokens.len()).filter(wrong).map(place).collect()
 }
 
@@ -290,15 +365,21 @@ fn none(found: Vec<String>, why: &str) {
 }
 
 #[test]
-fn the_core_knows_no_world() {
-    let core: Vec<Source> = sources().into_iter().filter(|source| !source.is_worldly()).collect();
-    assert!(core.len() > 40, "{} files", core.len());
+fn what_is_pure_knows_no_world() {
+    let pure: Vec<Source> = sources().into_iter().filter(|source| !source.is_worldly()).collect();
+    assert!(pure.len() > 40, "{} files", pure.len());
     none(
-        core.iter().flat_map(worldly_names).collect(),
-        "a clock, socket, file, thread, global or unseeded chance in the core; hand in what is \
+        pure.iter().flat_map(worldly_names).collect(),
+        "a clock, socket, file, thread, global or unseeded chance where all is pure; hand in what is \
          needed as an argument",
     );
-    none(core.iter().flat_map(rooms_above).collect(), "the core uses a room that uses the core");
+}
+
+#[test]
+fn the_rooms_of_a_crate_use_each_other_one_way() {
+    for folder in crates() {
+        none(circles(&sources_below(&folder)), &format!("{folder}: rooms that use each other"));
+    }
 }
 
 #[test]
@@ -307,7 +388,7 @@ fn no_file_is_too_long_and_nothing_is_left_unfinished() {
     let long = sources.iter().map(|source| (source, source.text.lines().count()));
     let long = long.filter(|(_, lines)| *lines > LONGEST);
     none(
-        long.map(|(source, lines)| format!("src/{}: {lines} lines", source.name)).collect(),
+        long.map(|(source, lines)| format!("{}: {lines} lines", source.name)).collect(),
         "files with more than one noun",
     );
     none(sources.iter().flat_map(unfinished).collect(), "unfinished or unproven");
@@ -317,11 +398,15 @@ fn no_file_is_too_long_and_nothing_is_left_unfinished() {
         (0..tokens.len()).any(|at| is_ignored(&tokens[at..]))
     };
     let tests = sources_below("tests").into_iter().filter(ignored);
-    none(tests.map(|test| format!("tests/{}", test.name)).collect(), "tests that do not run");
+    none(tests.map(|test| test.name).collect(), "tests that do not run");
 }
 
-fn core(text: &str) -> Source {
-    Source { name: "observe/made_up.rs".to_owned(), text: text.to_owned() }
+fn pure(text: &str) -> Source {
+    source("crates/learn/src/made/up.rs", text)
+}
+
+fn source(name: &str, text: &str) -> Source {
+    Source { name: name.to_owned(), text: text.to_owned() }
 }
 
 /// The net is whole: each of these is caught, and what only looks like it is not.
@@ -352,7 +437,7 @@ fn worldly_code_is_caught_and_talk_is_not() {
         "use tokio::net;",
         "fn f() { libc::time() }",
     ] {
-        assert_ne!(worldly_names(&core(text)), [] as [String; 0], "{text}");
+        assert_ne!(worldly_names(&pure(text)), [] as [String; 0], "{text}");
     }
     for text in [
         "//! Like std::time::Instant, but not it.\n/// No std::fs here.\nfn f() {} // std::thread",
@@ -365,18 +450,105 @@ fn worldly_code_is_caught_and_talk_is_not() {
     ]
     .map(|text| text.replace("self.print(time)", "time;"))
     {
-        assert_eq!(worldly_names(&core(&text)), [] as [String; 0], "{text}");
+        assert_eq!(worldly_names(&pure(&text)), [] as [String; 0], "{text}");
     }
-    let report =
-        |text: &str| Source { name: "report/made_up.rs".to_owned(), text: text.to_owned() };
+    let report = |text: &str| source("src/report/made_up.rs", text);
     let writes = "use std::io::{self, Write}; fn f(out: &mut impl Write) -> io::Result<()> {}";
     assert_eq!(worldly_names(&report(writes)), [] as [String; 0]);
     for text in ["fn f() { io::stdout() }", "use std::io::stdout;", "use std::fs;"] {
         assert_ne!(worldly_names(&report(text)), [] as [String; 0], "{text}");
     }
-    assert_ne!(rooms_above(&core("use crate::bus::Recording;")), [] as [String; 0]);
-    assert_ne!(rooms_above(&core("use crate::{cli, time};")), [] as [String; 0]);
-    assert_eq!(rooms_above(&core("use crate::time::Span;")), [] as [String; 0]);
+}
+
+/// The house as its imports have it, from the top down: each crate with those that it uses, and its rooms
+/// with those of the same crate that they use.
+fn drawing() -> String {
+    let mut drawn = String::new();
+    let folders = crates();
+    let uses: Uses = folders.iter().map(|it| (it.clone(), crates_used(it))).collect();
+    for folder in from_the_top(&uses) {
+        drawn += &line(0, folder, &uses[folder]);
+        let rooms = uses_of_rooms(&sources_below(folder));
+        for room in from_the_top(&rooms) {
+            drawn += &line(2, room, &rooms[room]);
+        }
+    }
+    drawn
+}
+
+fn line(indent: usize, name: &str, used: &BTreeSet<String>) -> String {
+    let short = |name: &str| name.trim_end_matches("/src").to_owned();
+    let used: Vec<String> = used.iter().map(|name| short(name).replace("crates/", "")).collect();
+    let arrow = if used.is_empty() { "" } else { " → " };
+    let line = format!("{:indent$}{:14}{arrow}{}", "", short(name), used.join(" "));
+    format!("{}\n", line.trim_end())
+}
+
+/// The folders of the crates that the sources in `folder` use.
+fn crates_used(folder: &str) -> BTreeSet<String> {
+    let sources = sources_below(folder);
+    let paths = sources.iter().flat_map(|source| paths(&source.tokens()));
+    let crates = paths.filter_map(|path| {
+        let (name, _) = path.split_once("::").unwrap_or((&path, ""));
+        Some(format!("crates/{}/src", name.strip_prefix("tertius_")?))
+    });
+    crates.collect()
+}
+
+/// What is used by nobody first, and nothing before what uses it.
+fn from_the_top(uses: &Uses) -> Vec<&String> {
+    let mut left: BTreeSet<&String> = uses.keys().collect();
+    let mut ordered = Vec::new();
+    while !left.is_empty() {
+        let is_used = |room: &&String| left.iter().any(|other| uses[*other].contains(*room));
+        let free: Vec<&String> = left.iter().copied().filter(|room| !is_used(room)).collect();
+        assert!(!free.is_empty(), "a circle among {left:?}");
+        left.retain(|room| !free.contains(room));
+        ordered.extend(free);
+    }
+    ordered
+}
+
+#[test]
+fn the_house_is_drawn_as_it_stands() {
+    let drawn = drawing();
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("ARCHITECTURE.md");
+    let text = fs::read_to_string(page).expect("it can be read");
+    assert!(text.contains(&drawn), "ARCHITECTURE.md has another house than this:\n{drawn}");
+}
+
+#[test]
+fn circles_are_caught_and_stairs_are_not() {
+    let circles = |files: [(&str, &str); 4]| {
+        circles(&files.map(|(name, text)| source(&format!("crates/made_up/src/{name}.rs"), text)))
+    };
+    let ways = [
+        "use crate::a::Kind;",
+        "use crate::{b, a::Kind};",
+        "fn f() { crate::a::f() }",
+        "use super::super::a::Kind;",
+        "use super::super::Kind;",
+        "fn f() { crate::Kind::f() }",
+    ];
+    for way in ways {
+        let root = ("lib", "mod a; mod b; mod c; pub use a::{Kind, f};");
+        let found =
+            circles([root, ("a", "use super::b;"), ("b/mod", "use crate::c;"), ("c/d", way)]);
+        assert_eq!(found.len(), 3, "{way}: {found:?}");
+        let found = circles([root, ("a", ""), ("b/mod", "use crate::c;"), ("c/d", way)]);
+        assert_eq!(found.len(), usize::from(way.contains("{b,")) * 2, "{way}: {found:?}");
+    }
+    let root = ("lib", "mod a; mod b; #[cfg(test)] use b::T;");
+    let tests = "#[cfg(test)] mod tests { use crate::b; }";
+    assert_eq!(
+        circles([
+            root,
+            ("a", tests),
+            ("b/c", "use super::a; use tertius_core::b;"),
+            ("b/mod", "use crate::a;")
+        ]),
+        [] as [String; 0]
+    );
 }
 
 #[test]
@@ -390,13 +562,13 @@ fn unfinished_code_is_caught_and_proven_code_is_not() {
         "#[ignore] fn f() {}",
         "#[ignore = \"slow\"] fn f() {}",
     ] {
-        assert_ne!(unfinished(&core(text)), [] as [String; 0], "{text}");
+        assert_ne!(unfinished(&pure(text)), [] as [String; 0], "{text}");
     }
     for text in [
         "fn f() { x.unwrap_or(1); x.expect(\"it was made\") }",
         "#[cfg(test)] mod tests { #[test] fn f() { x.unwrap() } }",
         "/// No todo!() and x.unwrap() here.\nfn f() {}",
     ] {
-        assert_eq!(unfinished(&core(text)), [] as [String; 0], "{text}");
+        assert_eq!(unfinished(&pure(text)), [] as [String; 0], "{text}");
     }
 }

@@ -76,7 +76,7 @@ impl LinkState {
                 .map(|timing| timing.sample_point)
                 .filter(|&point| point != 0),
             data_bit_rate: rate(can.data_bit_timing),
-            state: can.state.map(ControllerState::from),
+            state: can.state.map(controller_state),
             transmit_errors: can.berr_counter.map(|counter| counter.txerr),
             receive_errors: can.berr_counter.map(|counter| counter.rxerr),
             restart_ms: can.restart_ms,
@@ -96,15 +96,14 @@ fn queue_length(interface: &str) -> Option<u32> {
     std::fs::read_to_string(path).ok()?.trim().parse().ok()
 }
 
-impl From<CanState> for ControllerState {
-    fn from(state: CanState) -> Self {
-        match state {
-            CanState::ErrorActive => Self::ErrorActive,
-            CanState::ErrorWarning => Self::Warning,
-            CanState::ErrorPassive => Self::Passive,
-            CanState::BusOff => Self::BusOff,
-            CanState::Stopped => Self::Stopped,
-            CanState::Sleeping => Self::Sleeping,
-        }
+/// What the kernel says of the controller, in our words.
+const fn controller_state(state: CanState) -> ControllerState {
+    match state {
+        CanState::ErrorActive => ControllerState::ErrorActive,
+        CanState::ErrorWarning => ControllerState::Warning,
+        CanState::ErrorPassive => ControllerState::Passive,
+        CanState::BusOff => ControllerState::BusOff,
+        CanState::Stopped => ControllerState::Stopped,
+        CanState::Sleeping => ControllerState::Sleeping,
     }
 }

@@ -1,0 +1,156 @@
+//! What a longer recording would win, and where on the stroke.
+
+use super::stages::Taught;
+use tertius_core::sequential::reference::LARGEST_DOUBT;
+use tertius_core::sequential::{Reference, wild};
+use tertius_learn::calibrate::LEAST_BOUND;
+use tertius_learn::extremes::HOURS_PER_YEAR;
+use tertius_learn::tune::LEAST_HIGH;
+
+/// Where on its stroke a cylinder has been.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// From 1.
+    pub cylinder: u8,
+    /// The part of the stroke that the sequential detector knows.
+    pub seen: f64,
+    /// From and to, m.
+    pub stroke: [f64; 2],
+    /// From and to, m, where it knows nothing: where nobody was, or not long enough.
+    pub unseen: Vec<[f64; 2]>,
+}
+
+/// More than this above what is asked for at least is worth a word.
+const WORTH: f64 = 1.05;
+
+/// Of every cylinder that has a profile.
+pub fn of(taught: &Taught) -> Vec<Coverage> {
+    let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let profiles = cylinders.filter_map(|it| Some((it.number, &it.sequential.as_ref()?.0)));
+    profiles.map(|(number, profile)| Coverage::new(number, &profile.reference)).collect()
+}
+
+impl Coverage {
+    fn new(cylinder: u8, reference: &Reference) -> Self {
+        let begin = reference.first;
+        let end = begin + reference.covered.len() as f64 * reference.spacing;
+        let known = reference.spans(-1.0, LARGEST_DOUBT);
+        let from = [begin].into_iter().chain(known.iter().map(|place| place[1]));
+        let to = known.iter().map(|place| place[0]).chain([end]);
+        let unseen = from.zip(to).map(|(from, to)| [from, to]);
+        let unseen = unseen.filter(|[from, to]| to - from > 1e-9).collect();
+        let seen: f64 = known.iter().map(|[from, to]| to - from).sum();
+        Self { cylinder, seen: seen / (end - begin), stroke: [begin, end], unseen }
+    }
+
+    /// From and to, m, where it knows something.
+    pub fn known(&self) -> Vec<[f64; 2]> {
+        let [begin, end] = self.stroke;
+        let from = [begin].into_iter().chain(self.unseen.iter().map(|place| place[1]));
+        let to = self.unseen.iter().map(|place| place[0]).chain([end]);
+        from.zip(to).map(|(from, to)| [from, to]).filter(|[from, to]| to - from > 1e-9).collect()
+    }
+
+    fn places(&self) -> String {
+        let place = |[from, to]: &[f64; 2]| format!("{from:.1} to {to:.1} m");
+        self.unseen.iter().map(place).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// What a longer recording would win, a line for each.
+pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
+    let mut wins = places(coverage);
+    wins.extend(levels(taught));
+    let bound = taught.calibration.as_ref().and_then(|it| it.bound);
+    wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
+        format!(
+            "R3's bound of {:.2} mm instead of the thesis's {:.1} mm is said of {:.0} times the evidence; \
+             it falls with more of it, to 1.2 times the largest difference at the least, {:.2} mm",
+            bound.level * 1e3,
+            LEAST_BOUND * 1e3,
+            (HOURS_PER_YEAR / bound.per_year / bound.hours).ceil(),
+            1.2e3 * bound.worst
+        )
+    }));
+    let thresholds = taught.tuning.as_ref().map(|it| it.thresholds);
+    wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
+        format!(
+            "a δ_h of {:.2} mm instead of the thesis's {:.0} mm is said of {:.0} times the evidence; with more \
+             of it, it may fall",
+            it.high * 1e3,
+            LEAST_HIGH * 1e3,
+            (HOURS_PER_YEAR / it.per_year / it.hours).ceil()
+        )
+    }));
+    wins
+}
+
+/// Where nobody has been, those cylinders together that have not been in the same places.
+fn places(coverage: &[Coverage]) -> Vec<String> {
+    let mut alike: Vec<(String, Vec<String>)> = Vec::new();
+    for one in coverage.iter().filter(|one| !one.unseen.is_empty()) {
+        let (places, number) = (one.places(), one.cylinder.to_string());
+        match alike.iter_mut().find(|(known, _)| *known == places) {
+            Some((_, numbers)) => numbers.push(number),
+            None => alike.push((places, vec![number])),
+        }
+    }
+    let told = alike.into_iter().map(|(places, numbers)| {
+        let (which, were) = match &numbers[..] {
+            [one] => (format!("cylinder {one}"), "was"),
+            all => (format!("cylinders {}", all.join(", ")), "were"),
+        };
+        format!(
+            "the stroke from {places}: {which} {were} not there, or not long enough, and the sequential \
+             detector is unknown there"
+        )
+    });
+    told.collect()
+}
+
+/// Levels that the recording has raised.
+fn levels(taught: &Taught) -> Option<String> {
+    let least = wild::least_level();
+    let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let cylinders = cylinders.filter(|it| it.sequential.is_some());
+    let raised: Vec<String> = cylinders
+        .filter_map(|it| Some((it.number, it.level.filter(|level| *level > WORTH * least)?)))
+        .map(|(number, level)| format!("{level:.1} nats of cylinder {number}"))
+        .collect();
+    (!raised.is_empty()).then(|| {
+        format!(
+            "levels above the least, {least:.1} nats, are what this recording asks for ({}); a longer one \
+             says more of it",
+            raised.join(", ")
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_beside_each_other_are_one_place() {
+        let reference = Reference {
+            first: -0.2,
+            spacing: 0.1,
+            nodes: vec![0.0; 6],
+            doubts: vec![0.0; 6],
+            covered: vec![false, false, true, true, false],
+            velocity: 0.0,
+        };
+        let coverage = Coverage::new(2, &reference);
+        assert_eq!(coverage.places(), "-0.2 to 0.0 m, 0.2 to 0.3 m");
+        assert!(coverage.cylinder == 2 && (coverage.seen - 0.4).abs() < 1e-9, "{coverage:?}");
+        let [known] = coverage.known()[..] else { panic!("{:?}", coverage.known()) };
+        assert!(known[0].abs() < 1e-9 && (known[1] - 0.2).abs() < 1e-9);
+        let like = Coverage { cylinder: 5, ..coverage.clone() };
+        let told = places(&[coverage, like]);
+        assert_eq!(told.len(), 1);
+        assert!(
+            told[0].contains("-0.2 to 0.0 m, 0.2 to 0.3 m: cylinders 2, 5 were not there"),
+            "{told:?}"
+        );
+    }
+}

@@ -1,0 +1,137 @@
+//! The faults that a trial puts into a recording, and where.
+
+use super::holding::Blocks;
+use std::fmt;
+use tertius_core::time::Span;
+use tertius_core::verdict::Suspect;
+use tertius_machine::inject::{Fault, Shape, Wanted, Window};
+
+/// A fault of each transducer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Type I (5-15), m.
+    Step(f64),
+    /// Type II (5-17), m.
+    Noise(f64),
+    /// m/s.
+    Drift(f64),
+}
+
+/// What is tried. Noise is 2σ of section 5-4-3, eight counts.
+pub const KINDS: [Kind; 5] = [
+    Kind::Step(5e-4),
+    Kind::Step(1e-3),
+    Kind::Noise(8.68e-4),
+    Kind::Drift(1e-4),
+    Kind::Drift(1e-5),
+];
+
+/// Faults of a kind of each transducer.
+const EACH: usize = 2;
+
+/// Offsets that are spread evenly, however many of them are taken: the golden section.
+const GOLDEN: f64 = 0.618_033_988_749_895;
+
+impl Kind {
+    /// How long it is listened for, s.
+    pub const fn watch(self) -> f64 {
+        match self {
+            Self::Step(_) | Self::Noise(_) => 4.0,
+            Self::Drift(rate) if rate < 5e-5 => 30.0,
+            Self::Drift(_) => 8.0,
+        }
+    }
+
+    fn shape(self, sign: f64) -> Shape {
+        match self {
+            Self::Step(size) => Shape::Step { size: sign * size },
+            Self::Noise(size) => Shape::Noise { size },
+            Self::Drift(rate) => Shape::Drift { rate: sign * rate },
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Step(size) => write!(f, "step of {} mm", size * 1e3),
+            Self::Noise(size) => write!(f, "noise of ±{} mm", size * 1e3),
+            Self::Drift(rate) => write!(f, "drift of {} mm/s", rate * 1e3),
+        }
+    }
+}
+
+/// A fault that is to be tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planned {
+    pub kind: Kind,
+    /// From 1.
+    pub cylinder: u8,
+    pub transducer: Suspect,
+    pub sign: f64,
+    /// From when on, and until when at the latest, it may begin, s.
+    pub begin: [f64; 2],
+    /// How long it is listened for, s.
+    pub watch: f64,
+}
+
+impl Planned {
+    /// The fault from the first frame on that the injector sees.
+    pub fn fault(&self) -> Fault {
+        let sensor = if self.transducer == Suspect::C2 { "c2" } else { "c1" };
+        let window = Window { from: Span::from_nanos(0), until: None };
+        let wanted = Wanted::Shape(self.kind.shape(self.sign));
+        Fault { cylinder: self.cylinder, sensor, wanted, window }
+    }
+}
+
+/// All faults of `cylinders`, spread over the `blocks`, in the order of their beginnings; `second`: there
+/// is a C2.
+pub fn plan(blocks: &Blocks, cylinders: &[u8], second: bool) -> Vec<Planned> {
+    let spans = blocks.spans();
+    let transducers = if second { &[Suspect::C1, Suspect::C2][..] } else { &[Suspect::C1] };
+    let mut planned = Vec::new();
+    for number in 0..EACH {
+        for kind in KINDS {
+            for cylinder in cylinders {
+                for transducer in transducers {
+                    let along = (planned.len() as f64 * GOLDEN).fract() * spans.len() as f64;
+                    let Some([from, to]) = spans.get(along as usize) else { continue };
+                    let watch = kind.watch().min(to - from);
+                    let latest = to - watch;
+                    let begin = [from + along.fract() * (latest - from), latest];
+                    // Both transducers up and down.
+                    let up = (number + usize::from(*cylinder)).is_multiple_of(2);
+                    let sign = if up { 1.0 } else { -1.0 };
+                    let (cylinder, transducer) = (*cylinder, *transducer);
+                    planned.push(Planned { kind, cylinder, transducer, sign, begin, watch });
+                }
+            }
+        }
+    }
+    planned.sort_by(|one, other| one.begin[0].total_cmp(&other.begin[0]));
+    planned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tertius_learn::survey;
+
+    #[test]
+    fn faults_begin_and_end_in_what_is_held_back() {
+        let blocks = Blocks::of(survey::Window { from: 0.0, to: 900.0 });
+        let planned = plan(&blocks, &[1, 2, 4], true);
+        assert_eq!(planned.len(), 2 * KINDS.len() * 3 * EACH);
+        for one in &planned {
+            assert!(blocks.hold(one.begin[0]) && blocks.hold(one.begin[1] + one.watch - 1e-6));
+            assert!(one.begin[0] <= one.begin[1], "{one:?}");
+        }
+        let blocks_used = blocks.spans();
+        for [from, to] in blocks_used {
+            let within = planned.iter().filter(|it| (from..to).contains(&it.begin[0])).count();
+            assert!(within >= 8, "{within} in {from}");
+        }
+        assert_eq!(plan(&blocks, &[1], false).len(), KINDS.len() * EACH);
+    }
+}

@@ -1,0 +1,183 @@
+//! What is left out of a recording.
+
+use tertius_learn::calibrate::{Cuts, Cutting, Division};
+use tertius_learn::survey::{Recording, Row, Surveyor, Window};
+
+/// One block in so many is held back. Odd, so that both halves of a calibration, which alternate, lose
+/// the same.
+const ONE_IN: u64 = 3;
+
+/// The blocks of a recording that a trial is made on, and nothing is learnt from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blocks {
+    window: Window,
+    /// s.
+    length: f64,
+}
+
+impl Blocks {
+    /// Of what is within `window`, as long as those of a calibration.
+    pub fn of(window: Window) -> Self {
+        let length = Division::new(window, window).block().unwrap_or(window.length());
+        Self { window, length }
+    }
+
+    /// s.
+    pub const fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The row at `t`, s, is held back.
+    pub fn hold(&self, t: f64) -> bool {
+        let block = (t / self.length).max(0.0) as u64;
+        self.window.holds(t) && block % ONE_IN == ONE_IN - 1
+    }
+
+    /// From when until when each of them lasts, s.
+    pub fn spans(&self) -> Vec<[f64; 2]> {
+        let first = (self.window.from / self.length).max(0.0) as u64;
+        let blocks = (first..).map(|block| (block, block as f64 * self.length));
+        blocks
+            .take_while(|(_, from)| *from < self.window.to)
+            .filter(|(block, _)| block % ONE_IN == ONE_IN - 1)
+            .map(|(_, from)| [from.max(self.window.from), (from + self.length).min(self.window.to)])
+            .collect()
+    }
+}
+
+/// A recording without what is left out of it: there rows end as they do where cycles are missing.
+#[derive(Debug)]
+pub struct Without<'a, R> {
+    pub recording: R,
+    pub blocks: Option<Blocks>,
+    pub cuts: &'a Cuts,
+}
+
+impl<R: Recording> Recording for Without<'_, R> {
+    type Error = R::Error;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), R::Error> {
+        let Self { recording, blocks, cuts } = self;
+        let surveyor = Cutting { cuts, surveyor };
+        recording.read(window, Rest { surveyor, blocks: *blocks })
+    }
+}
+
+#[derive(Debug)]
+struct Rest<S> {
+    surveyor: S,
+    blocks: Option<Blocks>,
+}
+
+impl<S: Surveyor> Surveyor for Rest<S> {
+    fn row(&mut self, row: &Row) {
+        if self.blocks.is_some_and(|blocks| blocks.hold(row.t)) {
+            self.surveyor.gap(row.cylinder);
+        } else {
+            self.surveyor.row(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.surveyor.gap(cylinder);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_third_block_is_held_back_and_both_halves_lose_the_same() {
+        let window = Window { from: 0.0, to: 1200.0 };
+        let blocks = Blocks::of(window);
+        assert_eq!(blocks.length(), 60.0);
+        let spans = blocks.spans();
+        assert_eq!(spans.len(), 6);
+        assert_eq!(spans[..2], [[120.0, 180.0], [300.0, 360.0]]);
+        for [from, to] in &spans {
+            assert!(blocks.hold(*from) && blocks.hold(to - 1e-6) && !blocks.hold(*to));
+            assert!(!blocks.hold(from - 1e-6));
+        }
+        let division = Division::new(window, window);
+        let halves: Vec<_> = spans.iter().map(|[from, _]| division.taught(*from)).collect();
+        assert_eq!(halves, [0, 1, 0, 1, 0, 1].map(Some));
+    }
+
+    #[test]
+    fn a_part_of_a_recording_has_whole_blocks_and_ends() {
+        let blocks = Blocks::of(Window { from: 130.0, to: 1000.0 });
+        let spans = blocks.spans();
+        assert_eq!(spans[0], [130.0, 180.0]);
+        assert!(spans.iter().all(|[from, to]| from < to && *to <= 1000.0));
+        assert!(!blocks.hold(125.0) && blocks.hold(131.0));
+    }
+
+    /// A row every second of two cylinders.
+    struct Steady;
+
+    impl Recording for Steady {
+        type Error = std::convert::Infallible;
+
+        fn read(&self, _: Window, mut surveyor: impl Surveyor) -> Result<(), Self::Error> {
+            for t in 0..1200_i32 {
+                for cylinder in [1, 2] {
+                    let record = row(t, cylinder);
+                    surveyor.row(&record);
+                }
+            }
+            Ok(())
+        }
+    }
+
+    fn row(t: i32, cylinder: u8) -> Row {
+        Row {
+            timestamp: tertius_core::time::Timestamp::default(),
+            t: f64::from(t),
+            cycle: t.unsigned_abs().into(),
+            cylinder,
+            c1: None,
+            c2: None,
+            v1: None,
+            v2: None,
+            u: None,
+            pressure_bottom: None,
+            pressure_rod: None,
+            pressure_load: None,
+            supply: None,
+            spool: None,
+            monitored: true,
+            raw: [None; 2],
+            qualities: [tertius_core::sample::Quality::Good; 2],
+        }
+    }
+
+    #[derive(Default)]
+    struct Taken {
+        rows: Vec<(u8, f64)>,
+        gaps: usize,
+    }
+
+    impl Surveyor for Taken {
+        fn row(&mut self, row: &Row) {
+            self.rows.push((row.cylinder, row.t));
+        }
+
+        fn gap(&mut self, _: u8) {
+            self.gaps += 1;
+        }
+    }
+
+    #[test]
+    fn nobody_learns_from_what_is_left_out() {
+        let window = Window { from: 0.0, to: 1200.0 };
+        let (blocks, cuts) = (Blocks::of(window), Cuts::from(vec![vec![], vec![[10.0, 20.0]]]));
+        let mut taken = Taken::default();
+        let without = Without { recording: Steady, blocks: Some(blocks), cuts: &cuts };
+        let Ok(()) = without.read(window, &mut taken);
+        assert!(taken.rows.iter().all(|(_, t)| !blocks.hold(*t)));
+        let of = |n: u8| taken.rows.iter().filter(|(cylinder, _)| *cylinder == n).count();
+        assert_eq!((of(1), of(2)), (840, 830));
+        assert!(taken.gaps > 0);
+    }
+}

@@ -1,0 +1,240 @@
+//! The three rooms that learn, each with the tables of the one before.
+
+use super::Task;
+use super::holding::{Blocks, Without};
+use std::fmt;
+use tertius_config::design::{self, Flaw};
+use tertius_config::settings::Settings;
+use tertius_config::{self as config, edit};
+use tertius_core::monitor::MonitorDesign;
+use tertius_learn::calibrate;
+use tertius_learn::calibrate::{Calibration, Cuts};
+use tertius_learn::identify;
+use tertius_learn::identify::Outcome;
+use tertius_learn::identify::course::Wishes;
+use tertius_learn::survey::{Frames, Recording, Rows};
+use tertius_learn::tables;
+use tertius_learn::tune;
+use tertius_learn::tune::Tuning;
+use tertius_learn::tune::course::{SIGMA, Untuned};
+
+/// One of the three.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    Identify,
+    Calibrate,
+    Tune,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Identify => "identify",
+            Self::Calibrate => "calibrate",
+            Self::Tune => "tune",
+        })
+    }
+}
+
+/// A cylinder from which nothing is learnt.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// From 1.
+    pub cylinder: u8,
+    pub by: Stage,
+    pub why: String,
+}
+
+/// What the stages came to.
+#[derive(Clone, Debug)]
+pub struct Taught {
+    pub machine: String,
+    /// The configuration with all tables up to where it failed.
+    pub text: String,
+    pub identification: Option<Outcome>,
+    pub calibration: Option<Calibration>,
+    pub tuning: Option<Tuning>,
+    pub refused: Vec<Refused>,
+    /// The stage that came to nothing, and why; those after it were not tried.
+    pub failed: Option<(Stage, String)>,
+}
+
+impl Taught {
+    /// Every stage came to something.
+    pub const fn is_whole(&self) -> bool {
+        self.failed.is_none() && self.tuning.is_some()
+    }
+
+    /// What the calibration has left out, as no healthy cylinder reads so.
+    pub fn cuts(&self) -> Cuts {
+        let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
+        let spans: Vec<_> = cylinders.map(|cylinder| cylinder.left_out.clone()).collect();
+        spans.into()
+    }
+
+    /// The cylinders that were refused, in order, each once.
+    pub fn refused_cylinders(&self) -> Vec<u8> {
+        let mut cylinders: Vec<u8> = self.refused.iter().map(|refused| refused.cylinder).collect();
+        cylinders.sort_unstable();
+        cylinders.dedup();
+        cylinders
+    }
+
+    fn refuse(&mut self, by: Stage, refusals: Vec<(u8, String)>) {
+        let refused = refusals.into_iter().map(|(cylinder, why)| Refused { cylinder, by, why });
+        self.refused.extend(refused);
+    }
+
+    fn put(&mut self, tables: &str, anew: &[&str]) -> Result<(), String> {
+        self.text = edit::put(&self.text, tables, anew)
+            .map_err(|error| format!("the configuration cannot be edited: {error}"))?;
+        Ok(())
+    }
+}
+
+/// Lets the stages learn from frames, but for what is held back.
+#[derive(Debug)]
+pub(super) struct Lesson<'a, F> {
+    pub task: &'a Task<'a>,
+    pub frames: &'a F,
+    pub blocks: Option<Blocks>,
+}
+
+/// A stage failed, or the frames cannot be read any more.
+enum Stopped<E> {
+    Failed(Stage, String),
+    Recording(E),
+}
+
+impl<F: Frames> Lesson<'_, F> {
+    /// Goes from stage to stage, as far as it gets; nothing is learnt from `cuts`.
+    ///
+    /// # Errors
+    /// The frames' own.
+    pub fn teach(&self, cuts: &Cuts, mut tell: impl FnMut(Stage)) -> Result<Taught, F::Error> {
+        let mut taught = Taught {
+            machine: String::new(),
+            text: self.task.text.to_owned(),
+            identification: None,
+            calibration: None,
+            tuning: None,
+            refused: Vec::new(),
+            failed: None,
+        };
+        tell(Stage::Identify);
+        let mut result = self.identify(&mut taught, cuts);
+        if result.is_ok() {
+            tell(Stage::Calibrate);
+            result = self.calibrate(&mut taught, cuts);
+        }
+        if result.is_ok() {
+            tell(Stage::Tune);
+            let found = taught.cuts();
+            // What a calibration with less to go by has not found is left out all the same.
+            let cuts = if self.blocks.is_some() { cuts } else { &found };
+            result = self.tune(&mut taught, cuts);
+        }
+        match result {
+            Err(Stopped::Recording(error)) => return Err(error),
+            Err(Stopped::Failed(stage, why)) => taught.failed = Some((stage, why)),
+            Ok(()) => {}
+        }
+        Ok(taught)
+    }
+
+    fn identify(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {
+        let failed = |why| Stopped::Failed(Stage::Identify, why);
+        let (settings, design) = self.machine(taught).map_err(failed)?;
+        taught.machine.clone_from(&settings.machine.name);
+        let (origin, wishes) = (self.task.origin, Wishes::default());
+        let course = identify::course::Course { settings: &settings, origin, wishes };
+        let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
+        taught.refuse(Stage::Identify, outcome.refusals());
+        let learnt = tables::model::of(&outcome, self.task.version, false);
+        let follows = outcome.follows(false);
+        taught.identification = Some(outcome);
+        // Whether the model follows is told by all of the recording; a rehearsal's is tried by the monitor.
+        if self.blocks.is_none() {
+            follows.map_err(failed)?;
+        }
+        let none = || failed(nothing(taught, "there is no model"));
+        let learnt = learnt.ok_or_else(none)?;
+        taught.put(&learnt, &tables::model::OF_A_MODEL).map_err(failed)
+    }
+
+    fn calibrate(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {
+        let failed = |why| Stopped::Failed(Stage::Calibrate, why);
+        let (settings, design) = self.machine(taught).map_err(failed)?;
+        let Task { origin, per_year, version, .. } = *self.task;
+        let all = origin.window;
+        let course = calibrate::Course { settings: &settings, fitted: all, tried: all, per_year };
+        let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
+            .map_err(Stopped::Recording)?;
+        taught.refuse(Stage::Calibrate, result.refusals());
+        let learnt = tables::calibration::of(&result, version);
+        let usable = result.usable(settings.comparator.critical);
+        taught.calibration = Some(result);
+        usable.map_err(failed)?;
+        let none = || failed(nothing(taught, "no cylinder has a calibration"));
+        let learnt = learnt.ok_or_else(none)?;
+        taught.put(&learnt, &[]).map_err(failed)
+    }
+
+    fn tune(&self, taught: &mut Taught, cuts: &Cuts) -> Result<(), Stopped<F::Error>> {
+        let failed = |why| Stopped::Failed(Stage::Tune, why);
+        let (settings, design) = self.machine(taught).map_err(failed)?;
+        let Task { origin, per_year, version, database, .. } = *self.task;
+        design::judging(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
+        let course = tune::course::Course {
+            settings: &settings,
+            design: &design,
+            origin,
+            without: &taught.refused_cylinders(),
+            per_year,
+            keep_weights: false,
+            sigma: SIGMA,
+        };
+        let result = course.run(&self.recording(&design, cuts)).map_err(|why| match why {
+            Untuned::Recording(error) => Stopped::Recording(error),
+            Untuned::TooLittle(why) => failed(why),
+        })?;
+        let learnt = tables::tuning::of(&result, version);
+        let usable = result.usable(&settings);
+        taught.tuning = Some(result);
+        usable.map_err(failed)?;
+        taught.put(&learnt, &[]).map_err(failed)?;
+        self.machine(taught).map(drop).map_err(failed)
+    }
+
+    /// The machine with what was learnt so far.
+    fn machine(&self, taught: &Taught) -> Result<(Settings, MonitorDesign), String> {
+        let Task { name, database, .. } = *self.task;
+        let (settings, _) = config::parse(name, &taught.text).map_err(|it| it.to_string())?;
+        let design = design::surveying(&settings, database).map_err(|flaws| told(&flaws))?;
+        Ok((settings, design))
+    }
+
+    fn recording<'b>(
+        &'b self,
+        design: &'b MonitorDesign,
+        cuts: &'b Cuts,
+    ) -> impl Recording<Error = F::Error> + 'b {
+        let first = self.task.origin.first;
+        let recording = Rows { frames: self.frames, design, first };
+        Without { recording, blocks: self.blocks, cuts }
+    }
+}
+
+/// What a design lacks, in a line.
+pub(super) fn told(flaws: &[Flaw]) -> String {
+    let told = flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message));
+    told.collect::<Vec<_>>().join("; ")
+}
+
+/// That no cylinder is left, and why not.
+fn nothing(taught: &Taught, what: &str) -> String {
+    match taught.refused.len() {
+        0 => what.to_owned(),
+        _ => format!("{what}, as every cylinder is refused"),
+    }
+}

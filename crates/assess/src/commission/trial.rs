@@ -1,0 +1,322 @@
+//! The monitor on blocks that its tables do not know: healthy, and with faults put into them.
+//!
+//! One monitor reads the whole recording, so that it is warm where a block begins. Where a fault is to
+//! begin it is copied, and the copy goes on with the fault while the original goes on without: faults do
+//! not disturb each other, and nothing has to recover from one.
+
+use super::Task;
+use super::faults::{self, Kind, Planned};
+use super::holding::Blocks;
+use super::stages::{Taught, told};
+use crate::evaluate::{Blame, Outcome};
+use tertius_config as config;
+use tertius_config::design;
+use tertius_core::alarm::{Detector, State, Warning};
+use tertius_core::frame::Frame;
+use tertius_core::monitor::{Monitor, Record, Sink};
+use tertius_core::time::{Span, Timestamp};
+use tertius_core::verdict::Verdict;
+use tertius_learn::calibrate::Cuts;
+use tertius_learn::survey::Frames;
+use tertius_machine::inject::{Injector, place};
+
+/// Those that find what is wrong with a reading that looks sound.
+pub const DETECTORS: [Detector; 4] =
+    [Detector::Fde1, Detector::Fde2, Detector::Fde3, Detector::Sequential];
+
+/// A warning of a machine that is taken for healthy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FalseAlarm {
+    /// s since the first frame.
+    pub t: f64,
+    /// From 1.
+    pub cylinder: u8,
+    pub detector: Detector,
+}
+
+/// What became of the faults of a kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KindResult {
+    pub kind: Kind,
+    /// Faults that began where nothing was wrong.
+    pub tried: usize,
+    /// Faults for which there was no such place, as the sequential detector was unknown or a warning stood.
+    pub unplaced: usize,
+    /// From the first frame with it to the first warning of each that was found, s, in order.
+    pub delays: Vec<f64>,
+    pub right: usize,
+    pub undecided: usize,
+    pub wrong: usize,
+}
+
+impl KindResult {
+    /// s; `None` where fewer than half were found.
+    pub fn median(&self) -> Option<f64> {
+        self.delays.get(self.tried.saturating_sub(1) / 2).copied()
+    }
+}
+
+/// What a trial came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// What was held back, s.
+    pub held: f64,
+    pub false_alarms: Vec<FalseAlarm>,
+    /// The part of what was held back in which the sequential detector of each cylinder that has one
+    /// judged.
+    pub known: Vec<(u8, f64)>,
+    pub kinds: Vec<KindResult>,
+}
+
+/// What a trial is made with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Course<'a> {
+    pub task: &'a Task<'a>,
+    pub rehearsal: &'a Taught,
+    pub blocks: Blocks,
+    /// Cylinders that are refused by all of the recording.
+    pub refused: &'a [u8],
+    pub cuts: &'a Cuts,
+}
+
+/// Hears what is said, and notes which cylinders had a cycle.
+#[derive(Clone, Debug, Default)]
+struct Heard {
+    warnings: Vec<Warning>,
+    recorded: Vec<(u8, Timestamp)>,
+}
+
+impl Sink for Heard {
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(*warning);
+    }
+
+    fn record(&mut self, record: &Record) {
+        self.recorded.push((record.cylinder, record.timestamp));
+    }
+}
+
+/// A fault at work in a monitor of its own.
+struct Attempt {
+    planned: Planned,
+    monitor: Monitor,
+    injector: Injector,
+    heard: Vec<Warning>,
+    /// The first frame with the fault.
+    onset: Option<Timestamp>,
+    begun: Timestamp,
+}
+
+impl Course<'_> {
+    /// Reads `frames` once; `None` where the tables make no monitor.
+    ///
+    /// # Errors
+    /// The frames' own.
+    pub fn run<F: Frames>(&self, frames: &F) -> Result<Option<Trial>, F::Error> {
+        let Some(mut trying) = self.begin() else { return Ok(None) };
+        frames.frames(self.task.origin.window, |frame| trying.take(frame))?;
+        Ok(Some(trying.finish()))
+    }
+
+    fn begin(&self) -> Option<Trying<'_>> {
+        let Task { name, database, origin, .. } = *self.task;
+        let (settings, _) = config::parse(name, &self.rehearsal.text).ok()?;
+        let design = design::judging(&settings, database);
+        debug_assert!(design.is_ok(), "{}", told(&design.clone().err().unwrap_or_default()));
+        let refused = self.rehearsal.refused_cylinders();
+        let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);
+        let cylinders: Vec<u8> = (1..=settings.machine.cylinders).filter(sound).collect();
+        let second = settings.signals.cylinder.c2.is_some();
+        let planned = faults::plan(&self.blocks, &cylinders, second);
+        let injectors = planned.iter().enumerate().map(|(seed, one)| {
+            let placed = place(&one.fault(), &settings, database).ok()?;
+            Some((*one, Injector::new(&[placed], seed as u64)))
+        });
+        let mut waiting: Vec<(Planned, Injector)> = injectors.flatten().collect();
+        waiting.reverse();
+        let monitor = Monitor::new(design.ok()?);
+        let own = monitor.sequential().map(|(number, _)| (number, [0, 0]));
+        let known = own.filter(|(number, _)| cylinders.contains(number)).collect();
+        Some(Trying {
+            course: self,
+            first: origin.first,
+            cylinders,
+            monitor,
+            heard: Heard::default(),
+            known,
+            waiting,
+            attempts: Vec::new(),
+            entries: Vec::new(),
+        })
+    }
+}
+
+/// A trial in the making.
+struct Trying<'a> {
+    course: &'a Course<'a>,
+    first: Timestamp,
+    /// That are tried.
+    cylinders: Vec<u8>,
+    monitor: Monitor,
+    heard: Heard,
+    /// Of each cylinder with a sequential detector: cycles in which it judged, and all of them.
+    known: Vec<(u8, [u64; 2])>,
+    /// Faults to come, the next one last.
+    waiting: Vec<(Planned, Injector)>,
+    attempts: Vec<Attempt>,
+    /// What became of those that ended; `None` of those that had no place.
+    entries: Vec<(Kind, Option<Outcome>)>,
+}
+
+impl Trying<'_> {
+    fn take(&mut self, frame: &Frame) {
+        let t = frame.timestamp.since(self.first).as_seconds();
+        self.start(t, frame.timestamp);
+        self.monitor.take(frame, &mut self.heard);
+        self.judge();
+        for attempt in &mut self.attempts {
+            attempt.take(frame);
+        }
+        let ended = |attempt: &mut Attempt| attempt.ended(frame.timestamp);
+        for attempt in self.attempts.extract_if(.., ended) {
+            self.entries.push((attempt.planned.kind, Some(attempt.finish())));
+        }
+    }
+
+    /// Begins what is due at `t` s, where there is a place for it.
+    fn start(&mut self, t: f64, now: Timestamp) {
+        if self.waiting.last().is_none_or(|(planned, _)| planned.begin[0] > t) {
+            return;
+        }
+        let due = self.waiting.partition_point(|(planned, _)| planned.begin[0] > t);
+        for (planned, injector) in self.waiting.split_off(due) {
+            let [_, latest] = planned.begin;
+            if self.has_place(planned.cylinder, t) {
+                let (monitor, heard) = (self.monitor.clone(), Vec::new());
+                let attempt =
+                    Attempt { planned, monitor, injector, heard, onset: None, begun: now };
+                self.attempts.push(attempt);
+            } else if t < latest {
+                // A little later.
+                let begin = [t + 1.0, latest];
+                self.waiting.push((Planned { begin, ..planned }, injector));
+            } else {
+                self.entries.push((planned.kind, None));
+            }
+        }
+        self.waiting.sort_by(|(one, _), (other, _)| other.begin[0].total_cmp(&one.begin[0]));
+    }
+
+    /// Nothing is wrong with the cylinder, and its sequential detector judges where it has one.
+    fn has_place(&self, cylinder: u8, t: f64) -> bool {
+        let judges = |number: u8| {
+            let mut detectors = self.monitor.sequential();
+            let own = detectors.find(|(known, _)| *known == number);
+            own.is_none_or(|(_, detector)| detector.verdict() == Verdict::Healthy)
+        };
+        let newest = |detector: Detector| {
+            let mut warnings = self.heard.warnings.iter().rev();
+            warnings.find(|it| it.cylinder == cylinder && it.detector == detector)
+        };
+        let standing = Detector::ALL
+            .into_iter()
+            .any(|detector| newest(detector).is_some_and(|it| it.state != State::Cleared));
+        !standing && judges(cylinder) && !self.course.cuts.hold(cylinder, t)
+    }
+
+    /// Notes which detectors judged in the cycles that have come.
+    fn judge(&mut self) {
+        for (cylinder, at) in self.heard.recorded.drain(..) {
+            let t = at.since(self.first).as_seconds();
+            if !self.course.blocks.hold(t) {
+                continue;
+            }
+            let detector = self.monitor.sequential().find(|(number, _)| *number == cylinder);
+            let own = self.known.iter_mut().find(|(number, _)| *number == cylinder);
+            if let Some(((_, detector), (_, [judged, all]))) = detector.zip(own) {
+                *all += 1;
+                *judged += u64::from(detector.verdict() != Verdict::Unknown);
+            }
+        }
+    }
+
+    fn finish(mut self) -> Trial {
+        let attempts = std::mem::take(&mut self.attempts).into_iter();
+        let ended = attempts.map(|attempt| (attempt.planned.kind, Some(attempt.finish())));
+        let unplaced = self.waiting.iter().map(|(planned, _)| (planned.kind, None));
+        let entries: Vec<_> = self.entries.iter().cloned().chain(ended).chain(unplaced).collect();
+        let part = |[judged, all]: [u64; 2]| judged as f64 / all.max(1) as f64;
+        Trial {
+            held: self.course.blocks.spans().iter().map(|[from, to]| to - from).sum(),
+            false_alarms: self.false_alarms(),
+            known: self.known.iter().map(|(number, known)| (*number, part(*known))).collect(),
+            kinds: faults::KINDS.map(|kind| result(kind, &entries)).to_vec(),
+        }
+    }
+
+    fn false_alarms(&self) -> Vec<FalseAlarm> {
+        let Course { blocks, cuts, .. } = self.course;
+        let raised = self.heard.warnings.iter().filter(|it| it.state == State::Raised);
+        let alarm = |it: &Warning| {
+            let (cylinder, detector) = (it.cylinder, it.detector);
+            FalseAlarm { t: it.timestamp.since(self.first).as_seconds(), cylinder, detector }
+        };
+        let counts = |it: &FalseAlarm| {
+            DETECTORS.contains(&it.detector)
+                && blocks.hold(it.t)
+                && self.cylinders.contains(&it.cylinder)
+                && !cuts.hold(it.cylinder, it.t)
+        };
+        raised.map(alarm).filter(counts).collect()
+    }
+}
+
+fn result(kind: Kind, entries: &[(Kind, Option<Outcome>)]) -> KindResult {
+    let own: Vec<_> = entries.iter().filter(|(of, _)| *of == kind).map(|(_, it)| it).collect();
+    let outcomes: Vec<&Outcome> = own.iter().filter_map(|it| it.as_ref()).collect();
+    let delay = |outcome: &Outcome| {
+        let delays = DETECTORS.map(|detector| outcome.delays[detector as usize - 1]);
+        delays.into_iter().flatten().reduce(f64::min)
+    };
+    let mut delays: Vec<f64> = outcomes.iter().filter_map(|it| delay(it)).collect();
+    delays.sort_unstable_by(f64::total_cmp);
+    let found = |it: &&&Outcome| delay(it).is_some();
+    let blamed = |blame: fn(&Blame) -> bool| {
+        let own = outcomes.iter().filter(found).filter(|it| it.blame.as_ref().is_some_and(blame));
+        own.count()
+    };
+    KindResult {
+        kind,
+        tried: outcomes.len(),
+        unplaced: own.len() - outcomes.len(),
+        right: blamed(|blame| *blame == Blame::Right),
+        undecided: blamed(|blame| matches!(blame, Blame::Undecided | Blame::Process)),
+        wrong: blamed(|blame| *blame == Blame::Wrong),
+        delays,
+    }
+}
+
+impl Attempt {
+    fn take(&mut self, frame: &Frame) {
+        let Some(passed) = self.injector.take(frame) else { return };
+        self.monitor.take(passed, &mut self.heard);
+        if self.onset.is_none() && self.injector.tallies()[0].altered > 0 {
+            self.onset = Some(frame.timestamp);
+        }
+    }
+
+    fn end(&self) -> Timestamp {
+        self.onset.unwrap_or(self.begun).after(Span::from_seconds(self.planned.watch))
+    }
+
+    fn ended(&self, now: Timestamp) -> bool {
+        now > self.end()
+    }
+
+    fn finish(self) -> Outcome {
+        let onset = self.onset.unwrap_or(self.begun);
+        let Planned { cylinder, transducer, .. } = self.planned;
+        let end = self.end();
+        Outcome::read(&self.heard, cylinder, transducer, onset, end)
+    }
+}

@@ -1,0 +1,268 @@
+//! Fit for use or not, in a sentence.
+
+use super::faults::Kind;
+use super::stages::{Refused, Stage, Taught};
+use super::trial::{KindResult, Trial};
+use crate::evaluate::poisson_upper;
+use tertius_learn::extremes::HOURS_PER_YEAR;
+
+/// Whether the configuration can be used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fitness {
+    Fit,
+    /// But for these cylinders.
+    Partly(Vec<u8>),
+    Unfit,
+}
+
+/// What is said of the whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    pub fitness: Fitness,
+    pub sentence: String,
+    /// Why not, a line for each.
+    pub reasons: Vec<String>,
+    /// What to do about it.
+    pub advice: Vec<String>,
+}
+
+/// That more than so many false alarms are no chance.
+const DOUBT: f64 = 0.05;
+
+/// Of steps of a millimetre, which the thesis's thresholds find, at least this part has to be found, …
+const LEAST_FOUND: f64 = 0.5;
+
+/// … where so many were tried.
+const ENOUGH: usize = 8;
+
+/// Who would live with more false alarms a year: two an hour.
+const MOST_PER_YEAR: f64 = 2.0 * HOURS_PER_YEAR;
+
+/// So many false alarms are told one by one.
+const TOLD: usize = 6;
+
+impl Verdict {
+    /// Of what was `taught` by all of the recording, `rehearsed` without what was held back, and the
+    /// `trial` of that.
+    pub fn of(taught: &Taught, rehearsed: Option<&Taught>, trial: Option<&Trial>) -> Self {
+        let refused = taught.refused_cylinders();
+        let mut reasons: Vec<String> = taught.refused.iter().map(told).collect();
+        let mut advice = Vec::new();
+        let unfit = match (&taught.failed, trial) {
+            (Some((stage, why)), _) => {
+                reasons.insert(0, format!("{stage}: {why}"));
+                advice.push(ADVICE.to_owned());
+                Some(nothing(*stage).to_owned())
+            }
+            (None, None) => {
+                let (why, what) = untried(rehearsed);
+                reasons.push(why);
+                advice.push(what);
+                Some("it could not be tried".to_owned())
+            }
+            (None, Some(trial)) => wrongs(taught, trial, &mut reasons, &mut advice),
+        };
+        let (name, machine) = (&taught.machine, numbers(&refused));
+        let (fitness, sentence) = match (unfit, &refused[..], trial) {
+            (Some(why), ..) => (Fitness::Unfit, format!("{name} is not fit for use: {why}")),
+            (None, [], Some(trial)) => {
+                (Fitness::Fit, format!("{name} is fit for use: {}", finds(trial)))
+            }
+            (None, _, trial) => {
+                advice.push(PARTLY.to_owned());
+                let finds = trial.map(finds).unwrap_or_default();
+                let sentence = format!("{name} is fit for use but for cylinder {machine}: {finds}");
+                (Fitness::Partly(refused.clone()), sentence)
+            }
+        };
+        Self { fitness, sentence, reasons, advice }
+    }
+}
+
+const ADVICE: &str = "mend what is named above and record again; `tertius identify`, `calibrate` and \
+                      `tune` show what each step saw (--report)";
+
+const PARTLY: &str = "mend the cylinder and record again, or take the tables of the others \
+                      (--accept-refused): the refused one keeps what it has, and is watched by that";
+
+/// What a stage that failed leaves nobody with.
+const fn nothing(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Identify => "no model can be identified",
+        Stage::Calibrate => "C2 cannot be calibrated",
+        Stage::Tune => "no thresholds can be found",
+    }
+}
+
+fn told(refused: &Refused) -> String {
+    format!("cylinder {} is refused ({}): {}", refused.cylinder, refused.by, refused.why)
+}
+
+fn numbers(cylinders: &[u8]) -> String {
+    cylinders.iter().map(u8::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Why there was no trial, and what to do.
+fn untried(rehearsed: Option<&Taught>) -> (String, String) {
+    let why = rehearsed.and_then(|it| it.failed.as_ref()).map_or_else(
+        || "without a third of the recording there are no tables to try".to_owned(),
+        |(stage, why)| {
+            format!(
+                "without the third that is held back for the trial, {stage} comes to nothing: {why}"
+            )
+        },
+    );
+    (why, "record for longer; a quarter of an hour at work is enough".to_owned())
+}
+
+/// What a trial says against the tables.
+fn wrongs(
+    taught: &Taught,
+    trial: &Trial,
+    reasons: &mut Vec<String>,
+    advice: &mut Vec<String>,
+) -> Option<String> {
+    let wanted = taught.tuning.as_ref().map_or(1.0, |tuning| tuning.thresholds.per_year);
+    let heard = trial.false_alarms.len() as u64;
+    if beyond(heard, wanted * trial.held / 3600.0 / HOURS_PER_YEAR) {
+        reasons.extend(trial.false_alarms.iter().take(TOLD).map(|alarm| {
+            let (detector, cylinder, t) = (alarm.detector.name(), alarm.cylinder, alarm.t);
+            format!("{detector} of cylinder {cylinder} warns at {t:.1} s")
+        }));
+        advice.push(
+            "look there (`replay --report`): a fault, or readings that stand off now and then? Leave a \
+             fault out (--from, --to), or record again"
+                .to_owned(),
+        );
+        let per_year = (heard as f64 / trial.held * 3600.0 * HOURS_PER_YEAR).ceil();
+        if per_year <= MOST_PER_YEAR {
+            advice.push(format!(
+                "if that is how the machine is, ask for as many false alarms as it makes \
+                 (--false-alarms-per-year {per_year:.0})"
+            ));
+        }
+        let held = trial.held / 60.0;
+        return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
+    }
+    let one = trial.kinds.iter().find(|it| it.kind == Kind::Step(1e-3))?;
+    let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
+    blind.then(|| {
+        advice.push(ADVICE.to_owned());
+        format!("of {} steps of 1 mm it finds {}", one.tried, one.delays.len())
+    })
+}
+
+fn counted(alarms: u64) -> String {
+    if alarms == 1 { "1 false alarm".to_owned() } else { format!("{alarms} false alarms") }
+}
+
+/// So many events are more than chance makes of so many that are expected.
+fn beyond(events: u64, expected: f64) -> bool {
+    // At least so many come with a probability below the doubt: the exact bound from below.
+    events > 0 && poisson_lower(events) > expected
+}
+
+/// The exact one-sided lower bound of the expected number of events where `events` were seen.
+fn poisson_lower(events: u64) -> f64 {
+    // At most `events − 1` were seen with the confidence of the other side.
+    poisson_upper(events - 1, DOUBT)
+}
+
+/// What is found, in half a sentence.
+fn finds(trial: &Trial) -> String {
+    let found = |it: &KindResult| {
+        let median = it.median().map_or("rarely".to_owned(), |delay| format!("{delay:.2} s"));
+        format!("{} {median} ({} of {})", it.kind, it.delays.len(), it.tried)
+    };
+    let kinds: Vec<String> = trial.kinds.iter().filter(|it| it.tried > 0).map(found).collect();
+    let alarms = match trial.false_alarms.len() {
+        0 => "no false alarm".to_owned(),
+        some => counted(some as u64),
+    };
+    let held = trial.held / 60.0;
+    format!("{alarms} in {held:.1} min that were held back; found after {}", kinds.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::FalseAlarm;
+    use super::*;
+    use tertius_core::alarm::Detector;
+
+    /// scipy.stats.chi2.ppf(0.05, 2 n) / 2.
+    #[test]
+    fn what_is_more_than_chance_is_the_exact_bound() {
+        for (events, bound) in [(1, 0.051_293_294), (2, 0.355_361_51), (10, 5.425_405_697)] {
+            assert!((poisson_lower(events) - bound).abs() < 1e-6, "{}", poisson_lower(events));
+        }
+        assert!(!beyond(0, 1e-9) && beyond(1, 1e-4) && !beyond(1, 0.06) && beyond(10, 5.4));
+    }
+
+    fn taught() -> Taught {
+        Taught {
+            machine: "It".to_owned(),
+            text: String::new(),
+            identification: None,
+            calibration: None,
+            tuning: None,
+            refused: Vec::new(),
+            failed: None,
+        }
+    }
+
+    /// Of 300 s, with so many of twelve steps of 1 mm found.
+    fn trial(found: usize) -> Trial {
+        let one = KindResult {
+            kind: Kind::Step(1e-3),
+            tried: 12,
+            unplaced: 0,
+            delays: vec![0.04; found],
+            right: found,
+            undecided: 0,
+            wrong: 0,
+        };
+        Trial { held: 300.0, false_alarms: Vec::new(), known: Vec::new(), kinds: vec![one] }
+    }
+
+    #[test]
+    fn one_false_alarm_where_one_a_year_is_wanted_is_too_many() {
+        let sound = Verdict::of(&taught(), Some(&taught()), Some(&trial(12)));
+        assert_eq!(sound.fitness, Fitness::Fit);
+        assert_eq!(
+            sound.sentence,
+            "It is fit for use: no false alarm in 5.0 min that were held back; found after step of 1 mm \
+             0.04 s (12 of 12)"
+        );
+        assert!(sound.reasons.is_empty() && sound.advice.is_empty());
+        let mut heard = trial(12);
+        let detector = Detector::Fde3;
+        heard.false_alarms.push(FalseAlarm { t: 130.0, cylinder: 4, detector });
+        let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
+        assert_eq!(unfit.fitness, Fitness::Unfit);
+        assert_eq!(unfit.reasons, ["fde3 of cylinder 4 warns at 130.0 s"]);
+    }
+
+    #[test]
+    fn who_finds_little_is_not_fit() {
+        let fitness = |found| Verdict::of(&taught(), Some(&taught()), Some(&trial(found))).fitness;
+        assert_eq!([5, 6].map(fitness), [Fitness::Unfit, Fitness::Fit]);
+    }
+
+    #[test]
+    fn a_refused_cylinder_is_named_once_and_no_trial_is_no_use() {
+        let mut partly = taught();
+        for by in [Stage::Identify, Stage::Calibrate] {
+            partly.refused.push(Refused { cylinder: 3, by, why: "so".to_owned() });
+        }
+        let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
+        assert_eq!(verdict.fitness, Fitness::Partly(vec![3]));
+        assert!(verdict.sentence.starts_with("It is fit for use but for cylinder 3: no false"));
+        assert_eq!(verdict.reasons.len(), 2);
+        let mut short = taught();
+        short.failed = Some((Stage::Tune, "too little".to_owned()));
+        let untried = Verdict::of(&taught(), Some(&short), None);
+        assert_eq!(untried.fitness, Fitness::Unfit);
+        assert!(untried.reasons[0].ends_with("tune comes to nothing: too little"));
+        assert_eq!(Verdict::of(&short, None, None).fitness, Fitness::Unfit);
+    }
+}

@@ -1,0 +1,132 @@
+//! What the entries of a row come to.
+
+use super::hours::Hours;
+use super::ladder::{LEVELS, Rival};
+use super::lorden;
+use super::row::Course;
+use super::trial::Entry;
+use crate::evaluate::figures::{Delay, DetectorFigures, SuspectFigures};
+use crate::evaluate::proportion::Proportion;
+use crate::evaluate::row::Row;
+use serde::Serialize;
+use tertius_learn::extremes::per_second;
+use tertius_machine::inject::Wanted;
+use tertius_machine::plant::CYLINDERS;
+
+/// A row of the contest with its figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RowFigures {
+    #[serde(skip)]
+    pub row: Row,
+    pub label: String,
+    pub fault: &'static str,
+    pub size: Option<f64>,
+    /// It was tried until the stop that follows it.
+    pub at_stop: bool,
+    pub faults: u64,
+    /// Faults that began while a sequential alarm stood; they are in none of the others.
+    pub spoilt: u64,
+    /// By rival: at the thesis's thresholds, and at the level h.
+    pub found: [DetectorFigures; Rival::ALL.len()],
+    /// Whom the sequential detector blames in the end, and wrong if it ever was.
+    pub suspect: SuspectFigures,
+    /// What it calls the fault in the end, where the fault has a name.
+    pub kind: Option<Proportion>,
+    /// Lorden's bound for one false alarm a year, s; `None` where there is none, or no hour without
+    /// a fault that it could be made from.
+    pub bound: Option<f64>,
+    /// Cycles to the median detection, by those of the bound, which are one at least.
+    pub ratio: Option<f64>,
+    /// The curves of delay against false alarms, by rival.
+    pub curves: [Vec<Point>; Rival::ALL.len()],
+}
+
+/// One level.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// m, or nats.
+    pub level: f64,
+    pub false_alarms_per_year: f64,
+    pub found: f64,
+    /// s, the cycle in which it is found included; `None` where fewer than half are found.
+    pub median: Option<f64>,
+    pub p95: Option<f64>,
+}
+
+impl RowFigures {
+    /// The figures of `entries` of `row`.
+    pub fn of(
+        row: &Row,
+        course: Course,
+        entries: &[Entry],
+        hours: &Hours,
+        sample_time: f64,
+    ) -> Self {
+        let fair: Vec<&Entry> = entries.iter().filter(|entry| !entry.spoilt).collect();
+        let at_stop = course == Course::Stop;
+        let found = Rival::ALL.map(|rival| {
+            DetectorFigures::of(fair.iter().map(|entry| entry.delays[rival as usize]).collect())
+        });
+        let sequential = |entry: &&&Entry| entry.delays[Rival::Sequential as usize].is_some();
+        let seen: Vec<&Entry> = fair.iter().filter(sequential).copied().collect();
+        let kind = row.kind().map(|kind| Proportion::counting(&seen, |it| it.kind == Some(kind)));
+        let bound = bound(row, hours, sample_time).filter(|_| !at_stop);
+        let median = found[Rival::Sequential as usize].delay.median;
+        let cycles = |delay: f64| (delay / sample_time).ceil().max(1.0);
+        let ratio = bound.zip(median).map(|(bound, median)| cycles(median) / bound.max(1.0));
+        let curve = |rival: Rival| -> Vec<Point> {
+            (0..LEVELS).map(|index| point(&fair, rival, index, hours, sample_time)).collect()
+        };
+        let curves = if at_stop || row.wanted.is_none() || hours.hours == 0.0 {
+            Default::default()
+        } else {
+            Rival::ALL.map(curve)
+        };
+        Self {
+            row: *row,
+            label: label(row, at_stop),
+            fault: row.fault(),
+            size: row.size(),
+            at_stop,
+            faults: fair.len() as u64,
+            spoilt: (entries.len() - fair.len()) as u64,
+            found,
+            suspect: SuspectFigures::of(seen.iter().map(|entry| entry.blame)),
+            kind,
+            bound: bound.map(|samples| samples * sample_time),
+            ratio,
+            curves,
+        }
+    }
+}
+
+fn label(row: &Row, at_stop: bool) -> String {
+    let label = row.label();
+    if at_stop { format!("{label}, then the stop") } else { label }
+}
+
+/// Lorden's bound, samples.
+fn bound(row: &Row, hours: &Hours, sample_time: f64) -> Option<f64> {
+    let Some(Wanted::Shape(shape)) = row.wanted else { return None };
+    if hours.deviation <= 0.0 {
+        return None;
+    }
+    // Samples of all cylinders in a year.
+    let evidence = (CYLINDERS as f64 / sample_time / per_second(1.0)).ln();
+    lorden::bound(&shape, hours.deviation, evidence, sample_time)
+}
+
+fn point(entries: &[&Entry], rival: Rival, index: usize, hours: &Hours, sample_time: f64) -> Point {
+    let cycles = |entry: &&Entry| entry.ladder.first(rival, index);
+    let delays: Vec<Option<f64>> =
+        entries.iter().map(|it| cycles(it).map(|n| f64::from(n) * sample_time)).collect();
+    let found = delays.iter().flatten().count() as f64 / delays.len().max(1) as f64;
+    let delay = Delay::of(delays);
+    Point {
+        level: rival.level(index),
+        false_alarms_per_year: hours.false_alarms[rival as usize][index],
+        found,
+        median: delay.median,
+        p95: delay.p95,
+    }
+}

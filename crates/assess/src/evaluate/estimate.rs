@@ -1,0 +1,215 @@
+//! How far the virtual sensor is from the rod, and what its standard deviation is worth.
+
+use super::plan::{Cell, Extent};
+use super::proportion::Proportion;
+use super::row::{SIGMA, Study};
+use super::stand::{Stand, StandError};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use tertius_core::estimate::Estimate;
+use tertius_core::monitor::{Estimates, Monitor, MonitorDesign, Sink};
+use tertius_core::time::{Span, Timestamp};
+use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
+use tertius_machine::plant::CYLINDERS;
+use tertius_machine::simulator::{Options, Simulator};
+
+/// From the start to the earliest fault, s: what the model is worth has to be measured first.
+const LEAD: f64 = 60.0;
+
+/// Faults begin within this time of each other, s.
+const SPREAD: f64 = 5.0;
+
+/// Something that befalls the transducers of a cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Case {
+    pub name: &'static str,
+    /// Of C1; of C2, too, where it is `both`.
+    pub wanted: Option<Wanted>,
+    pub both: bool,
+    /// The controller reads the fault.
+    pub in_loop: bool,
+    /// How long it lasts, and is watched, s.
+    pub lasting: f64,
+}
+
+/// What is tried.
+pub const CASES: [Case; 11] = {
+    const NOTHING: Case =
+        Case { name: "healthy", wanted: None, both: false, in_loop: false, lasting: 20.0 };
+    const fn of_c1(name: &'static str, shape: Shape) -> Case {
+        Case { name, wanted: Some(Wanted::Shape(shape)), lasting: 10.0, ..NOTHING }
+    }
+    const LOST: Shape = Shape::Loss { probability: 1.0 };
+    const fn both_lost(name: &'static str, lasting: f64) -> Case {
+        Case { both: true, lasting, ..of_c1(name, LOST) }
+    }
+    [
+        NOTHING,
+        of_c1("C1 steps by 10 mm", Shape::Step { size: 0.01 }),
+        of_c1("C1 drifts by 1 mm/s", Shape::Drift { rate: 1e-3 }),
+        Case {
+            in_loop: true,
+            ..of_c1("C1 drifts by 1 mm/s in the loop", Shape::Drift { rate: 1e-3 })
+        },
+        of_c1("C1 has noise of 4 σ", Shape::Noise { size: 4.0 * SIGMA }),
+        of_c1("C1 is frozen", Shape::Freeze),
+        of_c1("C1 is lost", LOST),
+        both_lost("both are lost for 0.2 s", 0.2),
+        both_lost("both are lost for 1 s", 1.0),
+        both_lost("both are lost for 2 s", 2.0),
+        both_lost("both are lost for 5 s", 5.0),
+    ]
+};
+
+/// Errors of estimates, m, cycle by cycle while a case lasted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// Cycles, whether anything was told or not.
+    pub cycles: u64,
+    /// Sizes of the errors of valid estimates.
+    pub sizes: Vec<f64>,
+    /// Of these, no larger than two of the standard deviations that were told.
+    pub covered: u64,
+}
+
+/// A case on one grade of transducers in one sea.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EstimateResult {
+    pub case: &'static str,
+    pub grade: &'static str,
+    /// Significant wave height, m, and peak period, s.
+    pub sea: [f64; 2],
+    /// Cylinders and cycles that were watched.
+    pub cylinders: u64,
+    pub cycles: u64,
+    /// Of all cycles.
+    pub valid: f64,
+    /// Of the valid estimates, m: the root of the mean square, the size that 95 of 100 do not exceed,
+    /// and the largest.
+    pub rms: f64,
+    pub p95: f64,
+    pub largest: f64,
+    /// Valid estimates within two standard deviations of the rod.
+    pub within: Proportion,
+}
+
+impl Extent {
+    /// Machines of each case: each has its fault on every cylinder.
+    pub(super) fn estimated(&self) -> u32 {
+        let asked = self.studies.contains(&Study::Estimate);
+        if asked { self.trials.div_ceil(CYLINDERS as u32) } else { 0 }
+    }
+}
+
+impl Stand<'_> {
+    /// Watches one machine whose cylinders all meet `case`.
+    ///
+    /// # Errors
+    /// If there is no such machine, or no place for the fault on it.
+    pub fn estimate(
+        &self,
+        cell: Cell,
+        case: &Case,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Errors, StandError> {
+        let seed = rng.random();
+        let times: [f64; CYLINDERS] = std::array::from_fn(|_| LEAD + SPREAD * rng.random::<f64>());
+        let faults = self.of_case(case, &times)?;
+        let options = Options {
+            seed,
+            sea: Some(cell.sea),
+            in_loop: case.in_loop,
+            faults,
+            ..Options::default()
+        };
+        let mut simulator = self.simulator(cell, &options)?;
+        let design = MonitorDesign { estimates: Estimates::Told, ..self.design.clone() };
+        let mut monitor = Monitor::new(design);
+        let begun = simulator.opening();
+        let windows = times.map(|at| [at, at + case.lasting].map(Span::from_seconds));
+        let mut watch = Watch {
+            windows: windows.map(|window| window.map(|at| begun.after(at))),
+            half: Span::from_seconds(0.5 * self.settings.machine.sample_time),
+            truth: [(begun, [0.0; CYLINDERS]); 2],
+            errors: Errors::default(),
+        };
+        for _ in 0..self.cycles(LEAD + SPREAD + case.lasting + 1.0) {
+            watch.truth = [watch.truth[1], (simulator.opening(), sound(&simulator))];
+            simulator.step(&mut |frame| monitor.take(frame, &mut watch));
+        }
+        Ok(watch.errors)
+    }
+
+    fn of_case(&self, case: &Case, times: &[f64; CYLINDERS]) -> Result<Vec<Placed>, StandError> {
+        let Some(wanted) = case.wanted else { return Ok(Vec::new()) };
+        let sensors = if case.both { &["c1", "c2"][..] } else { &["c1"] };
+        let each =
+            (1_u8..).zip(times).flat_map(|(n, at)| sensors.iter().map(move |it| (n, it, at)));
+        each.map(|(cylinder, sensor, at)| {
+            let [from, until] = [*at, at + case.lasting].map(Span::from_seconds);
+            let window = Window { from, until: Some(until) };
+            Ok(place(&Fault { cylinder, sensor, wanted, window }, self.settings, self.database)?)
+        })
+        .collect()
+    }
+}
+
+/// The lengths of all cylinders as a C1 without noise would read them, m: how far C1's own calibration
+/// is from the rod, nobody on the bus can know.
+fn sound(simulator: &Simulator) -> [f64; CYLINDERS] {
+    std::array::from_fn(|leg| simulator.machine().calibrated(leg))
+}
+
+/// Compares what is told with the truth.
+struct Watch {
+    windows: [[Timestamp; 2]; CYLINDERS],
+    half: Span,
+    /// Of the newest two cycles: a cycle that lacks something is told during the next.
+    truth: [(Timestamp, [f64; CYLINDERS]); 2],
+    errors: Errors,
+}
+
+impl Sink for Watch {
+    fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        let leg = usize::from(cylinder) - 1;
+        let of_cycle = |(opening, _): &&(Timestamp, _)| {
+            at.since(*opening).as_nanos().abs() < self.half.as_nanos()
+        };
+        let Some((opening, truth)) = self.truth.iter().find(of_cycle) else { return };
+        let [from, until] = self.windows[leg];
+        if *opening < from || *opening >= until {
+            return;
+        }
+        self.errors.cycles += 1;
+        if let Some(estimate) = estimate.filter(|estimate| estimate.valid) {
+            let error = (estimate.position - truth[leg]).abs();
+            self.errors.sizes.push(error);
+            self.errors.covered += u64::from(error <= 2.0 * estimate.sigma);
+        }
+    }
+}
+
+impl EstimateResult {
+    /// The figures of `machines` of a case.
+    pub(super) fn new(cell: Cell, case: &Case, machines: &[Errors]) -> Self {
+        let sum = |count: fn(&Errors) -> u64| machines.iter().map(count).sum::<u64>();
+        let mut sizes: Vec<f64> = machines.iter().flat_map(|it| &it.sizes).copied().collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        let (cycles, valid) = (sum(|it| it.cycles), sizes.len() as u64);
+        let squares: f64 = sizes.iter().map(|size| size * size).sum();
+        let rank = (0.95 * valid as f64).ceil().max(1.0) as usize - 1;
+        Self {
+            case: case.name,
+            grade: cell.grade.name(),
+            sea: cell.sea,
+            cylinders: (machines.len() * CYLINDERS) as u64,
+            cycles,
+            valid: valid as f64 / cycles.max(1) as f64,
+            rms: (squares / valid.max(1) as f64).sqrt(),
+            p95: sizes.get(rank).copied().unwrap_or(0.0),
+            largest: sizes.last().copied().unwrap_or(0.0),
+            within: Proportion::new(sum(|it| it.covered), valid),
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Puts together what the jobs bring, in whatever order they do.
+
+use super::claim::Judged;
+use super::contest;
+use super::estimate::{CASES, Errors, EstimateResult};
+use super::figures::Figures;
+use super::healthy::Healthy;
+use super::learning::Learnt;
+use super::outcome::Outcome;
+use super::plan::{Cell, Job, Plan, Product};
+use super::proportion::Proportion;
+use super::rate::Rate;
+use super::row::Row;
+use super::weights;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use tertius_core::alarm::Detector;
+
+/// The whole result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    pub machine: String,
+    pub seed: u64,
+    pub rows: Vec<RowResult>,
+    pub healthy: Vec<HealthyCell>,
+    /// The detectors against each other, by grade.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contest: Vec<contest::GradeResult>,
+    pub estimates: Vec<EstimateResult>,
+    /// Weights of the observers against each other.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub weights: Vec<weights::SetResult>,
+}
+
+/// A row with its figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RowResult {
+    #[serde(skip)]
+    pub row: Row,
+    pub study: &'static str,
+    pub grade: &'static str,
+    /// Significant wave height, m, and peak period, s.
+    pub sea: [f64; 2],
+    pub in_loop: bool,
+    pub label: String,
+    pub fault: &'static str,
+    /// m, m/s of a drift, or a part of the reading of a scale.
+    pub size: Option<f64>,
+    /// b of an incipient fault, or a probability.
+    pub parameter: Option<f64>,
+    /// s.
+    pub watched: f64,
+    pub thesis: Option<Judged>,
+    #[serde(flatten)]
+    pub figures: Figures,
+}
+
+/// What was said of healthy machines of one cell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HealthyCell {
+    pub grade: &'static str,
+    pub sea: [f64; 2],
+    /// Hours of a machine that were judged.
+    pub hours: f64,
+    /// Warnings of cylinders of which none stood: what a person takes for one.
+    pub false_alarms: Rate,
+    pub detectors: BTreeMap<&'static str, Rate>,
+    /// By the name of the fault.
+    pub faults: BTreeMap<&'static str, u64>,
+    /// R1, R2 and R3 within δ_h, or within R3's bound.
+    pub within: [Proportion; 3],
+    /// m.
+    pub largest: [f64; 3],
+}
+
+/// Outcomes that are still being gathered; a row becomes figures as soon as it is complete.
+#[derive(Clone, Debug)]
+pub struct Gathering<'a> {
+    plan: &'a Plan,
+    sample_time: f64,
+    rows: Vec<Part>,
+    healthy: Vec<Healthy>,
+    contest: Option<contest::Gathering<'a>>,
+    weights: Option<weights::Gathering<'a>>,
+    /// By cell, case and number of the machine.
+    estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Part {
+    by_number: BTreeMap<u32, Vec<Outcome>>,
+    result: Option<RowResult>,
+}
+
+impl<'a> Gathering<'a> {
+    /// `sample_time` is that of the machine, s.
+    pub fn new(plan: &'a Plan, sample_time: f64) -> Self {
+        Self {
+            plan,
+            sample_time,
+            rows: vec![Part::default(); plan.rows.len()],
+            healthy: vec![Healthy::default(); plan.cells.len()],
+            contest: plan.contest.as_ref().map(contest::Gathering::new),
+            weights: plan.weighing.as_ref().map(weights::Gathering::new),
+            estimates: BTreeMap::new(),
+        }
+    }
+
+    /// Takes what a job brought; each job once.
+    pub fn take(&mut self, job: Job, product: Product) {
+        match (job, product) {
+            (Job::Trial { row: index, number }, Product::Trial(outcomes)) => {
+                let (part, row) = (&mut self.rows[index], &self.plan.rows[index]);
+                part.by_number.insert(number, outcomes);
+                if part.by_number.len() == self.plan.machines(row) as usize {
+                    let all = std::mem::take(&mut part.by_number);
+                    let outcomes: Vec<Outcome> = all.into_values().flatten().collect();
+                    part.result = Some(RowResult::new(row, &outcomes, self.sample_time));
+                }
+            }
+            (Job::Healthy { cell, .. }, Product::Healthy(more)) => self.healthy[cell].add(&more),
+            (Job::Contest(job), Product::Contest(product)) => {
+                if let Some(contest) = &mut self.contest {
+                    contest.take(job, product);
+                }
+            }
+            (Job::Weights(job), Product::Weights(product)) => {
+                if let Some(weights) = &mut self.weights {
+                    weights.take(job, product);
+                }
+            }
+            (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
+                self.estimates.entry((cell, case)).or_default().insert(number, errors);
+            }
+            // A job brings what it is.
+            (
+                Job::Trial { .. }
+                | Job::Healthy { .. }
+                | Job::Contest(_)
+                | Job::Weights(_)
+                | Job::Estimate { .. },
+                _,
+            ) => {}
+        }
+    }
+
+    /// The result, of the rows that are complete; `learnt` is what the contest's detectors knew, `block` the
+    /// time that one warning is, s.
+    pub fn finish(self, machine: &str, learnt: &[Learnt], block: f64) -> Evaluation {
+        let cells = self.plan.cells.iter().zip(&self.healthy);
+        let healthy = cells.filter(|(_, healthy)| healthy.judged[0] > 0);
+        let contest = self.contest.map(|contest| contest.finish(learnt, self.sample_time));
+        Evaluation {
+            contest: contest.unwrap_or_default(),
+            weights: self.weights.map(|weights| weights.finish(block)).unwrap_or_default(),
+            machine: machine.to_owned(),
+            seed: self.plan.seed,
+            healthy: healthy
+                .map(|(cell, healthy)| HealthyCell::new(*cell, healthy, self.sample_time))
+                .collect(),
+            estimates: self
+                .estimates
+                .into_iter()
+                .map(|((cell, case), machines)| {
+                    let machines: Vec<Errors> = machines.into_values().collect();
+                    EstimateResult::new(self.plan.cells[cell], &CASES[case], &machines)
+                })
+                .collect(),
+            rows: self.rows.into_iter().filter_map(|part| part.result).collect(),
+        }
+    }
+}
+
+impl RowResult {
+    fn new(row: &Row, outcomes: &[Outcome], sample_time: f64) -> Self {
+        let fair: Vec<Outcome> = outcomes.iter().filter(|one| !one.spoilt).cloned().collect();
+        Self {
+            row: *row,
+            study: row.study.name(),
+            grade: row.cell.grade.name(),
+            sea: row.cell.sea,
+            in_loop: row.in_loop,
+            label: row.label(),
+            fault: row.fault(),
+            size: row.size(),
+            parameter: row.parameter(),
+            watched: row.watch,
+            thesis: row.claim.map(|claim| claim.judge(&fair, sample_time)),
+            figures: Figures::of(row, outcomes),
+        }
+    }
+}
+
+impl HealthyCell {
+    fn new(cell: Cell, healthy: &Healthy, sample_time: f64) -> Self {
+        let hours = healthy.hours(sample_time);
+        let within = |i: usize| {
+            let (judged, beyond) = (healthy.judged[i], healthy.beyond[i]);
+            Proportion::new(judged - beyond, judged)
+        };
+        let by_detector = Detector::ALL.into_iter().zip(healthy.raises);
+        Self {
+            grade: cell.grade.name(),
+            sea: cell.sea,
+            hours,
+            false_alarms: Rate::new(healthy.events, hours),
+            detectors: by_detector
+                .map(|(it, raises)| (it.name(), Rate::new(raises, hours)))
+                .collect(),
+            faults: healthy.faults.clone(),
+            within: std::array::from_fn(within),
+            largest: healthy.largest,
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! How finely the transducers read.
+
+use serde::Serialize;
+use tertius_machine::simulator::Tables;
+
+/// A grade of transducers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Grade {
+    /// Readings of one count (5-3), and now and then off by four counts for a while (Figure 5-9).
+    Fine,
+    /// Readings in steps of four counts: Figure 5-9 taken for the resolution.
+    Coarse,
+}
+
+/// Standard deviation of the noise before rounding, m: half a count.
+const NOISE: f64 = 5e-5;
+
+/// Counts in a step of the coarse ones.
+const COUNTS: f64 = 4.0;
+
+impl Grade {
+    pub const ALL: [Self; 2] = [Self::Fine, Self::Coarse];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fine => "fine",
+            Self::Coarse => "coarse",
+        }
+    }
+
+    /// The machine of `tables` with transducers of this grade.
+    pub fn apply(self, tables: &Tables) -> Tables {
+        let mut tables = *tables;
+        tables.transducer.noise = NOISE;
+        if self == Self::Coarse {
+            tables.transducer.counts = (tables.transducer.counts / COUNTS).max(2.0);
+            tables.transducer.fluctuation_probability = 0.0;
+        }
+        tables
+    }
+}

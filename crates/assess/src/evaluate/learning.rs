@@ -1,0 +1,139 @@
+//! What the sequential detectors know of a grade of transducers, learnt as an engineer would teach
+//! it: calibrated on one healthy run, and their level from another.
+
+use super::grade::Grade;
+use super::stand::{Stand, StandError};
+use tertius_config::design::{self, Flaw};
+use tertius_config::settings::Settings;
+use tertius_core::monitor::{Monitor, MonitorDesign};
+use tertius_core::sequential::{self, Sequential};
+use tertius_learn::calibrate::watch::{Level, Watch};
+use tertius_learn::calibrate::{Course, Recording};
+use tertius_learn::survey::{Survey, Surveyor, Window};
+use tertius_machine::plant::CYLINDERS;
+use tertius_machine::simulator::{EPOCH, Options};
+
+/// How much is learnt from, hours in each sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lessons {
+    /// For the calibration, half of it to fit and half to try.
+    pub calibration: f64,
+    /// For the level.
+    pub level: f64,
+}
+
+/// What was learnt.
+#[derive(Clone, Debug)]
+pub struct Learnt {
+    pub grade: Grade,
+    /// The monitor with the detectors.
+    pub design: MonitorDesign,
+    /// h, nats.
+    pub nats: f64,
+    /// What it was made from; `None` where it is configured.
+    pub level: Option<Level>,
+    /// Of each cylinder, with a level that nothing reaches.
+    pub detectors: Vec<sequential::Design>,
+}
+
+/// The same run of a machine each time, in one sea after the other.
+struct Run<'a> {
+    stand: &'a Stand<'a>,
+    grade: Grade,
+    seas: &'a [[f64; 2]],
+    settings: &'a Settings,
+    seed: u64,
+}
+
+impl Recording for Run<'_> {
+    type Error = StandError;
+
+    /// `window` is a part of the time in each sea.
+    fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), StandError> {
+        let Self { stand, grade, seas, settings, seed } = *self;
+        let design = design::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
+        for sea in seas {
+            let options = Options { seed, sea: Some(*sea), ..Options::default() };
+            let mut simulator = stand.steady(grade, &options)?;
+            let mut monitor = Monitor::new(design.clone());
+            let mut survey = Survey::new(EPOCH, window, &mut surveyor);
+            for _ in 0..stand.cycles(window.to) {
+                simulator.step(&mut |frame| monitor.take(frame, &mut survey));
+            }
+            (1..=CYLINDERS as u8).for_each(|cylinder| surveyor.gap(cylinder));
+        }
+        Ok(())
+    }
+}
+
+fn flawed(flaws: &[Flaw]) -> StandError {
+    let told: Vec<String> =
+        flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message)).collect();
+    untaught(told.join("; "))
+}
+
+fn untaught(error: impl std::fmt::Display) -> StandError {
+    StandError::Untaught(error.to_string())
+}
+
+impl Stand<'_> {
+    /// Calibrates the detectors to the healthy machine in `seas`, and finds their level; as they are
+    /// configured, where they are.
+    ///
+    /// # Errors
+    /// If there is no such machine, or nothing can be learnt from it.
+    pub fn learn(
+        &self,
+        grade: Grade,
+        seas: &[[f64; 2]],
+        seeds: [u64; 2],
+        lessons: Lessons,
+    ) -> Result<Learnt, StandError> {
+        let mut settings = self.settings.clone();
+        let [seed, other] = seeds;
+        let run = Run { stand: self, grade, seas, settings: self.settings, seed };
+        let time = 3600.0 * lessons.calibration;
+        let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
+        let per_year = settings.sequential.false_alarms_per_year;
+        let sample_time = settings.machine.sample_time;
+        let course = Course { settings: self.settings, fitted, tried, per_year };
+        let tables = course.run(&run)?.cylinders.into_iter().map(|cylinder| {
+            let missing = || format!("cylinder {} has no profile", cylinder.number);
+            let table = cylinder.table().filter(|table| table.sequential.is_some());
+            table.ok_or_else(|| {
+                let refusal = cylinder.result.as_ref().err().map(ToString::to_string);
+                StandError::Untaught(refusal.unwrap_or_else(missing))
+            })
+        });
+        settings.cylinder = tables.collect::<Result<_, _>>()?;
+        let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
+        let detectors = detectors(&design)?;
+        let level = match settings.sequential.level {
+            Some(_) => None,
+            None => {
+                let mut watch = Watch::new(detectors.iter().map(Some), sample_time);
+                let run = Run { seed: other, settings: &settings, ..run };
+                run.read(Window { from: 0.0, to: 3600.0 * lessons.level }, &mut watch)?;
+                let level = watch.level(per_year);
+                Some(level.ok_or_else(|| untaught("too short a run for a level"))?)
+            }
+        };
+        if let Some(level) = &level {
+            settings.sequential.level = Some(level.nats);
+        }
+        let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
+        let nats = settings.sequential_level();
+        Ok(Learnt { grade, design, nats, level, detectors })
+    }
+}
+
+/// Those of all cylinders, with a level that nothing reaches.
+fn detectors(design: &MonitorDesign) -> Result<Vec<sequential::Design>, StandError> {
+    let monitor = Monitor::new(design.clone());
+    let unbounded = |detector: &Sequential| sequential::Design {
+        level: f64::INFINITY,
+        ..detector.design().clone()
+    };
+    let found: Vec<_> = monitor.sequential().map(|(_, it)| unbounded(it)).collect();
+    if found.len() == CYLINDERS { Ok(found) } else { Err(untaught("a cylinder has no detector")) }
+}

@@ -1,0 +1,211 @@
+//! What is to be tried, as jobs that do not depend on each other.
+
+use super::contest::{self, Contest};
+use super::estimate::{CASES, Errors};
+use super::grade::Grade;
+use super::healthy::{Healthy, STRETCH};
+use super::learning::Lessons;
+use super::outcome::Outcome;
+use super::row::{Row, Study, rows};
+use super::stand::{Stand, StandError};
+use super::trial::Try;
+use super::weights::{self, Kind, Weighing};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tertius_learn::tune::Weights;
+use tertius_machine::plant::CYLINDERS;
+
+/// Transducers in a sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    pub grade: Grade,
+    /// Significant wave height, m, and peak period, s.
+    pub sea: [f64; 2],
+}
+
+/// How much is tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Extent {
+    /// Faults in a row, rounded up to whole machines; the rows of [`Study::Loop`], which need two
+    /// machines for each fault, have a quarter.
+    pub trials: u32,
+    /// Hours of a healthy machine in each cell, rounded up to whole stretches.
+    pub hours: f64,
+    /// Significant wave height, m, and peak period, s. The first is the one for which the loop is
+    /// studied.
+    pub seas: Vec<[f64; 2]>,
+    pub studies: Vec<Study>,
+    /// Hours of a healthy machine of each grade in each sea for the contest, and what its detectors
+    /// learn from.
+    pub contest_hours: f64,
+    pub lessons: Lessons,
+    /// Hours of a healthy machine of each grade in each sea for the weights, and the sets that are tried.
+    pub weights_hours: f64,
+    pub weights: Vec<Weights>,
+}
+
+/// Why there is no plan.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PlanError {
+    #[error("{given} faults a row, expected 1 to {MOST_TRIALS}")]
+    Trials { given: u32 },
+    #[error("{given} hours without a fault, expected 0 to {MOST_HOURS}")]
+    Hours { given: f64 },
+}
+
+/// The most faults in a row, so that a row fits into memory.
+const MOST_TRIALS: u32 = 100_000;
+
+/// The most hours of healthy machines in a cell.
+const MOST_HOURS: f64 = 100_000.0;
+
+/// One simulated machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Job {
+    /// The machine of that number of a row.
+    Trial { row: usize, number: u32 },
+    /// A stretch of a cell without faults.
+    Healthy { cell: usize, number: u32 },
+    /// One of the contest.
+    Contest(contest::Job),
+    /// One of the weights.
+    Weights(weights::Job),
+    /// The machine of that number of a cell and one of [`CASES`].
+    Estimate { cell: usize, case: usize, number: u32 },
+}
+
+/// What a job brings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Product {
+    Trial(Vec<Outcome>),
+    Healthy(Box<Healthy>),
+    Contest(contest::Product),
+    Weights(weights::Product),
+    Estimate(Errors),
+}
+
+/// Everything that is to be tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub seed: u64,
+    pub extent: Extent,
+    pub rows: Vec<Row>,
+    pub cells: Vec<Cell>,
+    /// The detectors against each other, if that is asked for.
+    pub contest: Option<Contest>,
+    /// And the observers' weights.
+    pub weighing: Option<Weighing>,
+}
+
+/// Above every stream of a row.
+const HEALTHY_STREAMS: u64 = 1 << 62;
+
+/// Above those. Cases of a cell are tried on the same machines at the same times.
+const ESTIMATE_STREAMS: u64 = 1 << 63;
+
+/// Numbers of machines that a stream has room for: more than any row or cell has.
+const NUMBERS: u64 = 1 << 21;
+
+impl Plan {
+    /// The plan for every grade in every sea of `extent`.
+    ///
+    /// # Errors
+    /// If that is too much.
+    pub fn new(seed: u64, extent: Extent) -> Result<Self, PlanError> {
+        if !(1..=MOST_TRIALS).contains(&extent.trials) {
+            return Err(PlanError::Trials { given: extent.trials });
+        }
+        for given in [extent.hours, extent.contest_hours, extent.weights_hours] {
+            if !(0.0..=MOST_HOURS).contains(&given) {
+                return Err(PlanError::Hours { given });
+            }
+        }
+        let in_seas = |grade| extent.seas.iter().map(move |sea| Cell { grade, sea: *sea });
+        let cells: Vec<Cell> = Grade::ALL.into_iter().flat_map(in_seas).collect();
+        let mut rows = rows(&cells);
+        rows.retain(|row| extent.studies.contains(&row.study));
+        let contest = extent.studies.contains(&Study::Contest).then(|| {
+            let hours = extent.contest_hours * extent.seas.len() as f64;
+            Contest::new(seed, &extent.seas, extent.trials, hours)
+        });
+        let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
+            kinds: Kind::ALL.to_vec(),
+            sets: extent.weights.clone(),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.weights_hours * extent.seas.len() as f64,
+            seed,
+        });
+        Ok(Self { seed, extent, rows, cells, contest, weighing })
+    }
+
+    /// The machines of a row.
+    pub fn machines(&self, row: &Row) -> u32 {
+        let trials = self.extent.trials;
+        if row.is_alone() { trials.div_ceil(4) } else { trials.div_ceil(CYLINDERS as u32) }
+    }
+
+    /// The healthy machines of a cell.
+    pub fn stretches(&self) -> u32 {
+        (self.extent.hours * 3600.0 / STRETCH).ceil() as u32
+    }
+
+    /// All jobs. They may be done in any order.
+    pub fn jobs(&self) -> Vec<Job> {
+        let trials = self.rows.iter().enumerate().flat_map(|(row, it)| {
+            (0..self.machines(it)).map(move |number| Job::Trial { row, number })
+        });
+        let healthy = (0..self.cells.len()).flat_map(|cell| {
+            (0..self.stretches()).map(move |number| Job::Healthy { cell, number })
+        });
+        let contest = self.contest.iter().flat_map(Contest::jobs).map(Job::Contest);
+        let estimates = (0..self.cells.len()).flat_map(|cell| {
+            (0..CASES.len()).flat_map(move |case| {
+                let numbers = 0..self.extent.estimated();
+                numbers.map(move |number| Job::Estimate { cell, case, number })
+            })
+        });
+        let weights = self.weighing.iter().flat_map(Weighing::jobs).map(Job::Weights);
+        contest.chain(weights).chain(trials).chain(healthy).chain(estimates).collect()
+    }
+
+    /// Does one job on `stand`.
+    ///
+    /// # Errors
+    /// If the stand has no such machine.
+    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+        Ok(match job {
+            Job::Trial { row, number } => {
+                let row = &self.rows[row];
+                let mut rng = self.random(row.stream * NUMBERS + u64::from(number));
+                let settle = stand.settings.observer.settle;
+                let one = Try::draw(row, number, settle, &mut rng);
+                Product::Trial(stand.trial(row, &one)?)
+            }
+            Job::Contest(job) => {
+                let contest = self.contest.as_ref().expect("its jobs are of its own plan");
+                Product::Contest(contest.run(stand, job)?)
+            }
+            Job::Weights(job) => {
+                let weighing = self.weighing.as_ref().expect("its jobs are of its own plan");
+                Product::Weights(weighing.run(stand, job)?)
+            }
+            Job::Healthy { cell, number } => {
+                let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);
+                let seed = self.random(stream).random();
+                Product::Healthy(Box::new(stand.healthy(self.cells[cell], seed)?))
+            }
+            Job::Estimate { cell, case, number } => {
+                let stream = ESTIMATE_STREAMS + cell as u64 * NUMBERS + u64::from(number);
+                let mut rng = self.random(stream);
+                Product::Estimate(stand.estimate(self.cells[cell], &CASES[case], &mut rng)?)
+            }
+        })
+    }
+
+    fn random(&self, stream: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(stream);
+        rng
+    }
+}

@@ -1,0 +1,110 @@
+//! Where trials are made: the simulated machine and the monitor that watches it.
+
+use super::grade::Grade;
+use super::learning::Learnt;
+use super::plan::Cell;
+use tertius_config::settings::Settings;
+use tertius_core::monitor::MonitorDesign;
+use tertius_dbc::Database;
+use tertius_machine::inject::PlaceError;
+use tertius_machine::simulator::{Options, Simulator, SimulatorError, Tables};
+
+/// Why a trial could not be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StandError {
+    #[error(transparent)]
+    Simulator(#[from] SimulatorError),
+    #[error(transparent)]
+    Place(#[from] PlaceError),
+    #[error("the sequential detectors cannot be calibrated to the simulated machine: {0}")]
+    Untaught(String),
+}
+
+/// A test stand; many trials can be made on it at once.
+#[derive(Clone, Debug)]
+pub struct Stand<'a> {
+    pub settings: &'a Settings,
+    pub database: &'a Database,
+    pub design: &'a MonitorDesign,
+    /// Monitors with sequential detectors, of the grades that were learnt.
+    pub monitors: Vec<Learnt>,
+    /// Monitors by the sets of weights that are compared.
+    pub weighed: Vec<MonitorDesign>,
+    tables: [(Grade, Tables); Grade::ALL.len()],
+    /// Without the fluctuations of Figure 5-9.
+    steady: [(Grade, Tables); Grade::ALL.len()],
+}
+
+impl<'a> Stand<'a> {
+    /// A stand for the machine of `tables`, which sends what `settings` and `database` describe and
+    /// is watched by a monitor of `design`.
+    pub fn new(
+        tables: &Tables,
+        settings: &'a Settings,
+        database: &'a Database,
+        design: &'a MonitorDesign,
+    ) -> Self {
+        let graded = |tables: &Tables| Grade::ALL.map(|grade| (grade, grade.apply(tables)));
+        let mut still = *tables;
+        still.transducer.fluctuation_probability = 0.0;
+        let (tables, steady) = (graded(tables), graded(&still));
+        Self {
+            settings,
+            database,
+            design,
+            monitors: Vec::new(),
+            weighed: Vec::new(),
+            tables,
+            steady,
+        }
+    }
+
+    /// What was learnt of `grade`.
+    ///
+    /// # Errors
+    /// If nothing was.
+    pub fn learnt(&self, grade: Grade) -> Result<&Learnt, StandError> {
+        let learnt = self.monitors.iter().find(|learnt| learnt.grade == grade);
+        learnt.ok_or_else(|| StandError::Untaught(format!("{} was not learnt", grade.name())))
+    }
+
+    /// The machine of `cell`.
+    ///
+    /// # Errors
+    /// If the configuration's machine cannot be simulated, or not in that sea.
+    pub fn simulator(&self, cell: Cell, options: &Options) -> Result<Simulator, StandError> {
+        self.graded(cell.grade, options)
+    }
+
+    /// The machine with transducers of `grade`, in the sea of `options`.
+    ///
+    /// # Errors
+    /// As [`Self::simulator`].
+    pub fn graded(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
+        self.simulate(&self.tables, grade, options)
+    }
+
+    /// The machine with transducers of `grade` that do not fluctuate.
+    ///
+    /// # Errors
+    /// As [`Self::simulator`].
+    pub fn steady(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
+        self.simulate(&self.steady, grade, options)
+    }
+
+    fn simulate(
+        &self,
+        tables: &[(Grade, Tables)],
+        grade: Grade,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        let of_grade = tables.iter().find(|(known, _)| *known == grade);
+        let (_, tables) = of_grade.expect("there are tables for every grade");
+        Ok(Simulator::new(tables, self.settings, self.database, options)?)
+    }
+
+    /// The cycles that so many seconds have.
+    pub fn cycles(&self, seconds: f64) -> u64 {
+        (seconds / self.settings.machine.sample_time).ceil() as u64
+    }
+}

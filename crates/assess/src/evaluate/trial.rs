@@ -1,0 +1,225 @@
+//! One simulated machine with its faults.
+
+use super::outcome::Outcome;
+use super::row::Row;
+use super::stand::{Stand, StandError};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use tertius_core::alarm::Warning;
+use tertius_core::monitor::{Monitor, Record, Sink};
+use tertius_core::time::{Span, Timestamp};
+use tertius_core::verdict::Suspect;
+use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
+use tertius_machine::plant::CYLINDERS;
+use tertius_machine::simulator::{Options, Simulator};
+
+/// From when the observers have settled until the earliest fault, s.
+const LEAD: f64 = 3.0;
+
+/// Faults begin within this time of each other, s.
+const SPREAD: f64 = 1.0;
+
+/// The last second of a watch is where C1 is compared with its twin's, s.
+const AT_LAST: f64 = 1.0;
+
+/// A fault that is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tried {
+    /// From 1.
+    pub cylinder: u8,
+    /// C1 or C2.
+    pub transducer: Suspect,
+    /// With its sign; `None`: nothing happens.
+    pub wanted: Option<Wanted>,
+    /// s after the first frame.
+    pub at: f64,
+}
+
+/// A machine and what befalls it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Try {
+    pub seed: u64,
+    pub faults: Vec<Tried>,
+}
+
+impl Try {
+    /// Draws a trial of `row` from `rng`; `settle` is how long the observers take, s. Rows that
+    /// differ in kind and size only draw the same.
+    pub fn draw(row: &Row, number: u32, settle: f64, rng: &mut ChaCha8Rng) -> Self {
+        let seed = rng.random();
+        let alone = row.is_alone();
+        let cylinders = 0..CYLINDERS as u32;
+        let chosen = cylinders.filter(|index| !alone || number % CYLINDERS as u32 == *index);
+        let faults = chosen
+            .map(|index| {
+                let at = settle + LEAD + SPREAD * rng.random::<f64>();
+                let second = rng.random::<bool>() && !alone;
+                let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+                Tried {
+                    cylinder: index as u8 + 1,
+                    transducer: if second { Suspect::C2 } else { Suspect::C1 },
+                    wanted: row.wanted.map(|wanted| signed(wanted, sign)),
+                    at,
+                }
+            })
+            .collect();
+        Self { seed, faults }
+    }
+}
+
+/// The same fault, towards the other side where `sign` is −1.
+fn signed(wanted: Wanted, sign: f64) -> Wanted {
+    let Wanted::Shape(shape) = wanted else { return wanted };
+    Wanted::Shape(match shape {
+        Shape::Step { size } => Shape::Step { size: sign * size },
+        Shape::Incipient { size, b } => Shape::Incipient { size: sign * size, b },
+        Shape::Drift { rate } => Shape::Drift { rate: sign * rate },
+        Shape::Scale { gain } => Shape::Scale { gain: sign * gain },
+        Shape::Spike { size, probability } => Shape::Spike { size: sign * size, probability },
+        // Noise has no side, and what is gone neither.
+        Shape::Noise { .. }
+        | Shape::Freeze
+        | Shape::Constant(_)
+        | Shape::Stale
+        | Shape::Loss { .. } => shape,
+    })
+}
+
+/// Hears the monitor.
+#[derive(Default)]
+struct Listener {
+    /// At most a few for each of the cycles of a trial.
+    warnings: Vec<Warning>,
+    /// The newest of each cylinder: R1, R2, R3, and C1 as it was read, m.
+    residuals: [[Option<f64>; 3]; CYLINDERS],
+    c1: [Option<f64>; CYLINDERS],
+}
+
+impl Sink for Listener {
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(*warning);
+    }
+
+    fn record(&mut self, record: &Record) {
+        let index = usize::from(record.cylinder) - 1;
+        self.residuals[index] = record.residuals;
+        self.c1[index] = record.c1;
+    }
+}
+
+/// What is followed of one fault beside the warnings.
+#[derive(Clone, Copy, Default)]
+struct Followed {
+    /// The Sync at which the first faulty reading was sampled.
+    onset: Option<Timestamp>,
+    worst: [f64; 3],
+    rod: f64,
+    /// Of C1's differences from its twin's in the last second: squares, and how many.
+    squares: f64,
+    readings: u32,
+}
+
+impl Stand<'_> {
+    /// Plays `one`, a trial of `row`: an outcome for each of its faults, in their order.
+    ///
+    /// # Errors
+    /// If there is no such machine, or no place for such a fault on it.
+    pub fn trial(&self, row: &Row, one: &Try) -> Result<Vec<Outcome>, StandError> {
+        let faults = self.placed(one)?;
+        let (sea, in_loop) = (Some(row.cell.sea), row.in_loop);
+        let healthy = Options { seed: one.seed, sea, in_loop, ..Options::default() };
+        let mut twin = row.is_alone().then(|| self.simulator(row.cell, &healthy)).transpose()?;
+        let mut simulator = self.simulator(row.cell, &Options { faults, ..healthy })?;
+        let mut monitor = Monitor::new(self.design.clone());
+        let mut listener = Listener::default();
+        let mut followed = vec![Followed::default(); one.faults.len()];
+        let watch = Span::from_seconds(row.watch);
+        let begun = simulator.opening();
+        let latest = one.faults.iter().map(|fault| fault.at).fold(0.0, f64::max);
+        for _ in 0..self.cycles(latest + row.watch + AT_LAST) {
+            let opening = simulator.opening();
+            simulator.step(&mut |frame| monitor.take(frame, &mut listener));
+            if let Some(twin) = &mut twin {
+                twin.step(&mut |_| {});
+            }
+            for (index, (fault, followed)) in one.faults.iter().zip(&mut followed).enumerate() {
+                let altered = match fault.wanted {
+                    Some(_) => simulator.tallies()[index].altered > 0,
+                    None => opening.since(begun).as_seconds() >= fault.at,
+                };
+                if altered {
+                    followed.onset.get_or_insert(opening);
+                }
+                if followed.onset.is_some_and(|onset| opening.since(onset) <= watch) {
+                    followed.residuals(&listener.residuals[usize::from(fault.cylinder) - 1]);
+                    if let Some(twin) = &twin {
+                        followed.twin(fault, &simulator, twin, &listener, opening, watch);
+                    }
+                }
+            }
+        }
+        monitor.finish(&mut listener);
+        let outcomes = one.faults.iter().zip(&followed);
+        Ok(outcomes
+            .map(|(fault, followed)| {
+                let asked = begun.after(Span::from_seconds(fault.at));
+                let onset = followed.onset.unwrap_or(asked);
+                let (cylinder, end) = (fault.cylinder, onset.after(watch));
+                let said =
+                    Outcome::read(&listener.warnings, cylinder, fault.transducer, onset, end);
+                Outcome {
+                    worst: followed.worst,
+                    rod: twin.as_ref().map(|_| followed.rod),
+                    reading: twin.as_ref().map(|_| followed.reading()),
+                    ..said
+                }
+            })
+            .collect())
+    }
+
+    pub(super) fn placed(&self, one: &Try) -> Result<Vec<Placed>, StandError> {
+        let wanted = one.faults.iter().filter_map(|tried| Some((tried, tried.wanted?)));
+        let placed = wanted.map(|(tried, wanted)| {
+            let window = Window { from: Span::from_seconds(tried.at), until: None };
+            let (cylinder, sensor) = (tried.cylinder, tried.transducer.name());
+            let fault = Fault { cylinder, sensor, wanted, window };
+            Ok(place(&fault, self.settings, self.database)?)
+        });
+        placed.collect()
+    }
+}
+
+impl Followed {
+    fn residuals(&mut self, residuals: &[Option<f64>; 3]) {
+        for (worst, residual) in self.worst.iter_mut().zip(residuals) {
+            *worst = residual.map_or(*worst, |residual| worst.max(residual.abs()));
+        }
+    }
+
+    /// Compares the machine with the same one without the fault.
+    fn twin(
+        &mut self,
+        fault: &Tried,
+        simulator: &Simulator,
+        twin: &Simulator,
+        listener: &Listener,
+        opening: Timestamp,
+        watch: Span,
+    ) {
+        let leg = usize::from(fault.cylinder) - 1;
+        let length = |it: &Simulator| it.machine().states()[leg].length;
+        self.rod = self.rod.max((length(simulator) - length(twin)).abs());
+        let age = self.onset.map_or(0.0, |onset| opening.since(onset).as_seconds());
+        if age <= watch.as_seconds() - AT_LAST {
+            return;
+        }
+        if let Some(c1) = listener.c1[leg] {
+            self.squares += (c1 - twin.readings().lengths[leg]).powi(2);
+            self.readings += 1;
+        }
+    }
+
+    fn reading(&self) -> f64 {
+        (self.squares / f64::from(self.readings.max(1))).sqrt()
+    }
+}

@@ -1,0 +1,130 @@
+//! What the weights came to.
+
+use super::trial::{RESIDUALS, STRETCH};
+use super::{FAULTS, Faulty, Job, Kind, Product, Quiet, Weighing};
+use crate::evaluate::proportion::Proportion;
+use crate::evaluate::rate::Rate;
+use crate::evaluate::row::label;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use tertius_learn::extremes::{HOURS_PER_YEAR, Maxima, Tail, common_level, per_second};
+use tertius_learn::tune::LEAST_HIGH;
+
+/// A day and a year of monitoring in false alarms a year: one an hour, one a day, one.
+const RATES: [f64; 3] = [HOURS_PER_YEAR, HOURS_PER_YEAR / 24.0, 1.0];
+
+/// One set on one kind.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SetResult {
+    /// Of the transducers.
+    pub kind: &'static str,
+    /// The diagonals of Q and R.
+    pub q: [f64; 3],
+    pub r: [f64; 2],
+    /// Hours of a healthy machine.
+    pub hours: f64,
+    /// Warnings of FDE1 and FDE2 in them with the thesis's δ_h, 1 mm.
+    pub crossings: Rate,
+    /// δ_h for one false alarm an hour, a day and a year, m, by the tails of the largest of each block;
+    /// `None` where there is too little of them.
+    pub levels: Option<[f64; 3]>,
+    /// With the thesis's δ_h, and with that of one false alarm a day.
+    pub seen: Vec<Seen>,
+}
+
+/// What the observer on the faulty transducer sees with a threshold, fault by fault.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Seen {
+    /// δ_h, m.
+    pub high: f64,
+    pub faults: Vec<SeenFault>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SeenFault {
+    pub label: String,
+    /// How long it is watched, s; 0 is the faulty reading alone.
+    pub within: f64,
+    pub found: Proportion,
+}
+
+/// Puts together what the jobs bring, in whatever order.
+#[derive(Clone, Debug)]
+pub struct Gathering<'a> {
+    weighing: &'a Weighing,
+    quiet: BTreeMap<(Kind, u32), Vec<Quiet>>,
+    faulty: BTreeMap<(Kind, usize, u32), Vec<Faulty>>,
+}
+
+impl<'a> Gathering<'a> {
+    pub const fn new(weighing: &'a Weighing) -> Self {
+        Self { weighing, quiet: BTreeMap::new(), faulty: BTreeMap::new() }
+    }
+
+    /// Takes what a job brought; each job once.
+    pub fn take(&mut self, job: Job, product: Product) {
+        match (job, product) {
+            (Job::Quiet { kind, number }, Product::Quiet(quiet)) => {
+                self.quiet.insert((kind, number), quiet);
+            }
+            (Job::Faulty { kind, fault, number }, Product::Faulty(faulty)) => {
+                self.faulty.insert((kind, fault, number), faulty);
+            }
+            // A job brings what it is.
+            (Job::Quiet { .. } | Job::Faulty { .. }, _) => {}
+        }
+    }
+
+    /// The result for every kind and set; `block`: of judged time, s.
+    pub fn finish(&self, block: f64) -> Vec<SetResult> {
+        let sets = || 0..self.weighing.sets.len();
+        let kinds = self.weighing.kinds.iter();
+        kinds.flat_map(|kind| sets().map(move |set| self.result(*kind, set, block))).collect()
+    }
+
+    fn result(&self, kind: Kind, set: usize, block: f64) -> SetResult {
+        let quiet: Vec<&Quiet> = self
+            .quiet
+            .iter()
+            .filter(|((of, _), _)| *of == kind)
+            .map(|(_, sets)| &sets[set])
+            .collect();
+        let levels = tails(&quiet, block)
+            .map(|tails| RATES.map(|per_year| common_level(&tails, per_second(per_year))));
+        let hours = quiet.len() as f64 * STRETCH / 3600.0;
+        let weights = self.weighing.sets[set];
+        let thresholds = [Some(LEAST_HIGH), levels.map(|[_, daily, _]| daily)];
+        SetResult {
+            kind: kind.name(),
+            q: weights.q,
+            r: weights.r,
+            hours,
+            crossings: Rate::new(quiet.iter().map(|quiet| quiet.raises).sum(), hours),
+            levels,
+            seen: thresholds.into_iter().flatten().map(|high| self.seen(kind, set, high)).collect(),
+        }
+    }
+
+    fn seen(&self, kind: Kind, set: usize, high: f64) -> Seen {
+        let fault = |(index, (shape, within)): (usize, &_)| {
+            let own =
+                self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
+            let peaks: Vec<f64> = own.flat_map(|(_, sets)| sets[set].0).collect();
+            let found = peaks.iter().filter(|peak| **peak > high).count();
+            let found = Proportion::new(found as u64, peaks.len() as u64);
+            SeenFault { label: label(*shape), within: *within, found }
+        };
+        Seen { high, faults: FAULTS.iter().enumerate().map(fault).collect() }
+    }
+}
+
+/// Of every residual over all machines; `None` where one has too little.
+fn tails(quiet: &[&Quiet], block: f64) -> Option<Vec<Tail>> {
+    let tail = |index: usize| {
+        // What comes in is the largest of a block already.
+        let mut maxima = Maxima::new(1);
+        quiet.iter().flat_map(|quiet| &quiet.blocks[index]).for_each(|peak| maxima.add(*peak));
+        Tail::fit(&maxima, block)
+    };
+    (0..RESIDUALS).map(tail).collect()
+}

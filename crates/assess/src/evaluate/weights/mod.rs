@@ -1,0 +1,178 @@
+//! Weights of the observers against each other, each with the threshold that belongs to it.
+//!
+//! Every set of weights has its monitor, and all of them watch the same machines: hours without a fault
+//! say which δ_h a wanted rate of false alarms takes, and how often the thesis's is crossed; faults of
+//! section 5-4, how many of them are seen with it. Weights without their threshold are worth nothing, and
+//! what a calm sea says of them is not true in a rough one: the seas are tried in turn and judged together.
+
+mod figures;
+mod trial;
+
+pub use figures::{Gathering, Seen, SetResult};
+pub use trial::{Faulty, Quiet};
+
+use super::grade::Grade;
+use super::row::SIGMA;
+use super::stand::{Stand, StandError};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tertius_config::design::{self, Flaw};
+use tertius_config::settings::Settings;
+use tertius_core::monitor::MonitorDesign;
+use tertius_dbc::Database;
+use tertius_learn::tune::criterion::{INCIPIENT, STEP};
+use tertius_learn::tune::{LEAST_HIGH, Weights};
+use tertius_machine::inject::{Shape, Wanted};
+use tertius_machine::plant::CYLINDERS;
+
+/// Sets that are tried when the call names none: of the thesis's design, of fine and of coarse transducers,
+/// and one that is slow.
+pub const SETS: [Weights; 4] = [
+    Weights { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2] },
+    Weights { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0] },
+    Weights { q: [1e-8, 3e-5, 2e3], r: [1e-8, 1.0] },
+    Weights { q: [1e-9, 1e-6, 100.0], r: [1e-8, 1e-2] },
+];
+
+/// The most sets: each has its monitor on every machine.
+pub const MOST: usize = 32;
+
+/// The faults that are tried, and how long each is watched by the observer on its transducer, s: 0 is the
+/// faulty reading alone.
+pub const FAULTS: [(Shape, f64); 5] = [
+    (Shape::Step { size: STEP }, 0.0),
+    (Shape::Step { size: 1.25e-3 }, 0.0),
+    (Shape::Step { size: 1.5e-3 }, 0.0),
+    (Shape::Incipient { size: INCIPIENT.0, b: INCIPIENT.1 }, 0.1),
+    (Shape::Noise { size: SIGMA }, 10.0),
+];
+
+/// Streams of random numbers of their own, apart from all other jobs.
+const STREAMS: u64 = 5 << 40;
+const NUMBERS: u64 = 1 << 20;
+
+/// Transducers, and whether their readings are off for a while now and then, as in Figure 5-9.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Steady,
+    Fluctuating,
+    Coarse,
+}
+
+impl Kind {
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Fluctuating, Self::Coarse];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Steady => "fine",
+            Self::Fluctuating => "fine, fluctuating",
+            Self::Coarse => "coarse",
+        }
+    }
+
+    const fn of_grade(self) -> Grade {
+        match self {
+            Self::Steady | Self::Fluctuating => Grade::Fine,
+            Self::Coarse => Grade::Coarse,
+        }
+    }
+}
+
+/// What is tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighing {
+    pub kinds: Vec<Kind>,
+    pub sets: Vec<Weights>,
+    /// Significant wave height, m, and peak period, s; in turn.
+    pub seas: Vec<[f64; 2]>,
+    /// Faults of each kind, rounded up to whole machines.
+    pub trials: u32,
+    /// Hours of a healthy machine of each kind, rounded up to whole stretches.
+    pub hours: f64,
+    pub seed: u64,
+}
+
+/// One simulated machine, which all sets watch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Job {
+    /// With the fault of that index of [`FAULTS`].
+    Faulty {
+        kind: Kind,
+        fault: usize,
+        number: u32,
+    },
+    Quiet {
+        kind: Kind,
+        number: u32,
+    },
+}
+
+/// What a job brings, of each set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Product {
+    Faulty(Vec<Faulty>),
+    Quiet(Vec<Quiet>),
+}
+
+impl Weighing {
+    /// The monitors of all sets, with the thesis's thresholds; all else is as `settings` have it.
+    ///
+    /// # Errors
+    /// The flaws of the first set that has no observer.
+    pub fn designs(
+        &self,
+        settings: &Settings,
+        database: &Database,
+    ) -> Result<Vec<MonitorDesign>, Vec<Flaw>> {
+        let design = |weights: &Weights| {
+            let mut settings = settings.clone();
+            (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
+            (settings.fde.high, settings.fde.low) = (LEAST_HIGH, 0.75 * LEAST_HIGH);
+            design::judging(&settings, database)
+        };
+        self.sets.iter().map(design).collect()
+    }
+
+    /// All jobs, the longest first.
+    pub fn jobs(&self) -> Vec<Job> {
+        let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
+        let machines = self.trials.div_ceil(CYLINDERS as u32);
+        let kinds = || self.kinds.iter().copied();
+        let quiet =
+            kinds().flat_map(|kind| (0..stretches).map(move |number| Job::Quiet { kind, number }));
+        let faulty = kinds().flat_map(|kind| {
+            (0..FAULTS.len()).flat_map(move |fault| {
+                (0..machines).map(move |number| Job::Faulty { kind, fault, number })
+            })
+        });
+        quiet.chain(faulty).collect()
+    }
+
+    /// Does one job on `stand`, which has the monitors.
+    ///
+    /// # Errors
+    /// If the stand has no such machine.
+    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+        let sea = |number: u32| self.seas[number as usize % self.seas.len()];
+        // The same machines and times of faults for every kind.
+        Ok(match job {
+            Job::Faulty { kind, fault, number } => {
+                let mut rng = self.random(1 + fault as u64, number);
+                let (shape, watch) = FAULTS[fault];
+                let wanted = Wanted::Shape(shape);
+                let faults = stand.seen(kind, sea(number), wanted, watch, &mut rng)?;
+                Product::Faulty(faults)
+            }
+            Job::Quiet { kind, number } => {
+                let seed = self.random(0, number).random();
+                Product::Quiet(stand.unseen(kind, sea(number), seed)?)
+            }
+        })
+    }
+
+    fn random(&self, stream: u64, number: u32) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(STREAMS + stream * NUMBERS + u64::from(number));
+        rng
+    }
+}

@@ -1,0 +1,45 @@
+//! From settings to a virtual sensor.
+
+use super::Wirer;
+use tertius_core::compare::Comparator;
+use tertius_core::estimate::{Design, Drive, Dynamics, Scale};
+use tertius_core::observe::model::Model;
+use tertius_core::sequential;
+
+impl Wirer<'_> {
+    /// The virtual sensor of cylinder `n`, with what its `sequential` detector was calibrated to, if it
+    /// was; valid `lengths`, m.
+    pub(super) fn estimate(
+        &self,
+        n: u8,
+        sequential: Option<&sequential::Design>,
+        lengths: (f64, f64),
+    ) -> Design {
+        let settings = self.settings;
+        let sample_time = settings.machine.sample_time;
+        let (gain, offset) = settings.comparator_of(n);
+        let fitted = settings.sequential_of(n).filter(|_| sequential.is_some());
+        let dynamics = match fitted.and_then(|fitted| Some((fitted, fitted.drive?))) {
+            Some((fitted, drive)) => Dynamics::fitted(Drive(drive), sample_time, fitted.deviation),
+            None => {
+                let (theta, gamma) = settings.model_of(n);
+                let model = Model::new(sample_time, theta, gamma);
+                let (q, r) = (settings.observer.q, settings.observer.r[0]);
+                Dynamics::model(&model, settings.command_offset_of(n), q, r, sample_time)
+            }
+        };
+        Design {
+            dynamics,
+            scale: Scale {
+                comparator: Comparator { gain, offset },
+                reference: sequential.map(|design| design.reference.clone()),
+            },
+            sample_time,
+            settle: settings.cycles(settings.observer.settle),
+            max_gap: settings.cycles(settings.machine.max_gap),
+            difference: settings.comparator.bound,
+            bound: settings.estimate.bound,
+            lengths,
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! From settings and a DBC to everything that a monitor is made from.
+
+mod estimate;
+mod scale;
+mod sequential;
+mod state;
+mod surveyed;
+mod times;
+
+use super::settings::{CylinderSignals, Settings};
+use tertius_core::alarm::frames;
+use tertius_core::compare::Comparator;
+use tertius_core::monitor::cylinder::CylinderDesign;
+use tertius_core::monitor::gate::Gate;
+use tertius_core::monitor::wiring::{Line, Target, Wire, Wiring};
+use tertius_core::monitor::{Estimates, MonitorDesign};
+use tertius_core::observe::model::Model;
+use tertius_core::observe::observer::Design;
+use tertius_core::sample::cycle::CycleTiming;
+use tertius_core::sample::plausibility::Limits;
+use tertius_core::sample::{Field, Transducer};
+use tertius_core::time::Span;
+use tertius_core::verdict::fault::Signatures;
+use tertius_core::verdict::{BankDesign, Thresholds};
+use tertius_dbc::{Database, LookupError, Message, Signal};
+
+/// Something in the configuration that does not fit the DBC or cannot be computed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Flaw {
+    /// The key to blame, for example `signals.cylinder.c1`.
+    pub key: String,
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl Flaw {
+    fn new(key: &str, message: impl ToString, help: impl ToString) -> Self {
+        Self { key: key.to_owned(), message: message.to_string(), help: help.to_string() }
+    }
+}
+
+/// The monitor that `settings` ask for, with the signals of `database`.
+///
+/// # Errors
+/// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
+/// that are the gateway's own, states without a number, weights without an observer gain, models
+/// and tables of another sample time, estimates that do not fit Fd_Estimate.
+pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    let mut wirer = Wirer::new(settings, database, false);
+    wirer.refuse_other_times();
+    wirer.build()
+}
+
+/// The same whatever sample time model and tables are of: for who asks where the signals are, and
+/// judges nothing.
+///
+/// # Errors
+/// As [`judging`], but for sample times.
+pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    Wirer::new(settings, database, false).build()
+}
+
+/// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
+/// They are waited for until the deadline of a cycle, and are never missed.
+///
+/// # Errors
+/// As [`unjudging`]; and pressures that are not in bar.
+pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
+    Wirer::new(settings, database, true).build()
+}
+
+/// The first flaw of each key: a misspelt signal is one mistake, not one for each cylinder.
+fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
+    let mut kept: Vec<Flaw> = Vec::new();
+    for flaw in flaws {
+        if kept.iter().all(|known| known.key != flaw.key) {
+            kept.push(flaw);
+        }
+    }
+    kept
+}
+
+struct Wirer<'a> {
+    settings: &'a Settings,
+    database: &'a Database,
+    wiring: Wiring,
+    surveys: bool,
+    flaws: Vec<Flaw>,
+}
+
+/// What is known of a signal once it is connected.
+struct Connected<'a> {
+    message: &'a Message,
+    signal: &'a Signal,
+}
+
+impl<'a> Wirer<'a> {
+    fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
+        Self { settings, database, wiring: Wiring::new(), surveys, flaws: Vec::new() }
+    }
+
+    fn build(mut self) -> Result<MonitorDesign, Vec<Flaw>> {
+        let settings = self.settings;
+        self.connect_sync();
+        let (monitored, stops) = self.connect_state();
+        let cylinders = (1..=settings.machine.cylinders)
+            .filter_map(|n| self.connect_cylinder(n))
+            .collect::<Vec<_>>();
+        self.refuse_own_identifiers();
+        self.refuse_crowded_cycles();
+        match self.encoder() {
+            Some(encoder) if self.flaws.is_empty() => Ok(MonitorDesign {
+                wiring: self.wiring,
+                timing: CycleTiming {
+                    sample_time: Span::from_seconds(settings.machine.sample_time),
+                    deadline: Span::from_seconds(settings.cycle_deadline()),
+                    synchronised: settings.signals.sync.is_some(),
+                },
+                gap_cycles: settings.cycles(settings.machine.max_gap).into(),
+                gate: Gate::new(
+                    monitored,
+                    stops,
+                    Span::from_seconds(settings.plausibility.state_stale),
+                ),
+                cylinders,
+                estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
+                encoder,
+            }),
+            _ => Err(once_per_key(self.flaws)),
+        }
+    }
+
+    fn connect_sync(&mut self) {
+        let Some(name) = &self.settings.signals.sync else { return };
+        match self.database.message(name) {
+            Ok(message) => self.wiring.line(message.id).sync = true,
+            Err(error) => self.flaws.push(Flaw::new(
+                "signals.sync",
+                error,
+                "name the message that opens a cycle, or leave the key out",
+            )),
+        }
+    }
+
+    fn connect_cylinder(&mut self, n: u8) -> Option<CylinderDesign> {
+        let before = self.flaws.len();
+        let signals = &self.settings.signals.cylinder;
+        let limits = [
+            self.connect_transducer(n, Transducer::C1, Some(&signals.c1)),
+            self.connect_transducer(n, Transducer::C2, signals.c2.as_deref()),
+        ];
+        self.connect(n, "control_speed", Some(&signals.control_speed), Field::Command);
+        let required = self.connected(n);
+        self.connect_surveyed(n, signals);
+        let observers = self.observers(n);
+        let sequential = self.sequential(n);
+        let ([first, second], Some(observers)) = (limits, observers) else { return None };
+        if self.flaws.len() > before {
+            return None;
+        }
+        let settings = self.settings;
+        let (gain, offset) = settings.comparator_of(n);
+        let clear = Span::from_seconds(settings.alarm.clear);
+        let fde = &settings.fde;
+        Some(CylinderDesign {
+            number: n,
+            required,
+            awaited: self.connected(n),
+            command_offset: settings.command_offset_of(n),
+            command_stale: settings.cycles(settings.plausibility.stale).max(1),
+            moving_speed: settings.plausibility.frozen_speed,
+            comparator: Comparator { gain, offset },
+            bank: BankDesign {
+                observer: Thresholds { low: fde.low, high: fde.high, clear },
+                difference: Thresholds {
+                    low: settings.comparator_low(),
+                    high: settings.comparator.bound,
+                    clear,
+                },
+                coincidence: Span::from_seconds(settings.alarm.coincidence),
+                signatures: observers.each_ref().map(Signatures::of_innovation),
+            },
+            observers,
+            estimate: self.estimate(n, sequential.as_ref(), first.lengths),
+            sequential,
+            limits: [first, second],
+            critical: settings.comparator.critical,
+            levels: settings.alarm.levels.clone(),
+            coincidence: settings.cycles(settings.alarm.coincidence),
+            clear,
+        })
+    }
+
+    /// The fields of cylinder `n` that were connected, by [`Field::bit`].
+    fn connected(&self, n: u8) -> u16 {
+        let wires = self.wiring.lines().iter().flat_map(|line| &line.wires);
+        let bits = wires.filter_map(|wire| match wire.target {
+            Target::Cylinder(index, field) if index + 1 == n => Some(field.bit()),
+            _ => None,
+        });
+        bits.fold(0, |all, bit| all | bit)
+    }
+
+    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Limits {
+        let signals = &self.settings.signals.cylinder;
+        let (prefix, velocity, status, counter) = match which {
+            Transducer::C1 => ("c1", &signals.c1_velocity, &signals.c1_status, &signals.c1_counter),
+            Transducer::C2 => ("c2", &signals.c2_velocity, &signals.c2_status, &signals.c2_counter),
+        };
+        let position = self.connect(n, prefix, name, Field::Position(which));
+        if name.is_some() {
+            let key = |suffix| format!("{prefix}_{suffix}");
+            self.connect(n, &key("velocity"), velocity.as_deref(), Field::Velocity(which));
+            self.connect(n, &key("status"), status.as_deref(), Field::Status(which));
+            self.connect(n, &key("counter"), counter.as_deref(), Field::Counter(which));
+        }
+        self.limits(position)
+    }
+
+    fn limits(&self, position: Option<Connected<'_>>) -> Limits {
+        let plausibility = &self.settings.plausibility;
+        let signal = position.map(|Connected { signal, .. }| signal);
+        let [lowest, highest] =
+            signal.map_or(self.settings.machine.stroke, |it| self.settings.valid_lengths(it));
+        let counts = signal.filter(|signal| !signal.plan.is_float());
+        let half_count = counts.map_or(0.0, |signal| signal.plan.factor().abs() / 2.0);
+        // Half of the way of the slowest command that counts as moving, so that a stroke which just
+        // begins is not taken for one that stands still; yet where commands are in another unit it is
+        // no length, and healthy readings are never apart by more than the bound of R3.
+        let way = 0.5 * plausibility.frozen_speed * plausibility.frozen;
+        Limits {
+            stale: self.settings.cycles(plausibility.stale).max(1),
+            broken_wire_codes: signal.map_or(Vec::new(), |it| self.settings.broken_wire_codes(it)),
+            status_mask: plausibility.status_mask,
+            codes: plausibility.valid_raw.map(|[lowest, highest]| (lowest, highest)),
+            // A limit in decimals lies beside its count by rounding.
+            lengths: (lowest - half_count, highest + half_count),
+            frozen: self.settings.cycles(plausibility.frozen).max(1),
+            travel: way.min(self.settings.comparator.bound),
+        }
+    }
+
+    fn observers(&mut self, n: u8) -> Option<[Design; 2]> {
+        let settings = self.settings;
+        let (theta, gamma) = settings.model_of(n);
+        let model = Model::new(settings.machine.sample_time, theta, gamma);
+        let signals = &settings.signals.cylinder;
+        let velocities = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
+        let [first, second] = velocities.map(|velocity| {
+            let design = Design::new(
+                &model,
+                settings.observer.q,
+                settings.observer.r,
+                velocity,
+                settings.cycles(settings.observer.settle),
+                settings.cycles(settings.machine.max_gap),
+            );
+            design.map_err(|error| {
+                self.flaws.push(Flaw::new(
+                    "observer.q",
+                    format!("cylinder {n} has no observer gain: {error}"),
+                    "check theta and gamma of the model, and the weights q and r",
+                ));
+            })
+        });
+        Some([first.ok()?, second.ok()?])
+    }
+
+    fn connect(
+        &mut self,
+        n: u8,
+        key: &str,
+        name: Option<&str>,
+        field: Field,
+    ) -> Option<Connected<'a>> {
+        let name = CylinderSignals::of_cylinder(name?, n);
+        let key = format!("signals.cylinder.{key}");
+        let found = self.find(&key, &name)?;
+        self.refuse_unit(&key, &name, found.signal, field);
+        self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
+        let line = self.wiring.line(found.message.id);
+        line.reading |= field.is_reading();
+        line.cyclic = true;
+        let target = Target::Cylinder(n - 1, field);
+        line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+        Some(found)
+    }
+
+    fn find(&mut self, key: &str, name: &str) -> Option<Connected<'a>> {
+        match self.database.signal(name) {
+            Ok((message, signal)) => Some(Connected { message, signal }),
+            Err(error) => {
+                let help = match error {
+                    LookupError::Refused { .. } => "correct the message in the DBC",
+                    _ => "name it MESSAGE.SIGNAL as the DBC does",
+                };
+                self.flaws.push(Flaw::new(key, error, help));
+                None
+            }
+        }
+    }
+
+    /// Lengths are metres throughout; a signal in another unit would be wrong by its factor.
+    fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
+        let expected = match field {
+            Field::Position(_) => "m",
+            Field::Velocity(_) => "m/s",
+            Field::Pressure(_) => "bar",
+            // A spool's unit is its own: percent, millimetres, volts.
+            Field::Status(_) | Field::Counter(_) | Field::Command | Field::Spool => return,
+        };
+        if !(signal.unit.is_empty() || signal.unit == expected) {
+            self.flaws.push(Flaw::new(
+                key,
+                format!("{name} is in {:?}, expected {expected:?}", signal.unit),
+                format!("scale factor, offset and range of the DBC to {expected}"),
+            ));
+        }
+    }
+
+    fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
+        let line = self.wiring.find(found.message.id).map(|place| &self.wiring.lines()[place]);
+        let used = |wire: &Wire| wire.plan == found.signal.plan && !wire.shares_with(target);
+        let alone = |line: &&Line| !line.has_position_of(target);
+        let taken = line.is_some_and(|line| {
+            line.wires.iter().any(used)
+                || alone(&line) && line.wires.iter().any(|wire| wire.plan == found.signal.plan)
+        });
+        if taken {
+            self.flaws.push(Flaw::new(
+                key,
+                format!("{name} is used already for something else"),
+                "every signal of every cylinder needs a place of its own; is {n} missing?",
+            ));
+        }
+    }
+
+    fn refuse_own_identifiers(&mut self) {
+        let Some(own) = frames::identifiers(self.settings.gateway.node) else { return };
+        for line in self.wiring.lines().iter().filter(|line| own.contains(&line.id)) {
+            self.flaws.push(Flaw::new(
+                "gateway.node",
+                format!("identifier 0x{} is the gateway's own and also an input", line.id),
+                "choose a node whose identifiers nothing else on the bus sends",
+            ));
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! From the fitted tables to a sequential detector.
+
+use super::{Flaw, Wirer};
+use crate::settings::CylinderSequential;
+use tertius_core::sequential::reference::DOUBTED;
+use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
+
+/// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
+/// not covered.
+const LEAST_SAMPLES: u64 = 400;
+
+impl Wirer<'_> {
+    /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
+    pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
+        let settings = self.settings;
+        let fitted = settings.sequential_of(n)?;
+        if settings.signals.cylinder.c2.is_none() {
+            self.flaws.push(Flaw::new(
+                "cylinder.sequential",
+                format!("cylinder {n} has no C2 to be compared with"),
+                "name it as signals.cylinder.c2, or leave the table out",
+            ));
+            return None;
+        }
+        let sample_time = settings.machine.sample_time;
+        Some(Design {
+            reference: reference(fitted),
+            rate: Rate::new(fitted.rate_spacing, &fitted.rate),
+            square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
+            dependence: [fitted.mean_dependence, fitted.square_dependence],
+            deviation: fitted.deviation,
+            noise: Noise { rest: fitted.noise, timing: fitted.timing },
+            resolution: fitted.resolution,
+            pair: self.pair(n, fitted),
+            level: settings.sequential_level_of(n),
+            sample_time,
+            clear: settings.warning_cycles(),
+        })
+    }
+
+    fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
+        let drive = Drive(fitted.drive?);
+        let sample_time = self.settings.machine.sample_time;
+        let design = PairDesign::new(drive, sample_time, fitted.deviation, fitted.prediction);
+        design
+            .map_err(|error| {
+                self.flaws.push(Flaw::new(
+                    "cylinder.sequential",
+                    format!("cylinder {n} has no filter of both readings: {error}"),
+                    "calibrate it anew",
+                ));
+            })
+            .ok()
+    }
+}
+
+fn reference(fitted: &CylinderSequential) -> Reference {
+    let deviations = &fitted.node_deviations;
+    let doubts = deviations.iter().map(|deviation| DOUBTED * deviation).collect();
+    // A table of an earlier version has samples alone.
+    let enough = |samples: &u64| !deviations.is_empty() || *samples >= LEAST_SAMPLES;
+    Reference {
+        first: fitted.first,
+        spacing: fitted.spacing,
+        nodes: fitted.nodes.clone(),
+        doubts: if deviations.is_empty() { vec![0.0; fitted.nodes.len()] } else { doubts },
+        covered: fitted.samples.iter().map(enough).collect(),
+        velocity: fitted.velocity,
+    }
+}

@@ -1,0 +1,54 @@
+//! What is not monitored, but read by who learns from a recording.
+
+use super::Wirer;
+use crate::settings::CylinderSignals;
+use tertius_core::monitor::wiring::{Target, Wire};
+use tertius_core::sample::{Field, Pressure};
+
+impl Wirer<'_> {
+    /// Pressures and spool of cylinder `n`.
+    pub(super) fn connect_surveyed(&mut self, n: u8, signals: &CylinderSignals) {
+        self.connect_pressures(n, signals);
+        self.connect_supply(n);
+        self.connect_spool(n, signals);
+    }
+
+    fn connect_pressures(&mut self, n: u8, signals: &CylinderSignals) {
+        for (key, name, pressure) in [
+            ("pressure_bottom", &signals.pressure_bottom, Pressure::Bottom),
+            ("pressure_rod", &signals.pressure_rod, Pressure::Rod),
+            ("load_pressure", &signals.load_pressure, Pressure::Load),
+        ] {
+            let Some(name) = name else { continue };
+            if self.surveys {
+                self.connect(n, key, Some(name), Field::Pressure(pressure));
+            } else {
+                // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
+                let name = CylinderSignals::of_cylinder(name, n);
+                self.find(&format!("signals.cylinder.{key}"), &name);
+            }
+        }
+    }
+
+    /// One signal for all cylinders: each has it among its own inputs, cycle by cycle.
+    fn connect_supply(&mut self, n: u8) {
+        let Some(name) = self.settings.signals.supply.as_deref() else { return };
+        let Some(found) = self.find("signals.supply", name) else { return };
+        self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
+        if self.surveys {
+            let line = self.wiring.line(found.message.id);
+            line.cyclic = true;
+            let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));
+            line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+        }
+    }
+
+    fn connect_spool(&mut self, n: u8, signals: &CylinderSignals) {
+        let Some(name) = &signals.spool else { return };
+        if self.surveys {
+            self.connect(n, "spool", Some(name), Field::Spool);
+        } else {
+            self.find("signals.cylinder.spool", &CylinderSignals::of_cylinder(name, n));
+        }
+    }
+}

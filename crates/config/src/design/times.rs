@@ -1,0 +1,83 @@
+//! Models and tables that are of another sample time than the machine's.
+
+use super::{Flaw, Wirer};
+use crate::settings::Cylinder;
+
+/// Sample times that differ by less are written differently, and are the same.
+const SAME: f64 = 1e-9;
+
+/// Bits at the nominal rate in the shortest frame that CAN or CAN FD has: from the start of frame to
+/// the switch of the rate, and from the CRC delimiter to the space between frames.
+const SHORTEST_FRAME_BITS: f64 = 30.0;
+
+impl Wirer<'_> {
+    /// θ and γ of (4-1), the weights of the Riccati equation and all that is fitted for the sequential
+    /// detector are of one sample time each. At another they would judge a machine that there is not.
+    pub(super) fn refuse_other_times(&mut self) {
+        let settings = self.settings;
+        for n in 1..=settings.machine.cylinders {
+            let own = settings.cylinder.iter().position(|cylinder| cylinder.n == n);
+            let table = own.map(|index| format!("cylinder[{index}]"));
+            let is_own = own.is_some_and(|index| has_model(&settings.cylinder[index]));
+            let (key, model) = match (&table, is_own) {
+                (Some(table), true) => (format!("{table}.sample_time"), "the model (4-1)"),
+                _ if settings.model.sample_time.is_some() => {
+                    ("model.sample_time".to_owned(), "the model (4-1)")
+                }
+                // Nothing in the file is at fault but that there is no model in it.
+                _ => ("machine.sample_time".to_owned(), "the default model, Table 4-1,"),
+            };
+            self.refuse_time(
+                &key,
+                settings.model_time_of(n),
+                &format!("{model} of cylinder {n}"),
+                "`tertius identify` takes this configuration as it is, and writes a model of the \
+                 machine's own sample time",
+            );
+            let fitted = settings.sequential_of(n).and_then(|fitted| fitted.sample_time);
+            self.refuse_time(
+                &format!("{}.sequential.sample_time", table.as_deref().unwrap_or("cylinder")),
+                fitted,
+                &format!("the table [cylinder.sequential] of cylinder {n}"),
+                "`tertius calibrate` takes this configuration as it is, and writes the table anew",
+            );
+        }
+        self.refuse_time(
+            "observer.sample_time",
+            settings.observer.sample_time,
+            "the table [observer]",
+            "leave the table out and run `tertius tune`, which writes it anew",
+        );
+    }
+
+    fn refuse_time(&mut self, key: &str, fitted: Option<f64>, what: &str, help: &str) {
+        let ours = self.settings.machine.sample_time;
+        let Some(fitted) = fitted.filter(|fitted| (fitted - ours).abs() > SAME * ours) else {
+            return;
+        };
+        let message = format!(
+            "`machine.sample_time` is {ours:?}, but {what} is for a sample time of {fitted:?} s"
+        );
+        self.flaws.push(Flaw::new(key, message, help));
+    }
+
+    /// A cycle shorter than its own frames is a wrong sample time, or a wrong bit rate.
+    pub(super) fn refuse_crowded_cycles(&mut self) {
+        let (machine, bitrate) = (&self.settings.machine, self.settings.bus.bitrate);
+        let lines = self.wiring.lines().iter().filter(|line| line.sync || line.cyclic).count();
+        let least = lines as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
+        if machine.sample_time < least {
+            let message = format!(
+                "`machine.sample_time` is {:?}, but at {bitrate} bit/s the {lines} frames of a cycle \
+                 take at least {least:.6} s",
+                machine.sample_time
+            );
+            let help = "correct the sample time, or bus.bitrate";
+            self.flaws.push(Flaw::new("machine.sample_time", message, help));
+        }
+    }
+}
+
+fn has_model(cylinder: &Cylinder) -> bool {
+    cylinder.theta.is_some() || cylinder.gamma.is_some()
+}

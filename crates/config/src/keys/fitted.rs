@@ -1,0 +1,90 @@
+//! The sequential detectors: what all have in common, and what `tertius calibrate` has fitted for that
+//! of one cylinder.
+
+use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
+use super::super::text::TextRule;
+use super::{number, numbers, text};
+use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::windows::WIDTHS;
+
+#[rustfmt::skip]
+pub(super) static SEQUENTIAL: Table = Table { keys: &[
+    Key::optional("false_alarms_per_year",
+        number(Limits::above(0.0, "a rate of the whole machine, in a year of monitoring").most(1e6)),
+        "1.0", "the false alarms that a year of monitoring may bring, all cylinders together"),
+    Key::optional("level",
+        number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
+        "20.0", "the level h of all cylinders, nats; absent: that of each cylinder's calibration, else by \
+         false_alarms_per_year"),
+    Key::optional("stop_states",
+        Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
+        "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
+    Key::optional("history", text(TextRule::Path), "\"/var/lib/tertius/e-type.dwells\"",
+        "the file in which the gateway keeps what was read on the stops, relative to this file; \
+         absent: in memory only"),
+    Key::optional("maintenance",
+        number(Limits::above(0.0, "how far a reading on the stop may move, in metres")),
+        "0.005", "a transducer that has drifted this far is due for maintenance, m; absent: a tenth of \
+         comparator.critical"),
+] };
+
+const FITTED: &str = "`tertius calibrate` writes it";
+
+const fn fitted(least: usize, most: usize) -> Kind {
+    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
+}
+
+const fn dependence() -> Kind {
+    let one = Limits::least(1.0, "how many samples say as much as one");
+    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
+}
+
+#[rustfmt::skip]
+pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
+    Key::optional("sample_time", number(Limits::above(0.0, FITTED)), "0.02",
+        "the sample time of the readings that it was calibrated to, s; absent: not known"),
+    Key::optional("level",
+        number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
+        "19.5", "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \
+         false_alarms_per_year"),
+    Key::required("first", number(Limits::finite(FITTED)), "-1.5",
+        "where on the stroke the first node is, m"),
+    Key::required("spacing", number(Limits::above(0.0, FITTED)), "0.1",
+        "from node to node, m"),
+    Key::required("nodes", fitted(2, 1001), "[0.001, 0.0012]", "C1 - C2 at each node, m"),
+    Key::optional("node_deviations",
+        Kind::List { least: 2, most: 1001, of: Scalar::Number(Limits::least(0.0, FITTED)) },
+        "[0.00001, 0.00005]", "the standard deviation of each node, m: where three of them are beyond 0.2 mm, \
+         nothing is judged; absent: nodes are taken for known where `samples` are 400 or more"),
+    Key::required("samples",
+        Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) }, "[5000]",
+        "samples that the calibration had between each two nodes"),
+    Key::required("velocity", number(Limits::finite(FITTED)), "0.0001",
+        "what C1 - C2 grows by with the velocity, s"),
+    Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
+        "the standard deviation of the residual, m"),
+    Key::required("noise", number(Limits::above(0.0, FITTED)), "0.0001",
+        "the same of a rod at rest, m; a table without it is of an earlier version: make it anew with \
+         `tertius calibrate`"),
+    Key::required("timing", number(Limits::least(0.0, FITTED)), "0.0001",
+        "what it grows by with the speed, s; `tertius calibrate` writes it"),
+    Key::optional("resolution", numbers(2, Limits::least(0.0, FITTED)), "[1e-4, 1e-4]",
+        "what the readings of C1 and of C2 move in, m"),
+    Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
+        "from value to value of the rate functions, m"),
+    Key::required("rate", fitted(2, 1001), "[0.0, 0.5]",
+        "the rate function of the residual's mean, nats"),
+    Key::required("square_rate", fitted(2, 1001), "[0.0, 0.5]",
+        "the rate function of its root mean square, nats"),
+    Key::required("mean_dependence", dependence(),
+        "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+        "samples of the mean that say as much as one, by the width of the window"),
+    Key::required("square_dependence", dependence(),
+        "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+        "samples of the mean square that say as much as one, by the width of the window"),
+    Key::optional("drive", fitted(FEATURES, FEATURES),
+        "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]",
+        "the velocity by the commands"),
+    Key::optional("prediction", number(Limits::least(0.0, FITTED)), "0.0001",
+        "the deviation of the readings from it, m"),
+] };

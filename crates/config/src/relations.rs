@@ -1,0 +1,259 @@
+//! What must hold between the values of different keys.
+
+use std::collections::BTreeSet;
+
+use super::document::Document;
+use super::problem::{Problems, table_of};
+use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
+use tertius_core::alarm::frames::FRAME_BITS;
+
+/// Fd_Status comes so many times a second.
+const STATUSES: f64 = 10.0;
+
+/// Adds a problem for each relation that does not hold. Relations with a table that already has a
+/// problem are left for the next time: their values may not be what the user means.
+pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Problems) {
+    let mut relations = Relations { document, doubtful: problems.tables(), problems };
+    relations.machine(settings);
+    relations.plausibility(settings);
+    relations.thresholds(settings);
+    relations.share(settings);
+    relations.signals(settings);
+    relations.cylinders(settings);
+}
+
+struct Relations<'a> {
+    document: &'a Document,
+    /// Tables that had a problem before.
+    doubtful: BTreeSet<String>,
+    problems: &'a mut Problems,
+}
+
+impl Relations<'_> {
+    /// Reports unless `holds`, at the first of `keys` that the file has: a default is not at fault.
+    fn require(&mut self, holds: bool, keys: &[&str], message: String, help: &str) {
+        if holds || keys.iter().any(|key| self.doubtful.contains(table_of(key))) {
+            return;
+        }
+        let document = self.document;
+        let key = keys.iter().find(|key| document.has(key)).or(keys.first()).copied();
+        self.problems.push_with(|| document.problem(key.unwrap_or(""), message, help));
+    }
+
+    fn machine(&mut self, settings: &Settings) {
+        let [low, high] = settings.machine.stroke;
+        self.require(
+            low < high,
+            &["machine.stroke"],
+            format!("`machine.stroke` runs from {low:?} to {high:?}, but must run upwards"),
+            "the retracted end comes first, for example stroke = [-1.5, 1.5]",
+        );
+        let ts = settings.machine.sample_time;
+        let deadline = settings.cycle_deadline();
+        self.require(
+            deadline >= 0.5 * ts && deadline < ts,
+            &["machine.cycle_deadline"],
+            format!(
+                "`machine.cycle_deadline` is {deadline:?}, but must be at least half of the \
+                 sample time {ts:?} and below it"
+            ),
+            "it separates late readings of a cycle from those of the next; without the key it is \
+             0.8 of the sample time",
+        );
+    }
+
+    fn plausibility(&mut self, settings: &Settings) {
+        let ts = settings.machine.sample_time;
+        let plausibility = &settings.plausibility;
+        for (key, value) in [
+            ("plausibility.stale", plausibility.stale),
+            ("plausibility.frozen", plausibility.frozen),
+        ] {
+            let default = self.default_note(key);
+            self.require(
+                value >= ts,
+                &[key, "machine.sample_time"],
+                format!(
+                    "`{key}` is {value:?}{default}, but must be at least the sample time {ts:?}"
+                ),
+                "nothing new can come within one sample; take some samples",
+            );
+        }
+        if let Some([low, high]) = plausibility.valid_raw {
+            self.require(
+                low < high,
+                &["plausibility.valid_raw"],
+                format!("`plausibility.valid_raw` runs from {low} to {high}, but must run upwards"),
+                "the lowest raw count comes first, for example valid_raw = [1, 27648]",
+            );
+        }
+    }
+
+    fn thresholds(&mut self, settings: &Settings) {
+        let fde = &settings.fde;
+        let defaults = (self.default_note("fde.low"), self.default_note("fde.high"));
+        self.require(
+            fde.low <= fde.high,
+            &["fde.low", "fde.high"],
+            format!(
+                "`fde.low` is {:?}{}, but must not be above `fde.high`, {:?}{}",
+                fde.low, defaults.0, fde.high, defaults.1
+            ),
+            "a warning rises above `high` and clears below `low`",
+        );
+        let comparator = &settings.comparator;
+        let (low, bound, critical) =
+            (settings.comparator_low(), comparator.bound, comparator.critical);
+        let default = self.default_note("comparator.bound");
+        self.require(
+            low <= bound,
+            &["comparator.low", "comparator.bound"],
+            format!(
+                "`comparator.low` is {low:?}, but must not be above `comparator.bound`, \
+                 {bound:?}{default}"
+            ),
+            "a warning rises above `bound` and clears below `low`",
+        );
+        let critical_default = self.default_note("comparator.critical");
+        self.require(
+            bound < critical,
+            &["comparator.bound", "comparator.critical"],
+            format!(
+                "`comparator.bound` is {bound:?}{default}, but must be below \
+                 `comparator.critical`, {critical:?}{critical_default}"
+            ),
+            "the monitor is there to warn before the machine itself trips at `critical`",
+        );
+        let maintenance = settings.drift_limits().maintenance;
+        self.require(
+            maintenance < critical,
+            &["sequential.maintenance", "comparator.critical"],
+            format!(
+                "`sequential.maintenance` is {maintenance:?}, but must be below \
+                 `comparator.critical`, {critical:?}{critical_default}"
+            ),
+            "a transducer is due before the machine itself trips; without the key it is a tenth of \
+             that",
+        );
+    }
+
+    /// Fd_Status is the gateway's proof of life; and estimates that come now and then are worse than
+    /// none: who relies on them waits for the next.
+    fn share(&mut self, settings: &Settings) {
+        let Settings { machine, bus, gateway, estimate, .. } = settings;
+        let share_of = |frames: f64| frames * FRAME_BITS / f64::from(bus.bitrate);
+        let told = |share: f64| (share * 1e3).ceil() / 1e3;
+        let default = self.default_note("gateway.bus_share");
+        let share = gateway.bus_share;
+        let statuses = share_of(STATUSES);
+        self.require(
+            share >= statuses,
+            &["gateway.bus_share", "bus.bitrate"],
+            format!(
+                "`gateway.bus_share` is {share:?}{default}, but at {} bit/s it must be at least {:?}: \
+                 Fd_Status is sent every 100 ms",
+                bus.bitrate,
+                told(statuses)
+            ),
+            "raise it, with room for warnings, for example to twice that; is bus.bitrate right?",
+        );
+        let frames = f64::from(machine.cylinders) / machine.sample_time + STATUSES;
+        let least = told(share_of(frames));
+        self.require(
+            !estimate.send || share >= least || share < statuses,
+            &["gateway.bus_share", "estimate.send"],
+            format!(
+                "`gateway.bus_share` is {share:?}{default}, but with `estimate.send` it must be at \
+                 least {least:?}: {frames:.0} frames a second"
+            ),
+            "raise it, with room for warnings, for example by a half; or send no estimates",
+        );
+    }
+
+    fn signals(&mut self, settings: &Settings) {
+        let signals = &settings.signals.cylinder;
+        let several = settings.machine.cylinders > 1;
+        for (name, signal) in signals.named() {
+            let key = format!("signals.cylinder.{name}");
+            // Readings that share a frame may share these; a frame of their own they have is told later.
+            let shared = name.ends_with("_counter") || name.ends_with("_status");
+            self.require(
+                !several || shared || signal.contains(PLACEHOLDER),
+                &[&key],
+                format!(
+                    "`{key}` is \"{signal}\" for all {} cylinders: {{n}} is missing in it",
+                    settings.machine.cylinders
+                ),
+                "{n} stands for the cylinder's number, for example Cyl{n}_C1.Position",
+            );
+        }
+        for (first, second, key) in [
+            (Some(&signals.c1), &signals.c2, "signals.cylinder.c2"),
+            (signals.c1_velocity.as_ref(), &signals.c2_velocity, "signals.cylinder.c2_velocity"),
+        ] {
+            self.require(
+                second.is_none() || first != second.as_ref(),
+                &[key],
+                format!("`{key}` is the same signal as that of C1"),
+                "a reading that is compared with itself never shows a fault; leave the key out if \
+                 there is no second transducer",
+            );
+        }
+    }
+
+    fn cylinders(&mut self, settings: &Settings) {
+        let count = settings.machine.cylinders;
+        let mut seen = [false; u8::MAX as usize + 1];
+        for (index, cylinder) in settings.cylinder.iter().enumerate() {
+            let key = format!("cylinder[{index}].n");
+            let n = cylinder.n;
+            self.require(
+                n <= count,
+                &[&key, "machine.cylinders"],
+                format!("`{key}` is {n}, but the machine has {count} cylinders"),
+                "they are numbered from 1; see machine.cylinders",
+            );
+            let twice = std::mem::replace(&mut seen[usize::from(n)], true);
+            self.require(
+                !twice,
+                &[&key],
+                format!("`{key}` is {n}, which has a [[cylinder]] table above already"),
+                "write all that cylinder has of its own into one table",
+            );
+            if let Some(fitted) = &cylinder.sequential {
+                self.fitted(&format!("cylinder[{index}].sequential"), fitted);
+            }
+        }
+    }
+
+    fn fitted(&mut self, table: &str, fitted: &CylinderSequential) {
+        const HELP: &str = "take the table as `tertius calibrate` writes it";
+        let cells = fitted.nodes.len().saturating_sub(1);
+        let key = format!("{table}.samples");
+        let count = fitted.samples.len();
+        self.require(
+            count == cells,
+            &[&key],
+            format!("`{key}` has {count} values, but there are {cells} cells between the nodes"),
+            HELP,
+        );
+        let (key, count) = (format!("{table}.node_deviations"), fitted.node_deviations.len());
+        self.require(
+            count == 0 || count == fitted.nodes.len(),
+            &[&key],
+            format!("`{key}` has {count} values, but there are {} nodes", fitted.nodes.len()),
+            HELP,
+        );
+        let key = format!("{table}.rate");
+        self.require(
+            fitted.rate.first() == Some(&0.0) && fitted.rate.is_sorted(),
+            &[&key],
+            format!("`{key}` must begin with 0 and never fall"),
+            HELP,
+        );
+    }
+
+    fn default_note(&self, key: &str) -> &'static str {
+        if self.document.has(key) { "" } else { " (the default)" }
+    }
+}

@@ -1,0 +1,152 @@
+//! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
+
+use super::settings::{
+    Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
+};
+use tertius_core::decode::Raw;
+use tertius_core::sequential::{self, Limits};
+use tertius_dbc::Signal;
+
+/// However many false alarms are allowed, less evidence than this is none, nats.
+const LEAST_LEVEL: f64 = 5.0;
+
+/// The sample time of the thesis's machine, on which Table 4-1 was identified, s.
+const TABLE_4_1_TIME: f64 = 0.02;
+
+/// The overflow code of an S7 analogue input, which has 16 bits.
+const S7_OVERFLOW: i64 = 32767;
+
+impl Settings {
+    /// The lengths that a position of `signal` can have, m: the stroke, and the DBC's [min|max] where no
+    /// raw counts are configured.
+    pub fn valid_lengths(&self, signal: &Signal) -> [f64; 2] {
+        let [lowest, highest] = self.machine.stroke;
+        match (signal.range, self.plausibility.valid_raw) {
+            (Some([minimum, maximum]), None) => [lowest.max(minimum), highest.min(maximum)],
+            _ => [lowest, highest],
+        }
+    }
+
+    /// The raw codes with which a position of `signal` tells a broken wire: those configured; else that
+    /// of an S7 analogue input, if the signal has its 16 bits and no healthy reading has that code.
+    pub fn broken_wire_codes(&self, signal: &Signal) -> Vec<i64> {
+        if let Some(codes) = &self.plausibility.broken_wire_codes {
+            return codes.clone();
+        }
+        let plan = &signal.plan;
+        let is_input = plan.bits() == 16 && !plan.is_float();
+        let [lowest, highest] = self.valid_lengths(signal);
+        let length = plan.physical(Raw::Signed(S7_OVERFLOW));
+        let by_count = self.plausibility.valid_raw;
+        let is_healthy = (lowest..=highest).contains(&length)
+            && by_count.is_none_or(|[low, high]| (low..=high).contains(&S7_OVERFLOW));
+        if is_input && !is_healthy { vec![S7_OVERFLOW] } else { Vec::new() }
+    }
+
+    /// Whole cycles nearest to `seconds`.
+    pub fn cycles(&self, seconds: f64) -> u32 {
+        (seconds / self.machine.sample_time).round() as u32
+    }
+
+    /// Cycles that are one warning: what follows sooner does not raise anew.
+    pub fn warning_cycles(&self) -> u32 {
+        self.cycles(self.alarm.clear).max(1)
+    }
+
+    /// `(theta, gamma)` of (4-1) for cylinder `n`: its own, else those of `[model]`.
+    pub fn model_of(&self, n: u8) -> ([f64; 5], [f64; 2]) {
+        let own = self.own(n);
+        let theta = own.and_then(|cylinder| cylinder.theta);
+        let gamma = own.and_then(|cylinder| cylinder.gamma);
+        (theta.unwrap_or(self.model.theta), gamma.unwrap_or(self.model.gamma))
+    }
+
+    /// The sample time that [`Self::model_of`] is of, s; `None` where nobody says. Table 4-1's is known.
+    pub fn model_time_of(&self, n: u8) -> Option<f64> {
+        let own = self.own(n).filter(|own| own.theta.is_some() || own.gamma.is_some());
+        let told = own.map_or(self.model.sample_time, |own| own.sample_time);
+        let table = Model::default();
+        let is_table = self.model_of(n) == (table.theta, table.gamma);
+        told.or(is_table.then_some(TABLE_4_1_TIME))
+    }
+
+    /// The command at which cylinder `n` rests, m/s: its own, else that of `[model]`.
+    pub fn command_offset_of(&self, n: u8) -> f64 {
+        let own = self.own(n).and_then(|cylinder| cylinder.command_offset);
+        own.unwrap_or(self.model.command_offset)
+    }
+
+    /// `(a, b)` of (5-20) for cylinder `n`, b in metres: Ĉ2 = a·C2 + b; without a table (1, 0).
+    pub fn comparator_of(&self, n: u8) -> (f64, f64) {
+        self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
+    }
+
+    /// Readings later than this after the opening of their cycle are late, s.
+    pub fn cycle_deadline(&self) -> f64 {
+        self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)
+    }
+
+    /// Below this |R3| counts towards clearing, m.
+    pub fn comparator_low(&self) -> f64 {
+        self.comparator.low.unwrap_or(0.75 * self.comparator.bound)
+    }
+
+    /// What the sequential detector of cylinder `n` was calibrated to, if it was.
+    pub fn sequential_of(&self, n: u8) -> Option<&CylinderSequential> {
+        self.own(n)?.sequential.as_ref()
+    }
+
+    /// h of a cylinder that has none of its own, nats.
+    pub fn sequential_level(&self) -> f64 {
+        let Self { machine, sequential: budget, .. } = self;
+        let by_rate =
+            sequential::level(budget.false_alarms_per_year, machine.cylinders, machine.sample_time);
+        budget.level.unwrap_or(by_rate.max(LEAST_LEVEL))
+    }
+
+    /// h of cylinder `n`, nats: what is set for all goes before what its calibration asks for.
+    pub fn sequential_level_of(&self, n: u8) -> f64 {
+        let own = self.sequential_of(n).and_then(|fitted| fitted.level);
+        own.filter(|_| self.sequential.level.is_none()).unwrap_or_else(|| self.sequential_level())
+    }
+
+    /// How far a reading on the stop may move.
+    pub fn drift_limits(&self) -> Limits {
+        let critical = self.comparator.critical;
+        // As it is reached, nine times the time that it took is left, and each detector works as ever.
+        let maintenance = self.sequential.maintenance.unwrap_or(critical / 10.0);
+        Limits { maintenance, critical }
+    }
+
+    fn own(&self, n: u8) -> Option<&Cylinder> {
+        self.cylinder.iter().find(|cylinder| cylinder.n == n)
+    }
+}
+
+impl CylinderSignals {
+    /// Every signal that is configured, with its key; `{n}` is not yet replaced.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        [
+            ("c1", Some(&self.c1)),
+            ("c1_velocity", self.c1_velocity.as_ref()),
+            ("c1_status", self.c1_status.as_ref()),
+            ("c1_counter", self.c1_counter.as_ref()),
+            ("c2", self.c2.as_ref()),
+            ("c2_velocity", self.c2_velocity.as_ref()),
+            ("c2_status", self.c2_status.as_ref()),
+            ("c2_counter", self.c2_counter.as_ref()),
+            ("control_speed", Some(&self.control_speed)),
+            ("pressure_bottom", self.pressure_bottom.as_ref()),
+            ("pressure_rod", self.pressure_rod.as_ref()),
+            ("load_pressure", self.load_pressure.as_ref()),
+            ("spool", self.spool.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
+    }
+
+    /// A signal's name for cylinder `n`.
+    pub fn of_cylinder(signal: &str, n: u8) -> String {
+        signal.replace(PLACEHOLDER, &n.to_string())
+    }
+}

@@ -1,0 +1,37 @@
+//! The core of Tertius: time-stamped frames in, records, warnings and the gateway's own frames out.
+//!
+//! ```text
+//! frames ─→ decode ─ values ─→ sample ─ cycles ─→ observe ─┐ R1, R2
+//!                                 └─────────────→ compare ─┤ R3
+//! the gateway's own frames ←───── alarm ←──── verdict ←────┘
+//! ```
+//!
+//! - [`frame`], [`error_frame`]: CAN and CAN FD frames with their time stamps. [`time`]: points and spans,
+//!   integers of nanoseconds.
+//! - [`decode`]: bit plans, from frames to values.
+//! - [`sample`]: which readings belong to one cycle, and whether they are plausible.
+//! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
+//! - [`compare`]: C1 against the corrected C2 (5-20).
+//! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
+//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
+//!   transducer it is, and the end stop as a reference.
+//! - [`estimate`]: the virtual third sensor.
+//! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
+//! - [`monitor`]: all of them as one machine.
+//!
+//! Time comes with the frames: there is no clock, socket, file, thread or global. What a monitor is made
+//! of, [`monitor::MonitorDesign`], comes from whoever has it: the crate of the configuration makes one of
+//! a TOML file and a DBC.
+
+pub mod alarm;
+pub mod compare;
+pub mod decode;
+pub mod error_frame;
+pub mod estimate;
+pub mod frame;
+pub mod monitor;
+pub mod observe;
+pub mod sample;
+pub mod sequential;
+pub mod time;
+pub mod verdict;

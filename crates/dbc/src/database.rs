@@ -1,0 +1,179 @@
+//! A DBC, checked and compiled.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::check::{self, OVERLAP_STEPS};
+use super::collect::collect;
+use super::draft::Draft;
+use super::finding::{Concern, Finding, Findings, Severity};
+use super::lookup::{LookupError, nearest};
+use super::message::{Message, Signal};
+use super::parse_error::ParseError;
+use super::statement;
+use super::text::without_bom;
+use super::{MAX_MESSAGES, MAX_TEXT};
+
+/// The messages of a DBC: the sound ones to use, the others with the reason why not.
+#[derive(Clone, Debug, Default)]
+pub struct Database {
+    messages: Vec<Message>,
+    by_name: HashMap<String, usize>,
+    by_id: HashMap<tertius_core::frame::Id, usize>,
+    /// Unusable messages' names, with the first error.
+    refused: BTreeMap<String, Finding>,
+    findings: Findings,
+}
+
+impl Database {
+    /// Parses, checks and compiles a DBC's text (with or without byte order mark, any line ends).
+    /// VECTOR__INDEPENDENT_SIG_MSG is left out. A message with an error is kept apart: only who
+    /// asks for it is refused.
+    ///
+    /// # Errors
+    /// If the text is no DBC, or has broken syntax in a statement that bears on decoding (BO_,
+    /// SG_, SIG_VALTYPE_, SG_MUL_VAL_), or is too big in some respect.
+    pub fn parse(text: &str) -> Result<Self, ParseError> {
+        if text.len() > MAX_TEXT {
+            return Err(ParseError::TooLong { bytes: text.len() });
+        }
+        let mut findings = Findings::default();
+        let statements = statement::split(without_bom(text), &mut findings)?;
+        let mut drafts = collect(statements, &mut findings)?;
+        if drafts.is_empty() {
+            return Err(ParseError::NoMessages);
+        }
+        refuse_duplicates(&mut drafts, &mut findings);
+        let mut database = Self::default();
+        let mut steps = OVERLAP_STEPS;
+        for mut draft in drafts {
+            match check::compile(&mut draft, &mut findings, &mut steps)? {
+                Some(message) => database.add(message),
+                None => {
+                    let reason = draft.refused.expect("compile refuses only for a finding");
+                    database.refused.entry(draft.name).or_insert(reason);
+                }
+            }
+        }
+        database.add_short_names();
+        findings.sort();
+        database.findings = findings;
+        Ok(database)
+    }
+
+    fn add(&mut self, message: Message) {
+        let index = self.messages.len();
+        debug_assert!(index < MAX_MESSAGES);
+        self.by_name.insert(message.name.clone(), index);
+        self.by_id.insert(message.id, index);
+        self.messages.push(message);
+    }
+
+    /// Messages go by their short names, too, but for those that are another's name, or two of them.
+    fn add_short_names(&mut self) {
+        let mut short: HashMap<&str, Option<usize>> = HashMap::new();
+        for (index, message) in self.messages.iter().enumerate() {
+            if let Some(name) = message.short.as_deref() {
+                short.entry(name).and_modify(|known| *known = None).or_insert(Some(index));
+            }
+        }
+        short.retain(|name, _| !self.refused.contains_key(*name));
+        for (name, index) in short {
+            if let Some(index) = index {
+                self.by_name.entry(name.to_owned()).or_insert(index);
+            }
+        }
+    }
+
+    /// The usable messages, in the file's order.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
+    /// What a person should know, by line: errors, which make their message unusable, and
+    /// warnings. At most [`super::MAX_FINDINGS`].
+    pub fn findings(&self) -> &[Finding] {
+        self.findings.list()
+    }
+
+    /// How many findings there were beyond those.
+    pub fn findings_left_out(&self) -> usize {
+        self.findings.left_out()
+    }
+
+    /// The names of messages with an error, and their first error, in the order of the names.
+    pub fn refused(&self) -> impl Iterator<Item = (&str, &Finding)> {
+        self.refused.iter().map(|(name, finding)| (name.as_str(), finding))
+    }
+
+    /// The usable message with that identifier.
+    pub fn message_by_id(&self, id: tertius_core::frame::Id) -> Option<&Message> {
+        self.by_id.get(&id).map(|&index| &self.messages[index])
+    }
+
+    /// The message of that name, long or short, letter case respected.
+    ///
+    /// # Errors
+    /// If there is none (with the nearest names), or it has an error.
+    pub fn message(&self, name: &str) -> Result<&Message, LookupError> {
+        if let Some(&index) = self.by_name.get(name) {
+            return Ok(&self.messages[index]);
+        }
+        if let Some(reason) = self.refused.get(name) {
+            return Err(LookupError::Refused {
+                message: name.to_owned(),
+                reason: reason.to_string(),
+            });
+        }
+        let known = self.messages.iter().map(|message| message.name.as_str());
+        let known = known.chain(self.refused.keys().map(String::as_str));
+        Err(LookupError::Message { given: name.to_owned(), nearest: nearest(name, known) })
+    }
+
+    /// The signal that `MESSAGE.SIGNAL` names, and its message.
+    ///
+    /// # Errors
+    /// As [`Self::message`]; if the message has no such signal; if `name` has no point.
+    pub fn signal(&self, name: &str) -> Result<(&Message, &Signal), LookupError> {
+        let Some((message, signal)) = name.split_once('.') else {
+            return Err(LookupError::Form { given: name.to_owned() });
+        };
+        let message = self.message(message)?;
+        let found = message.signal(signal).ok_or_else(|| LookupError::Signal {
+            message: message.name.clone(),
+            given: signal.to_owned(),
+            nearest: nearest(signal, message.signals.iter().map(|signal| signal.name.as_str())),
+        })?;
+        Ok((message, found))
+    }
+}
+
+/// Two messages of one identifier or name: neither is usable, since it cannot be told which is
+/// meant.
+fn refuse_duplicates(drafts: &mut [Draft], findings: &mut Findings) {
+    let mut by_id: HashMap<u64, Vec<usize>> = HashMap::new();
+    let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+    for (index, draft) in drafts.iter().enumerate() {
+        by_id.entry(draft.id).or_default().push(index);
+        by_name.entry(draft.name.clone()).or_default().push(index);
+    }
+    let ids = by_id.into_values().map(|twins| (Concern::DuplicateId, twins));
+    let names = by_name.into_values().map(|twins| (Concern::DuplicateName, twins));
+    let mut groups: Vec<_> = ids.chain(names).filter(|(_, twins)| twins.len() > 1).collect();
+    groups.sort_by_key(|(concern, twins)| (twins[0], *concern));
+    for (concern, twins) in groups {
+        for (place, &index) in twins.iter().enumerate() {
+            let other = &drafts[twins[usize::from(place == 0)]];
+            let (what, remedy) = if concern == Concern::DuplicateId {
+                (
+                    format!("message {} in line {} has its identifier", other.name, other.line),
+                    "give each message its own identifier",
+                )
+            } else {
+                (format!("the message in line {} has its name", other.line), "rename one of them")
+            };
+            let draft = &mut drafts[index];
+            let finding = draft.finding(Severity::Error, concern, None, what, remedy);
+            draft.judge(finding, findings);
+        }
+    }
+}

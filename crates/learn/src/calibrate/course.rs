@@ -1,0 +1,307 @@
+//! A calibration from beginning to end, on whatever can be read again and again.
+
+use super::cutting::{Cuts, Cutting};
+use super::watch::{OwnLevel, Watch};
+use super::{
+    Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
+    Profiling, Refusal, Scatter, Scattering, Spreading, Trying,
+};
+use crate::survey::{Recording, Window};
+use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
+use tertius_core::sequential;
+use tertius_core::sequential::reference::DOUBTED;
+
+/// What a calibration is made with.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<'a> {
+    pub settings: &'a Settings,
+    /// The part that is fitted, and the part on which the fit is tried; where both are the same, its blocks
+    /// alternate ([`Division`]).
+    pub fitted: Window,
+    pub tried: Window,
+    /// False alarms that a year may bring, all cylinders together.
+    pub per_year: f64,
+}
+
+/// What came of a [`Course`].
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// Of every configured cylinder, from 1.
+    pub cylinders: Vec<CylinderCalibration>,
+    /// See [`super::Calibration::bound`].
+    pub bound: Option<Bound>,
+}
+
+/// What is beyond the level is cut out with so much on either side, s.
+const BESIDE: f64 = 20.0;
+
+/// A fault is in so many places at the most.
+const MOST_PLACES: usize = 2;
+
+/// More of the recording than this part is not cut out.
+const MOST_CUT: f64 = 0.1;
+
+/// Of each cylinder, and of both halves of the recording.
+type Profiles = Vec<Option<(Profile, Halves)>>;
+
+/// What each cylinder has taught.
+struct Taught {
+    gathering: Gathering,
+    results: Vec<Result<super::Fitted, Refusal>>,
+    profiles: Profiles,
+    scattering: Scattering,
+    trying: Trying,
+    sequential: Vec<Option<(Profile, Scatter)>>,
+    levels: Vec<Option<OwnLevel>>,
+}
+
+impl Course<'_> {
+    /// Reads `recording` six times: what is in it, the line, what bends along it, the trial, the scatter,
+    /// and the detectors that follow; and once more as often, where a few minutes of it contradict them
+    /// and are cut out.
+    ///
+    /// # Errors
+    /// The recording's own.
+    pub fn run<R: Recording>(&self, recording: &R) -> Result<Calibrated, R::Error> {
+        let none = Cuts::none(usize::from(self.settings.machine.cylinders));
+        let taught = self.teach(recording, &none)?;
+        let (cuts, cut) = self.cuts(&taught);
+        let taught = if cut { self.teach(recording, &cuts)? } else { taught };
+        Ok(self.conclude(taught, &cuts))
+    }
+
+    fn division(&self) -> Division {
+        Division::new(self.fitted, self.tried)
+    }
+
+    /// The whole of what is read.
+    fn whole(&self) -> Window {
+        let Self { fitted, tried, .. } = self;
+        Window { from: fitted.from.min(tried.from), to: fitted.to.max(tried.to) }
+    }
+
+    fn teach<R: Recording>(&self, recording: &R, cuts: &Cuts) -> Result<Taught, R::Error> {
+        let Self { settings, tried, .. } = *self;
+        let (sample_time, division) = (settings.machine.sample_time, self.division());
+        let (gathering, results) = self.lines(recording, cuts)?;
+        let fits = || results.iter().map(|result| result.as_ref().ok());
+        let profiles = self.profiles(recording, cuts, &results)?;
+        let halves = fits().zip(&profiles).map(|(fit, taught)| {
+            let (_, halves) = taught.as_ref()?;
+            Some((fit?, halves))
+        });
+        let mut spreading = Spreading::new(sample_time, division, halves);
+        let mut trying = Trying::new(fits(), settings.warning_cycles());
+        let both = (&mut trying, &mut spreading);
+        recording.read(tried, Cutting { cuts, surveyor: both })?;
+        let spread = fits()
+            .zip(&profiles)
+            .enumerate()
+            .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
+        let mut scattering = Scattering::new(sample_time, division, spread);
+        recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
+        let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
+            judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
+        };
+        let sequential: Vec<_> = profiles.iter().enumerate().map(judge).collect();
+        let mut taught = Taught {
+            gathering,
+            results,
+            profiles,
+            scattering,
+            trying,
+            sequential,
+            levels: Vec::new(),
+        };
+        taught.levels = self.levels(recording, cuts, &taught)?;
+        Ok(taught)
+    }
+
+    /// What each cylinder is along its stroke.
+    fn profiles<R: Recording>(
+        &self,
+        recording: &R,
+        cuts: &Cuts,
+        results: &[Result<super::Fitted, Refusal>],
+    ) -> Result<Profiles, R::Error> {
+        let machine = &self.settings.machine;
+        let fits = results.iter().map(|result| result.as_ref().ok());
+        let mut profiling =
+            Profiling::new(self.division(), machine.stroke, machine.sample_time, fits);
+        recording.read(self.whole(), Cutting { cuts, surveyor: &mut profiling })?;
+        Ok((0..results.len()).map(|index| profiling.result(index)).collect())
+    }
+
+    /// a and b of every cylinder, and what there was to make them from.
+    #[expect(clippy::type_complexity, reason = "it is used once")]
+    fn lines<R: Recording>(
+        &self,
+        recording: &R,
+        cuts: &Cuts,
+    ) -> Result<(Gathering, Vec<Result<super::Fitted, Refusal>>), R::Error> {
+        let settings = self.settings;
+        let [low, high] = settings.machine.stroke;
+        let configured = |n| {
+            let calibration = settings.comparator_of(n);
+            (calibration != (1.0, 0.0)).then_some(calibration)
+        };
+        let numbers = 1..=settings.machine.cylinders;
+        let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
+        recording.read(self.fitted, Cutting { cuts, surveyor: &mut gathering })?;
+        let second = settings.signals.cylinder.c2.is_some();
+        let judge = |n: u8| {
+            if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
+        };
+        let lines: Vec<_> = numbers.map(judge).collect();
+        let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
+        recording.read(self.fitted, Cutting { cuts, surveyor: &mut fitting })?;
+        let results = lines.into_iter().enumerate().map(|(i, line)| {
+            fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
+        });
+        let results = results.collect();
+        Ok((gathering, results))
+    }
+
+    /// What the detectors that follow make of the recording.
+    fn levels<R: Recording>(
+        &self,
+        recording: &R,
+        cuts: &Cuts,
+        taught: &Taught,
+    ) -> Result<Vec<Option<OwnLevel>>, R::Error> {
+        let sample_time = self.settings.machine.sample_time;
+        let design = |both: &Option<(Profile, Scatter)>| {
+            both.as_ref().map(|(profile, scatter)| scatter.design(profile, sample_time))
+        };
+        let designs: Vec<_> = taught.sequential.iter().map(design).collect();
+        let crossed = designs.iter().zip(&taught.profiles).map(|(design, taught)| {
+            let halves = taught.as_ref().map(|(_, halves)| halves);
+            design.as_ref().zip(halves)
+        });
+        let mut watch = Watch::crossed(crossed, self.division(), cuts, sample_time);
+        recording.read(self.tried, &mut watch)?;
+        Ok(watch.levels(self.per_year))
+    }
+
+    /// What is to be cut out, and whether there is anything. A fault is in a place or two; what comes
+    /// again and again belongs to the machine, and is told.
+    fn cuts(&self, taught: &Taught) -> (Cuts, bool) {
+        let mut cuts = Cuts::none(taught.levels.len());
+        let (mut any, most) = (false, MOST_CUT * self.whole().length());
+        for (index, level) in taught.levels.iter().enumerate() {
+            let Some(level) = level.as_ref().filter(|it| it.contradiction().is_some()) else {
+                continue;
+            };
+            let places = places(level.beyond());
+            let length: f64 = places.iter().map(|[from, to]| to - from).sum();
+            if !places.is_empty() && places.len() <= MOST_PLACES && length <= most {
+                any = true;
+                places.into_iter().for_each(|place| cuts.add(index, place));
+            }
+        }
+        (cuts, any)
+    }
+
+    fn conclude(&self, taught: Taught, cuts: &Cuts) -> Calibrated {
+        let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
+        let settings = self.settings;
+        let sample_time = settings.machine.sample_time;
+        // What contradicts is no measure for the others.
+        let contradicts =
+            |index: usize| levels[index].as_ref().is_some_and(|it| it.contradiction().is_some());
+        let bound = trying.bound(self.per_year, sample_time, |index| !contradicts(index));
+        let by_rate = sequential::level(self.per_year, settings.machine.cylinders, sample_time);
+        // What one part has taught and another one confirmed is no reason for a lower level.
+        let given = |nats: &f64| self.division().alternates() || *nats > by_rate;
+        let learnt =
+            (1..).zip(results).zip(trying.into_cylinders()).zip(sequential.into_iter().zip(levels));
+        let cylinder = |(((number, result), tried), (sequential, level)): Learnt| {
+            let index = usize::from(number) - 1;
+            let contradiction = level.as_ref().and_then(Contradiction::of);
+            let mut remarks = Vec::new();
+            if result.is_ok() {
+                remarks.extend(gathering.remarks(index));
+                remarks.extend(scattering.remark(index));
+                remarks.extend(cuts.told(index));
+                remarks.extend(level.as_ref().and_then(OwnLevel::remark));
+            }
+            CylinderCalibration {
+                sample_time,
+                number,
+                result,
+                tried,
+                sequential: sequential.filter(|_| contradiction.is_none()),
+                level: level.and_then(|level| level.nats()).filter(given),
+                contradiction,
+                left_out: cuts.of(index).to_vec(),
+                remarks,
+            }
+        };
+        Calibrated { cylinders: learnt.map(cylinder).collect(), bound }
+    }
+}
+
+/// The places, s, from which to which there is evidence beyond a level, at these times, in order.
+fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for t in times {
+        let [from, to] = [t - BESIDE, t + BESIDE];
+        match places.last_mut() {
+            Some(last) if from <= last[1] => last[1] = to,
+            _ => places.push([from, to]),
+        }
+    }
+    places
+}
+
+/// What there is of one cylinder.
+type Learnt = (
+    ((u8, Result<super::Fitted, Refusal>), Option<super::Tried>),
+    (Option<(Profile, Scatter)>, Option<OwnLevel>),
+);
+
+/// A drive that has been tried and does not predict is none.
+fn judged(profile: Profile, scatter: Scatter) -> Option<(Profile, Scatter)> {
+    let drive = profile.drive.filter(|_| scatter.prediction.is_some());
+    Some((Profile { drive, ..profile }, scatter))
+}
+
+impl CylinderCalibration {
+    /// The cylinder's table of a configuration; `None` where it was refused.
+    pub fn table(&self) -> Option<Cylinder> {
+        let line = self.result.as_ref().ok()?.line;
+        Some(Cylinder {
+            n: self.number,
+            c2_gain: line.gain,
+            c2_offset: line.offset,
+            theta: None,
+            gamma: None,
+            command_offset: None,
+            sample_time: None,
+            sequential: self.sequential.as_ref().map(|(profile, scatter)| {
+                let reference = &profile.reference;
+                CylinderSequential {
+                    sample_time: Some(self.sample_time),
+                    level: self.level,
+                    first: reference.first,
+                    spacing: reference.spacing,
+                    nodes: reference.nodes.clone(),
+                    node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
+                    samples: profile.samples.clone(),
+                    velocity: reference.velocity,
+                    deviation: scatter.deviation,
+                    noise: scatter.spread.noise.rest,
+                    timing: scatter.spread.noise.timing,
+                    resolution: scatter.spread.resolution,
+                    rate_spacing: scatter.rate.spacing(),
+                    rate: scatter.rate.values(),
+                    square_rate: scatter.square_rate.values(),
+                    mean_dependence: scatter.dependence[0],
+                    square_dependence: scatter.dependence[1],
+                    drive: profile.drive.map(|drive| drive.0),
+                    prediction: scatter.prediction.unwrap_or_default(),
+                }
+            }),
+        })
+    }
+}

@@ -1,0 +1,112 @@
+//! Which part of a recording teaches, and which judges what it has taught.
+
+use crate::survey::Window;
+use tertius_core::sequential::Reference;
+
+/// Of blocks that alternate, s: long beside what a baseline remembers, short beside a change of the sea.
+const BLOCK: f64 = 60.0;
+
+/// A short recording has at least so many blocks.
+const LEAST_BLOCKS: f64 = 8.0;
+
+/// What is seen of a place in so many seconds is one look, of which a block has two at least.
+const LOOK: f64 = 30.0;
+
+/// See [`Division::lots`].
+const LOTS: usize = 4;
+
+/// One part teaches and another one judges; or, where both are the same, its blocks alternate, each
+/// judged by what those of the other half have taught. So a sea that changes, or the order in which
+/// recordings were made, is in both halves alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Division {
+    fitted: Window,
+    tried: Window,
+    /// s; `None` where the parts are different ones.
+    block: Option<f64>,
+}
+
+impl Division {
+    pub fn new(fitted: Window, tried: Window) -> Self {
+        let block = (fitted == tried).then(|| BLOCK.min(fitted.length() / LEAST_BLOCKS));
+        Self { fitted, tried, block }
+    }
+
+    /// Every block is judged.
+    pub const fn alternates(&self) -> bool {
+        self.block.is_some()
+    }
+
+    /// s; `None` where nothing alternates.
+    pub const fn block(&self) -> Option<f64> {
+        self.block
+    }
+
+    /// What teaches.
+    pub const fn fitted(&self) -> Window {
+        self.fitted
+    }
+
+    /// The half, 0 or 1, that the row at `t`, s, teaches.
+    pub fn taught(&self, t: f64) -> Option<usize> {
+        self.fitted.holds(t).then(|| self.half(t))
+    }
+
+    /// The half by whose teaching the row at `t`, s, is judged.
+    pub fn judged(&self, t: f64) -> Option<usize> {
+        let by = |t| if self.alternates() { 1 - self.half(t) } else { 0 };
+        self.tried.holds(t).then(|| by(t))
+    }
+
+    /// Blocks are told apart by so many lots, …
+    pub const fn lots(&self) -> usize {
+        if self.alternates() { LOTS } else { 1 }
+    }
+
+    /// … of which the row at `t`, s, belongs to this one: what is in one place is in few of them.
+    pub fn lot(&self, t: f64) -> usize {
+        self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % LOTS)
+    }
+
+    /// Which look the row at `t`, s, is of.
+    pub fn look(&self, t: f64) -> u64 {
+        let length = self.block.map_or(LOOK, |block| LOOK.min(0.5 * block));
+        (t / length).max(0.0) as u64
+    }
+
+    fn half(&self, t: f64) -> usize {
+        self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % 2)
+    }
+}
+
+/// What both halves have taught of one cylinder.
+pub type Halves = [Option<Reference>; 2];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_alternate_and_judge_each_other() {
+        let all = Window { from: 0.0, to: 600.0 };
+        let division = Division::new(all, all);
+        for t in [0.0, 59.9, 60.0, 119.0, 120.0, 599.0] {
+            let (taught, judged) = (division.taught(t), division.judged(t));
+            assert_eq!((taught, judged.map(|half| 1 - half)), (judged.map(|h| 1 - h), taught));
+            assert_eq!(taught, Some((t / 60.0) as usize % 2), "{t}");
+        }
+        assert_eq!((division.taught(600.0), division.judged(-1.0)), (None, None));
+        let short = Window { from: 0.0, to: 80.0 };
+        let short = Division::new(short, short);
+        assert_eq!([4.9, 5.0, 9.9, 10.0].map(|t| short.look(t)), [0, 1, 1, 2]);
+        assert_eq!([29.9, 30.0].map(|t| division.look(t)), [0, 1]);
+    }
+
+    #[test]
+    fn the_first_part_teaches_and_the_second_judges() {
+        let [fitted, tried] = Window { from: 0.0, to: 600.0 }.split(0.5);
+        let division = Division::new(fitted, tried);
+        assert_eq!((division.taught(100.0), division.judged(100.0)), (Some(0), None));
+        assert_eq!((division.taught(400.0), division.judged(400.0)), (None, Some(0)));
+    }
+}

@@ -1,0 +1,92 @@
+//! How fast the command makes the rod go.
+
+use crate::identify::qr::Triangle;
+use tertius_core::sequential::drive::{Commands, Drive, FEATURES};
+
+/// Cycles of a displacement that the drive is fitted to.
+const SPAN: usize = 10;
+
+/// Displacements begin every so many cycles; they overlap.
+const EVERY: u64 = 5;
+
+/// Commands of neighbouring cycles are nearly one: a pseudo-row of this part of each regressor.
+const DRIVE_RIDGE: f64 = 1e-3;
+
+/// Fewer displacements give no drive: half a minute at 50 Hz.
+const LEAST_DISPLACEMENTS: u64 = 300;
+
+/// Displacements of [`SPAN`] cycles on the commands that made them.
+#[derive(Clone, Debug)]
+pub(super) struct Drives {
+    sample_time: f64,
+    commands: Commands,
+    /// Lengths and features of the newest cycles, a ring.
+    ring: [(f64, [f64; FEATURES]); SPAN],
+    held: usize,
+    cycle: u64,
+    /// The features' means over a displacement, and its velocity.
+    triangle: Triangle<{ FEATURES + 1 }>,
+}
+
+impl Drives {
+    pub(super) fn new(sample_time: f64) -> Self {
+        Self {
+            sample_time,
+            commands: Commands::default(),
+            ring: [(0.0, [0.0; FEATURES]); SPAN],
+            held: 0,
+            cycle: 0,
+            triangle: Triangle::new(),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.commands.clear();
+        self.held = 0;
+    }
+
+    pub(super) fn step(&mut self, length: Option<f64>, command: Option<f64>) {
+        let Some(command) = command else { return self.clear() };
+        self.commands.push(command);
+        let Some((length, features)) = length.zip(self.commands.features()) else {
+            self.held = 0;
+            return;
+        };
+        let place = (self.cycle % SPAN as u64) as usize;
+        if self.held == SPAN && self.cycle.is_multiple_of(EVERY) {
+            self.add(length - self.ring[place].0);
+        }
+        self.ring[place] = (length, features);
+        self.held = (self.held + 1).min(SPAN);
+        self.cycle += 1;
+    }
+
+    fn add(&mut self, displacement: f64) {
+        let mut row = [0.0; FEATURES + 1];
+        for (_, features) in &self.ring {
+            for (mean, feature) in row.iter_mut().zip(features) {
+                *mean += feature / SPAN as f64;
+            }
+        }
+        row[FEATURES] = displacement / (SPAN as f64 * self.sample_time);
+        self.triangle.add(&row);
+    }
+
+    pub(super) fn result(&self) -> Option<Drive> {
+        if self.triangle.rows() < LEAST_DISPLACEMENTS {
+            return None;
+        }
+        let mut triangle = self.triangle.clone();
+        let rows = (triangle.rows() as f64).sqrt();
+        for feature in 0..FEATURES {
+            let mut row = [0.0; FEATURES + 1];
+            // A regressor that never was anything else than zero has the coefficient zero.
+            row[feature] =
+                (DRIVE_RIDGE * rows * self.triangle.rms(feature)).max(f64::MIN_POSITIVE.sqrt());
+            triangle.add(&row);
+        }
+        let regressors: Vec<usize> = (0..FEATURES).collect();
+        let solved = triangle.solve(&regressors, FEATURES).ok()?;
+        Some(Drive(solved.coefficients.try_into().ok()?))
+    }
+}

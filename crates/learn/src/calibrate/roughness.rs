@@ -1,0 +1,77 @@
+//! What two readings scatter by from cycle to cycle, whatever they differ by along the stroke.
+
+use super::spreading::quantile;
+use tertius_core::sequential::Magnitudes;
+
+/// The first width of the bins of magnitudes, m.
+const BIN: f64 = 1e-6;
+
+/// Of a normal distribution this part is within so many deviations: on a lattice of counts the median may
+/// be none, and what is beyond may be wild.
+const PART: f64 = 0.9;
+const WITHIN: f64 = 1.645;
+
+/// The second differences of what follows each other: a bend is hardly in them.
+#[derive(Clone, Debug)]
+pub(super) struct Roughness {
+    newest: [f64; 2],
+    held: u8,
+    magnitudes: Magnitudes,
+}
+
+impl Default for Roughness {
+    fn default() -> Self {
+        Self { newest: [0.0; 2], held: 0, magnitudes: Magnitudes::new(BIN) }
+    }
+}
+
+impl Roughness {
+    /// Cycles are missing.
+    pub(super) const fn interrupt(&mut self) {
+        self.held = 0;
+    }
+
+    /// Takes what the readings of a cycle differ by, m.
+    pub(super) fn add(&mut self, difference: f64) {
+        let [before, last] = self.newest;
+        self.newest = [last, difference];
+        if self.held == 2 {
+            self.magnitudes.add((before - 2.0 * last + difference) / 6.0_f64.sqrt());
+        } else {
+            self.held += 1;
+        }
+    }
+
+    /// The standard deviation, m; 0 where there is none.
+    pub(super) fn deviation(&self) -> f64 {
+        quantile(&self.magnitudes, PART) / WITHIN
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// Bends of a millimetre, a lattice of counts and a few wild samples are none of it.
+    #[test]
+    fn it_is_what_follows_each_other_closely() {
+        for (count, expected) in [(1e-9, 1e-4), (2e-4, 1.2e-4)] {
+            let mut rng = ChaCha8Rng::seed_from_u64(1);
+            let mut roughness = Roughness::default();
+            for k in 0..20_000_u32 {
+                let normal: f64 = StandardNormal.sample(&mut rng);
+                let wild = if k.is_multiple_of(100) { 1e-3 } else { 0.0 };
+                let bent = 1e-3 * (0.01 * f64::from(k)).sin();
+                roughness.add(((bent + 1e-4 * normal + wild) / count).round() * count);
+                if k.is_multiple_of(1000) {
+                    roughness.interrupt();
+                }
+            }
+            let found = roughness.deviation();
+            assert!((0.8..1.25).contains(&(found / expected)), "{found} for {expected}");
+        }
+    }
+}

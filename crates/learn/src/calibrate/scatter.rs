@@ -1,0 +1,244 @@
+//! How healthy residuals of a [`Profile`] scatter, each judged by what another part of the recording
+//! has taught.
+
+use super::division::{Division, Halves};
+use super::fitting::Fitted;
+use super::profile::Profile;
+use super::residuals::{Residuals, deviation};
+use super::spreading::Spread;
+use crate::survey::{Row, Surveyor};
+use tertius_core::sequential::clip::Clip;
+use tertius_core::sequential::dependence::Measuring;
+use tertius_core::sequential::rate::Of;
+use tertius_core::sequential::samples::{History, Sample};
+use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
+use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Rate};
+
+/// The first width of the bins of magnitudes, m.
+const BIN: f64 = 1e-6;
+
+/// Samples in motion, none repeated, that a rate function is made of at least: the deviation of so many is
+/// known to 5 %.
+const LEAST_SAMPLES: u64 = 200;
+
+/// Of fewer it is said how well it is known: a minute at 50 Hz.
+const MANY_SAMPLES: u64 = 3000;
+
+/// A prediction that is off by more than so many deviations of the residual tells no transducer from
+/// another: the command does not drive the rod as its drive has it.
+const FARTHEST_OFF: f64 = 4.0;
+
+/// What one cylinder's residuals were.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// Of the weighed residual, and of its square.
+    pub rate: Rate,
+    pub square_rate: Rate,
+    /// How much of a window of residuals is news.
+    pub dependence: Dependence,
+    /// Standard deviation of the residual, m, whatever the speed, wild samples left out.
+    pub deviation: f64,
+    /// How it goes with the speed, and what the readings move in.
+    pub spread: Spread,
+    /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
+    /// of the innovations, each with half the weight, times √2. `None` without a drive that predicts.
+    pub prediction: Option<f64>,
+    pub samples: u64,
+    /// m.
+    pub largest: f64,
+}
+
+impl Scatter {
+    /// The detector that these make, with a level that nothing reaches.
+    pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
+        let prediction = self.prediction.unwrap_or(0.0);
+        let pair = profile
+            .drive
+            .and_then(|drive| PairDesign::new(drive, sample_time, self.deviation, prediction).ok());
+        Design {
+            reference: profile.reference.clone(),
+            rate: self.rate.clone(),
+            square_rate: self.square_rate.clone(),
+            dependence: self.dependence,
+            deviation: self.deviation,
+            noise: self.spread.noise,
+            resolution: self.spread.resolution,
+            pair,
+            level: f64::INFINITY,
+            sample_time,
+            clear: 1,
+        }
+    }
+}
+
+/// What all lots have in common: of each width the lower median, since a fault in one place is in two
+/// of four at the most.
+fn common(mut lots: Vec<Dependence>) -> Dependence {
+    let middle = (lots.len() - 1) / 2;
+    let mut common = lots[0];
+    for (what, widths) in common.iter_mut().enumerate() {
+        for (index, value) in widths.iter_mut().enumerate() {
+            lots.sort_by(|one, other| one[what][index].total_cmp(&other[what][index]));
+            *value = lots[middle][what][index];
+        }
+    }
+    common
+}
+
+/// Judges the profile of every cylinder that has one.
+#[derive(Clone, Debug)]
+pub struct Scattering {
+    cylinders: Vec<Option<Judged>>,
+}
+
+#[derive(Clone, Debug)]
+struct Judged {
+    residuals: Residuals,
+    spread: Spread,
+    noise: Noise,
+    bands: Bands,
+    pair: Option<Pair>,
+    /// Of the weighed residuals.
+    magnitudes: Magnitudes,
+    /// Of those that are not wild, as they are: their number, their squares, m², and the largest of
+    /// all, m.
+    healthy: (u64, f64),
+    largest: f64,
+    history: History,
+    /// By lots of blocks.
+    measuring: Vec<Measuring>,
+    division: Division,
+    sums: Magnitudes,
+}
+
+impl Scattering {
+    /// Of cylinders with these lines, profiles and spreads, and what the halves of `division` have taught
+    /// of each, sampled every `sample_time` seconds.
+    pub fn new<'a>(
+        sample_time: f64,
+        division: Division,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), Spread)>>,
+    ) -> Self {
+        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
+            let (profile, halves) = taught;
+            let deviation = deviation(fitted);
+            let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
+            let Spread { noise, resolution } = spread;
+            Judged {
+                residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
+                spread,
+                noise: noise.relied_on(),
+                bands: Bands::new(noise.rest, DEAD_BAND, resolution),
+                pair: profile.drive.and_then(design).map(Pair::new),
+                magnitudes: Magnitudes::new(BIN),
+                healthy: (0, 0.0),
+                largest: 0.0,
+                history: History::default(),
+                measuring: vec![Measuring::default(); division.lots()],
+                division,
+                sums: Magnitudes::new(BIN),
+            }
+        };
+        Self { cylinders: cylinders.into_iter().map(|all| all.map(judged)).collect() }
+    }
+
+    /// What came of the cylinder of `index` (from 0); `None` where there was too little.
+    pub fn result(&self, index: usize) -> Option<Scatter> {
+        let Judged { magnitudes, sums, pair, measuring, spread, bands, healthy, .. } =
+            self.cylinders[index].as_ref()?;
+        if magnitudes.total() < LEAST_SAMPLES {
+            return None;
+        }
+        let rest = spread.noise.rest;
+        let rate = Rate::of(magnitudes, Of::Mean, rest)?;
+        let square_rate = Rate::of(magnitudes, Of::Square, rest)?;
+        let deviation = (healthy.1 / healthy.0.max(1) as f64).sqrt().max(rest);
+        let scales = Scales::new(rate.clone(), square_rate.clone(), INDEPENDENT, bands.clone());
+        Some(Scatter {
+            rate,
+            square_rate,
+            dependence: common(measuring.iter().map(|lot| lot.dependence(&scales)).collect()),
+            deviation,
+            spread: *spread,
+            prediction: pair
+                .as_ref()
+                .filter(|_| sums.total() > 0)
+                .map(|_| sums.deviation())
+                .filter(|off| *off <= FARTHEST_OFF * deviation),
+            samples: magnitudes.total(),
+            largest: self.cylinders[index].as_ref()?.largest,
+        })
+    }
+
+    /// Why there is no result for the cylinder of `index` (from 0), or not much of one, for a person;
+    /// `None` where there is, or nothing to make it from.
+    pub fn remark(&self, index: usize) -> Option<String> {
+        let samples = self.cylinders[index].as_ref()?.magnitudes.total();
+        if samples >= MANY_SAMPLES {
+            return None;
+        }
+        let (told, then) = if samples < LEAST_SAMPLES {
+            ("no tables for the sequential detector", format!("it takes {LEAST_SAMPLES}"))
+        } else {
+            let known = 100.0 / (2.0 * samples as f64).sqrt();
+            let then = format!("what they scatter by is known to {known:.1} %");
+            ("little for the sequential detector to go by", then)
+        };
+        Some(format!(
+            "{told}: where one part has been, the other has {samples} samples in motion, and {then}; \
+             record more motion"
+        ))
+    }
+}
+
+impl Surveyor for Scattering {
+    fn row(&mut self, row: &Row) {
+        if let Some(judged) = self.cylinders[usize::from(row.cylinder) - 1].as_mut() {
+            judged.take(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        if let Some(judged) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
+            judged.interrupt();
+        }
+    }
+}
+
+impl Judged {
+    fn interrupt(&mut self) {
+        self.residuals.interrupt();
+        self.history.clear();
+        if let Some(pair) = &mut self.pair {
+            pair.reset();
+        }
+    }
+
+    fn take(&mut self, row: &Row) {
+        if !row.monitored {
+            self.residuals.leave();
+            return self.interrupt();
+        }
+        let residual = self.residuals.take(row);
+        let beyond = residual.and_then(|residual| residual.beyond);
+        if let Some(pair) = &mut self.pair {
+            pair.step(row.c1.zip(beyond).map(|(c1, beyond)| [c1, c1 - beyond]), row.u);
+            if let Some([n1, n2]) = pair.newest() {
+                self.sums.add((n1 + n2) * std::f64::consts::FRAC_1_SQRT_2);
+            }
+        }
+        let Some((residual, beyond)) = residual.zip(beyond) else { return };
+        let share = self.noise.share(residual.velocity);
+        let sample = Sample { residual: beyond, share, doubt: residual.doubt };
+        self.history.push(sample, &Clip::new(&self.bands), residual.news);
+        if residual.in_motion().is_some() {
+            let weighed = sample.share * beyond;
+            self.magnitudes.add(weighed);
+            self.measuring[self.division.lot(row.t)].take(&self.history, &self.bands);
+            self.largest = self.largest.max(beyond.abs());
+            if weighed.abs() <= self.bands.farthest() {
+                self.healthy = (self.healthy.0 + 1, self.healthy.1 + beyond * beyond);
+            }
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! How much evidence against a healthy machine its recording seems to hold: the levels of the
+//! sequential detectors.
+
+use super::{Cuts, Division, Halves};
+use crate::extremes::{Asked, Maxima, levels};
+use crate::survey::{Row, Surveyor};
+use tertius_core::sequential::{Design, Input, Sequential};
+use tertius_core::time::Timestamp;
+
+/// Judged time of which the largest evidence counts, s: longer bursts are one event.
+const BLOCK: f64 = 10.0;
+
+/// A block of which the largest evidence is less is nothing to look at, nats.
+const WORTH_TELLING: f64 = 15.0;
+
+/// So many blocks are kept at most.
+const MOST: usize = 2000;
+
+/// Reads the recording with the sequential detectors of all cylinders that have one.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    sample_time: f64,
+    /// What is not judged. The baseline goes on over it: a fault that stays behind its beginning is still
+    /// one where only that is cut out.
+    cuts: Option<Cuts>,
+    /// By cylinder.
+    watched: Vec<Option<Watched>>,
+}
+
+#[derive(Clone, Debug)]
+struct Watched {
+    detector: Sequential,
+    /// What the halves of a recording have taught, where the rest is judged by it.
+    halves: Option<(Division, Halves)>,
+    /// The half that the detector goes by now.
+    half: Option<usize>,
+    maxima: Maxima,
+    worst: Option<Sight>,
+    /// Of each block that has one worth telling.
+    sights: Vec<Sight>,
+}
+
+/// The largest evidence of a time, and where it was.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    pub nats: f64,
+    /// s since the recording's first frame.
+    pub t: f64,
+    pub at: Timestamp,
+    /// What C1 read, m.
+    pub length: f64,
+    /// Samples of its window.
+    pub width: usize,
+    /// Of a scatter that grew, not of a mean that moved.
+    pub scatter: bool,
+}
+
+/// The level h of one cylinder, and what stands against it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLevel {
+    /// `None` of too little judged time.
+    pub asked: Option<Asked>,
+    /// The largest evidence.
+    pub worst: Option<Sight>,
+    /// Blocks with evidence worth telling, in the order of time.
+    pub sights: Vec<Sight>,
+}
+
+/// The level h of all cylinders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// h, nats: at least the largest evidence seen, and what spikes reach (`sequential::wild`).
+    pub nats: f64,
+    /// The largest evidence seen, nats.
+    pub worst: f64,
+    /// The time that all detectors together have judged, h.
+    pub hours: f64,
+    /// No cylinder contradicts what theory says of healthy evidence.
+    pub sound: bool,
+}
+
+impl Watch {
+    /// By these `designs`, of readings every `sample_time` seconds.
+    pub fn new<'a>(
+        designs: impl IntoIterator<Item = Option<&'a Design>>,
+        sample_time: f64,
+    ) -> Self {
+        let watched = |design: &Design| Watched::new(design, sample_time, None);
+        let watched = designs.into_iter().map(|design| design.map(watched)).collect();
+        Self { sample_time, cuts: None, watched }
+    }
+
+    /// The same, of a recording whose halves judge each other, without what is cut out.
+    pub fn crossed<'a>(
+        designs: impl IntoIterator<Item = Option<(&'a Design, &'a Halves)>>,
+        division: Division,
+        cuts: &Cuts,
+        sample_time: f64,
+    ) -> Self {
+        let watched = |(design, halves): (&Design, &Halves)| {
+            Watched::new(design, sample_time, Some((division, halves.clone())))
+        };
+        let watched = designs.into_iter().map(|both| both.map(watched)).collect();
+        Self { sample_time, cuts: Some(cuts.clone()), watched }
+    }
+
+    /// What every cylinder's level has to be that all together have `per_year` false alarms a year;
+    /// `None` without a detector.
+    pub fn levels(&self, per_year: f64) -> Vec<Option<OwnLevel>> {
+        let maxima: Vec<_> = self.watched.iter().flatten().map(|one| &one.maxima).collect();
+        let mut asked = levels(&maxima, per_year, self.sample_time).into_iter();
+        let mut own = |watched: &Watched| OwnLevel {
+            asked: asked.next().flatten(),
+            worst: watched.worst,
+            sights: watched.sights.clone(),
+        };
+        self.watched.iter().map(|watched| watched.as_ref().map(&mut own)).collect()
+    }
+
+    /// One level for all that is reached `per_year` times a year, all cylinders together; `None` where
+    /// no cylinder has a detector, or one has judged too little.
+    pub fn level(&self, per_year: f64) -> Option<Level> {
+        let levels = self.levels(per_year);
+        let asked: Vec<Asked> =
+            levels.iter().flatten().map(|own| own.asked).collect::<Option<_>>()?;
+        let worst = levels.iter().flatten().filter_map(|own| own.worst);
+        let worst = worst.map(|sight| sight.nats).fold(0.0, f64::max);
+        let nats = asked.iter().map(Asked::level).reduce(f64::max)?;
+        Some(Level {
+            nats: nats.max(worst),
+            worst,
+            hours: asked.iter().map(|asked| asked.seconds).sum::<f64>() / 3600.0,
+            sound: asked.iter().all(Asked::is_sound),
+        })
+    }
+}
+
+impl OwnLevel {
+    /// The level, nats, where there was enough to find it.
+    pub fn nats(&self) -> Option<f64> {
+        self.asked.as_ref().map(Asked::level)
+    }
+
+    /// What is to be said of a tail that falls too slowly, for a person; `None` of one that does not.
+    pub fn remark(&self) -> Option<String> {
+        let asked = self.asked.filter(|asked| asked.is_sound())?;
+        asked.slower.map(|slope| {
+            format!(
+                "large evidence is more frequent than theory has it (its tail falls by {slope:.2} a nat, \
+                 not by 1), as of readings that stand off for a fraction of a second now and then: at \
+                 {:.1} nats about {:.0} false alarms a year are to be reckoned with",
+                asked.level(),
+                asked.per_year().ceil()
+            )
+        })
+    }
+
+    /// What contradicts the theory, where something does: the largest evidence.
+    pub fn contradiction(&self) -> Option<Sight> {
+        self.worst.filter(|_| self.asked.is_some_and(|asked| !asked.is_sound()))
+    }
+
+    /// When there was evidence beyond the level, s.
+    pub fn beyond(&self) -> impl Iterator<Item = f64> + '_ {
+        let level = self.nats().unwrap_or(f64::INFINITY);
+        self.sights.iter().filter(move |sight| sight.nats > level).map(|sight| sight.t)
+    }
+}
+
+impl Watched {
+    fn new(design: &Design, sample_time: f64, halves: Option<(Division, Halves)>) -> Self {
+        // With a finite level an alarm would hide what comes after it.
+        let design = Design { level: f64::INFINITY, ..design.clone() };
+        Self {
+            detector: Sequential::new(design),
+            halves,
+            half: None,
+            maxima: Maxima::new((BLOCK / sample_time).round() as u32),
+            worst: None,
+            sights: Vec::new(),
+        }
+    }
+
+    /// Goes by what the other half has taught; `false` where it is not to be judged.
+    fn refer(&mut self, t: f64) -> bool {
+        let Some((division, halves)) = &self.halves else { return true };
+        let Some(half) = division.judged(t) else { return false };
+        let Some(reference) = &halves[half] else { return false };
+        if self.half.replace(half) != Some(half) {
+            self.detector.refer(reference);
+        }
+        true
+    }
+
+    fn take(&mut self, row: &Row) {
+        if !self.refer(row.t) {
+            return self.detector.interrupt();
+        }
+        self.detector.step(&Input {
+            lengths: [row.c1, row.c2],
+            velocity: row.v2,
+            command: row.u,
+            monitored: row.monitored,
+            at: row.timestamp,
+            at_stop: false,
+        });
+        if self.detector.verdict() == tertius_core::verdict::Verdict::Unknown {
+            return;
+        }
+        let [mean, variance] = self.detector.peaks();
+        let scatter = variance.nats > mean.nats;
+        let peak = if scatter { variance } else { mean };
+        self.maxima.add(peak.nats);
+        let sight = Sight {
+            nats: peak.nats,
+            t: row.t,
+            at: row.timestamp,
+            length: row.c1.unwrap_or(f64::NAN),
+            width: peak.width,
+            scatter,
+        };
+        if self.worst.is_none_or(|worst| sight.nats > worst.nats) {
+            self.worst = Some(sight);
+        }
+        self.keep(sight);
+    }
+
+    fn keep(&mut self, sight: Sight) {
+        let block = |sight: &Sight| (sight.t / BLOCK).floor();
+        if sight.nats < WORTH_TELLING {
+            return;
+        }
+        if let Some(last) = self.sights.last_mut()
+            && block(last) == block(&sight)
+        {
+            if sight.nats > last.nats {
+                *last = sight;
+            }
+        } else if self.sights.len() < MOST {
+            self.sights.push(sight);
+        }
+    }
+}
+
+impl Surveyor for Watch {
+    fn row(&mut self, row: &Row) {
+        let Some(watched) = &mut self.watched[usize::from(row.cylinder) - 1] else { return };
+        if self.cuts.as_ref().is_some_and(|cuts| cuts.hold(row.cylinder, row.t)) {
+            watched.detector.pause();
+        } else {
+            watched.take(row);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        if let Some(watched) = &mut self.watched[usize::from(cylinder) - 1] {
+            watched.detector.interrupt();
+        }
+    }
+}

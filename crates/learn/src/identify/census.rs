@@ -1,0 +1,375 @@
+//! What a recording has of each cylinder, and whether it can be what it is taken for.
+
+use super::moments::{Pair, Spread};
+use super::refusal::Refusal;
+use super::shaper::Sources;
+use crate::survey::{Row, Surveyor};
+use tertius_core::sample::Quality;
+
+/// A stroke used less than this says nothing: some fifty counts of a 16-bit transducer, mm.
+const LEAST_MOTION: f64 = 5.0;
+
+/// Two signals that should be the same differ by more than noise beyond this factor.
+const SAME: f64 = 3.0;
+
+/// A command may be a speed, a voltage or a percentage; what is beyond this factor is none of them.
+const PLAUSIBLE_GAIN: f64 = 300.0;
+
+/// Bar. Hydraulics end at some hundred.
+const HIGHEST_PRESSURE: f64 = 2000.0;
+
+/// Correlations of fewer cycles are not looked at.
+const ENOUGH: u64 = 250;
+
+/// What is configured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Expectations {
+    /// Ts, s.
+    pub sample_time: f64,
+    pub area_ratio: f64,
+    /// A velocity of C1, and a load pressure, are configured.
+    pub velocity: bool,
+    pub pressure: bool,
+    /// a and b of (5-20) for each cylinder, where they are calibrated.
+    pub calibrations: Vec<Option<(f64, f64)>>,
+}
+
+/// The counts of one cylinder, of its monitored cycles but for `rows`.
+#[derive(Clone, Debug, Default)]
+pub struct Counted {
+    pub rows: u64,
+    pub monitored: u64,
+    /// Positions of C1 that came but were not plausible, by [`Quality`].
+    pub implausible: [u64; 6],
+    pub position: Spread,
+    pub velocity: Spread,
+    pub command: Spread,
+    pub pressure: Spread,
+    /// C1 as it came, plausible or not.
+    pub raw: Spread,
+    /// The recorded velocity over the position's slope.
+    velocity_of_slope: Pair,
+    /// The position's slope over the command.
+    slope_of_command: Pair,
+    /// C1 − (a C2 + b), and C2 − (a C1 + b).
+    as_given: Spread,
+    swapped: Spread,
+    /// The cycle before the newest, and the position before it.
+    last: Option<Row>,
+    before: Option<f64>,
+}
+
+/// Looks at every cylinder.
+#[derive(Clone, Debug)]
+pub struct Census {
+    expected: Expectations,
+    cylinders: Vec<Counted>,
+    /// Cycle, command and slope of each cylinder; correlated once the next cycle comes.
+    newest: Vec<Option<(u64, f64, f64)>>,
+    cycle: u64,
+    /// Of the command of one cylinder with the slope of another, row by row.
+    crossed: Vec<Pair>,
+}
+
+impl Census {
+    /// Of `count` cylinders.
+    pub fn new(count: usize, expected: Expectations) -> Self {
+        Self {
+            expected,
+            cylinders: vec![Counted::default(); count],
+            newest: vec![None; count],
+            cycle: 0,
+            crossed: vec![Pair::default(); count * count],
+        }
+    }
+
+    pub fn cylinders(&self) -> &[Counted] {
+        &self.cylinders
+    }
+
+    /// Where velocity and load pressure of the cylinder of `index` (from 0) come from: recorded if
+    /// they are there in at least half of the cycles that have a position.
+    pub fn sources(&self, index: usize) -> Sources {
+        let counted = &self.cylinders[index];
+        let half = counted.position.count / 2;
+        Sources {
+            velocity: self.expected.velocity && counted.velocity.count > half,
+            pressure: self.expected.pressure && counted.pressure.count > half,
+        }
+    }
+
+    /// Whether the cylinder of `index` can be identified.
+    ///
+    /// # Errors
+    /// What is wrong with its data.
+    pub fn judge(&self, index: usize) -> Result<(), Refusal> {
+        let counted = &self.cylinders[index];
+        let sources = self.sources(index);
+        counted.presence()?;
+        counted.excitation(sources)?;
+        counted.units(sources)?;
+        let range_mm = counted.position.range() * 1e3;
+        if range_mm < LEAST_MOTION {
+            return Err(Refusal::HardlyMoves { range_mm, least_mm: LEAST_MOTION });
+        }
+        counted.transducers()?;
+        self.neighbours(index)
+    }
+
+    /// What is worth knowing of a cylinder that can be identified.
+    pub fn remarks(&self, index: usize) -> Vec<String> {
+        let (counted, sources) = (&self.cylinders[index], self.sources(index));
+        let mut remarks = Vec::new();
+        if !sources.velocity {
+            let why = if self.expected.velocity {
+                "its velocity is configured, but hardly ever came"
+            } else {
+                "no velocity is recorded"
+            };
+            remarks.push(format!(
+                "{why}: it is the slope of the position over five cycles (Savitzky-Golay, no shift \
+                 in phase)"
+            ));
+        }
+        if !sources.pressure {
+            let why = if self.expected.pressure {
+                "its pressures are configured, but hardly ever came"
+            } else {
+                "no load pressure is recorded"
+            };
+            remarks.push(format!(
+                "{why}: the model is reduced to position and velocity (theta 3, 4 and gamma 2 are 0, \
+                 theta 5 is -1)"
+            ));
+        }
+        let implausible: u64 = counted.implausible[3..].iter().sum();
+        if implausible > 0 {
+            remarks.push(format!("{implausible} readings of C1 were not plausible and left out"));
+        }
+        if self.expected.calibrations.get(index).copied().flatten().is_none() {
+            remarks.push(
+                "whether C1 and C2 are swapped cannot be told without a calibration (c2_gain, \
+                 c2_offset)"
+                    .to_owned(),
+            );
+        }
+        remarks
+    }
+
+    fn correlate(&mut self) {
+        let count = self.cylinders.len();
+        for i in 0..count {
+            let Some((_, command, _)) = self.newest[i].filter(|(cycle, ..)| *cycle == self.cycle)
+            else {
+                continue;
+            };
+            for j in 0..count {
+                if let Some((cycle, _, slope)) = self.newest[j]
+                    && cycle == self.cycle
+                {
+                    self.crossed[i * count + j].add(command, slope);
+                }
+            }
+        }
+    }
+
+    /// Of the command of one cylinder with the motion of another.
+    fn correlation(&self, command: usize, motion: usize) -> f64 {
+        let pair = &self.crossed[command * self.cylinders.len() + motion];
+        pair.correlation().filter(|_| pair.count() >= ENOUGH).unwrap_or(0.0)
+    }
+
+    /// Whose command the motion of the cylinder of `index` follows, if by far rather than its own.
+    fn stranger(&self, index: usize) -> Option<usize> {
+        let with = |command: usize| self.correlation(command, index);
+        let best = (0..self.cylinders.len()).max_by(|i, j| with(*i).total_cmp(&with(*j)))?;
+        let by_far = 1.0 - with(best) < 0.5 * (1.0 - with(index));
+        (best != index && with(best) > 0.5 && by_far).then_some(best)
+    }
+
+    /// Whether the cylinder of `index` follows its own command.
+    fn neighbours(&self, index: usize) -> Result<(), Refusal> {
+        let Some(other) = self.stranger(index) else { return Ok(()) };
+        // Neighbours move alike, one behind the other, and a motion is behind its command: so it may
+        // be nearest to the command of the cylinder behind. Where commands are swapped the other one,
+        // too, follows a stranger, and so on round to this one.
+        let mut way = std::iter::successors(Some(other), |at| self.stranger(*at));
+        if way.by_ref().take(self.cylinders.len()).all(|at| at != index) {
+            return Ok(());
+        }
+        Err(Refusal::SwappedCylinders {
+            other: other as u8 + 1,
+            with_other: self.correlation(other, index),
+            with_own: self.correlation(index, index),
+        })
+    }
+}
+
+impl Surveyor for Census {
+    fn row(&mut self, row: &Row) {
+        let index = usize::from(row.cylinder) - 1;
+        if row.cycle != self.cycle {
+            self.correlate();
+            self.cycle = row.cycle;
+        }
+        let slope = self.cylinders[index].take(row, &self.expected);
+        // The slope is that of the cycle before; in the next one both are a cycle late together.
+        self.newest[index] = slope.map(|(command, slope)| (row.cycle, command, slope));
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        let counted = &mut self.cylinders[usize::from(cylinder) - 1];
+        (counted.last, counted.before) = (None, None);
+    }
+}
+
+impl Counted {
+    /// Counts a row; command and slope of the cycle before it, where they are known.
+    fn take(&mut self, row: &Row, expected: &Expectations) -> Option<(f64, f64)> {
+        self.rows += 1;
+        if !row.monitored {
+            (self.last, self.before) = (None, None);
+            return None;
+        }
+        self.monitored += 1;
+        let add = |spread: &mut Spread, value: Option<f64>| {
+            if let Some(value) = value.filter(|value| value.is_finite()) {
+                spread.add(value);
+            }
+        };
+        add(&mut self.position, row.c1);
+        add(&mut self.velocity, row.v1);
+        add(&mut self.command, row.u);
+        add(&mut self.pressure, row.load_pressure(expected.area_ratio));
+        add(&mut self.raw, row.raw[0]);
+        self.implausible[row.qualities[0] as usize] += 1;
+        let calibration = expected.calibrations.get(usize::from(row.cylinder) - 1);
+        if let (Some((c1, c2)), Some(Some((a, b)))) = (row.c1.zip(row.c2), calibration) {
+            self.as_given.add(c1 - (a * c2 + b));
+            self.swapped.add(c2 - (a * c1 + b));
+        }
+        let middle = self.last.replace(*row);
+        let before = std::mem::replace(&mut self.before, middle.and_then(|middle| middle.c1));
+        let slope = (row.c1? - before?) / (2.0 * expected.sample_time);
+        let middle = middle?;
+        if let Some(velocity) = middle.v1.filter(|velocity| velocity.is_finite()) {
+            self.velocity_of_slope.add(slope, velocity);
+        }
+        self.slope_of_command.add(middle.u?, slope);
+        Some((middle.u?, slope))
+    }
+
+    fn presence(&self) -> Result<(), Refusal> {
+        let rows = self.monitored;
+        if self.rows == 0 {
+            return Err(Refusal::Absent);
+        }
+        if rows == 0 {
+            return Err(Refusal::NeverMonitored { rows: self.rows });
+        }
+        let signals = [("the position C1", &self.position), ("the command", &self.command)];
+        for (signal, spread) in signals {
+            let missing = rows - spread.count;
+            if missing > rows / 2 {
+                let detail = if signal == "the command" { String::new() } else { self.detail() };
+                return Err(Refusal::Missing { signal, missing, rows, detail });
+            }
+        }
+        Ok(())
+    }
+
+    /// What became of the readings of C1 that came.
+    fn detail(&self) -> String {
+        let of = |quality: Quality| self.implausible[quality as usize];
+        let (low, high) = (self.raw.low, self.raw.high);
+        let mut parts: Vec<String> = Vec::new();
+        if of(Quality::OutOfRange) > 0 {
+            let mut part =
+                format!("{} out of range, from {low:.3} to {high:.3} m", of(Quality::OutOfRange));
+            if self.raw.largest > 20.0 {
+                part += "; are they in millimetres, a factor of 1000?";
+            }
+            parts.push(part);
+        }
+        for (quality, name) in [
+            (Quality::BrokenWire, "with a broken wire"),
+            (Quality::Frozen, "frozen"),
+            (Quality::Stale, "stale"),
+        ] {
+            if of(quality) > 0 {
+                parts.push(format!("{} {name}", of(quality)));
+            }
+        }
+        if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) }
+    }
+
+    fn excitation(&self, sources: Sources) -> Result<(), Refusal> {
+        let signals = [
+            (true, "the command", &self.command, "m/s"),
+            (true, "the position C1", &self.position, "m"),
+            (sources.velocity, "the velocity of C1", &self.velocity, "m/s"),
+            (sources.pressure, "the load pressure", &self.pressure, "bar"),
+        ];
+        for (used, signal, spread, unit) in signals {
+            if used && spread.range() <= 0.0 {
+                let (value, rows) = (spread.mean, spread.count);
+                return Err(Refusal::Constant { signal, value, unit, rows });
+            }
+        }
+        Ok(())
+    }
+
+    fn units(&self, sources: Sources) -> Result<(), Refusal> {
+        let enough = |pair: &Pair| pair.count() >= ENOUGH;
+        let together = |pair: &Pair| pair.correlation().unwrap_or(0.0);
+        let pair = &self.velocity_of_slope;
+        if sources.velocity
+            && enough(pair)
+            && let Some(ratio) = pair.ratio()
+        {
+            let factor = ratio * together(pair).signum();
+            let same = (1.0 / SAME..SAME).contains(&factor);
+            if together(pair).abs() > 0.3 && !same {
+                let (signal, reference) = ("the velocity of C1", "the position's slope");
+                return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+            }
+        }
+        let pair = &self.slope_of_command;
+        if enough(pair)
+            && together(pair).abs() > 0.3
+            && let Some(gain) = pair.ratio()
+            && !(1.0 / PLAUSIBLE_GAIN..PLAUSIBLE_GAIN).contains(&gain)
+        {
+            let factor = 1.0 / gain;
+            let (signal, reference) = ("the command", "the motion that follows it");
+            return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+        }
+        if sources.pressure && self.pressure.largest > HIGHEST_PRESSURE {
+            return Err(Refusal::PressureUnit { largest: self.pressure.largest });
+        }
+        Ok(())
+    }
+
+    fn transducers(&self) -> Result<(), Refusal> {
+        let (as_given_mm, swapped_mm) = (self.as_given.rms() * 1e3, self.swapped.rms() * 1e3);
+        let enough = self.as_given.count >= ENOUGH;
+        if enough && swapped_mm < 0.5 * as_given_mm && as_given_mm - swapped_mm > 0.5 {
+            return Err(Refusal::SwappedTransducers { as_given_mm, swapped_mm });
+        }
+        Ok(())
+    }
+}
+
+/// What a factor between two units may come from.
+fn guess(factor: f64) -> String {
+    if factor < 0.0 {
+        return ": its sign is the other way round".to_owned();
+    }
+    let power = factor.log10();
+    let near = power.round();
+    if near == 0.0 || (power - near).abs() > 0.18 {
+        return String::new();
+    }
+    let times = 10_f64.powf(near.abs());
+    format!(", about a factor of {}{times}", if near < 0.0 { "1/" } else { "" })
+}

@@ -1,0 +1,208 @@
+//! An identification from beginning to end, on whatever can be read again and again.
+
+use super::assess::{self, Weights};
+use super::flow::{FlowFit, FlowSources, Scout};
+use super::friction::Stretches;
+use super::nonlinear::Nonlinear;
+use super::outcome::ASKED;
+use super::{Census, Expectations, OffsetRule, Outcome, Shaping};
+use crate::survey::{Origin, Recording, Window};
+use tertius_config::settings::Settings;
+
+/// What is asked of an identification.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wishes {
+    /// Cycles of the centred moving average of velocity and load pressure; odd.
+    pub window: usize,
+    /// The part of the time at the end that is held back for validation, %.
+    pub held_back: u8,
+    /// The cylinder whose model is taken; `None`: that whose worst is the best.
+    pub model_of: Option<u8>,
+    pub offset: OffsetRule,
+    /// Flow and friction, too.
+    pub nonlinear: Option<Supply>,
+}
+
+/// Supply pressure, bar; `None`: as it was recorded.
+pub type Supply = Option<f64>;
+
+impl Default for Wishes {
+    fn default() -> Self {
+        Self {
+            window: 5,
+            held_back: 50,
+            model_of: None,
+            offset: OffsetRule::WhereItMatters,
+            nonlinear: None,
+        }
+    }
+}
+
+/// What an identification is made with.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<'a> {
+    pub settings: &'a Settings,
+    pub origin: &'a Origin,
+    pub wishes: Wishes,
+}
+
+const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
+                         the sum of all speeds, so what a dead band or a changing offset of the \
+                         command leaves over adds up; the monitor uses the prediction, which is \
+                         led by the readings";
+
+impl Course<'_> {
+    /// Reads `recording` three times: what is in it, the fit, the validation; and twice more for what is
+    /// not linear.
+    ///
+    /// # Errors
+    /// The recording's own.
+    pub fn run<R: Recording>(&self, recording: &R) -> Result<Outcome, R::Error> {
+        let Self { settings, origin, wishes } = *self;
+        let [fitted, validated] = match wishes.held_back {
+            0 => [origin.window; 2],
+            part => origin.window.split(1.0 - f64::from(part) / 100.0),
+        };
+        let shaping = Shaping {
+            sample_time: settings.machine.sample_time,
+            window: wishes.window,
+            area_ratio: settings.machine.area_ratio,
+        };
+        let observer = &settings.observer;
+        let settle = (observer.settle / settings.machine.sample_time).round() as u32;
+        let weights = Weights { q: observer.q, r: observer.r, settle };
+        let (census, bad) = self.census(recording, fitted)?;
+        let (mut estimators, judged) = assess::estimators(&census, shaping);
+        recording.read(fitted, &mut estimators)?;
+        let mut cylinders =
+            assess::cylinders(&census, judged, &estimators, wishes.offset, shaping, &weights);
+        let mut validators = assess::validators(&census, &cylinders, shaping, &weights);
+        recording.read(validated, &mut validators)?;
+        for (cylinder, validator) in cylinders.iter_mut().zip(validators.0) {
+            cylinder.trials = validator.map(|validator| validator.finish());
+        }
+        let nonlinear =
+            wishes.nonlinear.map(|supply| self.nonlinear(recording, fitted, supply)).transpose()?;
+        let mut outcome = Outcome {
+            machine: settings.machine.name.clone(),
+            inputs: origin.inputs.clone(),
+            first: origin.first,
+            last: origin.last,
+            shaping,
+            fitted,
+            validated,
+            cylinders,
+            choice: None,
+            remarks: origin.remarks.iter().cloned().chain(bad).collect(),
+            nonlinear,
+        };
+        outcome.choice = outcome.choose(wishes.model_of);
+        let remarks = doubts(&outcome);
+        outcome.remarks.extend(remarks);
+        Ok(outcome)
+    }
+
+    /// The census of `window`, and what is to be said of values that could not be used.
+    fn census<R: Recording>(
+        &self,
+        recording: &R,
+        window: Window,
+    ) -> Result<(Census, Option<String>), R::Error> {
+        let settings = self.settings;
+        let signals = &settings.signals.cylinder;
+        let chambers = signals.pressure_bottom.is_some() && signals.pressure_rod.is_some();
+        let calibration = |n| {
+            let calibration = settings.comparator_of(n);
+            (calibration != (1.0, 0.0)).then_some(calibration)
+        };
+        let expected = Expectations {
+            sample_time: settings.machine.sample_time,
+            area_ratio: settings.machine.area_ratio,
+            velocity: signals.c1_velocity.is_some(),
+            pressure: chambers || signals.load_pressure.is_some(),
+            calibrations: (1..=settings.machine.cylinders).map(calibration).collect(),
+        };
+        let mut census = Census::new(settings.machine.cylinders.into(), expected);
+        let bad = recording.read_counted(window, &mut census)?.bad_signals;
+        let told = (bad > 0).then(|| {
+            format!("{bad} values that their frame was too short for, or not a number (NaN)")
+        });
+        Ok((census, told))
+    }
+
+    /// How far the spools go, then what they do.
+    fn nonlinear<R: Recording>(
+        &self,
+        recording: &R,
+        fitted: Window,
+        supply: Supply,
+    ) -> Result<Nonlinear, R::Error> {
+        let (signals, machine) = (&self.settings.signals.cylinder, &self.settings.machine);
+        let (spool, area_ratio) = (signals.spool.is_some(), machine.area_ratio);
+        let sources = FlowSources { spool, supply, area_ratio };
+        let mut scout = Scout::new(machine.cylinders, sources);
+        recording.read(fitted, &mut scout)?;
+        let mut fit = FlowFit::new(&scout);
+        let mut stretches = Stretches::new(machine.cylinders, area_ratio);
+        recording.read(fitted, (&mut fit, &mut stretches))?;
+        let (flow, points, friction) = (fit.curves(), fit.samples(), stretches.curves());
+        Ok(Nonlinear { sources, flow, points, friction })
+    }
+}
+
+/// What is to be said of the model that was taken.
+fn doubts(outcome: &Outcome) -> Vec<String> {
+    let Some(choice) = outcome.choice else { return Vec::new() };
+    let mut doubts = Vec::new();
+    if outcome.cylinders.iter().any(|cylinder| cylinder.runs_away(choice.of)) {
+        doubts.push(RUNS_AWAY.to_owned());
+    }
+    if choice.worst < ASKED {
+        doubts.push(format!(
+            "a position VAF of {:.2} % is below the {ASKED} % that a model should reach, simulated open \
+             loop: expect larger residuals, and let `tertius tune` choose the thresholds",
+            choice.worst
+        ));
+    }
+    doubts
+}
+
+impl Outcome {
+    /// Whether the taken models, or each cylinder's own (`per_cylinder`), follow what they were tried on.
+    ///
+    /// # Errors
+    /// Which do not, in words: then none is written.
+    pub fn follows(&self, per_cylinder: bool) -> Result<(), String> {
+        let Some(choice) = self.choice else { return Ok(()) };
+        let of = |n: u8| if per_cylinder { n } else { choice.of };
+        let strays: Vec<String> = self
+            .cylinders
+            .iter()
+            .map(|cylinder| cylinder.number)
+            .flat_map(|on| self.strays(of(on)).into_iter().filter(move |stray| stray.on == on))
+            .map(|stray| {
+                let (on, position, velocity) = (stray.on, stray.position, stray.velocity);
+                format!("cylinder {on}: position {position:.2} %, velocity {velocity:.2} %")
+            })
+            .collect();
+        if strays.is_empty() {
+            return Ok(());
+        }
+        Err(format!(
+            "the model does not follow its command, and nothing is written: VAF on the data that was \
+             tried, {}; below 0 % a velocity is better told by its mean, below -100 % a position by \
+             chance. Is the command that of this cylinder and in m/s, was the machine healthy, is the \
+             part that was fitted like the one that was tried (--from, --to)?",
+            strays.join("; ")
+        ))
+    }
+
+    /// The cylinders that have no model, and why.
+    pub fn refusals(&self) -> Vec<(u8, String)> {
+        let refused = self.cylinders.iter().filter_map(|cylinder| {
+            let refusal = cylinder.result.as_ref().err()?;
+            Some((cylinder.number, refusal.to_string()))
+        });
+        refused.collect()
+    }
+}

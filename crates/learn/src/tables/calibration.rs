@@ -1,0 +1,127 @@
+//! A calibration as tables that the configuration reads.
+
+use super::provenance::{self, four_digits, one_line};
+use crate::calibrate::{
+    Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND, Profile, Scatter,
+};
+use crate::extremes::HOURS_PER_YEAR;
+use std::fmt::Write as _;
+use tertius_core::sequential::Drive;
+use tertius_core::sequential::reference::DOUBTED;
+
+/// What is rarer than the evidence by more than this is bounded by it, and not measured.
+const FAR: f64 = 100.0;
+
+/// The cylinders that have a calibration, with what was fitted.
+pub fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
+    result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
+}
+
+/// What the number means, and how far it can be believed.
+pub fn meaning(bound: &Bound) -> Vec<String> {
+    let years = 1.0 / bound.per_year;
+    let factor = years * HOURS_PER_YEAR / bound.hours;
+    let tail = provenance::tail(bound.heavy);
+    let asked = format!(
+        "exceeded {} times a year at most, all cylinders together, by {tail} tail of the largest |R3| of \
+         each second; at least 1.2 times the largest seen, {:.3} mm, and the thesis's {:.1} mm",
+        bound.per_year,
+        bound.worst * 1e3,
+        LEAST_BOUND * 1e3
+    );
+    let evidence = format!("evidence: {:.3} cylinder hours", bound.hours);
+    let beyond = "other temperatures, ranges and wear are not in it";
+    if factor > FAR {
+        // Of what was never seen in a time, less than three are in as much of it (95 %).
+        let most = 3.0 * HOURS_PER_YEAR * bound.cylinders as f64 / bound.hours;
+        return vec![
+            asked,
+            format!(
+                "{evidence}, none of it beyond the bound: that proves at most {} a year (95 %), and \
+                 what is said of one in {:.0} times as long is extrapolated; {beyond}",
+                four_digits(most),
+                factor
+            ),
+        ];
+    }
+    vec![asked, format!("{evidence}; the wanted rate is {factor:.1e} times beyond it; {beyond}")]
+}
+
+/// The tables, with what they were made from; `None` where no cylinder has a calibration.
+pub fn of(result: &Calibration, version: &str) -> Option<String> {
+    fits(result).next()?;
+    let Calibration { machine, inputs, first, .. } = result;
+    let both = [("fitted", result.fitted), ("tried ", result.tried)];
+    let parts = if result.fitted == result.tried { &both[..1] } else { &both[..] };
+    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, parts);
+    for cylinder in &result.cylinders {
+        if let Err(refusal) = &cylinder.result {
+            let refusal = one_line(&refusal.to_string());
+            _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
+        }
+        if let Some(contradiction) = &cylinder.contradiction {
+            let told = one_line(&contradiction.to_string());
+            _ = writeln!(text, "# cylinder {} has no sequential detector: {told}", cylinder.number);
+        }
+    }
+    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    if let Some(bound) = &result.bound {
+        text += "\n";
+        for line in meaning(bound) {
+            _ = writeln!(text, "# {line}");
+        }
+        _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
+    }
+    for (cylinder, fitted) in fits(result) {
+        let line = fitted.line;
+        _ = writeln!(
+            text,
+            "\n[[cylinder]]\nn = {}\nc2_gain = {:?}\nc2_offset = {:?}",
+            cylinder.number, line.gain, line.offset
+        );
+        if let Some((profile, scatter)) = &cylinder.sequential {
+            text += &sequential_table(cylinder, profile, scatter);
+        }
+    }
+    Some(text)
+}
+
+fn sequential_table(
+    cylinder: &CylinderCalibration,
+    profile: &Profile,
+    scatter: &Scatter,
+) -> String {
+    let sample_time = cylinder.sample_time;
+    let Profile { reference, samples, drive, .. } = profile;
+    let deviations: Vec<f64> = reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect();
+    let Scatter { rate, square_rate, dependence, deviation, spread, prediction, .. } = scatter;
+    let six = |values: &[f64]| {
+        let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
+        format!("[{}]", texts.join(", "))
+    };
+    let mut text = format!(
+        "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nnode_deviations = {}\nsamples = {samples:?}\n\
+         velocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
+         square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
+        reference.first,
+        reference.spacing,
+        six(&reference.nodes),
+        six(&deviations),
+        reference.velocity,
+        spread.noise.rest,
+        spread.noise.timing,
+        six(&spread.resolution),
+        rate.spacing(),
+        six(&rate.values()),
+        six(&square_rate.values()),
+        six(&dependence[0]),
+        six(&dependence[1]),
+    );
+    if let Some(nats) = cylinder.level {
+        _ = writeln!(text, "level = {:?}", four_digits(nats));
+    }
+    if let Some((Drive(coefficients), prediction)) = drive.zip(*prediction) {
+        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(&coefficients));
+    }
+    text
+}

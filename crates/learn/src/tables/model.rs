@@ -1,0 +1,78 @@
+//! Identified models as tables that the configuration reads.
+
+use super::provenance::{date, one_line};
+use crate::identify::outcome::{Choice, Identified, Outcome};
+use std::fmt::Write as _;
+
+/// Keys of a cylinder that belong to its model.
+pub const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
+
+/// The tables of `outcome`, with what they were made from; `per_cylinder`: each cylinder its own
+/// model instead of the chosen one for all. `None` where there is no model.
+pub fn of(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String> {
+    let choice = outcome.choice?;
+    let chosen = outcome.identified(choice.of)?;
+    let mut text = provenance(outcome, version);
+    let taken = if choice.asked { "asked for" } else { "its worst is the best of all" };
+    let Choice { of, worst, .. } = choice;
+    _ = writeln!(
+        text,
+        "\n# (4-1), identified on cylinder {of}: {taken}; simulated on every cylinder its position \
+         VAF is at least {worst:.2} %.\n[model]\n{}",
+        parameters(chosen, outcome.shaping.sample_time)
+    );
+    for cylinder in &outcome.cylinders {
+        let Ok(own) = &cylinder.result else { continue };
+        let offset = own.estimate.command_offset;
+        if !per_cylinder && offset.is_none() {
+            continue;
+        }
+        _ = writeln!(text, "\n[[cylinder]]\nn = {}", cylinder.number);
+        if per_cylinder {
+            _ = writeln!(text, "{}", parameters(own, outcome.shaping.sample_time));
+        }
+        if let Some(offset) = offset {
+            _ = writeln!(text, "command_offset = {offset:?}  # m/s; the command at which it rests");
+        }
+    }
+    Some(text)
+}
+
+/// Where, when and from what, as comments.
+fn provenance(outcome: &Outcome, version: &str) -> String {
+    let at = |seconds: f64| {
+        let nanos = tertius_core::time::Span::from_seconds(seconds);
+        date(outcome.first.after(nanos))
+    };
+    let window = |name: &str, window: &crate::survey::Window| {
+        let (from, to) = (window.from, window.to);
+        format!("# {name} {from:.2} s to {to:.2} s, {} to {}\n", at(from), at(to))
+    };
+    let mut text = format!(
+        "# By tertius {version} identify, for {}.\n# From {}\n",
+        one_line(&outcome.machine),
+        one_line(&outcome.inputs)
+    );
+    text += &window("fitted   ", &outcome.fitted);
+    text += &window("validated", &outcome.validated);
+    let shaping = &outcome.shaping;
+    _ = writeln!(
+        text,
+        "# moving average over {} cycles of {} s; area ratio {} of (3-5)",
+        shaping.window, shaping.sample_time, shaping.area_ratio
+    );
+    for cylinder in &outcome.cylinders {
+        if let Err(refusal) = &cylinder.result {
+            let refusal = one_line(&refusal.to_string());
+            _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
+        }
+    }
+    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    text
+}
+
+fn parameters(identified: &Identified, sample_time: f64) -> String {
+    let estimate = &identified.estimate;
+    let (theta, gamma) = (estimate.theta, estimate.gamma);
+    format!("theta = {theta:?}\ngamma = {gamma:?}\nsample_time = {sample_time:?}")
+}

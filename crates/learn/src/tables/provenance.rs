@@ -1,0 +1,101 @@
+//! Where, when and from what a table was made, as comments of TOML.
+
+use crate::survey::Window;
+use tertius_core::time::{Span, Timestamp};
+
+/// The first lines of a file of tables by `command`; `parts` of the recording and their names.
+pub fn heading(
+    version: &str,
+    command: &str,
+    machine: &str,
+    inputs: &str,
+    first: Timestamp,
+    parts: &[(&str, Window)],
+) -> String {
+    let mut text = format!(
+        "# By tertius {version} {command}, for {}.\n# From {}\n",
+        one_line(machine),
+        one_line(inputs)
+    );
+    for (name, window) in parts {
+        let at = |seconds: f64| date(first.after(Span::from_seconds(seconds)));
+        let Window { from, to } = *window;
+        text += &format!("# {name} {from:.2} s to {to:.2} s, {} to {}\n", at(from), at(to));
+    }
+    text
+}
+
+/// What a tail is, in words.
+pub const fn tail(heavy: bool) -> &'static str {
+    if heavy { "a generalised Pareto, beyond the evidence exponential," } else { "an exponential" }
+}
+
+/// A name cannot end the comment that it stands in.
+pub fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
+/// The least number of four digits that is not below `value`: a threshold has no more than that to
+/// say, and is not rounded to less.
+pub fn four_digits(value: f64) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return value;
+    }
+    let unit = 10_f64.powf(value.log10().floor() - 3.0);
+    // By way of text, so that no digits of the division are left.
+    let text = format!("{:.3e}", (value / unit - 1e-6).ceil() * unit);
+    text.parse().unwrap_or(value)
+}
+
+/// Date and time of day, UTC. A recording that counts from zero begins in 1970.
+pub fn date(at: Timestamp) -> String {
+    let seconds = at.as_nanos().div_euclid(1_000_000_000);
+    let (days, time) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
+    // The civil calendar by eras of 400 years that begin on 1 March (Hinnant).
+    let shifted = days + 719_468;
+    let (era, day_of_era) = (shifted.div_euclid(146_097), shifted.rem_euclid(146_097));
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let month_from_march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
+    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
+    let year = era * 400 + year_of_era + i64::from(month <= 2);
+    let (hours, minutes, seconds) = (time / 3600, time / 60 % 60, time % 60);
+    format!("{year:04}-{month:02}-{day:02} {hours:02}:{minutes:02}:{seconds:02} UTC")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_have_four_digits_and_are_rounded_up() {
+        for (value, rounded) in [
+            (0.001_234_1, 0.001_235),
+            (0.001_234, 0.001_234),
+            (0.064_999_9, 0.065),
+            (9.9999, 10.0),
+            (1.0, 1.0),
+        ] {
+            assert_eq!(four_digits(value), rounded, "{value}");
+        }
+    }
+
+    #[test]
+    fn a_name_stays_in_its_comment() {
+        let named = heading("1", "tune", "a\n[fde]\nhigh = 1", "log\r", Timestamp::default(), &[]);
+        assert!(named.lines().all(|line| line.starts_with('#')), "{named}");
+    }
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        let of = |seconds: i64| date(Timestamp::from_nanos(seconds * 1_000_000_000));
+        assert_eq!(of(0), "1970-01-01 00:00:00 UTC");
+        assert_eq!(of(-1), "1969-12-31 23:59:59 UTC");
+        assert_eq!(of(951_827_696), "2000-02-29 12:34:56 UTC");
+        assert_eq!(of(1_700_000_000), "2023-11-14 22:13:20 UTC");
+        assert_eq!(of(4_107_542_399), "2100-02-28 23:59:59 UTC");
+        assert_eq!(of(4_107_542_400), "2100-03-01 00:00:00 UTC");
+    }
+}

@@ -1,0 +1,117 @@
+//! How large the residuals of the tuned observers get in the whole recording.
+
+use super::CylinderModel;
+use super::pause::Pause;
+use super::store::Cycle;
+use crate::extremes::{Maxima, Sketch, Tail};
+use crate::identify::moments::Spread;
+use crate::survey::{Row, Surveyor};
+use tertius_core::observe::observer::{Design, Observer, Restart};
+
+/// The residuals of one observer.
+#[derive(Clone, Debug)]
+struct Witness {
+    observer: Observer,
+    residuals: Spread,
+    magnitudes: Sketch,
+    maxima: Maxima,
+}
+
+/// Everything that came of one transducer's observer.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    /// From 1.
+    pub cylinder: u8,
+    /// 0 is C1, 1 is C2.
+    pub transducer: usize,
+    pub residuals: Spread,
+    pub magnitudes: Sketch,
+    /// The largest magnitudes of the blocks, the largest first: a thousand, or all.
+    pub peaks: Vec<f64>,
+    /// The residual after a unit step of the reading, cycle by cycle.
+    pub response: Vec<f64>,
+    /// The level below which nineteen of twenty seconds or so stay, m.
+    pub calm: f64,
+    /// `None` where too little was judged.
+    pub tail: Option<Tail>,
+    /// The smallest step that is found in time in nineteen of twenty places, m.
+    pub step: Option<f64>,
+    /// The smallest amplitude of (5-17) that is found in time in nineteen of twenty trials, m.
+    pub noise: Option<f64>,
+}
+
+/// Reads all of the recording.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
+    pauses: Vec<Pause>,
+}
+
+impl Evidence {
+    /// Of observers by `designs`; `block`: cycles that are one warning.
+    pub fn new(cylinders: &[CylinderModel], designs: &[[Design; 2]], block: u32) -> Self {
+        let witnesses = |(cylinder, designs): (&CylinderModel, &[Design; 2])| {
+            let witness = |i: usize| {
+                cylinder.transducers[i].then(|| Witness {
+                    observer: Observer::new(designs[i].clone()),
+                    residuals: Spread::default(),
+                    magnitudes: Sketch::new(),
+                    maxima: Maxima::new(block),
+                })
+            };
+            (*cylinder, [witness(0), witness(1)])
+        };
+        let pauses = vec![Pause::default(); cylinders.len()];
+        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses }
+    }
+
+    /// What every observer came to; tails where there is enough for one.
+    pub fn detectors(&self, sample_time: f64) -> Vec<Detector> {
+        let mut detectors = Vec::new();
+        for (cylinder, witnesses) in &self.cylinders {
+            for (transducer, witness) in witnesses.iter().enumerate() {
+                let Some(witness) = witness else { continue };
+                detectors.push(Detector {
+                    cylinder: cylinder.number,
+                    transducer,
+                    residuals: witness.residuals,
+                    magnitudes: witness.magnitudes.clone(),
+                    peaks: witness.maxima.largest(),
+                    response: Vec::new(),
+                    calm: witness.maxima.quantile(0.95).unwrap_or(0.0),
+                    tail: Tail::fit(&witness.maxima, sample_time),
+                    step: None,
+                    noise: None,
+                });
+            }
+        }
+        detectors
+    }
+}
+
+impl Surveyor for Evidence {
+    fn row(&mut self, row: &Row) {
+        let index = usize::from(row.cylinder) - 1;
+        let (cylinder, witnesses) = &mut self.cylinders[index];
+        let cycle = Cycle::new(row, cylinder.command_offset);
+        let missing = self.pauses[index].before(row.cycle, cylinder.max_gap);
+        for (transducer, witness) in witnesses.iter_mut().enumerate() {
+            let Some(witness) = witness else { continue };
+            match missing {
+                Some(missing) => (0..missing).for_each(|_| {
+                    _ = Cycle::NONE.step(&mut witness.observer, transducer);
+                }),
+                None => witness.observer.stop(Restart::Gap),
+            }
+            if let Some(residual) = cycle.step(&mut witness.observer, transducer) {
+                witness.residuals.add(residual);
+                witness.magnitudes.add(residual);
+                witness.maxima.add(residual);
+            }
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.pauses[usize::from(cylinder) - 1].tell();
+    }
+}

@@ -1,0 +1,119 @@
+//! The observer's weights and the thresholds of R1 and R2, from a healthy recording.
+//!
+//! ```text
+//! rows ─→ store ─ stretches ─→ search ─ Q, R ─→ evidence (all rows) ─ tails ─→ δ_l, δ_h
+//!           └──────────────────────────────────── sensitivity ←──────────────────┘
+//! ```
+//!
+//! The thesis tuned Q and R by hand, until the innovation was small and a step showed sharply in
+//! it. Here that is a number ([`criterion`]): the smallest step, and the smallest incipient fault (5-18),
+//! that can be told from the healthy innovation at the wanted rate of false alarms, provided that what a
+//! step leaves in the residual is over before another detector could take it for an event of its own. [`mod@search`] makes it as
+//! small as it gets, on [`store`]d stretches of the recording; [`evidence`] then reads all of it,
+//! and [`sensitivity`] says what the thresholds find. [`mod@course`] does all of it in turn.
+
+pub mod course;
+pub mod criterion;
+pub mod evidence;
+mod pause;
+pub mod response;
+pub mod search;
+pub mod sensitivity;
+pub mod store;
+mod usable;
+
+pub use criterion::{Criterion, Score};
+pub use evidence::{Detector, Evidence};
+pub use search::{Search, search};
+pub use store::Store;
+pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
+
+use crate::survey::Window;
+use tertius_core::observe::model::Model;
+use tertius_core::observe::observer::Design;
+use tertius_core::observe::riccati::RiccatiError;
+use tertius_core::time::Timestamp;
+
+/// What is known of one cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CylinderModel {
+    /// From 1.
+    pub number: u8,
+    pub model: Model,
+    /// The command at which it rests, m/s.
+    pub command_offset: f64,
+    /// C1 and C2 are configured.
+    pub transducers: [bool; 2],
+    /// Their velocities are.
+    pub velocities: [bool; 2],
+    /// Missing cycles that its observers predict over; after more they start anew.
+    pub max_gap: u32,
+}
+
+/// The diagonals of Q and R.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    pub q: [f64; 3],
+    pub r: [f64; 2],
+}
+
+/// The observers of C1 and C2 of each of `cylinders`; `settle`: cycles before they are believed.
+///
+/// # Errors
+/// A model and weights without a gain, with the cylinder's number.
+pub fn designs(
+    cylinders: &[CylinderModel],
+    weights: Weights,
+    settle: u32,
+) -> Result<Vec<[Design; 2]>, (u8, RiccatiError)> {
+    let one = |cylinder: &CylinderModel| {
+        let of = |velocity| {
+            let Weights { q, r } = weights;
+            Design::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
+                .map_err(|error| (cylinder.number, error))
+        };
+        let [first, second] = cylinder.velocities;
+        Ok([of(first)?, of(second)?])
+    };
+    cylinders.iter().map(one).collect()
+}
+
+/// The result for a machine.
+#[derive(Clone, Debug)]
+pub struct Tuning {
+    pub machine: String,
+    /// The recordings' names.
+    pub inputs: String,
+    /// Time stamp of the recording's first frame.
+    pub first: Timestamp,
+    pub window: Window,
+    /// s.
+    pub sample_time: f64,
+    pub search: Search,
+    pub thresholds: Thresholds,
+    /// Of every transducer that is monitored, by cylinder.
+    pub detectors: Vec<Detector>,
+    /// Of the sequential detectors; `None` where there are none, or the recording is too short.
+    pub sequential: Option<crate::calibrate::watch::Level>,
+    /// Levels at other rates: false alarms a year, and m.
+    pub ladder: Vec<(f64, f64)>,
+    /// The standard deviation that noise is counted in, m.
+    pub sigma: f64,
+    pub remarks: Vec<String>,
+}
+
+/// δ_h of the thesis, m: less is not asked for.
+pub const LEAST_HIGH: f64 = 1e-3;
+
+/// δ_l and δ_h, and what they were made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// m.
+    pub low: f64,
+    /// m.
+    pub high: f64,
+    /// False alarms of the whole machine in a year of monitoring.
+    pub per_year: f64,
+    /// The time that the shortest of the detectors has judged in the recording, h.
+    pub hours: f64,
+}

@@ -1,0 +1,127 @@
+//! Stretches of a recording in a bounded number of cycles.
+
+use super::CylinderModel;
+use super::pause::Pause;
+use crate::extremes::Thinned;
+use crate::survey::{Row, Surveyor};
+use tertius_core::observe::observer::{Design, Innovation, Measurement, Observer};
+
+/// Cycles of a stretch: half a minute at 50 Hz, so that settling is a small part of it.
+const LENGTH: usize = 1500;
+
+/// Cycles of all cylinders together.
+const MOST: usize = 200_000;
+
+/// What the observers of one cylinder get in one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle {
+    /// l̇_ctrl less the command's offset, m/s.
+    pub command: Option<f64>,
+    /// Of C1 and C2.
+    pub measurements: [Option<(f64, Option<f64>)>; 2],
+    /// The platform is in a monitored state.
+    pub monitored: bool,
+}
+
+impl Cycle {
+    /// One that is missing.
+    pub const NONE: Self = Self { command: None, measurements: [None; 2], monitored: false };
+
+    pub fn new(row: &Row, command_offset: f64) -> Self {
+        Self {
+            command: row.u.map(|u| u - command_offset),
+            measurements: [row.c1.map(|c1| (c1, row.v1)), row.c2.map(|c2| (c2, row.v2))],
+            monitored: row.monitored,
+        }
+    }
+
+    /// Steps the observer of C1 (0) or C2 (1); its residual where it is judged, m.
+    pub fn step(&self, observer: &mut Observer, transducer: usize) -> Option<f64> {
+        let measurement = self.measurements[transducer]
+            .map(|(position, velocity)| Measurement { position, velocity });
+        let (innovation, _) = observer.step(measurement, self.command);
+        let judges = |it: &Innovation| it.settled && it.whole && self.monitored;
+        let judged = innovation.filter(judges)?;
+        // Without a command the model predicts nothing.
+        self.command.map(|_| judged.residual)
+    }
+}
+
+/// Stretches of each cylinder, spread evenly over the recording; a few missing cycles are part of one.
+#[derive(Clone, Debug)]
+pub struct Store {
+    offsets: Vec<f64>,
+    /// Missing cycles that are predicted over.
+    max_gaps: Vec<u32>,
+    pauses: Vec<Pause>,
+    open: Vec<Vec<Cycle>>,
+    stretches: Vec<Thinned<Vec<Cycle>>>,
+}
+
+impl Store {
+    pub fn new(cylinders: &[CylinderModel]) -> Self {
+        let count = cylinders.len().max(1);
+        Self {
+            offsets: cylinders.iter().map(|cylinder| cylinder.command_offset).collect(),
+            max_gaps: cylinders.iter().map(|cylinder| cylinder.max_gap).collect(),
+            pauses: vec![Pause::default(); count],
+            open: vec![Vec::new(); count],
+            stretches: vec![Thinned::new(MOST / LENGTH / count); count],
+        }
+    }
+
+    /// Those of the cylinder of `index` (from 0). Within one, cycles follow each other.
+    pub fn stretches(&self, index: usize) -> impl Iterator<Item = &[Cycle]> {
+        self.stretches[index].samples().iter().map(Vec::as_slice)
+    }
+
+    /// What is stored, cycles of all cylinders.
+    pub fn cycles(&self) -> usize {
+        let stretches = self.stretches.iter().flat_map(Thinned::samples);
+        stretches.map(Vec::len).sum()
+    }
+
+    /// Ends every stretch: nothing more comes.
+    pub fn finish(&mut self) {
+        (0..self.open.len()).for_each(|index| self.close(index));
+    }
+
+    fn close(&mut self, index: usize) {
+        let stretch = std::mem::take(&mut self.open[index]);
+        if !stretch.is_empty() {
+            self.stretches[index].add(stretch);
+        }
+    }
+
+    /// The residuals of one stretch by `design`, as they are judged.
+    pub fn residuals<'a>(
+        stretch: &'a [Cycle],
+        design: &Design,
+        transducer: usize,
+    ) -> impl Iterator<Item = Option<f64>> + 'a {
+        let mut observer = Observer::new(design.clone());
+        stretch.iter().map(move |cycle| cycle.step(&mut observer, transducer))
+    }
+}
+
+impl Surveyor for Store {
+    fn row(&mut self, row: &Row) {
+        let index = usize::from(row.cylinder) - 1;
+        let cycle = Cycle::new(row, self.offsets[index]);
+        match self.pauses[index].before(row.cycle, self.max_gaps[index]) {
+            Some(missing) => {
+                let missing = std::iter::repeat_n(Cycle::NONE, missing as usize);
+                self.open[index].extend(missing);
+            }
+            None => self.close(index),
+        }
+        self.open[index].push(cycle);
+        if self.open[index].len() >= LENGTH {
+            self.close(index);
+        }
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.pauses[usize::from(cylinder) - 1].tell();
+    }
+}

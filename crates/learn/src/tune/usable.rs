@@ -1,0 +1,122 @@
+//! Whether thresholds can be used, and what is to be said of them.
+
+use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
+use crate::calibrate::watch::{Level, Sight, Watch};
+use crate::extremes::{HOURS_PER_YEAR, Tail, per_second};
+use tertius_config::settings::Settings;
+
+/// A threshold is at most this part of the difference at which the machine itself trips, …
+const LARGEST: f64 = 0.1;
+
+/// … unless the recording itself shows what comes as often as is asked for, a little more or less.
+const SHOWN: f64 = 1.05;
+
+impl Tuning {
+    /// A threshold beyond reach, or of nothing, is none.
+    ///
+    /// # Errors
+    /// Why, in words: then nothing is written.
+    pub fn usable(&self, settings: &Settings) -> Result<(), String> {
+        let Thresholds { high, hours, per_year, .. } = self.thresholds;
+        let [low_end, high_end] = settings.machine.stroke;
+        if high <= 0.0 {
+            return Err(
+                "the residuals are zero throughout: this is no recording of a machine".to_owned()
+            );
+        }
+        let critical = settings.comparator.critical;
+        let farther = HOURS_PER_YEAR / per_year / hours;
+        if high <= LARGEST * critical || (farther <= SHOWN && high < high_end - low_end) {
+            return Ok(());
+        }
+        let tails: Vec<Tail> = self.detectors.iter().filter_map(|detector| detector.tail).collect();
+        let at = |level: f64| {
+            let rate = tails.iter().map(|tail| tail.rate(level)).sum::<f64>();
+            (rate / per_second(1.0)).ceil()
+        };
+        Err(format!(
+            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, a tenth of \
+         comparator.critical: the observers would hardly find what they are for. Record for longer than \
+         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the recording can \
+         speak of (--false-alarms-per-year): with {:.1} mm, the thesis's, it is about {:.0} a year, with \
+         {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
+            high * 1e3,
+            LARGEST * critical * 1e3,
+            LEAST_HIGH * 1e3,
+            at(LEAST_HIGH),
+            LARGEST * critical * 1e3,
+            at(LARGEST * critical),
+            worst(&tails) * 1e3,
+            at(worst(&tails)),
+        ))
+    }
+}
+
+fn worst(tails: &[Tail]) -> f64 {
+    tails.iter().map(|tail| tail.worst).fold(0.0, f64::max)
+}
+
+/// What to think of before these thresholds are used.
+pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let heavy: Vec<&Detector> =
+        result.detectors.iter().filter(|d| d.tail.is_some_and(|tail| tail.heavy)).collect();
+    if !heavy.is_empty() {
+        remarks.push(format!(
+            "{} of {} residuals have bursts, a tail heavier than an exponential one: the model does \
+             not follow the machine at times, and the threshold is that of the bursts",
+            heavy.len(),
+            result.detectors.len()
+        ));
+    }
+    if result.thresholds.high >= critical {
+        remarks.push(format!(
+            "the threshold of {:.1} mm is not below comparator.critical, {:.1} mm, where the machine \
+             itself trips: FDE1 and FDE2 then only tell which transducer it was",
+            result.thresholds.high * 1e3,
+            critical * 1e3
+        ));
+    }
+    if result.search.score.times.is_infinite() {
+        remarks.push(
+            "with no weights the response to a step is over within alarm.coincidence: a fault may \
+             be taken for two"
+                .to_owned(),
+        );
+    }
+    remarks
+}
+
+/// How remarks begin on the evidence that a detector with a level of its own has seen, …
+pub const OF_A_LEVEL: &str = "sequential detector of cylinder";
+
+/// … and how they end where it was beyond that.
+pub const WOULD_HAVE_WARNED: &str = "; it would have warned: is that healthy?";
+
+/// The level of the detectors that have none of their own, where the recording supports one, and what
+/// is to be said of all of them.
+pub(super) fn sequential(
+    settings: &Settings,
+    watch: &Watch,
+    per_year: f64,
+) -> (Option<Level>, Vec<String>) {
+    let own = |n| settings.sequential_of(n).is_some_and(|fitted| fitted.level.is_some());
+    if !(1..=settings.machine.cylinders).any(own) {
+        let level = watch.level(per_year);
+        let refused = level.filter(|level| !level.sound).map(|level| {
+            format!(
+                "sequential detectors: {:.1} nats of evidence were seen, which no healthy machine has by \
+                 what it was calibrated to; no level is written: calibrate anew",
+                level.worst
+            )
+        });
+        return (level.filter(|level| level.sound), refused.into_iter().collect());
+    }
+    let said = (1..).zip(watch.levels(per_year)).filter_map(|(n, level): (u8, _)| {
+        let (sight, h) = (level?.worst?, settings.sequential_level_of(n));
+        let beyond = if sight.nats > h { WOULD_HAVE_WARNED } else { "" };
+        let Sight { nats, t, .. } = sight;
+        Some(format!("{OF_A_LEVEL} {n}: {nats:.1} of {h:.1} nats at {t:.1} s{beyond}"))
+    });
+    (None, said.collect())
+}

@@ -1,0 +1,254 @@
+//! A fault as a person asks for it: `step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65`.
+
+use super::kind::{Key, Kind, Rule, nearest};
+use super::shape::{Code, Shape, Window};
+use tertius_core::time::Span;
+
+/// The signals of a cylinder that can have a fault: the keys of `[signals.cylinder]`.
+pub const SENSORS: [&str; 11] = [
+    "c1",
+    "c1_velocity",
+    "c1_status",
+    "c1_counter",
+    "c2",
+    "c2_velocity",
+    "c2_status",
+    "c2_counter",
+    "control_speed",
+    "pressure_bottom",
+    "pressure_rod",
+];
+
+/// A fault of one signal of one cylinder, not yet placed on the bus.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// From 1.
+    pub cylinder: u8,
+    /// One of [`SENSORS`].
+    pub sensor: &'static str,
+    pub wanted: Wanted,
+    pub window: Window,
+}
+
+/// What is asked for; some of it depends on the signal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    Shape(Shape),
+    /// `None`: just above the valid range.
+    OutOfRange(Option<Code>),
+    /// The raw code; `None`: the one that is configured.
+    BrokenWire(Option<i64>),
+}
+
+/// What is wrong with the words of a fault: what was found, and what was expected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SpecError {
+    #[error(
+        "no fault is called {given:?}{}; there are {}",
+        hint(*.nearest),
+        names(super::kind::KINDS.iter().map(|kind| kind.name))
+    )]
+    Kind { given: String, nearest: Option<&'static str> },
+    #[error("{given:?} is not of the form key=value, such as size=0.00175")]
+    Form { given: String },
+    #[error("{kind} has no key {given:?}{}; it has {}", hint(*.nearest), names(.known.iter()))]
+    Key {
+        kind: &'static str,
+        given: String,
+        nearest: Option<&'static str>,
+        known: Vec<&'static str>,
+    },
+    #[error("{key} is given twice")]
+    Twice { key: &'static str },
+    #[error("{kind} needs {key} ({what})")]
+    Missing { kind: &'static str, key: &'static str, what: &'static str },
+    #[error("{key} is {given:?}, expected {expected}")]
+    Value { key: &'static str, given: String, expected: &'static str },
+    #[error("there is no sensor {given:?}{}; there are {}", hint(*.nearest), names(SENSORS.iter()))]
+    Sensor { given: String, nearest: Option<&'static str> },
+    #[error("until ({until} s) is not after at ({at} s)")]
+    Until { at: String, until: String },
+    #[error("value and raw are both given, expected one of them")]
+    TwoValues,
+}
+
+fn hint(nearest: Option<&'static str>) -> String {
+    nearest.map_or(String::new(), |near| format!(" (nearest: {near})"))
+}
+
+fn names(names: impl Iterator<Item = impl AsRef<str>>) -> String {
+    names.map(|name| name.as_ref().to_owned()).collect::<Vec<_>>().join(", ")
+}
+
+impl Fault {
+    /// Reads `KIND,key=value,…`: the kind first, then its keys in any order, blanks around them
+    /// ignored. Every kind has `cylinder`, `sensor` (default c1), `at` (s since the first frame,
+    /// default 0) and `until` (s, exclusive; default: to the end); [`super::grammar`] lists the
+    /// others.
+    ///
+    /// # Errors
+    /// The first thing wrong with it.
+    pub fn parse(text: &str) -> Result<Self, SpecError> {
+        let mut parts = text.split(',').map(str::trim);
+        // `split` gives at least one part.
+        let kind = find_kind(parts.next().unwrap_or_default())?;
+        let mut words = Words::new(kind);
+        for part in parts {
+            let form = || SpecError::Form { given: part.to_owned() };
+            let (key, value) = part.split_once('=').ok_or_else(form)?;
+            words.add(key.trim(), value.trim())?;
+        }
+        words.fault()
+    }
+}
+
+/// The kind of that name.
+pub(super) fn find_kind(given: &str) -> Result<&'static Kind, SpecError> {
+    Kind::find(given).ok_or_else(|| SpecError::Kind {
+        given: given.to_owned(),
+        nearest: nearest(given, super::kind::KINDS.iter().map(|kind| kind.name)),
+    })
+}
+
+/// The keys and values that were given for a kind.
+pub(super) struct Words<'a> {
+    kind: &'static Kind,
+    given: Vec<(&'static str, &'a str)>,
+}
+
+impl<'a> Words<'a> {
+    pub fn new(kind: &'static Kind) -> Self {
+        Self { kind, given: Vec::new() }
+    }
+
+    pub fn add(&mut self, key: &str, value: &'a str) -> Result<(), SpecError> {
+        let Some(key) = self.kind.keys().find(|known| *known == key) else {
+            return Err(SpecError::Key {
+                kind: self.kind.name,
+                given: key.to_owned(),
+                nearest: nearest(key, self.kind.keys()),
+                known: self.kind.keys().collect(),
+            });
+        };
+        if self.text(key).is_some() {
+            return Err(SpecError::Twice { key });
+        }
+        self.given.push((key, value));
+        Ok(())
+    }
+
+    pub fn fault(&self) -> Result<Fault, SpecError> {
+        Ok(Fault {
+            cylinder: self.cylinder()?,
+            sensor: self.sensor()?,
+            wanted: self.wanted()?,
+            window: self.window()?,
+        })
+    }
+
+    fn text(&self, key: &str) -> Option<&'a str> {
+        self.given.iter().find(|(known, _)| *known == key).map(|(_, value)| *value)
+    }
+
+    fn missing(&self, key: &'static str, what: &'static str) -> SpecError {
+        SpecError::Missing { kind: self.kind.name, key, what }
+    }
+
+    fn cylinder(&self) -> Result<u8, SpecError> {
+        let given = self.text("cylinder").ok_or_else(|| self.missing("cylinder", "from 1"))?;
+        given.parse().ok().filter(|cylinder| *cylinder > 0).ok_or_else(|| SpecError::Value {
+            key: "cylinder",
+            given: given.to_owned(),
+            expected: "the number of a cylinder, from 1",
+        })
+    }
+
+    fn sensor(&self) -> Result<&'static str, SpecError> {
+        let given = self.text("sensor").unwrap_or("c1");
+        let known = SENSORS.into_iter().find(|sensor| sensor.eq_ignore_ascii_case(given));
+        known.ok_or_else(|| SpecError::Sensor {
+            given: given.to_owned(),
+            nearest: nearest(given, SENSORS.into_iter()),
+        })
+    }
+
+    fn window(&self) -> Result<Window, SpecError> {
+        let at = self.seconds("at")?.unwrap_or(Span::ZERO);
+        let until = self.seconds("until")?;
+        if until.is_some_and(|until| until <= at) {
+            let text = |key| self.text(key).unwrap_or("0").to_owned();
+            return Err(SpecError::Until { at: text("at"), until: text("until") });
+        }
+        Ok(Window { from: at, until })
+    }
+
+    /// A time since the first frame; a century is enough for any recording.
+    fn seconds(&self, key: &'static str) -> Result<Option<Span>, SpecError> {
+        let Some(given) = self.text(key) else { return Ok(None) };
+        let seconds = given.parse().ok().filter(|seconds| (0.0..=3.2e9).contains(seconds));
+        seconds.map(|seconds| Some(Span::from_seconds(seconds))).ok_or_else(|| SpecError::Value {
+            key,
+            given: given.to_owned(),
+            expected: "seconds since the first frame, such as 60 or 259.98",
+        })
+    }
+
+    fn wanted(&self) -> Result<Wanted, SpecError> {
+        Ok(Wanted::Shape(match self.kind.name {
+            "step" => Shape::Step { size: self.number("size")? },
+            "noise" => Shape::Noise { size: self.number("size")? },
+            "incipient" => Shape::Incipient { size: self.number("size")?, b: self.number("b")? },
+            "drift" => Shape::Drift { rate: self.number("rate")? },
+            "scale" => Shape::Scale { gain: self.number("gain")? },
+            "freeze" => Shape::Freeze,
+            "spike" => Shape::Spike {
+                size: self.number("size")?,
+                probability: self.number("probability")?,
+            },
+            "stale" => Shape::Stale,
+            "loss" => Shape::Loss { probability: self.number("probability")? },
+            "broken_wire" => return Ok(Wanted::BrokenWire(self.whole("code")?)),
+            // "out_of_range": the kinds are those of the table, and a test asks for each.
+            _ => return self.out_of_range(),
+        }))
+    }
+
+    fn out_of_range(&self) -> Result<Wanted, SpecError> {
+        let value = self.optional("value")?.map(Code::Physical);
+        let raw = self.whole("raw")?.map(Code::Raw);
+        if value.is_some() && raw.is_some() {
+            return Err(SpecError::TwoValues);
+        }
+        Ok(Wanted::OutOfRange(value.or(raw)))
+    }
+
+    fn number(&self, name: &'static str) -> Result<f64, SpecError> {
+        let key = self.key(name);
+        self.optional(name)?.or(key.default).ok_or_else(|| self.missing(name, key.what))
+    }
+
+    fn optional(&self, name: &'static str) -> Result<Option<f64>, SpecError> {
+        let Some(given) = self.text(name) else { return Ok(None) };
+        let rule = self.key(name).rule;
+        let sound = |number: &f64| match rule {
+            Rule::Finite | Rule::Whole => number.is_finite(),
+            Rule::Positive => number.is_finite() && *number > 0.0,
+            Rule::Probability => *number > 0.0 && *number <= 1.0,
+        };
+        given.parse().ok().filter(sound).map(Some).ok_or_else(|| self.refused(name, given))
+    }
+
+    fn whole(&self, name: &'static str) -> Result<Option<i64>, SpecError> {
+        let Some(given) = self.text(name) else { return Ok(None) };
+        given.parse().map(Some).map_err(|_| self.refused(name, given))
+    }
+
+    fn refused(&self, name: &'static str, given: &str) -> SpecError {
+        let expected = self.key(name).rule.expected();
+        SpecError::Value { key: name, given: given.to_owned(), expected }
+    }
+
+    fn key(&self, name: &str) -> &'static Key {
+        self.kind.key(name).expect("only keys of the kind are asked for; a test asks for each")
+    }
+}

@@ -1,0 +1,257 @@
+//! Frames in, frames with faults out.
+
+use super::place::Placed;
+use super::shape::{Code, Reading, Shape, Unrounded, Window};
+use super::tally::Tally;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tertius_core::decode::{Decoded, Inserted, SignalPlan};
+use tertius_core::frame::{Frame, Id, Kind};
+use tertius_core::time::{Span, Timestamp};
+
+/// Puts faults into frames, which it takes one by one. Nothing is allocated once it is made.
+#[derive(Clone, Debug)]
+pub struct Injector {
+    /// By identifier.
+    lines: Vec<Line>,
+    tallies: Vec<Tally>,
+    first: Option<Timestamp>,
+    /// The frame that is passed on in the place of one with a fault.
+    changed: Frame,
+}
+
+/// What happens to one message, in order.
+#[derive(Clone, Debug)]
+struct Line {
+    id: Id,
+    stages: Vec<Stage>,
+}
+
+#[derive(Clone, Debug)]
+enum Stage {
+    /// Faults of one signal that are applied to its value together, and rounded once.
+    Signal {
+        plan: SignalPlan,
+        faults: Vec<Active>,
+    },
+    /// The payload is repeated.
+    Stale(Active, Option<Frame>),
+    Loss(Active, f64),
+}
+
+/// Of the frame that nothing was put into yet.
+const NO_ID: Id = Id::standard(0).expect("0 has at most 11 bits");
+
+/// One fault at work.
+#[derive(Clone, Debug)]
+struct Active {
+    /// Among the tallies.
+    index: usize,
+    shape: Shape,
+    window: Window,
+    rng: ChaCha8Rng,
+    /// Of a freeze: what is held.
+    held: Option<Reading>,
+}
+
+impl Injector {
+    /// An injector of `faults`, which act in this order where they meet. Each draws from a stream
+    /// of its own of `seed`, so that one fault more does not change the others.
+    pub fn new(faults: &[Placed], seed: u64) -> Self {
+        let mut lines: Vec<Line> = Vec::new();
+        for (index, placed) in faults.iter().enumerate() {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_stream(index as u64);
+            let (shape, window) = (placed.shape, placed.window);
+            let active = Active { index, shape, window, rng, held: None };
+            let at = lines.partition_point(|line| line.id < placed.id);
+            if lines.get(at).is_none_or(|line| line.id != placed.id) {
+                lines.insert(at, Line { id: placed.id, stages: Vec::new() });
+            }
+            lines[at].add(active, &placed.plan);
+        }
+        Self {
+            lines,
+            tallies: vec![Tally::default(); faults.len()],
+            first: None,
+            changed: Frame::new(Timestamp::default(), NO_ID, Kind::Data, &[]),
+        }
+    }
+
+    /// Takes the next frame and gives the frame to pass on in its place; `None` if it is lost. The
+    /// first frame of all, whatever it is, starts the time of the faults.
+    pub fn take<'a>(&'a mut self, frame: &'a Frame) -> Option<&'a Frame> {
+        self.take_measured(frame, |_| None)
+    }
+
+    /// As [`Self::take`], where it is known what the transducers had before they rounded it to the
+    /// counts of `frame`: a fault of a transducer adds to that, so that a quarter of a count is one
+    /// count in every fourth reading, and not nothing.
+    pub fn take_measured<'a>(
+        &'a mut self,
+        frame: &'a Frame,
+        unrounded: impl Fn(&SignalPlan) -> Option<Unrounded>,
+    ) -> Option<&'a Frame> {
+        let first = *self.first.get_or_insert(frame.timestamp);
+        if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
+            return Some(frame);
+        }
+        let Ok(place) = self.lines.binary_search_by_key(&frame.id, |line| line.id) else {
+            return Some(frame);
+        };
+        self.changed.clone_from(frame);
+        let elapsed = frame.timestamp.since(first);
+        for stage in &mut self.lines[place].stages {
+            if !stage.apply(elapsed, &mut self.changed, &mut self.tallies, &unrounded) {
+                return None;
+            }
+        }
+        Some(&self.changed)
+    }
+
+    /// What became of each fault so far, in the order in which they were given.
+    pub fn tallies(&self) -> &[Tally] {
+        &self.tallies
+    }
+}
+
+impl Line {
+    fn add(&mut self, active: Active, plan: &SignalPlan) {
+        match active.shape {
+            Shape::Stale => self.stages.push(Stage::Stale(active, None)),
+            Shape::Loss { probability } => self.stages.push(Stage::Loss(active, probability)),
+            _ => self.add_to_signal(active, plan),
+        }
+    }
+
+    /// Faults of one signal share a stage, unless one of the whole message stands between them:
+    /// other signals have other bits, so the order among signals does not matter.
+    fn add_to_signal(&mut self, active: Active, plan: &SignalPlan) {
+        for stage in self.stages.iter_mut().rev() {
+            match stage {
+                Stage::Signal { plan: known, faults } if known == plan => {
+                    return faults.push(active);
+                }
+                Stage::Signal { .. } => {}
+                Stage::Stale(..) | Stage::Loss(..) => break,
+            }
+        }
+        self.stages.push(Stage::Signal { plan: plan.clone(), faults: vec![active] });
+    }
+}
+
+impl Stage {
+    /// Applies the stage to `frame`; `false` if it is lost.
+    fn apply(
+        &mut self,
+        elapsed: Span,
+        frame: &mut Frame,
+        tallies: &mut [Tally],
+        unrounded: impl Fn(&SignalPlan) -> Option<Unrounded>,
+    ) -> bool {
+        match self {
+            Self::Signal { plan, faults } => {
+                change(plan, faults, elapsed, frame, tallies, || unrounded(plan));
+            }
+            Self::Stale(active, held) => {
+                let held = held.get_or_insert_with(|| frame.clone());
+                if active.window.age(elapsed).is_none() {
+                    held.clone_from(frame);
+                    return true;
+                }
+                let tally = &mut tallies[active.index];
+                tally.frames += 1;
+                tally.altered += u64::from(held.data() != frame.data());
+                *frame.buffer_mut() = *held.buffer();
+                frame.set_length(held.length());
+                frame.kind = held.kind;
+            }
+            Self::Loss(active, probability) => {
+                if active.window.age(elapsed).is_some() {
+                    let tally = &mut tallies[active.index];
+                    let lost = active.rng.random_bool(*probability);
+                    tally.frames += 1;
+                    tally.altered += u64::from(lost);
+                    return !lost;
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Applies the faults of one signal to `frame`.
+fn change(
+    plan: &SignalPlan,
+    faults: &mut [Active],
+    elapsed: Span,
+    frame: &mut Frame,
+    tallies: &mut [Tally],
+    unrounded: impl Fn() -> Option<Unrounded>,
+) {
+    let Decoded::Value(value) = plan.decode(frame) else {
+        let active = faults.iter().filter(|fault| fault.window.age(elapsed).is_some());
+        active.for_each(|fault| tallies[fault.index].absent += 1);
+        return;
+    };
+    let unrounded = unrounded();
+    let physical = unrounded.map_or(value.physical, |it| it.length);
+    let grid = unrounded.map(|it| it.grid);
+    let mut reading = Reading { physical, raw: Some(value.raw), grid };
+    let mut touched = false;
+    for fault in faults.iter_mut() {
+        touched |= fault.apply(plan, elapsed, &mut reading, &mut tallies[fault.index]);
+    }
+    // Not told from the values: a float's NaN is unequal to itself, and written back it may have
+    // other bits.
+    if !touched {
+        return;
+    }
+    let inserted = match reading.raw {
+        Some(raw) => plan.insert(raw, frame.buffer_mut()),
+        None => plan.insert_physical(reading.rounded(), frame.buffer_mut()),
+    };
+    if inserted != Inserted::Whole {
+        let active = faults.iter().filter(|fault| fault.window.age(elapsed).is_some());
+        active.for_each(|fault| tallies[fault.index].clamped += 1);
+    }
+}
+
+impl Active {
+    /// Applies the fault to `reading`; whether there was anything to do.
+    fn apply(
+        &mut self,
+        plan: &SignalPlan,
+        elapsed: Span,
+        reading: &mut Reading,
+        tally: &mut Tally,
+    ) -> bool {
+        let age = self.window.age(elapsed);
+        if self.shape == Shape::Freeze && (age.is_none() || self.held.is_none()) {
+            self.held = Some(*reading);
+        }
+        let Some(age) = age else { return false };
+        tally.frames += 1;
+        let before = *reading;
+        match self.shape {
+            Shape::Constant(Code::Raw(code)) => {
+                let raw = tertius_core::decode::Raw::Signed(code);
+                *reading = Reading { physical: plan.physical(raw), raw: Some(raw), grid: None };
+            }
+            Shape::Constant(Code::Physical(physical)) => {
+                *reading = Reading { physical, raw: None, grid: None };
+            }
+            shape => match shape.addition(reading.physical, age, &mut self.rng) {
+                // Nothing added leaves every bit as it is.
+                Some(0.0) => return false,
+                Some(addition) => {
+                    let physical = reading.physical + addition;
+                    *reading = Reading { physical, raw: None, ..*reading };
+                }
+                None => *reading = self.held.unwrap_or(*reading),
+            },
+        }
+        tally.altered += u64::from(*reading != before);
+        true
+    }
+}

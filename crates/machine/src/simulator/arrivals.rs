@@ -1,0 +1,61 @@
+//! When frames are on the bus.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use tertius_core::time::{Span, Timestamp};
+
+/// Time stamps of a cycle's frames, one after the other as the bus lets them through.
+#[derive(Clone, Debug)]
+pub struct Arrivals {
+    bit: f64,
+    latency: Span,
+    rng: ChaCha8Rng,
+    opening: Timestamp,
+    /// When the bus is free again.
+    free: Timestamp,
+}
+
+/// The most that Sync comes late, ns, and that a receiver's stamp is late.
+const SYNC_JITTER: u32 = 60_000;
+const STAMP_JITTER: u32 = 8_000;
+
+/// The stream of the seed that jitter is drawn from.
+const STREAM: u64 = u64::MAX - 2;
+
+impl Arrivals {
+    /// On a bus of `bitrate`, bit/s; the controller answers after `latency`, s.
+    pub fn new(bitrate: u32, latency: f64, seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(STREAM);
+        Self {
+            bit: 1e9 / f64::from(bitrate.max(1)),
+            latency: Span::from_seconds(latency),
+            rng,
+            opening: Timestamp::default(),
+            free: Timestamp::default(),
+        }
+    }
+
+    /// A cycle opens at `at`.
+    pub fn open(&mut self, at: Timestamp) {
+        let late = self.rng.random_range(0..SYNC_JITTER);
+        self.opening = at.after(Span::from_nanos(i64::from(late)));
+        self.free = self.opening.max(self.free);
+    }
+
+    /// The controller has its answer.
+    pub fn answer(&mut self) {
+        self.free = self.opening.after(self.latency).max(self.free);
+    }
+
+    /// When the next frame, of so many bytes, has been received; in whole microseconds, as
+    /// candump's.
+    pub fn next(&mut self, length: usize) -> Timestamp {
+        // Frame and pause have 47 bits beside the data; of those that can be stuffed about one in
+        // ten is followed by a stuff bit.
+        let bits = 47.0 + 8.0 * length as f64 + (34.0 + 8.0 * length as f64) / 10.0;
+        self.free = self.free.after(Span::from_nanos((bits * self.bit) as i64));
+        let stamp = self.free.as_nanos() + i64::from(self.rng.random_range(0..STAMP_JITTER));
+        Timestamp::from_nanos(stamp - stamp.rem_euclid(1000))
+    }
+}

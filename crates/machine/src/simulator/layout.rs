@@ -1,0 +1,253 @@
+//! Which messages the machine sends, in which order, and what is in them.
+
+use super::values::{Origin, Values};
+use crate::controller::Readings;
+use crate::inject::Unrounded;
+use crate::plant::CYLINDERS;
+use crate::transducer::Grid;
+use tertius_config::settings::{CylinderSignals, Settings};
+use tertius_core::decode::{Inserted, Raw, SignalPlan};
+use tertius_core::frame::{Frame, Kind};
+use tertius_core::time::Timestamp;
+use tertius_dbc::{Database, LookupError, Message};
+
+/// Why the machine of a configuration cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LayoutError {
+    #[error("machine.cylinders is {0}; the simulated machine is a hexapod with {CYLINDERS}")]
+    Cylinders(u8),
+    #[error("{key}: {error}")]
+    Lookup {
+        key: String,
+        #[source]
+        error: LookupError,
+    },
+    #[error("{signal} is multiplexed; the simulated machine sends every signal in every cycle")]
+    Multiplexed { signal: String },
+    #[error(
+        "{message} carries both a transducer's reading and a command; the command answers the \
+         reading, so the simulated machine needs two messages"
+    )]
+    Mixed { message: String },
+}
+
+/// Signals of the default layout that no configuration names; sent where the DBC has them.
+const UNNAMED: [(&str, Origin); 8] = [
+    ("Mru_Attitude.Roll", Origin::Attitude(0)),
+    ("Mru_Attitude.Pitch", Origin::Attitude(1)),
+    ("Mru_Attitude.Yaw", Origin::Attitude(2)),
+    ("Mru_Translation.Surge", Origin::Translation(0)),
+    ("Mru_Translation.Sway", Origin::Translation(1)),
+    ("Mru_Translation.Heave", Origin::Translation(2)),
+    ("Plc_State.SupplyPressure", Origin::Supply),
+    ("Plc_State.Counter", Origin::Counter),
+];
+
+/// When in the cycle a message is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Right after Sync.
+    Sampled,
+    /// When the controller has its answer.
+    Commanded,
+}
+
+impl Origin {
+    fn phase(self) -> Phase {
+        match self {
+            Self::Command(_)
+            | Self::Spool(_)
+            | Self::Bottom(_)
+            | Self::Rod(_)
+            | Self::LoadPressure(_) => Phase::Commanded,
+            _ => Phase::Sampled,
+        }
+    }
+}
+
+/// A message with the frame that is sent of it.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    pub frame: Frame,
+    pub phase: Phase,
+    fields: Vec<(SignalPlan, Origin)>,
+}
+
+impl Planned {
+    /// Writes the values into the frame.
+    pub fn fill(&mut self, values: &Values) {
+        let payload = self.frame.buffer_mut();
+        for (plan, origin) in &self.fields {
+            let raw = match origin {
+                // The payload is made of zeros.
+                Origin::Status => continue,
+                Origin::Counter => {
+                    Raw::Unsigned(values.cycle & (u64::MAX >> (64 - plan.bits().clamp(1, 64))))
+                }
+                _ if plan.is_float() => Raw::Float(plan.unscaled(values.of(*origin))),
+                // Rounded here: the doubles at hand are far from what needs 128 bits.
+                _ => {
+                    let count = plan.unscaled(values.of(*origin));
+                    Raw::Signed((count + 0.5_f64.copysign(count)) as i64)
+                }
+            };
+            // What a signal cannot hold is sent as the nearest that it can, as a real device does.
+            let _: Inserted = plan.insert(raw, payload);
+        }
+    }
+
+    /// What the transducer had before it rounded it for the signal of `plan`.
+    pub fn unrounded(&self, plan: &SignalPlan, values: &Values) -> Option<Unrounded> {
+        let (_, origin) = self.fields.iter().find(|(known, _)| known == plan)?;
+        values.unrounded(*origin)
+    }
+
+    /// What the controller reads in `frame`, a frame of this message.
+    pub fn read_back(&self, frame: &Frame, readings: &mut Readings) {
+        for (plan, origin) in &self.fields {
+            let place = match origin {
+                Origin::Length(cylinder, 0) => &mut readings.lengths[*cylinder],
+                Origin::Speed(cylinder, 0) => &mut readings.speeds[*cylinder],
+                _ => continue,
+            };
+            if let Some(value) = plan.decode(frame).value().filter(|v| v.physical.is_finite()) {
+                *place = value.physical;
+            }
+        }
+    }
+}
+
+/// All messages of a cycle, in the order of the bus.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pub messages: Vec<Planned>,
+    pub values: Values,
+    /// Whether C1's speed is on the bus; otherwise the controller has it by a wire of its own.
+    pub carries_speed: bool,
+}
+
+impl Layout {
+    /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
+    /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
+    ///
+    /// # Errors
+    /// If it is no hexapod, or a signal is not there or not where a controller could send it.
+    pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
+        let cylinders = settings.machine.cylinders;
+        if usize::from(cylinders) != CYLINDERS {
+            return Err(LayoutError::Cylinders(cylinders));
+        }
+        let mut builder = Builder { database, messages: Vec::new() };
+        if let Some(name) = &settings.signals.sync {
+            builder.sync(name)?;
+        }
+        for cylinder in 0..cylinders {
+            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Sampled)?;
+        }
+        for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin != Origin::Counter) {
+            builder.unnamed(name, *origin)?;
+        }
+        if let Some(name) = &settings.signals.state {
+            builder.add("signals.state", name, Origin::State)?;
+        }
+        for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin == Origin::Counter) {
+            builder.unnamed(name, *origin)?;
+        }
+        for cylinder in 0..cylinders {
+            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Commanded)?;
+            builder.unnamed(
+                &CylinderSignals::of_cylinder("Cyl{n}_Valve.SpoolPosition", cylinder + 1),
+                Origin::Spool(usize::from(cylinder)),
+            )?;
+        }
+        let carries_speed = settings.signals.cylinder.c1_velocity.is_some();
+        Ok(Self { messages: builder.messages, values: Values::new(grid), carries_speed })
+    }
+}
+
+/// The origin of a key of `[signals.cylinder]`.
+fn origin(key: &str, cylinder: usize) -> Origin {
+    match key {
+        "c1" => Origin::Length(cylinder, 0),
+        "c2" => Origin::Length(cylinder, 1),
+        "c1_velocity" => Origin::Speed(cylinder, 0),
+        "c2_velocity" => Origin::Speed(cylinder, 1),
+        "c1_counter" | "c2_counter" => Origin::Counter,
+        "control_speed" => Origin::Command(cylinder),
+        "pressure_bottom" => Origin::Bottom(cylinder),
+        "pressure_rod" => Origin::Rod(cylinder),
+        "load_pressure" => Origin::LoadPressure(cylinder),
+        "spool" => Origin::Spool(cylinder),
+        // "c1_status", "c2_status".
+        _ => Origin::Status,
+    }
+}
+
+struct Builder<'a> {
+    database: &'a Database,
+    messages: Vec<Planned>,
+}
+
+impl Builder<'_> {
+    fn sync(&mut self, name: &str) -> Result<(), LayoutError> {
+        let lookup = |error| LayoutError::Lookup { key: "signals.sync".to_owned(), error };
+        let message = self.database.message(name).map_err(lookup)?;
+        let counter = message.signal("Counter").filter(|signal| !signal.plan.is_multiplexed());
+        let planned = self.message(message, Phase::Sampled)?;
+        planned.fields.extend(counter.map(|signal| (signal.plan.clone(), Origin::Counter)));
+        Ok(())
+    }
+
+    /// The signals of one cylinder that are sent in `phase`.
+    fn cylinder(
+        &mut self,
+        signals: &CylinderSignals,
+        cylinder: u8,
+        phase: Phase,
+    ) -> Result<(), LayoutError> {
+        for (key, pattern) in signals.named() {
+            let origin = origin(key, usize::from(cylinder));
+            if origin.phase() == phase {
+                let name = CylinderSignals::of_cylinder(pattern, cylinder + 1);
+                self.add(&format!("signals.cylinder.{key}"), &name, origin)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn unnamed(&mut self, name: &str, origin: Origin) -> Result<(), LayoutError> {
+        if self.database.signal(name).is_ok() { self.add(name, name, origin) } else { Ok(()) }
+    }
+
+    fn add(&mut self, key: &str, name: &str, origin: Origin) -> Result<(), LayoutError> {
+        let lookup = |error| LayoutError::Lookup { key: key.to_owned(), error };
+        let (message, signal) = self.database.signal(name).map_err(lookup)?;
+        if signal.plan.is_multiplexed() {
+            return Err(LayoutError::Multiplexed { signal: name.to_owned() });
+        }
+        let plan = signal.plan.clone();
+        let planned = self.message(message, origin.phase())?;
+        // A counter that the configuration names, too.
+        if planned.fields.iter().all(|(known, _)| *known != plan) {
+            planned.fields.push((plan, origin));
+        }
+        Ok(())
+    }
+
+    /// The planned message, made if it is new.
+    fn message(&mut self, message: &Message, phase: Phase) -> Result<&mut Planned, LayoutError> {
+        let known = self.messages.iter().position(|planned| planned.frame.id == message.id);
+        let place = known.unwrap_or_else(|| {
+            let kind = if message.length > 8 { Kind::Fd { flags: 0 } } else { Kind::Data };
+            let zeros = vec![0; message.length];
+            let frame = Frame::new(Timestamp::default(), message.id, kind, &zeros);
+            self.messages.push(Planned { frame, phase, fields: Vec::new() });
+            self.messages.len() - 1
+        });
+        let planned = &mut self.messages[place];
+        if planned.phase != phase {
+            return Err(LayoutError::Mixed { message: message.name.clone() });
+        }
+        Ok(planned)
+    }
+}

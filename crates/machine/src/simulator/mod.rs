@@ -1,0 +1,192 @@
+//! A whole machine in software: sea, hexapod, controller, plant and transducers, on a bus.
+//!
+//! ```text
+//! sea ─ vessel ─→ controller ─ spools ─→ plant ─ lengths ─→ transducers ─→ frames ─→ faults ─→
+//!                     ↑────────────────── C1 ───────────────────┘ (with faults: in the loop)
+//! ```
+//!
+//! A fault of a transducer is in its length before that is rounded to counts.
+//!
+//! [`Simulator::step`] makes the frames of one cycle and gives them to a sink, in the order of the
+//! bus. It is pure and allocates nothing: time is counted in cycles, and whatever is random comes
+//! from the seed, so that the same seed gives the same bytes. Nothing of the monitor is used here
+//! but the reading of the configuration and the DBC.
+
+mod arrivals;
+mod check;
+mod disturbance;
+mod layout;
+mod machine;
+mod tables;
+pub mod truth;
+mod values;
+
+pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
+pub use layout::LayoutError;
+pub use machine::{Machine, MachineError, Sample};
+pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};
+
+use crate::controller::{Readings, State};
+use crate::inject::{Injector, Placed, Tally};
+use crate::plant::CYLINDERS;
+use arrivals::Arrivals;
+use layout::{Layout, Phase};
+use tertius_config::settings::Settings;
+use tertius_core::decode::SignalPlan;
+use tertius_core::frame::Frame;
+use tertius_core::time::{Span, Timestamp};
+use tertius_dbc::Database;
+
+/// When the first cycle opens, if nothing else is asked for: 14 November 2023, 22:13:20 UTC.
+pub const EPOCH: Timestamp = Timestamp::from_nanos(1_700_000_000_000_000_000);
+
+/// What a simulation is made from beside its tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    pub seed: u64,
+    /// Significant wave height, m, and peak period, s; `None`: the table's.
+    pub sea: Option<[f64; 2]>,
+    /// In which state the machine begins.
+    pub start: State,
+    /// Sub-steps of the plant in a sample.
+    pub sub_steps: u32,
+    /// The controller reads C1 with its faults, not as it would be without.
+    pub in_loop: bool,
+    pub faults: Vec<Placed>,
+    /// The opening of the first cycle.
+    pub epoch: Timestamp,
+}
+
+/// Sub-steps in a sample of 20 ms, if nothing else is asked for: 2 ms.
+pub const SUB_STEPS: u32 = 10;
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 0,
+            sea: None,
+            start: State::Engaged,
+            sub_steps: SUB_STEPS,
+            in_loop: false,
+            faults: Vec::new(),
+            epoch: EPOCH,
+        }
+    }
+}
+
+/// Why there is no simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulatorError {
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    #[error(transparent)]
+    Machine(#[from] MachineError),
+}
+
+/// A simulated machine that sends frames.
+#[derive(Clone, Debug)]
+pub struct Simulator {
+    machine: Machine,
+    layout: Layout,
+    arrivals: Arrivals,
+    injector: Injector,
+    in_loop: bool,
+    /// What the controller knows; lengths that did not arrive are those of the cycle before.
+    readings: Readings,
+    cycle: u64,
+    epoch: Timestamp,
+    sample_time: Span,
+}
+
+impl Simulator {
+    /// A machine of `tables` that sends the frames which `settings` and `database` describe.
+    ///
+    /// # Errors
+    /// If the machine of `settings` is none that can be simulated, or the sea is too rough for it.
+    pub fn new(
+        tables: &Tables,
+        settings: &Settings,
+        database: &Database,
+        options: &Options,
+    ) -> Result<Self, SimulatorError> {
+        let layout = Layout::new(settings, database, tables.transducer.grid())?;
+        let sample_time = settings.machine.sample_time;
+        Ok(Self {
+            machine: Machine::new(tables, sample_time, options)?,
+            arrivals: Arrivals::new(settings.bus.bitrate, tables.controller.latency, options.seed),
+            layout,
+            injector: Injector::new(&options.faults, options.seed),
+            in_loop: options.in_loop,
+            readings: Readings::default(),
+            cycle: 0,
+            epoch: options.epoch,
+            sample_time: Span::from_seconds(sample_time),
+        })
+    }
+
+    /// The platform goes to `state`, through those in between.
+    pub fn request(&mut self, state: State) {
+        self.machine.request(state);
+    }
+
+    pub fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    /// What the controller read in the newest cycle.
+    pub fn readings(&self) -> &Readings {
+        &self.readings
+    }
+
+    /// When the next cycle opens, but for the jitter of its Sync.
+    pub fn opening(&self) -> Timestamp {
+        let nanos = self.sample_time.as_nanos().saturating_mul(self.cycle as i64);
+        self.epoch.after(Span::from_nanos(nanos))
+    }
+
+    /// What became of each fault so far, in the order in which they were given.
+    pub fn tallies(&self) -> &[Tally] {
+        self.injector.tallies()
+    }
+
+    /// Makes the frames of one cycle, gives them to `sink` in the order of the bus, and lets the
+    /// machine go on until the next.
+    pub fn step(&mut self, sink: &mut impl FnMut(&Frame)) {
+        self.arrivals.open(self.opening());
+        let sample = self.machine.sample();
+        self.layout.values.sampled(&sample, self.machine.state(), self.cycle);
+        self.readings.pressures = sample.load_pressures;
+        self.readings.pose = sample.motion.pose;
+        self.readings.rate = sample.motion.rate;
+        for leg in 0..CYLINDERS {
+            if !self.layout.carries_speed {
+                self.readings.speeds[leg] = sample.transducers[leg][0].speed;
+            }
+        }
+        self.send(Phase::Sampled, sink);
+        let commands = self.machine.command(&self.readings);
+        self.layout.values.commanded(&commands);
+        self.arrivals.answer();
+        self.send(Phase::Commanded, sink);
+        self.machine.advance();
+        self.cycle += 1;
+    }
+
+    fn send(&mut self, phase: Phase, sink: &mut impl FnMut(&Frame)) {
+        let Self { layout, arrivals, injector, readings, in_loop, .. } = self;
+        for message in layout.messages.iter_mut().filter(|message| message.phase == phase) {
+            message.fill(&layout.values);
+            message.frame.timestamp = arrivals.next(message.frame.length());
+            if !*in_loop {
+                message.read_back(&message.frame, readings);
+            }
+            let unrounded = |plan: &SignalPlan| message.unrounded(plan, &layout.values);
+            if let Some(frame) = injector.take_measured(&message.frame, unrounded) {
+                if *in_loop {
+                    message.read_back(frame, readings);
+                }
+                sink(frame);
+            }
+        }
+    }
+}
