@@ -50,7 +50,7 @@ impl Span {
 
     /// The nearest whole number of nanoseconds; saturates, and maps NaN to zero.
     pub fn from_seconds(seconds: f64) -> Self {
-        Self((seconds * NANOS_PER_SECOND).round() as i64)
+        Self(libm::round(seconds * NANOS_PER_SECOND) as i64)
     }
 
     pub const fn as_nanos(self) -> i64 {

@@ -112,13 +112,13 @@ impl EstimateScale {
 
     /// Count 0 is that of a transducer without a signal.
     fn position_counts(&self, position: f64) -> Option<u16> {
-        let counts = self.position.counts(position).round();
+        let counts = libm::round(self.position.counts(position));
         (1.0..=f64::from(u16::MAX)).contains(&counts).then_some(counts as u16)
     }
 
     /// Rounded up: never surer than it is.
     fn sigma_counts(&self, sigma: f64) -> u16 {
-        let counts = self.sigma.counts(sigma).ceil();
+        let counts = libm::ceil(self.sigma.counts(sigma));
         if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
     }
 }
@@ -249,11 +249,11 @@ impl Payload {
 
 fn residual_counts(residual: Option<f64>) -> i16 {
     // The conversion saturates; the lowest count is kept for "none".
-    residual.map_or(NO_RESIDUAL, |r| ((r / RESIDUAL_UNIT).round() as i16).max(-i16::MAX))
+    residual.map_or(NO_RESIDUAL, |r| (libm::round(r / RESIDUAL_UNIT) as i16).max(-i16::MAX))
 }
 
 fn threshold_counts(threshold: Option<f64>) -> u64 {
-    threshold.map_or(0, |t| ((t / THRESHOLD_UNIT).round() as u64).min(THRESHOLD_BEYOND))
+    threshold.map_or(0, |t| (libm::round(t / THRESHOLD_UNIT) as u64).min(THRESHOLD_BEYOND))
 }
 
 const fn fault_code(fault: Fault) -> u64 {

@@ -79,7 +79,7 @@ impl SignalPlan {
     /// `None` if it has to be asked, or is not within them.
     pub fn plain(&self, at: usize) -> Option<Plain> {
         let Self { factor, offset, field, form, .. } = *self;
-        let largest = 2_f64.powi(field.length() as i32) * factor.abs() + offset.abs();
+        let largest = libm::ldexp(1.0, field.length() as i32) * factor.abs() + offset.abs();
         let plain = form == Form::Integer && self.gates.is_empty() && largest.is_finite();
         Some(Plain { factor, offset, field: field.within(at).filter(|_| plain)? })
     }
@@ -175,7 +175,7 @@ impl SignalPlan {
         let wanted = match raw {
             Raw::Float(float) if float.is_nan() => return Inserted::NotANumber,
             // Saturates far beyond 64 bits.
-            Raw::Float(float) => float.round_ties_even() as i128,
+            Raw::Float(float) => libm::rint(float) as i128,
             Raw::Unsigned(number) => i128::from(number),
             Raw::Signed(number) => i128::from(number),
         };

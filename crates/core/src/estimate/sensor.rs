@@ -86,7 +86,7 @@ pub struct VirtualSensor {
 impl VirtualSensor {
     pub fn new(design: Design) -> Self {
         Self {
-            fade: KEPT.powf(design.sample_time),
+            fade: libm::pow(KEPT, design.sample_time),
             velocity: Velocity::new(design.sample_time),
             feed: Feed::default(),
             filters: [Filter::default(), Filter::default()],
@@ -208,7 +208,7 @@ impl VirtualSensor {
     }
 
     fn judged(&self, position: f64, variance: f64, source: Source, evidence: bool) -> Estimate {
-        let sigma = variance.sqrt();
+        let sigma = libm::sqrt(variance);
         let (lowest, highest) = self.design.lengths;
         let inside = (lowest..=highest).contains(&position);
         // Written so that a NaN is not valid.

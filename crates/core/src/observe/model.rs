@@ -88,15 +88,21 @@ pub(super) fn eigenvalues(a: &Matrix3<f64>) -> Option<[Complex<f64>; 3]> {
         (false, true) => with_pair(t[(0, 0)], t.fixed_view::<2, 2>(1, 1).into()),
         (true, true) => return None,
     };
-    poles.sort_by(|one, other| other.norm().total_cmp(&one.norm()));
-    poles.iter().all(|pole| pole.norm().is_finite()).then_some(poles)
+    poles.sort_by(|one, other| modulus(*other).total_cmp(&modulus(*one)));
+    poles.iter().all(|pole| modulus(*pole).is_finite()).then_some(poles)
+}
+
+/// |z|
+pub(super) fn modulus(z: Complex<f64>) -> f64 {
+    libm::hypot(z.re, z.im)
 }
 
 /// A real eigenvalue, and the two of a 2×2 block.
 fn with_pair(single: f64, block: Matrix2<f64>) -> [Complex<f64>; 3] {
     let half_difference = (block[(0, 0)] - block[(1, 1)]) / 2.0;
     let discriminant = half_difference * half_difference + block[(0, 1)] * block[(1, 0)];
-    let root = Complex::from(discriminant).sqrt();
+    let size = libm::sqrt(discriminant.abs());
+    let root = if discriminant < 0.0 { Complex::new(0.0, size) } else { size.into() };
     let mean = Complex::from(block.trace() / 2.0);
     [single.into(), mean + root, mean - root]
 }

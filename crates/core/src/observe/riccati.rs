@@ -12,7 +12,7 @@
 use nalgebra::{Cholesky, Complex, Matrix3, SMatrix, SVector, Vector3};
 use thiserror::Error;
 
-use super::model::{Balanced, LARGEST, eigenvalues, is_usable};
+use super::model::{Balanced, LARGEST, eigenvalues, is_usable, modulus};
 
 /// Twice as many as a filter needs that forgets over 2³² samples, three years at 50 Hz.
 const PASSES: u32 = 64;
@@ -98,7 +98,7 @@ pub fn solve<const M: usize>(
     let units = noise_units(a, &q);
     let scale = Matrix3::from_diagonal(&units);
     let unscale = Matrix3::from_diagonal(&units.map(f64::recip));
-    let root = SMatrix::<f64, M, M>::from_diagonal(&r.map(|weight| weight.sqrt().recip()));
+    let root = SMatrix::<f64, M, M>::from_diagonal(&r.map(|weight| libm::sqrt(weight).recip()));
     let scaled = unscale * a * scale;
     let outputs = root * c * scale;
     let noise = Matrix3::from_diagonal(&q.component_div(&units.component_mul(&units)));
@@ -111,7 +111,7 @@ pub fn solve<const M: usize>(
 
     let residual = residual(&scaled, &noise, &p, &(gain * cross));
     let poles = eigenvalues(&(scaled - gain * outputs)).ok_or(unsettled)?;
-    let radius = poles[0].norm();
+    let radius = modulus(poles[0]);
     // Written so that a NaN is refused as well.
     if !(residual <= TOLERANCE && radius < 1.0) {
         return Err(RiccatiError::Inaccurate { residual, radius });
@@ -156,7 +156,7 @@ fn double(
 /// The largest entry of `part`, each measured by the standard deviations that `whole` gives its row
 /// and column; infinite when an entry, or a variance, is not a number that can be.
 fn relative(part: &Matrix3<f64>, whole: &Matrix3<f64>) -> f64 {
-    let deviations = whole.diagonal().map(f64::sqrt);
+    let deviations = whole.diagonal().map(libm::sqrt);
     let size = deviations * deviations.transpose();
     part.zip_map(&size, |entry, size| if entry == 0.0 { 0.0 } else { entry.abs() / size })
         .iter()
@@ -181,7 +181,7 @@ fn noise_units(a: &Matrix3<f64>, q: &Vector3<f64>) -> Vector3<f64> {
     let two = q + a * q * a.transpose();
     let three = q + a * two * a.transpose();
     three.diagonal().map(|variance| {
-        let unit = variance.sqrt().log2().round().exp2();
+        let unit = libm::exp2(libm::round(libm::log2(libm::sqrt(variance))));
         if unit.is_normal() { unit } else { 1.0 }
     })
 }
@@ -217,10 +217,10 @@ fn check_modes<const M: usize>(
     let poles = eigenvalues(a).ok_or(RiccatiError::Model)?;
     let outputs = Balanced::new(a, c);
     // Excitation is the dual: what the noise reaches in A is what is measured in Aᵀ.
-    let deviations = Matrix3::from_diagonal(&Vector3::from(q).map(f64::sqrt));
+    let deviations = Matrix3::from_diagonal(&Vector3::from(q).map(libm::sqrt));
     let noise = Balanced::new(&a.transpose(), &deviations);
     for pole in poles {
-        let modulus = pole.norm();
+        let modulus = modulus(pole);
         if modulus >= 1.0 - CIRCLE && !outputs.sees(pole) {
             return Err(RiccatiError::NotDetectable { modulus });
         }

@@ -35,7 +35,7 @@ impl Baseline {
     pub fn new(sample_time: f64, deviation: f64) -> Self {
         Self {
             gain: sample_time / TIME,
-            begin: (BEGIN / sample_time).round(),
+            begin: libm::round(BEGIN / sample_time),
             clip: CLIP * deviation,
             seen: 0.0,
             value: 0.0,
@@ -59,7 +59,8 @@ impl Baseline {
 
     /// Follows a residual that may be off by `doubt`, m.
     pub fn follow(&mut self, residual: f64, doubt: f64) {
-        let share = 1.0 / (1.0 + (doubt / HALF).powi(2));
+        let halves = doubt / HALF;
+        let share = 1.0 / (1.0 + halves * halves);
         let off = residual - self.value;
         if self.seen < self.begin {
             self.seen += share;
@@ -119,7 +120,7 @@ pub struct Slow {
 
 impl Slow {
     pub fn new(sample_time: f64) -> Self {
-        let second = ((1.0 / sample_time).round() as u32).max(1);
+        let second = (libm::round(1.0 / sample_time) as u32).max(1);
         Self { second, means: [0.0; MEANS], held: 0, next: 0, mean: None, sum: 0.0, count: 0 }
     }
 

@@ -61,7 +61,7 @@ impl Measuring {
             let width = WIDTHS[index] as f64;
             let Some([sum, square, shares, ..]) = history.over(WIDTHS[index]) else { break };
             means.add(bands.beyond(index, sum / width, shares / width));
-            squares.add((square / width).max(0.0).sqrt());
+            squares.add(libm::sqrt((square / width).max(0.0)));
         }
     }
 
@@ -171,7 +171,7 @@ fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
             break;
         }
         if beyond >= least {
-            most = most.max(evidence(magnitude) / (all / beyond).ln());
+            most = most.max(evidence(magnitude) / libm::log(all / beyond));
         }
     }
     most

@@ -104,7 +104,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
     // Of white noise this is 2 (von Neumann), of what goes up and down slowly nearly 0.
     let wildness = changes.sum::<f64>() / (count * (square - mean * mean));
     let noisy = mean * mean < NOISY * square && wildness > WILD;
-    Some(if noisy { Looks::Noisy(square.sqrt()) } else { Looks::Neither })
+    Some(if noisy { Looks::Noisy(libm::sqrt(square)) } else { Looks::Neither })
 }
 
 #[cfg(test)]

@@ -39,6 +39,7 @@ pub mod search;
 pub mod skew;
 pub mod statistic;
 pub mod stops;
+mod student;
 pub mod tanh;
 pub mod trend;
 pub mod velocity;
@@ -69,5 +70,5 @@ pub use trend::{Forecast, Limits, Trend};
 /// (Chernoff); neighbouring windows and samples say nearly the same, so that this many are not
 /// added up. What a recording shows is by a few nats better.
 pub fn level(per_year: f64, cylinders: u8, sample_time: f64) -> f64 {
-    (f64::from(cylinders) / sample_time / per_second(per_year)).ln()
+    libm::log(f64::from(cylinders) / sample_time / per_second(per_year))
 }

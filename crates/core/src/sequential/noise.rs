@@ -19,7 +19,7 @@ impl Noise {
     /// What the rounding of readings leaves in any case, m, of counts of this `resolution`, m.
     pub fn of_rounding(resolution: [f64; 2]) -> f64 {
         let squares: f64 = resolution.iter().map(|count| count * count / 12.0).sum();
-        squares.sqrt()
+        libm::sqrt(squares)
     }
 
     /// The same, with a timing that can be relied on.
@@ -36,7 +36,7 @@ impl Noise {
     /// What a residual at a `velocity`, m/s, has to be multiplied by to scatter as one at rest does;
     /// 0 to 1.
     pub fn share(&self, velocity: f64) -> f64 {
-        (self.rest * self.rest / self.variance(velocity)).sqrt()
+        libm::sqrt(self.rest * self.rest / self.variance(velocity))
     }
 }
 

@@ -224,7 +224,7 @@ impl Pair {
         let sums = 2.0 * (energies[0] + energies[1]) - differences;
         let left = sums - 2.0 * part * together.abs() + part * part * differences;
         let free = (sums / count).max(sum);
-        let beyond = 0.5 * (count * (free / around).ln() + sums / free - left / around);
+        let beyond = 0.5 * (count * libm::log(free / around) + sums / free - left / around);
         Some(between.min(AGAINST_BOTH * beyond).max(0.0).copysign(together))
     }
 }

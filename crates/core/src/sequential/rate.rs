@@ -67,7 +67,7 @@ impl Magnitudes {
 
     /// The root mean square, m.
     pub fn deviation(&self) -> f64 {
-        (self.squares / self.total.max(1) as f64).sqrt()
+        libm::sqrt(self.squares / self.total.max(1) as f64)
     }
 }
 
@@ -105,7 +105,7 @@ impl Rate {
     /// The table that begins with I(0) and has a value each `spacing`, m; nats, at least 2 of them and
     /// none negative.
     pub fn new(spacing: f64, values: &[f64]) -> Self {
-        let root = |value: &f64| value.max(0.0).sqrt();
+        let root = |value: &f64| libm::sqrt(value.max(0.0));
         let next = values.iter().skip(1).chain(values.last()).map(root);
         let roots: Vec<[f64; 2]> =
             values.iter().map(root).zip(next).map(|(root, next)| [root, next - root]).collect();
@@ -155,11 +155,13 @@ impl Rate {
         let spacing = farthest / NODES as f64;
         let at = |x: f64| match what {
             Of::Mean => conjugate(points, x / farthest, farthest, |tilt, r| {
-                0.5 * ((tilt * (r - 1.0)).exp() + (-tilt * (r + 1.0)).exp())
+                0.5 * (libm::exp(tilt * (r - 1.0)) + libm::exp(-tilt * (r + 1.0)))
             }),
-            Of::Square => conjugate(points, (x / farthest).powi(2), farthest, |tilt, r| {
-                (tilt * (r * r - 1.0)).exp()
-            }),
+            Of::Square => {
+                let share = x / farthest;
+                let grown = |tilt: f64, r: f64| libm::exp(tilt * (r * r - 1.0));
+                conjugate(points, share * share, farthest, grown)
+            }
         };
         let mut values: Vec<f64> = (0..=NODES).map(|i| at(i as f64 * spacing)).collect();
         values[0] = 0.0;
@@ -229,20 +231,20 @@ fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64, grown: impl Fn(f64, f
     let value = |tilt: f64| {
         // Without overflow: exp(λ) is taken out of the sum.
         let sum: f64 = points.iter().map(|(r, p)| p * grown(tilt, r / farthest)).sum();
-        tilt * x - tilt - sum.ln()
+        tilt * x - tilt - libm::log(sum)
     };
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
     // The tilt that matters can be small against the tail: search its logarithm.
-    let (mut low, mut high) = (1e-4_f64.ln(), STEEPEST.ln());
+    let (mut low, mut high) = (libm::log(1e-4), libm::log(STEEPEST));
     for _ in 0..80 {
         let inner = [high - golden * (high - low), low + golden * (high - low)];
-        if value(inner[0].exp()) < value(inner[1].exp()) {
+        if value(libm::exp(inner[0])) < value(libm::exp(inner[1])) {
             low = inner[0];
         } else {
             high = inner[1];
         }
     }
-    value((0.5 * (low + high)).exp()).max(0.0)
+    value(libm::exp(0.5 * (low + high))).max(0.0)
 }
 
 #[cfg(test)]

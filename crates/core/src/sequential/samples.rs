@@ -39,7 +39,7 @@ impl Sample {
     #[inline]
     fn band(&self) -> f64 {
         if self.doubt > 0.0 {
-            self.share * (1.0 + self.doubt / (DEAD_BAND * DEAD_BAND)).sqrt()
+            self.share * libm::sqrt(1.0 + self.doubt / (DEAD_BAND * DEAD_BAND))
         } else {
             self.share
         }
@@ -138,7 +138,7 @@ impl History {
     /// How far the newest few residuals are from none, news or not, m; `None` if there are not so many.
     pub fn apart(&self) -> Option<f64> {
         let squares = self.all.iter().take(FEW).map(|residual| residual * residual);
-        (self.all.held() >= FEW).then(|| squares.sum::<f64>().sqrt())
+        (self.all.held() >= FEW).then(|| libm::sqrt(squares.sum::<f64>()))
     }
 
     /// The cycles that the newest `width` samples that count go back.

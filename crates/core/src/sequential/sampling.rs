@@ -87,7 +87,7 @@ impl Sampling {
         let limit = limit(known);
         let perhaps = !self.changed && fast.may_be_beyond(limit);
         let changing = told == Some(true) || perhaps && surely(said, 0, limit);
-        let spread = fast.square.max(slow.square).max(0.0).sqrt();
+        let spread = libm::sqrt(fast.square.max(slow.square).max(0.0));
         Some((Apart { mean, spread, changing, perhaps }, told))
     }
 
@@ -95,7 +95,7 @@ impl Sampling {
     fn tell(&mut self, said: &[Said], slow: Middle, known: f64) -> Option<bool> {
         let limit = limit(known);
         let moved = || {
-            let error = middle(said, |one| one.seen[1].mean_variance).sqrt();
+            let error = libm::sqrt(middle(said, |one| one.seen[1].mean_variance));
             slow.mean.abs() - SURE * error > LEAST_APART
         };
         let now = if self.changed {
@@ -133,7 +133,7 @@ fn limit(known: f64) -> f64 {
 fn surely(said: &[Said], which: usize, limit: f64) -> bool {
     let least = |one: &Said| {
         let seen = one.seen[which];
-        seen.square - SURE * seen.square_variance.sqrt()
+        seen.square - SURE * libm::sqrt(seen.square_variance)
     };
     middle(said, least) > limit * limit
 }

@@ -84,10 +84,10 @@ impl Proportion {
         let (_, by_time) = self.fit(OF_TIME)?;
         // Nothing explains more than a healthy residual leaves.
         let ratio = by_time.max(count) / by_length.max(count);
-        let nats = 0.5 * count / ALIKE * ratio.ln();
+        let nats = 0.5 * count / ALIKE * libm::log(ratio);
         let gain = slope * self.deviation;
         let mean = self.sums[0][3] / count;
-        let travelled = (self.sums[3][3] / count - mean * mean).max(0.0).sqrt();
+        let travelled = libm::sqrt((self.sums[3][3] / count - mean * mean).max(0.0));
         let is_scale = gain.abs() < LARGEST
             && gain.abs() * travelled > self.dead_band
             && if told { nats > 0.0 } else { nats > TOLD && ratio > CLEARLY };

@@ -102,7 +102,7 @@ impl Scales {
         if window.root * beyond > largest.root {
             let nats = self.mean_nats(window, beyond);
             if nats > largest.peaks[0].nats {
-                (largest.peaks[0], largest.root) = (Peak { nats, width }, nats.sqrt());
+                (largest.peaks[0], largest.root) = (Peak { nats, width }, libm::sqrt(nats));
             }
         }
         if window.line[0] * sums[1] - window.line[1] > largest.peaks[1].nats {

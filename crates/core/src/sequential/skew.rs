@@ -49,7 +49,7 @@ const SUMS: usize = 6;
 impl Skew {
     /// Of samples every `sample_time` seconds, of a calibration with the timing `known`, s.
     pub fn new(sample_time: f64, known: f64) -> Self {
-        let keep = TIMES.map(|time| (-sample_time / time).exp());
+        let keep = TIMES.map(|time| libm::exp(-sample_time / time));
         Self { known, keep, sums: [[0.0; TIMES.len()]; SUMS] }
     }
 
@@ -89,7 +89,8 @@ impl Skew {
     /// What the newest half second says, and what the newest half minute does.
     pub fn seen(&self) -> [Seen; 2] {
         let [squares, fourths, products, excesses, variances, others] = self.sums;
-        let few = [SAMPLES * SPEED * SPEED, SAMPLES * SPEED.powi(4)];
+        let square = SPEED * SPEED;
+        let few = [SAMPLES * SPEED * SPEED, SAMPLES * (square * square)];
         let known = few[1] * self.known * self.known;
         [0, 1].map(|i: usize| {
             let [by_square, by_fourth] = [1.0 / (squares[i] + few[0]), 1.0 / (fourths[i] + few[1])];

@@ -61,7 +61,8 @@ impl Bands {
     /// noise rounds each up or down as long as the speed lasts: a mean square of q²/4 of each, however
     /// little it is elsewhere. So much is no noise.
     pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2]) -> Self {
-        let grown = 8.0 * BY_DEAD_BAND * (noise / dead_band).powi(2);
+        let ratio = noise / dead_band;
+        let grown = 8.0 * BY_DEAD_BAND * (ratio * ratio);
         let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
         let tossed: f64 = resolution.iter().map(|count| 0.25 * count * count).sum();
         let least = (dead_band * dead_band).max(LEAST_SPREAD_BAND * noise * noise);
@@ -150,7 +151,7 @@ impl Window {
     /// With bounds: I(x) ≤ M x², where x is what the sum is beyond its band, by the width; and I₂(x) ≤
     /// M₂ (x² − x₀²), where x² is the same of the squares ([`Rate::steepest`]).
     fn bounded(self, mean: &Rate, square: &Rate) -> Self {
-        let root = (self.worth[0] * mean.steepest(0.0)).sqrt() * self.part * (1.0 + ROUNDING);
+        let root = libm::sqrt(self.worth[0] * mean.steepest(0.0)) * self.part * (1.0 + ROUNDING);
         let silent = square.silent();
         let steepest = self.worth[1] * square.steepest(silent) * (1.0 + ROUNDING);
         let slope = steepest * self.part;
@@ -210,7 +211,7 @@ impl Scales {
     #[inline]
     pub(super) fn square_nats(&self, window: &Window, beyond: f64) -> f64 {
         if beyond > 0.0 {
-            window.worth[1] * self.square.at((beyond * window.part).sqrt())
+            window.worth[1] * self.square.at(libm::sqrt(beyond * window.part))
         } else {
             0.0
         }
@@ -225,7 +226,7 @@ impl Scales {
     /// The same of a mean `square`, m².
     pub fn by_square(&self, index: usize, square: f64) -> f64 {
         let beyond = (square - self.bands.spread_band).max(0.0);
-        self.windows[index].worth[1] * self.square.at(beyond.sqrt())
+        self.windows[index].worth[1] * self.square.at(libm::sqrt(beyond))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::dwell::Dwell;
 use super::history::{LEAST, REPEATABILITY};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use super::student;
 
 /// Seconds of a mean month.
 const MONTH: f64 = 30.4375 * 86_400.0;
@@ -65,10 +65,10 @@ impl Trend {
             .map(|dwell| dwell.readings[which] - y0 - per_month * (months(dwell) - t0))
             .map(|residual| residual * residual)
             .sum();
-        let deviation = (squares / (n - 2.0)).sqrt().max(REPEATABILITY);
+        let deviation = libm::sqrt(squares / (n - 2.0)).max(REPEATABILITY);
         Some(Self {
             per_month,
-            error: deviation / tt.sqrt(),
+            error: deviation / libm::sqrt(tt),
             moved: newest.readings[which] - reference,
             months: months(newest),
             dwells: dwells.len(),
@@ -78,11 +78,8 @@ impl Trend {
     /// What the line may be steeper or flatter by, m a month: Student's, since three dwells say
     /// little of how they scatter.
     fn margin(&self) -> f64 {
-        let freedom = (self.dwells as f64 - 2.0).max(1.0);
-        let student = StudentsT::new(0.0, 1.0, freedom);
-        // Its parameters are sound; were they not, nothing would be claimed.
-        let quantile = student.map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - 0.5 / IN_SO_MANY));
-        quantile * self.error
+        let freedom = self.dwells.saturating_sub(2).max(1);
+        student::two_sided(1.0 / IN_SO_MANY, freedom) * self.error
     }
 
     /// Whether it is beyond what the scatter of so many dwells may look like.

@@ -17,11 +17,11 @@ const IN_A_ROW: f64 = 4.75;
 /// wild as the rate functions have. Five in a row to one side come once in some days then; but five
 /// anywhere, to either side, which is what a lower level would be reached by, every few hours.
 pub fn least_level() -> f64 {
-    IN_A_ROW * (2.0 / SHARE).ln()
+    IN_A_ROW * libm::log(2.0 / SHARE)
 }
 
 /// A: how far off a wild sample is taken for, in deviations of healthy ones. There a normal one is as
 /// rare.
 pub fn reach() -> f64 {
-    (2.0 * (2.0 / SHARE).ln()).sqrt()
+    libm::sqrt(2.0 * libm::log(2.0 / SHARE))
 }

@@ -91,7 +91,7 @@ fn cholesky<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
         if left.is_nan() || left <= 1e-12 * whole {
             return None;
         }
-        a[j][j] = left.sqrt();
+        a[j][j] = libm::sqrt(left);
         for i in j + 1..N {
             let sum: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
             a[i][j] = (a[i][j] - sum) / a[j][j];
@@ -127,11 +127,11 @@ pub(super) fn likelihood<const N: usize>(
     for i in 0..N {
         normal[i][i] += variance / (deviations[i] * deviations[i]);
         if deviations[i].is_finite() {
-            determinant += (deviations[i] * deviations[i] / variance).ln();
+            determinant += libm::log(deviations[i] * deviations[i] / variance);
         }
     }
     let factor = cholesky(normal)?;
-    determinant += (0..N).map(|i| 2.0 * factor[i][i].ln()).sum::<f64>();
+    determinant += (0..N).map(|i| 2.0 * libm::log(factor[i][i])).sum::<f64>();
     let solution = solve(&factor, right);
     let explained: f64 = right.iter().zip(solution).map(|(r, b)| r * b).sum();
     Some(0.5 * (explained / variance - determinant))

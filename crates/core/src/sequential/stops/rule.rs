@@ -201,14 +201,14 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
         }
         judged.get_or_insert((course, [apart, mean]));
         let size = apart.moved.abs();
-        if size < LEAST.max(COUNTS * count) || size - count < beyond * apart.variance.sqrt() {
+        if size < LEAST.max(COUNTS * count) || size - count < beyond * libm::sqrt(apart.variance) {
             continue;
         }
         if let Some([a, m]) = others(series, which, course, end, prior) {
             apart.variance = apart.variance.max(a);
             mean.variance = mean.variance.max(m);
         }
-        let ratio = (size - count) / (beyond * apart.variance.sqrt());
+        let ratio = (size - count) / (beyond * libm::sqrt(apart.variance));
         if ratio > 1.0 && best.is_none_or(|(most, ..)| ratio > most) {
             best = Some((ratio, course, [apart, mean]));
         }
@@ -291,7 +291,8 @@ fn others(
     let fits: Vec<[Fit; 2]> = others.filter_map(|(_, it)| it.fits(course, end, prior)).collect();
     (fits.len() + 1 >= CYLINDERS).then(|| {
         [0, 1].map(|part| {
-            let mut squares: Vec<f64> = fits.iter().map(|fits| fits[part].moved.powi(2)).collect();
+            let mut squares: Vec<f64> =
+                fits.iter().map(|fits| fits[part].moved * fits[part].moved).collect();
             squares.sort_unstable_by(f64::total_cmp);
             squares.pop();
             TRIMMED * squares.iter().sum::<f64>() / squares.len() as f64
