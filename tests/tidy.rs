@@ -1,6 +1,7 @@
 //! What the source has to keep to, and no compiler asks for: what is not named below has no clock, socket,
 //! file, thread or global, so that a replay says what the gateway said; the rooms of a crate use each
-//! other one way; and nothing is left half done.
+//! other one way; and nothing is left half done. The core is without std, so that the compiler holds it
+//! to the first; only functions and globals are left to ask for there.
 //!
 //! It looks at tokens, so that comments and texts may say what they like, and at code outside of
 //! `#[cfg(test)]` only.
@@ -97,6 +98,45 @@ const FORBIDDEN: [&str; 20] = [
 
 /// Their order is another one in every run. `dbc` only looks up in them, or sorts what comes out.
 const UNORDERED: [&str; 2] = ["HashMap", "HashSet"];
+
+/// The crate that the compiler keeps from the world.
+const CORE: &str = "crates/core/src/";
+
+/// Functions of floats that std has of the platform's C library. Where another crate brings std, the core
+/// can call them, too, and would say something else on another platform.
+const OF_THE_PLATFORM: [&str; 31] = [
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
+    "cbrt",
+    "ceil",
+    "cos",
+    "cosh",
+    "exp",
+    "exp2",
+    "exp_m1",
+    "floor",
+    "fract",
+    "hypot",
+    "ln",
+    "ln_1p",
+    "log",
+    "log10",
+    "log2",
+    "mul_add",
+    "powf",
+    "powi",
+    "round",
+    "round_ties_even",
+    "sin",
+    "sin_cos",
+    "sinh",
+    "sqrt",
+    "tan",
+    "tanh",
+    "trunc",
+];
 
 /// What nobody leaves behind, in any room.
 const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
@@ -366,13 +406,58 @@ fn none(found: Vec<String>, why: &str) {
 
 #[test]
 fn what_is_pure_knows_no_world() {
-    let pure: Vec<Source> = sources().into_iter().filter(|source| !source.is_worldly()).collect();
+    let is_asked = |it: &Source| !it.is_worldly() && !it.name.starts_with(CORE);
+    let pure: Vec<Source> = sources().into_iter().filter(is_asked).collect();
     assert!(pure.len() > 40, "{} files", pure.len());
     none(
         pure.iter().flat_map(worldly_names).collect(),
         "a clock, socket, file, thread, global or unseeded chance where all is pure; hand in what is \
          needed as an argument",
     );
+}
+
+/// Functions of the platform that `source`, of the core, calls, and globals that can change.
+fn of_the_platform(source: &Source) -> Vec<String> {
+    let tokens = source.tokens();
+    let at = |at: usize| text(&tokens, at);
+    let named = |i: &usize| {
+        let is_function = OF_THE_PLATFORM.contains(&at(*i));
+        let of_a_value = *i > 0 && at(*i - 1) == ".";
+        let of_the_type = *i > 2 && matches!(at(*i - 3), "f64" | "f32");
+        is_function && (of_a_value || of_the_type) || at(*i) == "atomic"
+    };
+    let found = (0..tokens.len()).filter(named);
+    found.map(|i| format!("{}: {}", source.name, at(i))).collect()
+}
+
+#[test]
+fn the_core_is_the_same_everywhere() {
+    // A file of its own for tests is one for std, too.
+    let sources = sources_below(CORE);
+    let core = sources.iter().filter(|source| !source.name.ends_with("/tests.rs"));
+    none(
+        core.flat_map(of_the_platform).collect(),
+        "a function of the platform, or a global, in the core; take the function from libm",
+    );
+}
+
+#[test]
+fn functions_of_the_platform_are_caught_and_others_are_not() {
+    for text in [
+        "fn f() { (a + b).sqrt() }",
+        "fn f() { x.iter().map(|y| y\n.powi (2)) }",
+        "fn f() { x.map(f64::sqrt) }",
+        "static A: core::sync::atomic::AtomicU32 = x;",
+    ] {
+        assert_eq!(of_the_platform(&pure(text)).len(), 1, "{text}");
+    }
+    for text in [
+        "fn f() { libm::sqrt(x).abs() }",
+        "fn f() { x.map(libm::sqrt) }",
+        "#[cfg(test)] mod tests { fn f() { x.sqrt() } }",
+    ] {
+        assert_eq!(of_the_platform(&pure(text)), [] as [String; 0], "{text}");
+    }
 }
 
 #[test]

@@ -22,6 +22,15 @@
 //! Time comes with the frames: there is no clock, socket, file, thread or global. What a monitor is made
 //! of, [`monitor::MonitorDesign`], comes from whoever has it: the crate of the configuration makes one of
 //! a TOML file and a DBC.
+//!
+//! It has no operating system below it, and takes its functions from libm: the same frames give the same
+//! bytes with every C library and on every processor. [`frame::Frame`] is an
+//! [`embedded_can::Frame`], so that any driver of that family can bring frames and send the monitor's.
+
+// Tests compare with the functions of std.
+#![cfg_attr(not(test), no_std)]
+
+extern crate alloc;
 
 pub mod alarm;
 pub mod compare;

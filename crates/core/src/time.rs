@@ -3,7 +3,7 @@
 //! `Display` writes both types in seconds with every digit they have: no float comes in between, so
 //! that a time stamp can be searched for in the recording that it came from.
 
-use std::fmt;
+use core::fmt;
 
 /// An instant in nanoseconds since the Unix epoch (or since whatever a recording counts from).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -37,7 +37,7 @@ impl OwnFrame {
 const TPDO: [u32; 3] = [0x180, 0x280, 0x380];
 
 /// CANopen has nodes 1 to 127.
-const NODES: std::ops::RangeInclusive<u8> = 1..=127;
+const NODES: core::ops::RangeInclusive<u8> = 1..=127;
 
 /// Fd_Warning.Residual counts, m.
 const RESIDUAL_UNIT: f64 = 1e-5;

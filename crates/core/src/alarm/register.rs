@@ -4,6 +4,8 @@ use super::Level;
 use super::warning::{Detector, Finding, State, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::Suspect;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// Where a warning of a cylinder has its place: FDE1, FDE2, FDE3, the plausibility of C1, C2 and the
 /// command, then the sequential detector.

@@ -3,6 +3,7 @@
 use super::field::{Field, WordField};
 use super::value::{Decoded, Inserted, Raw, Value};
 use crate::frame::{Frame, Kind, MAX_DATA};
+use alloc::boxed::Box;
 
 /// How a field's bits are a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

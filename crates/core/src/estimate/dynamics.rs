@@ -5,6 +5,7 @@ use crate::observe::model::Model;
 pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
 use crate::sequential::pair;
+use alloc::boxed::Box;
 use nalgebra::{Matrix3, Vector3};
 
 /// x(k+1) = A x(k) + the command's part, with process noise.

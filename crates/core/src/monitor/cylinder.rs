@@ -22,6 +22,7 @@ use crate::sequential::{self, Coverage, Dwell, DwellHistory, Judgement, Sequenti
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
+use alloc::boxed::Box;
 use precedence::Precedence;
 pub use telling::Evaluated;
 
@@ -136,7 +137,7 @@ impl Cylinder {
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
             motions: [Motion::default(); 2],
-            implausible: std::array::from_fn(|_| Implausible::new(design.clear)),
+            implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),

@@ -1,6 +1,7 @@
 //! In which platform states FDE1 and FDE2 judge, and in which the rods stand on their stops.
 
 use crate::time::{Span, Timestamp};
+use alloc::vec::Vec;
 
 /// Follows the platform's state.
 #[derive(Clone, Debug)]

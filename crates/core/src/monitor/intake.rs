@@ -4,6 +4,7 @@ use super::wiring::{Target, Wire};
 use crate::decode::{Plain, SignalPlan};
 use crate::frame::Frame;
 use crate::sample::{Field, Inputs, Transducer};
+use alloc::boxed::Box;
 
 /// The bytes of a word, of which all signals are read.
 const WORD: usize = 8;

@@ -29,6 +29,7 @@ use crate::sample::Transducer;
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
+use alloc::vec::Vec;
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
 pub use estimates::Estimates;

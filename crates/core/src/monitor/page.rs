@@ -7,6 +7,9 @@ use crate::frame::Frame;
 use crate::sample::arrival::Slot;
 use crate::sample::counter::AliveCounter;
 use crate::sample::{Field, Transducer};
+use alloc::boxed::Box;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// A message as its frames are taken.
 #[derive(Clone, Debug)]

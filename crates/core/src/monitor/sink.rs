@@ -6,6 +6,7 @@ use crate::observe::observer::Restart;
 use crate::sample::Quality;
 use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
+use alloc::vec::Vec;
 
 /// Everything known of one cylinder in one cycle; `None` where there was nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]

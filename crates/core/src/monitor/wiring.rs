@@ -3,6 +3,9 @@
 use crate::decode::SignalPlan;
 use crate::frame::Id;
 use crate::sample::{Field, Transducer};
+use alloc::boxed::Box;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// Where a decoded signal goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -199,7 +199,7 @@ impl Observer {
     fn predict(&mut self, innovation: [f64; 2]) {
         let Design { a, b, l, .. } = &self.design;
         let (x, v) = (self.x, innovation);
-        self.x = std::array::from_fn(|i| {
+        self.x = core::array::from_fn(|i| {
             let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];
             free + b[i] * self.u + (l[(i, 0)] * v[0] + l[(i, 1)] * v[1])
         });

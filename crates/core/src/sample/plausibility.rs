@@ -1,9 +1,9 @@
-//! The checks of a reading before any model, in a fixed order: stale, broken wire, out of range,
-//! frozen.
+//! The checks of a reading before any model, in a fixed order: stale, broken wire, out of range, frozen.
 
 use super::motion::Motion;
 use super::quality::Quality;
 use super::reading::Reading;
+use alloc::vec::Vec;
 
 /// What makes a reading implausible.
 #[derive(Clone, Debug)]

@@ -18,8 +18,13 @@
 use super::dwell::Dwell;
 use super::history::{DwellHistory, Flaw, Gauging, MOST_READ};
 use crate::time::Timestamp;
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::fmt::Write as _;
 use crc::{CRC_32_ISO_HDLC, Crc};
-use std::fmt::Write as _;
 use thiserror::Error;
 
 /// Of the form above; a newer one may mean anything.
@@ -109,7 +114,7 @@ impl Archive {
         if bytes.len() > MAX_SIZE {
             return Err(Refusal::TooLong);
         }
-        let text = std::str::from_utf8(bytes).map_err(|_| Refusal::Binary)?;
+        let text = core::str::from_utf8(bytes).map_err(|_| Refusal::Binary)?;
         let mut lines = Lines { rest: text, line: 0 };
         let version = lines.after("tertius dwells ", "`tertius dwells` and a version")?;
         let version = match version.parse() {
@@ -211,7 +216,7 @@ impl<'a> Lines<'a> {
 }
 
 /// The number behind the next word, which has to be `name`.
-fn named<T: std::str::FromStr>(words: &mut std::str::Split<'_, char>, name: &str) -> Option<T> {
+fn named<T: core::str::FromStr>(words: &mut core::str::Split<'_, char>, name: &str) -> Option<T> {
     words.next().filter(|word| *word == name)?;
     words.next()?.parse().ok()
 }

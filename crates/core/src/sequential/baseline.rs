@@ -96,7 +96,7 @@ impl Loss {
     pub fn is_long(&mut self, at: Timestamp) -> bool {
         let newest = self.newest.replace(at);
         let passed = |newest: Timestamp| at.since(newest).as_seconds();
-        std::mem::take(&mut self.lost)
+        core::mem::take(&mut self.lost)
             && newest.is_some_and(|newest| !(0.0..=SHORT).contains(&passed(newest)))
     }
 }

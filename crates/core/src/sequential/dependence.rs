@@ -14,6 +14,7 @@ use super::samples::History;
 use super::statistic::{Bands, Dependence, INDEPENDENT, Scales};
 use super::wild;
 use super::windows::WIDTHS;
+use alloc::vec::Vec;
 
 /// The tail that is looked at: this part of the windows, …
 const TAIL: f64 = 0.001;

@@ -240,7 +240,7 @@ impl Sequential {
         }
         self.residual = None;
         if !input.monitored {
-            if std::mem::take(&mut self.was_monitored) {
+            if core::mem::take(&mut self.was_monitored) {
                 self.leave();
             }
             self.verdict = Verdict::Unknown;

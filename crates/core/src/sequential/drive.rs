@@ -60,7 +60,9 @@ impl Commands {
         let ago = |cycles: usize| self.rings[newest - cycles];
         let lagged = LAGS.map(ago);
         let bent = bent(ago(DELAY));
-        Some(std::array::from_fn(|i| if i < LAGS.len() { lagged[i] } else { bent[i - LAGS.len()] }))
+        Some(core::array::from_fn(
+            |i| if i < LAGS.len() { lagged[i] } else { bent[i - LAGS.len()] },
+        ))
     }
 }
 

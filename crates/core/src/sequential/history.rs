@@ -4,6 +4,7 @@ use super::dwell::Dwell;
 use super::stops::Day;
 use super::trend::Trend;
 use crate::time::{Span, Timestamp};
+use alloc::vec::Vec;
 use thiserror::Error;
 
 /// Dwells, or means of dwells, that are kept: beyond that older ones are put together, so that the span

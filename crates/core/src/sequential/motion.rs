@@ -33,7 +33,7 @@ impl Motion {
     /// Takes the readings of a cycle, m; `true` if the rod moves by either of them.
     #[inline]
     pub fn step(&mut self, lengths: [f64; 2]) -> bool {
-        let before = std::mem::replace(&mut self.ring[self.next], lengths);
+        let before = core::mem::replace(&mut self.ring[self.next], lengths);
         self.next = if self.next + 1 == OVER { 0 } else { self.next + 1 };
         if self.held < OVER {
             self.held += 1;
@@ -43,7 +43,7 @@ impl Motion {
             let displaced = lengths[which] - before[which];
             if displaced.abs() > self.least { displaced } else { 0.0 }
         });
-        let last = std::mem::replace(&mut self.way, way);
+        let last = core::mem::replace(&mut self.way, way);
         // Both not 0, and of one sign.
         way[0] * last[0] > 0.0 || way[1] * last[1] > 0.0
     }

@@ -64,14 +64,14 @@ impl PairDesign {
         let l = solution.gain;
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
-            std::array::from_fn(|age| {
+            core::array::from_fn(|age| {
                 let innovation = Vector2::new(error[0] + fault(age), error[0]);
                 error = a * error - l * innovation;
                 innovation.into()
             })
         };
         let signatures = [respond(|_| 1.0), respond(|age| age as f64 + 1.0)];
-        let gain = std::array::from_fn(|state| 0.5 * (l[(state, 0)] + l[(state, 1)]));
+        let gain = core::array::from_fn(|state| 0.5 * (l[(state, 0)] + l[(state, 1)]));
         Ok(Self { gain, drive, sample_time, weights, signatures })
     }
 }

@@ -1,6 +1,8 @@
 //! How unlikely a mean is on a healthy cylinder.
 
 use super::wild;
+use alloc::vec;
+use alloc::vec::Vec;
 
 /// The bins of a [`Magnitudes`].
 const BINS: usize = 512;

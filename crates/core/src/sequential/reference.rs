@@ -1,5 +1,7 @@
 //! What C1 − C2 is on a healthy cylinder: along the stroke and with speed, and how well that is known.
 
+use alloc::vec::Vec;
+
 /// Where the reference may be off by more than this, nothing is known, m: so much is a fault elsewhere.
 pub const LARGEST_DOUBT: f64 = 2e-4;
 

@@ -4,6 +4,7 @@ use super::clip::Clip;
 use super::novelty::News;
 use super::statistic::DEAD_BAND;
 use super::windows::{Few, Sums, VALUES};
+use alloc::boxed::Box;
 
 /// Up to this width a window takes every sample that is news; wider ones only those in motion, because
 /// at rest the count hardly changes and one sample says much of what the one before has said.

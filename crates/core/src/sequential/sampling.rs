@@ -105,7 +105,7 @@ impl Sampling {
             slow.mean.abs() > LEAST_APART && moved()
                 || slow.may_be_beyond(limit) && surely(said, 1, limit)
         };
-        (std::mem::replace(&mut self.changed, now) != now).then_some(now)
+        (core::mem::replace(&mut self.changed, now) != now).then_some(now)
     }
 }
 

@@ -4,7 +4,7 @@ use super::rate::Rate;
 use super::samples::History;
 use super::wild;
 use super::windows::{VALUES, WIDTHS};
-use std::ops::Range;
+use core::ops::Range;
 
 /// A statistic and the window that it comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -165,7 +165,7 @@ impl Window {
 impl Scales {
     /// By the rate functions of the mean and of the mean square of weighed residuals.
     pub fn new(mean: Rate, square: Rate, dependence: Dependence, bands: Bands) -> Self {
-        let windows = std::array::from_fn(|index| {
+        let windows = core::array::from_fn(|index| {
             let worth = dependence.map(|of| WIDTHS[index] as f64 / of[index]);
             Window::new(WIDTHS[index], bands.dead_bands[index], bands.spread_band, worth)
                 .bounded(&mean, &square)

@@ -25,7 +25,7 @@ impl Velocity {
 
     /// Takes a cycle: C2, m, and its velocity where it is `measured`, m/s.
     pub fn step(&mut self, c2: Option<f64>, measured: Option<f64>) -> Option<f64> {
-        let before = std::mem::replace(&mut self.before, c2);
+        let before = core::mem::replace(&mut self.before, c2);
         if measured.is_some() {
             return measured;
         }

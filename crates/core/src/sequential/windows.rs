@@ -1,5 +1,7 @@
 //! Sums over the newest samples.
 
+use alloc::boxed::Box;
+
 /// Samples in each window: about as many as an octave needs, so that what begins between two of
 /// them loses little.
 pub const WIDTHS: [usize; 20] =
@@ -58,7 +60,7 @@ impl<const N: usize> Sums<N> {
     #[inline]
     pub fn newest(&self, width: usize) -> [f64; VALUES] {
         let before = &self.before[self.count.wrapping_sub(width) % N];
-        std::array::from_fn(|i| self.total[i] - before[i])
+        core::array::from_fn(|i| self.total[i] - before[i])
     }
 
     /// Sums that run for years lose their last digits.
@@ -127,7 +129,7 @@ impl Few {
 /// Both, value by value.
 #[inline]
 pub fn add(sums: [f64; VALUES], values: [f64; VALUES]) -> [f64; VALUES] {
-    std::array::from_fn(|i| sums[i] + values[i])
+    core::array::from_fn(|i| sums[i] + values[i])
 }
 
 #[cfg(test)]

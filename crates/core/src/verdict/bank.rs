@@ -122,7 +122,7 @@ impl Bank {
 
     /// What FDE1, FDE2 and FDE3 see now.
     pub fn detections(&self) -> [Option<Detection>; 3] {
-        std::array::from_fn(|i| {
+        core::array::from_fn(|i| {
             self.found[i].map(|found| Detection {
                 fault: found.fault,
                 suspect: found.suspect,
@@ -159,7 +159,7 @@ impl Bank {
     }
 
     fn suspect(&self, i: usize, own: Raise) -> Suspect {
-        let [fde1, fde2, fde3] = std::array::from_fn(|i| Seen {
+        let [fde1, fde2, fde3] = core::array::from_fn(|i| Seen {
             verdict: self.verdicts[i],
             raised: self.triggers[i].raised(),
         });

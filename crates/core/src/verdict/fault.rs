@@ -62,7 +62,7 @@ impl Signatures {
     pub fn of_innovation(design: &Design) -> Self {
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
-            std::array::from_fn(|k| {
+            core::array::from_fn(|k| {
                 let innovation = Vector2::new(error[0] + fault(k), error[1]);
                 error = design.a * error - design.l * innovation;
                 innovation[0]
@@ -98,7 +98,7 @@ pub fn classify_difference(differences: &[f64; DIFFERENCES]) -> Fault {
     for onset in 1..DIFFERENCES {
         let share =
             |signature: fn(f64) -> f64| {
-                let values: [f64; DIFFERENCES] = std::array::from_fn(|k| {
+                let values: [f64; DIFFERENCES] = core::array::from_fn(|k| {
                     if k < onset { 0.0 } else { signature((k - onset) as f64) }
                 });
                 let offset = mean(&values);

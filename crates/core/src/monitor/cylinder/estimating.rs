@@ -6,6 +6,7 @@ use crate::estimate::{Estimate, Input, VirtualSensor};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::Measurement;
 use crate::verdict::Suspect;
+use alloc::boxed::Box;
 
 impl Cylinder {
     /// From now on its length is estimated.

@@ -144,7 +144,7 @@ impl Cylinder {
     /// The state of each transducer, where `stands` knows whom the warnings of this cylinder blame.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.bank.verdicts();
-        std::array::from_fn(|i| {
+        core::array::from_fn(|i| {
             let blamed = [Suspect::C1, Suspect::C2][i];
             if !self.has(TRANSDUCERS[i]) {
                 Health::Unknown

@@ -61,7 +61,7 @@ impl Cylinder {
 
     #[cold]
     fn judge_standing(&mut self, raised: [bool; DETECTORS]) {
-        let standing = std::array::from_fn(|i| Standing {
+        let standing = core::array::from_fn(|i| Standing {
             known: self.implausible[i].raised().then_some(self.implausible[i].fault),
             alone: self.plausibility[i].stands_alone(),
             idle: self.plausibility[i].idle(),

@@ -1,5 +1,7 @@
 //! The dwells of a day are one reading: they are of the same weather.
 
+use alloc::vec::Vec;
+
 /// What one cylinder has read on a day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Day {

@@ -77,7 +77,7 @@ fn residuals<const N: usize>(rows: &[[f64; N]], values: &[f64], solution: &[f64;
     rows.iter().zip(values).fold((0.0, 0.0), |(squares, products), (row, value)| {
         let fitted: f64 = row.iter().zip(solution).map(|(x, b)| x * b).sum();
         let residual = value - fitted;
-        let product = residual * std::mem::replace(&mut before, residual);
+        let product = residual * core::mem::replace(&mut before, residual);
         (squares + residual * residual, products + product)
     })
 }

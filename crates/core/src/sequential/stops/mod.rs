@@ -14,6 +14,7 @@ mod rule;
 mod thermometer;
 
 use super::history::DwellHistory;
+use alloc::vec::Vec;
 pub use days::Day;
 pub(super) use days::put;
 pub use rule::{Blame, Course, Judgement};

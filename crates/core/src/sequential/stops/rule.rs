@@ -4,7 +4,8 @@
 use super::days::Day;
 use super::fit::{EXPECTED, Fit, Scatter, fit, likelihood};
 use super::thermometer::{CYLINDERS, Thermometer};
-use std::f64::consts::TAU;
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
 
 const MILLIMETRE: f64 = 1e-3;
 
@@ -162,7 +163,7 @@ impl Series {
             Course::Step(at) => f64::from(u8::from(day.at >= at)),
         };
         let row = |day: &Day| {
-            let (sin, cos) = (TAU * (day.at - end)).sin_cos();
+            let (sin, cos) = libm::sincos(TAU * (day.at - end));
             [1.0, share(day), cos, sin, day.at - end]
         };
         let free = f64::INFINITY;
@@ -233,7 +234,7 @@ struct Prior {
 fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
     let Some(end) = days.last().map(|day| day.at) else { return Default::default() };
     let row = |day: &Day| {
-        let (sin, cos) = (TAU * (day.at - end)).sin_cos();
+        let (sin, cos) = libm::sincos(TAU * (day.at - end));
         [1.0, day.at - end, cos, sin]
     };
     let rows: Vec<[f64; 4]> = days.iter().map(row).collect();

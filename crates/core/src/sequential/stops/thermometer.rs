@@ -2,7 +2,8 @@
 //! cylinders tell.
 
 use super::days::Day;
-use std::collections::BTreeMap;
+use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
 
 /// From so many cylinders on, that were read on the same day, the others are a thermometer.
 pub(super) const CYLINDERS: usize = 4;
