@@ -6,6 +6,7 @@
 #[path = "support/mod.rs"]
 mod support;
 
+use crc::{CRC_64_XZ, Crc};
 use serde_json::Value;
 use std::env;
 use std::fmt::Write as _;
@@ -18,6 +19,8 @@ const AFTERMATH: f64 = 5.0;
 /// These with the tables of `tertius calibrate` for the sequential detectors.
 const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
 const HANGING_SEQUENTIAL: &str = "tests/recordings/hanging-load-sequential.toml";
+
+const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 fn replayed(name: &str, config: &str) -> Run {
     replay(&[&recording(name)], config, &[]).ok()
@@ -217,6 +220,31 @@ fn faults_by_evidence() {
     assert_eq!(scales, 2, "changed and cleared");
     let healthy = replayed("e-type-healthy.log.zst", SEQUENTIAL);
     assert_eq!(healthy.lines().len(), 1, "nothing but a summary: {}", healthy.stdout);
+}
+
+/// All that long replays write with everything on, by checksum: the core has its functions from libm, so
+/// that it is the same with every C library and on every processor.
+#[test]
+fn every_byte() {
+    let scratch = Scratch::new();
+    let mut text = String::new();
+    for log in ["e-type-faults.log.zst", "e-type-coarse.log.zst"] {
+        let paths = ["residuals.csv", "estimates.csv", "warnings.log"].map(|it| scratch.path(it));
+        let [residuals, estimates, warnings] = &paths;
+        let options = ["--residuals", residuals, "--estimates", estimates, "--warnings", warnings];
+        let run =
+            replay(&[&recording(log)], SEQUENTIAL, &[&options[..], &["--force"]].concat()).ok();
+        let mut told = |name: &str, bytes: &[u8]| {
+            let digest = CRC.checksum(bytes);
+            _ = writeln!(text, "{log} {name}: {} bytes, CRC-64 {digest:016x}", bytes.len());
+        };
+        told("standard output", run.stdout.as_bytes());
+        for path in &paths {
+            let name = path.rsplit('/').next().expect("it has a name");
+            told(name, &fs::read(path).expect("it was written"));
+        }
+    }
+    golden("every-byte.txt", &text);
 }
 
 #[test]
