@@ -42,10 +42,54 @@
 //!   JSON, pages of HTML with figures.
 //!   [`cli`]: the commands.
 //!
-//! Everything from `decode` to `monitor` is one crate, `tertius_core`, and pure: time comes with the frames as integers of
-//! nanoseconds ([`time`]), and there is no clock, socket, file, thread or global. That is why a
-//! replay says what the gateway said. Deliberately absent: any action on the machine. Tertius
+//! Everything from `decode` to `monitor` is one crate, `tertius_core`, without std: time comes with the
+//! frames as integers of nanoseconds ([`time`]), and there is no clock, socket, file, thread or global. That
+//! is why a replay says what the gateway said. Deliberately absent: any action on the machine. Tertius
 //! advises; the machine's own safety system acts.
+//!
+//! Frames in, warnings out:
+//!
+//! ```
+//! use tertius::alarm::{Detector, Warning};
+//! use tertius::config::{self, design};
+//! use tertius::dbc::Database;
+//! use tertius::frame::{Frame, Id, Kind};
+//! use tertius::monitor::Monitor;
+//! use tertius::time::{Span, Timestamp};
+//!
+//! let dbc = r#"VERSION ""
+//! BU_: Machine
+//! BO_ 385 C1: 2 Machine
+//!  SG_ Position : 0|16@1+ (0.0001,-1.5) [-1.5|1.5] "m" Machine
+//! BO_ 401 C2: 2 Machine
+//!  SG_ Position : 0|16@1+ (0.0001,-1.5) [-1.5|1.5] "m" Machine
+//! BO_ 417 Valve: 2 Machine
+//!  SG_ ControlSpeed : 0|16@1- (0.0001,0) [0|0] "m/s" Machine
+//! "#;
+//! let toml = r#"
+//! machine = { name = "One cylinder", cylinders = 1, sample_time = 0.02, stroke = [-1.5, 1.5] }
+//! bus = { interface = "virtual", dbc = "machine.dbc" }
+//! signals.cylinder = { c1 = "C1.Position", c2 = "C2.Position", control_speed = "Valve.ControlSpeed" }
+//! "#;
+//! let (settings, _) = config::parse("machine.toml", toml)?;
+//! let design = design::judging(&settings, &Database::parse(dbc)?).expect("they fit");
+//! let mut monitor = Monitor::new(design);
+//!
+//! let mut warnings: Vec<Warning> = Vec::new();
+//! for cycle in 0..200 {
+//!     let at = Timestamp::default().after(Span::from_seconds(0.02 * f64::from(cycle)));
+//!     // From the hundredth cycle on C1 reads 3 mm too much.
+//!     let c1 = if cycle < 100 { 15_000_u16 } else { 15_030 };
+//!     for (id, count) in [(385, c1), (401, 15_000), (417, 0)] {
+//!         let id = Id::standard(id).expect("it has 11 bits");
+//!         monitor.take(&Frame::new(at, id, Kind::Data, &count.to_le_bytes()), &mut warnings);
+//!     }
+//! }
+//! let first = warnings.first().expect("3 mm are more than 1.5 mm");
+//! assert_eq!((first.cylinder, first.timestamp.as_nanos()), (1, 2_000_000_000));
+//! assert!(warnings.iter().any(|warning| warning.detector == Detector::Fde3));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #[macro_use]
 pub mod failure;
