@@ -85,6 +85,7 @@ impl Bank {
 
     /// Takes the residuals of the cycle at `at`. Afterwards [`Self::verdicts`] and
     /// [`Self::detections`] stand.
+    #[inline(never)]
     pub fn judge(&mut self, at: Timestamp, residuals: &Residuals) {
         for (i, residual) in residuals.r.iter().enumerate() {
             self.verdicts[i] = self.triggers[i].judge(at, *residual);

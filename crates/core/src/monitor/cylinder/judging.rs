@@ -11,6 +11,8 @@ use crate::time::Timestamp;
 use crate::verdict::{Residuals, Verdict};
 
 impl Cylinder {
+    /// Part of [`Cylinder::evaluate`], also where that is compiled with its sink in another crate.
+    #[inline(always)]
     pub(super) fn judge(
         &mut self,
         now: Evaluation,
