@@ -9,7 +9,7 @@ use libfuzzer_sys::fuzz_target;
 use tertius::config::design;
 use tertius::config::{ConfigError, MAX_PROBLEMS, parse};
 use tertius::dbc::Database;
-use tertius::monitor::{Monitor};
+use tertius::monitor::Monitor;
 
 static DATABASE: LazyLock<Database> = LazyLock::new(|| {
     Database::parse(include_str!("../../dbc/e-type.dbc")).expect("the shipped DBC is sound")

@@ -2,9 +2,9 @@
 
 use std::sync::LazyLock;
 
-use tertius::config::design;
 use tertius::alarm::frames;
 use tertius::config;
+use tertius::config::design;
 use tertius::dbc::Database;
 use tertius::frame::Id;
 use tertius::monitor::MonitorDesign;
