@@ -34,13 +34,14 @@
 //!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: how large a healthy
 //!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
-//!   back, and whether the machine can be watched by it.
+//!   back, and whether the machine can be watched by it. [`tables`]: what was learnt, as text that the
+//!   configuration reads.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
-//! - [`config`]: the one table per machine. [`report`]: what people and scripts read: text, lines of
-//!   JSON, pages of HTML with figures.
-//!   [`cli`]: the commands.
+//! - [`config`]: the one table per machine, and the design of a monitor that follows from it and from the
+//!   DBC. [`report`]: what people and scripts read: text, lines of JSON, pages of HTML with figures.
+//!   [`cli`]: the commands. [`failure`]: why one of them did not do what it was asked.
 //!
 //! Everything from `decode` to `monitor` is one crate, `tertius_core`, without std: time comes with the
 //! frames as integers of nanoseconds ([`time`]), and there is no clock, socket, file, thread or global. That
