@@ -9,6 +9,7 @@ use super::{
 use crate::config::settings::{Cylinder, CylinderSequential, Settings};
 use crate::sequential;
 use crate::sequential::reference::DOUBTED;
+use crate::sequential::wild::Outliers;
 use crate::survey::{Recording, Window};
 
 /// What a calibration is made with.
@@ -74,6 +75,10 @@ impl Course<'_> {
         Division::new(self.fitted, self.tried)
     }
 
+    const fn outliers(&self) -> Outliers {
+        Outliers { share: self.settings.sequential.outlier_share }
+    }
+
     /// The whole of what is read.
     fn whole(&self) -> Window {
         let Self { fitted, tried, .. } = self;
@@ -98,7 +103,7 @@ impl Course<'_> {
             .zip(&profiles)
             .enumerate()
             .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
-        let mut scattering = Scattering::new(sample_time, division, spread);
+        let mut scattering = Scattering::new(sample_time, self.outliers(), division, spread);
         recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
         let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
             judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
@@ -289,6 +294,7 @@ impl CylinderCalibration {
                     node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
+                    outlier_share: scatter.outliers.share,
                     deviation: scatter.deviation,
                     noise: scatter.spread.noise.rest,
                     timing: scatter.spread.noise.timing,

@@ -3,8 +3,9 @@
 use super::stages::Taught;
 use crate::calibrate::LEAST_BOUND;
 use crate::extremes::HOURS_PER_YEAR;
+use crate::sequential::Reference;
 use crate::sequential::reference::LARGEST_DOUBT;
-use crate::sequential::{Reference, wild};
+use crate::sequential::wild::Outliers;
 use crate::tune::LEAST_HIGH;
 
 /// Where on its stroke a cylinder has been.
@@ -110,8 +111,9 @@ fn places(coverage: &[Coverage]) -> Vec<String> {
 
 /// Levels that the recording has raised.
 fn levels(taught: &Taught) -> Option<String> {
-    let least = wild::least_level();
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let leasts = cylinders.clone().filter_map(|it| Some(it.sequential.as_ref()?.1.outliers));
+    let least = leasts.map(Outliers::least_level).reduce(f64::max)?;
     let cylinders = cylinders.filter(|it| it.sequential.is_some());
     let raised: Vec<String> = cylinders
         .filter_map(|it| Some((it.number, it.level.filter(|level| *level > WORTH * least)?)))

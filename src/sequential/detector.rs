@@ -4,7 +4,7 @@ mod alarmed;
 
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
-use super::clip::Clip;
+use super::clip::Clipping;
 use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
@@ -21,15 +21,9 @@ use super::skew::Skew;
 use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
 use super::velocity::Velocity;
-use super::windows::WIDTHS;
+use super::wild::Outliers;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
-
-/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
-const SLOW: f64 = 6e-4;
-
-/// The level at which an alarm ends, as a part of that at which it rises.
-const CALM: f64 = 0.5;
 
 /// What one detector runs on.
 #[derive(Clone, Debug)]
@@ -45,6 +39,8 @@ pub struct Design {
     pub noise: Noise,
     /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
     pub resolution: [f64; 2],
+    /// What was expected of them when the rates were made.
+    pub outliers: Outliers,
     /// `None` where the calibration has no drive: then nothing is located.
     pub pair: Option<PairDesign>,
     /// h, nats.
@@ -77,7 +73,7 @@ pub struct Input {
 pub struct Sequential {
     design: Design,
     scales: Scales,
-    clip: Clip,
+    clipping: Clipping,
     baseline: Baseline,
     slow: Slow,
     loss: Loss,
@@ -109,16 +105,18 @@ pub struct Sequential {
 
 impl Sequential {
     pub fn new(design: Design) -> Self {
-        let bands = Bands::new(design.noise.rest, DEAD_BAND, design.resolution);
-        let clip = Clip::new(&bands);
+        let Design { noise, resolution, outliers, .. } = design;
+        let bands = Bands::new(noise.rest, DEAD_BAND, resolution, outliers);
         let (rate, square_rate) = (design.rate.clone(), design.square_rate.clone());
         let scales = Scales::new(rate, square_rate, design.dependence, bands);
+        let clipping = Clipping::new(&scales);
+        let farthest = clipping.usual().farthest;
         Self {
-            clip,
+            clipping,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             loss: Loss::default(),
-            novelty: Novelty::new(design.sample_time, design.deviation, clip.farthest),
+            novelty: Novelty::new(design.sample_time, design.deviation, farthest),
             scales,
             history: History::default(),
             search: Search::default(),
@@ -369,25 +367,6 @@ impl Sequential {
             .zip(difference)
             .map(|(c1, (residual, baseline))| [c1, c1 - (residual - baseline)]);
         pair.step(lengths, input.command);
-    }
-
-    fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
-        self.history.push(sample, &self.clip, news);
-        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
-        self.peaks = self.search.step(&self.scales, &self.history, widest);
-        let [mean, variance] = self.peaks;
-        let level = self.design.level;
-        if self.alarm.is_some() {
-            self.go_on(mean.nats.max(variance.nats) < CALM * level);
-        } else if mean.nats > level {
-            self.raise(at, Cause::Mean, mean);
-        } else if variance.nats > level {
-            self.raise(at, Cause::Variance, variance);
-        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > SLOW) {
-            self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
-        }
-        self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
-        self.unknown = None;
     }
 }
 

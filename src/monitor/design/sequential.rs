@@ -4,6 +4,7 @@ use super::{Flaw, Wirer};
 use crate::calibrate::LEAST_SAMPLES;
 use crate::config::settings::CylinderSequential;
 use crate::sequential::reference::DOUBTED;
+use crate::sequential::wild::Outliers;
 use crate::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
 impl Wirer<'_> {
@@ -28,6 +29,7 @@ impl Wirer<'_> {
             deviation: fitted.deviation,
             noise: Noise { rest: fitted.noise, timing: fitted.timing },
             resolution: fitted.resolution,
+            outliers: Outliers { share: fitted.outlier_share },
             pair: self.pair(n, fitted),
             level: settings.sequential_level_of(n),
             sample_time,
