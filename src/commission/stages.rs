@@ -144,7 +144,8 @@ impl<F: Frames> Lesson<'_, F> {
         let failed = |why| Stopped::Failed(Stage::Identify, why);
         let (settings, design) = self.machine(taught).map_err(failed)?;
         taught.machine.clone_from(&settings.machine.name);
-        let (origin, wishes) = (self.task.origin, Wishes::default());
+        // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
+        let (origin, wishes) = (self.task.origin, Wishes { held_back: 0, ..Wishes::default() });
         let course = identify::course::Course { settings: &settings, origin, wishes };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());

@@ -1,6 +1,7 @@
 //! The sequential detector of one cylinder.
 
 mod alarmed;
+mod together;
 
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
@@ -14,7 +15,6 @@ use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
 use super::samples::{History, Sample};
-use super::sampling::{Apart, Said};
 use super::scale::Proportion;
 use super::search::Search;
 use super::skew::Skew;
@@ -22,6 +22,7 @@ use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
 use super::velocity::Velocity;
 use super::wild::Outliers;
+use super::witness::Witness;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
 
@@ -83,8 +84,11 @@ pub struct Sequential {
     /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
     noise: Noise,
     sooner: f64,
-    /// The cylinders may be about to find that they are sampled otherwise.
+    /// They are sampled otherwise than calibrated, and that is told.
+    sampled_anew: bool,
+    /// As far as the other cylinders know, a noise may be that of the sampling.
     may_be_timing: bool,
+    witness: Witness,
     skew: Skew,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -122,7 +126,9 @@ impl Sequential {
             search: Search::default(),
             noise: design.noise.relied_on(),
             sooner: 0.0,
+            sampled_anew: false,
             may_be_timing: false,
+            witness: Witness::default(),
             skew: Skew::new(design.sample_time, design.noise.timing),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -169,30 +175,6 @@ impl Sequential {
     /// where that is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
         self.history.apart().filter(|_| self.verdict == Verdict::Healthy)
-    }
-
-    /// What its residuals say of when C1 and C2 are sampled; `None` while one of both is at fault.
-    pub fn said(&self) -> Option<Said> {
-        let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
-        self.is_witness().then(said)
-    }
-
-    /// A noise that is nobody's may be the sampling's: were it not asked, those that have no alarm yet would
-    /// be the majority.
-    fn is_witness(&self) -> bool {
-        self.alarm
-            .is_none_or(|alarm| alarm.fault == Fault::Noise && alarm.suspect == Suspect::Undecided)
-    }
-
-    /// C1 and C2 are sampled so far apart, as all cylinders together have it.
-    pub fn allow(&mut self, apart: &Apart) {
-        let Noise { rest, timing } = self.design.noise.relied_on();
-        self.noise = Noise { rest, timing: apart.timing(timing) };
-        self.sooner = apart.mean;
-        self.may_be_timing = apart.perhaps;
-        if apart.changing {
-            self.lay_to_timing();
-        }
     }
 
     /// The alarm that stands.
@@ -280,6 +262,7 @@ impl Sequential {
         let doubt = doubt * doubt + of_baseline * of_baseline;
         let sample = Sample { residual, share: self.noise.share(velocity), doubt };
         let news = self.novelty.step([c1, c2], sample);
+        self.witness.push(residual, if news == News::InMotion { velocity } else { 0.0 });
         if news == News::InMotion {
             if let Some(alarm) = &self.alarm {
                 self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual);
@@ -305,6 +288,7 @@ impl Sequential {
         self.forget();
         self.novelty.reset();
         self.velocity.reset();
+        self.witness.reset();
         self.peaks = [Peak::default(); 2];
         self.verdict = Verdict::Unknown;
         if let Some(pair) = &mut self.pair {
@@ -353,6 +337,7 @@ impl Sequential {
 
     /// There is no evidence in this cycle: what was found stands.
     const fn go_without(&mut self, reason: Unknown) {
+        self.witness.push(0.0, 0.0);
         (self.verdict, self.unknown) = match self.alarm {
             Some(_) => (Verdict::Faulty, None),
             None => (Verdict::Unknown, Some(reason)),

@@ -25,7 +25,7 @@ const SCALE: u32 = 20;
 
 /// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
 /// can only tell a step's side while the filter has not followed, …
-const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
+pub(super) const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
 
 /// … which is until so many cycles after the alarm.
 const LATEST: usize = 25;
@@ -35,7 +35,7 @@ const LATEST: usize = 25;
 const SHARED: f64 = 5.0;
 
 /// So many cycles after the alarm they mostly do, and whose a noise is can be told.
-const NOISE_TOLD: u32 = 25;
+pub(super) const NOISE_TOLD: u32 = 25;
 
 /// A noise has a root mean square of more than so many healthy deviations.
 const NOTABLE: f64 = 1.1;
