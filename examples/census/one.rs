@@ -13,7 +13,7 @@ use tertius::decode::{Database, text};
 use tertius::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius::monitor::MonitorDesign;
 use tertius::simulator::Tables;
-use tertius::survey::{self, Origin};
+use tertius::survey::{self, Origin, Timeline};
 use tertius::time::Span;
 
 /// What all commissionings have in common.
@@ -103,8 +103,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     let [first, last] = memory.ends();
     let origin = Origin {
         inputs: format!("census {}", task.number),
-        first,
-        last,
+        timeline: Timeline::unbroken(first, last),
         window: survey::Window { from: 0.0, to: last.since(first).as_seconds() + 1e-9 },
         remarks: Vec::new(),
     };

@@ -25,7 +25,7 @@ impl Calibration {
         Ok(Self {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
-            first: origin.first,
+            timeline: origin.timeline.clone(),
             fitted: course.fitted,
             tried: course.tried,
             cylinders,

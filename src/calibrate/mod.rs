@@ -43,8 +43,7 @@ pub use scatter::{Scatter, Scattering};
 pub use spreading::{Spread, Spreading};
 pub use trying::{Tried, Trying};
 
-use crate::survey::Window;
-use crate::time::Timestamp;
+use crate::survey::{Timeline, Window};
 
 /// The result for a machine.
 #[derive(Clone, Debug)]
@@ -52,8 +51,8 @@ pub struct Calibration {
     pub machine: String,
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamp of the recording's first frame.
-    pub first: Timestamp,
+    /// Where the recording's frames are in time.
+    pub timeline: Timeline,
     /// The part that the lines were fitted on, and the part that the band is from.
     pub fitted: Window,
     pub tried: Window,

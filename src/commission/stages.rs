@@ -217,7 +217,7 @@ impl<F: Frames> Lesson<'_, F> {
         design: &'b MonitorDesign,
         cuts: &'b Cuts,
     ) -> impl Recording<Error = F::Error> + 'b {
-        let first = self.task.origin.first;
+        let first = self.task.origin.timeline.first();
         let recording = Rows { frames: self.frames, design, first };
         Without { recording, blocks: self.blocks, cuts }
     }

@@ -138,7 +138,7 @@ impl Course<'_> {
         let known = own.filter(|(number, _)| cylinders.contains(number)).collect();
         Some(Trying {
             course: self,
-            first: origin.first,
+            first: origin.timeline.first(),
             cylinders,
             monitor,
             heard: Heard::default(),

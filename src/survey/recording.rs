@@ -1,6 +1,6 @@
 //! Recordings that what learns reads again and again.
 
-use super::{Survey, Surveyor, Window};
+use super::{Survey, Surveyor, Timeline, Window};
 use crate::frame::Frame;
 use crate::monitor::{Counts, Monitor, MonitorDesign};
 use crate::time::Timestamp;
@@ -41,9 +41,8 @@ pub trait Frames {
 pub struct Origin {
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamps of the first and the last frame.
-    pub first: Timestamp,
-    pub last: Timestamp,
+    /// Where its frames are in time.
+    pub timeline: Timeline,
     /// What is learnt from.
     pub window: Window,
     /// What could not be read, for people; empty where everything could.
