@@ -7,6 +7,7 @@ use crate::plan::{Spoilt, Task};
 use crate::recording::Memory;
 use std::fs;
 use std::path::Path;
+use tertius::calibrate::Cuts;
 use tertius::commission::{self, Commissioned, Fitness};
 use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
@@ -112,6 +113,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
         text,
         database,
         origin: &origin,
+        cuts: &Cuts::default(),
         per_year: 1.0,
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -32,6 +32,7 @@ pub mod watch;
 pub use crate::survey::Recording;
 pub use course::{Calibrated, Course};
 pub use cutting::{Cuts, Cutting};
+pub(crate) use cutting::{are_few, places};
 pub use division::{Division, Halves};
 pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};

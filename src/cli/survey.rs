@@ -11,7 +11,7 @@ use crate::monitor::{Counts, MonitorDesign};
 use crate::report::judgement::Recorded;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Which recordings of which machine, and which part of them.
@@ -207,14 +207,25 @@ impl Surveyed {
         }
     }
 
+    /// The recordings, in the order of time.
+    pub fn logs(&self) -> impl Iterator<Item = &Path> {
+        self.logs.iter().map(PathBuf::as_path)
+    }
+
+    /// Whether the configuration reads this frame.
+    pub fn reads(&self, frame: &Frame) -> bool {
+        let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
+        data && self.design.wiring.find(frame.id).is_some()
+    }
+
     /// The recordings' names, for people.
-    fn inputs(&self) -> String {
+    pub fn inputs(&self) -> String {
         let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
         logs.join(", ")
     }
 
     /// What could not be read, for people; empty where all could.
-    fn remarks(&self) -> Vec<String> {
+    pub fn remarks(&self) -> Vec<String> {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
@@ -230,7 +241,7 @@ impl Surveyed {
     ///
     /// # Errors
     /// They cannot be read any more.
-    fn recorded(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
+    pub fn recorded(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
         let mut recording = Recording::open(&self.logs, self.options.clone())?;
         let bar = Bar::new(recording.progress());
         let mut frames = 0_u64;
@@ -281,7 +292,7 @@ impl survey::Recording for Surveyed {
 }
 
 /// Gives a frame to `take` as it is on a timeline.
-fn placed(frame: &Frame, timeline: &Timeline, take: &mut impl FnMut(&Frame)) {
+pub fn placed(frame: &Frame, timeline: &Timeline, take: &mut impl FnMut(&Frame)) {
     let timestamp = timeline.place(frame.timestamp);
     if timestamp == frame.timestamp {
         take(frame);

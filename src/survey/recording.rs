@@ -25,6 +25,18 @@ pub trait Recording {
     }
 }
 
+impl<R: Recording> Recording for &R {
+    type Error = R::Error;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error> {
+        (**self).read(window, surveyor)
+    }
+
+    fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Self::Error> {
+        (**self).read_counted(window, surveyor)
+    }
+}
+
 /// Frames that can be read as often as needed, the same each time.
 pub trait Frames {
     type Error;
