@@ -49,15 +49,10 @@ impl Part {
 }
 
 /// Divides the frames that the configuration reads into parts.
+#[derive(Default)]
 pub struct Parting {
     done: Vec<Part>,
     open: Option<(Part, Digest<'static, u32>)>,
-}
-
-impl Default for Parting {
-    fn default() -> Self {
-        Self { done: Vec::new(), open: None }
-    }
 }
 
 impl Parting {

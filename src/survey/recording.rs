@@ -87,7 +87,15 @@ impl<F: Frames> Recording for Rows<'_, F> {
         let mut monitor = Monitor::new(self.design.clone());
         let mut survey = Survey::new(self.first, window, surveyor);
         let fed = Window { from: window.from - LEAD, to: window.to + TRAIL };
-        self.frames.frames(fed, |frame| monitor.take(frame, &mut survey))?;
+        let mut newest = None;
+        self.frames.frames(fed, |frame| {
+            let at = frame.timestamp;
+            if newest.is_some_and(|newest| Timeline::is_pause(at.since(newest))) {
+                monitor.interrupt(at, &mut survey);
+            }
+            newest = newest.max(Some(at));
+            monitor.take(frame, &mut survey);
+        })?;
         monitor.finish(&mut survey);
         Ok(*monitor.counts())
     }

@@ -2,8 +2,8 @@
 
 use crate::time::{Span, Timestamp};
 
-/// A pause that is longer counts as this long, ns: nobody learns from it, blocks that alternate must not
-/// fall into it, and all that is remembered of a motion is forgotten after a second.
+/// A pause that is longer counts as this long, ns: nobody learns from it, and blocks that alternate must not
+/// fall into it.
 const LONGEST: i64 = 60_000_000_000;
 
 /// The time stamps of frames, and where each is when long pauses are shortened to a minute. Without a long
@@ -52,6 +52,12 @@ impl Timeline {
             self.pauses.push(Pause { from, off: [before, Span::from_nanos(behind)] });
         }
         self.ends = Some((first, last.max(at)));
+    }
+
+    /// Whether what is `ahead` of the latest frame, as both are placed, is behind a long pause: then
+    /// nothing is known any more of what was before, however short the pause has become.
+    pub const fn is_pause(ahead: Span) -> bool {
+        ahead.as_nanos() >= LONGEST
     }
 
     /// The first time stamp and the latest; `None` before a frame.
