@@ -33,7 +33,8 @@
 //!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: how large a healthy
 //!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
-//!   back, and whether the machine can be watched by it.
+//!   back, and whether the machine can be watched by it. [`learnt`]: what is kept of healthy recordings,
+//!   so that those of several days add up.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
@@ -66,6 +67,7 @@ pub mod frame;
 pub mod hexapod;
 pub mod identify;
 pub mod inject;
+pub mod learnt;
 pub mod live;
 pub mod monitor;
 pub mod observe;

@@ -239,3 +239,22 @@ fn a_configuration_that_exists_is_not_written_over() {
     let call = ["--output", &taken, "--dry-run"];
     yard.commission(&[&short], &call).failed(2, &["cannot be used with"]);
 }
+
+/// Two recordings a day apart: a day without frames is no time that was tried, and no place for a fault.
+#[test]
+fn a_night_between_two_recordings_counts_as_a_minute() {
+    let yard = Yard::new();
+    let day = |name: &str, of: [&str; 2], later: i64| {
+        let log = yard.record("day.log", of, HALF, &["--force"]);
+        let text = fs::read_to_string(log).expect("it was written");
+        yard.0.write(name, text.lines().map(|line| moved(line, later)).collect::<String>())
+    };
+    let logs = [day("first.log", ROUGH, 0), day("second.log", ["2.5,8", "33"], 86_400)];
+    let run = yard.commission(&[&logs[0], &logs[1]], &["--dry-run"]).ok();
+    for words in
+        ["learnt from all 6.0 min of", "the pause of 24.0 h after 150.0 s counts as a minute"]
+    {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    assert!(run.stdout.contains("step of 1 mm 0.0") && run.stdout.contains("(24 of 24)"));
+}

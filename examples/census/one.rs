@@ -7,13 +7,14 @@ use crate::plan::{Spoilt, Task};
 use crate::recording::Memory;
 use std::fs;
 use std::path::Path;
+use tertius::calibrate::Cuts;
 use tertius::commission::{self, Commissioned, Fitness};
 use tertius::config::{self, Settings};
 use tertius::decode::{Database, text};
 use tertius::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius::monitor::MonitorDesign;
 use tertius::simulator::Tables;
-use tertius::survey::{self, Origin};
+use tertius::survey::{self, Origin, Timeline};
 use tertius::time::Span;
 
 /// What all commissionings have in common.
@@ -109,8 +110,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     let [first, last] = memory.ends();
     let origin = Origin {
         inputs: format!("census {}", task.number),
-        first,
-        last,
+        timeline: Timeline::unbroken(first, last),
         window: survey::Window { from: 0.0, to: last.since(first).as_seconds() + 1e-9 },
         remarks: Vec::new(),
     };
@@ -119,6 +119,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
         text,
         database,
         origin: &origin,
+        cuts: &Cuts::default(),
         per_year: 1.0,
         version: env!("CARGO_PKG_VERSION"),
     };

@@ -22,6 +22,7 @@ mod files;
 mod history;
 mod identify;
 mod inject;
+mod learnt_file;
 mod machine;
 mod output;
 mod plant;
@@ -36,6 +37,7 @@ mod stage;
 mod survey;
 mod tables;
 mod tune;
+mod update;
 mod virtual_bus;
 
 use clap::{Parser, Subcommand};

@@ -65,9 +65,7 @@ impl Taught {
 
     /// What the calibration has left out, as no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
-        let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
-        let spans: Vec<_> = cylinders.map(|cylinder| cylinder.left_out.clone()).collect();
-        spans.into()
+        self.calibration.as_ref().map(Calibration::cuts).unwrap_or_default()
     }
 
     /// The cylinders that were refused, in order, each once.
@@ -127,7 +125,7 @@ impl<F: Frames> Lesson<'_, F> {
         }
         if result.is_ok() {
             tell(Stage::Tune);
-            let found = taught.cuts();
+            let found = taught.cuts().with(cuts);
             // What a calibration with less to go by has not found is left out all the same.
             let cuts = if self.blocks.is_some() { cuts } else { &found };
             result = self.tune(&mut taught, cuts);
@@ -218,7 +216,7 @@ impl<F: Frames> Lesson<'_, F> {
         design: &'b MonitorDesign,
         cuts: &'b Cuts,
     ) -> impl Recording<Error = F::Error> + 'b {
-        let first = self.task.origin.first;
+        let first = self.task.origin.timeline.first();
         let recording = Rows { frames: self.frames, design, first };
         Without { recording, blocks: self.blocks, cuts }
     }

@@ -15,7 +15,7 @@ use crate::evaluate::{Blame, Outcome};
 use crate::frame::Frame;
 use crate::inject::{Injector, place};
 use crate::monitor::{Monitor, MonitorDesign, Record, Sink};
-use crate::survey::Frames;
+use crate::survey::{Frames, Timeline};
 use crate::time::{Span, Timestamp};
 use crate::verdict::Verdict;
 
@@ -138,7 +138,8 @@ impl Course<'_> {
         let known = own.filter(|(number, _)| cylinders.contains(number)).collect();
         Some(Trying {
             course: self,
-            first: origin.first,
+            first: origin.timeline.first(),
+            newest: origin.timeline.first(),
             cylinders,
             monitor,
             heard: Heard::default(),
@@ -154,6 +155,8 @@ impl Course<'_> {
 struct Trying<'a> {
     course: &'a Course<'a>,
     first: Timestamp,
+    /// The latest frame.
+    newest: Timestamp,
     /// That are tried.
     cylinders: Vec<u8>,
     monitor: Monitor,
@@ -171,6 +174,10 @@ impl Trying<'_> {
     fn take(&mut self, frame: &Frame) {
         let t = frame.timestamp.since(self.first).as_seconds();
         self.start(t, frame.timestamp);
+        if Timeline::is_pause(frame.timestamp.since(self.newest)) {
+            self.monitor.interrupt(frame.timestamp, &mut self.heard);
+        }
+        self.newest = self.newest.max(frame.timestamp);
         self.monitor.take(frame, &mut self.heard);
         self.judge();
         for attempt in &mut self.attempts {

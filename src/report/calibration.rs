@@ -195,10 +195,10 @@ pub fn remarks(result: &Calibration) -> String {
 /// The tables, with what they were made from; `None` where no cylinder has a calibration.
 pub fn tables(result: &Calibration, version: &str) -> Option<String> {
     fits(result).next()?;
-    let Calibration { machine, inputs, first, .. } = result;
+    let Calibration { machine, inputs, timeline, .. } = result;
     let both = [("fitted", result.fitted), ("tried ", result.tried)];
     let parts = if result.fitted == result.tried { &both[..1] } else { &both[..] };
-    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, parts);
+    let mut text = provenance::heading(version, "calibrate", machine, inputs, timeline, parts);
     for cylinder in &result.cylinders {
         if let Err(refusal) = &cylinder.result {
             let refusal = one_line(&refusal.to_string());

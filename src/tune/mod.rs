@@ -31,8 +31,7 @@ pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use crate::observe::model::Model;
 use crate::observe::observer::Design;
 use crate::observe::riccati::RiccatiError;
-use crate::survey::Window;
-use crate::time::Timestamp;
+use crate::survey::{Timeline, Window};
 
 /// What is known of one cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +83,8 @@ pub struct Tuning {
     pub machine: String,
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamp of the recording's first frame.
-    pub first: Timestamp,
+    /// Where the recording's frames are in time.
+    pub timeline: Timeline,
     pub window: Window,
     /// s.
     pub sample_time: f64,
