@@ -16,7 +16,7 @@ const BETTER: f64 = 1e-3;
 
 /// Weights are left for others that make the smallest faults smaller by this part. Less is the recording's
 /// chance: another one of the same machine, or its files in another order, would find others.
-const WORTH: f64 = 0.15;
+const WORTH: f64 = 0.02;
 
 /// How far weights may go from where they began, decades.
 const FARTHEST: f64 = 8.0;

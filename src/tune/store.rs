@@ -10,7 +10,7 @@ use crate::survey::{Row, Surveyor};
 const LENGTH: usize = 1500;
 
 /// Cycles of all cylinders together.
-const MOST: usize = 200_000;
+const MOST: usize = 400_000;
 
 /// What the observers of one cylinder get in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
