@@ -35,7 +35,8 @@
 //!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
 //!   back, and whether the machine can be watched by it. [`tables`]: what was learnt, as text that the
-//!   configuration reads.
+//!   configuration reads. [`learnt`]: what is kept of healthy recordings, so that those of several days
+//!   add up.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
 //! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
@@ -108,5 +109,5 @@ pub use tertius_core::{
     time, verdict,
 };
 pub use tertius_dbc as dbc;
-pub use tertius_learn::{calibrate, extremes, identify, survey, tables, tune};
+pub use tertius_learn::{calibrate, extremes, identify, learnt, survey, tables, tune};
 pub use tertius_machine::{controller, hexapod, inject, plant, sea, simulator, transducer};

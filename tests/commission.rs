@@ -127,6 +127,8 @@ fn from_a_recording_to_a_configuration_that_holds_in_another_sea() {
         assert!(line.starts_with("++") || after.contains(line), "{line}");
     }
     assert_eq!(sequential(&after), [1, 2, 3, 4, 5, 6]);
+    // The detectors reckon with what the calibration has reckoned with.
+    assert_eq!(after.matches("\noutlier_share = 0.01\n").count(), 6, "{after}");
     tertius(&["check", &yard.path("config.toml")]).ok();
 
     let page = fs::read_to_string(report).expect("it was written");
@@ -141,8 +143,9 @@ fn from_a_recording_to_a_configuration_that_holds_in_another_sea() {
 
     // The same to the byte as one after the other.
     let single = yard.0.write("single.toml", &before);
-    for command in ["identify", "calibrate", "tune"] {
-        tertius(&[command, &log, "--config", &single, "--into", &single]).ok();
+    let identify = ["identify", "--held-back", "0"];
+    for command in [&identify[..], &["calibrate"], &["tune"]] {
+        tertius(&[command, &[&log, "--config", &single, "--into", &single]].concat()).ok();
     }
     assert_eq!(yard.read("single.toml"), after);
 }
@@ -203,7 +206,7 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
         yard.is_untouched(&before);
     };
     let short = yard.record("short.log", ROUGH, 20, &[]);
-    refused(&short, &["too short", "what to do:"]);
+    refused(&short, &["there is enough to judge: at least 50 s", "what to do:"]);
     let still = yard.record("still.log", ["0.01,8", "1"], 90, &[]);
     refused(&still, &["record it in motion"]);
     // C2 at a tenth, as a wrong DBC has it.
@@ -238,4 +241,23 @@ fn a_configuration_that_exists_is_not_written_over() {
     assert_eq!(yard.read("taken.toml"), "# mine\n");
     let call = ["--output", &taken, "--dry-run"];
     yard.commission(&[&short], &call).failed(2, &["cannot be used with"]);
+}
+
+/// Two recordings a day apart: a day without frames is no time that was tried, and no place for a fault.
+#[test]
+fn a_night_between_two_recordings_counts_as_a_minute() {
+    let yard = Yard::new();
+    let day = |name: &str, of: [&str; 2], later: i64| {
+        let log = yard.record("day.log", of, HALF, &["--force"]);
+        let text = fs::read_to_string(log).expect("it was written");
+        yard.0.write(name, text.lines().map(|line| moved(line, later)).collect::<String>())
+    };
+    let logs = [day("first.log", ROUGH, 0), day("second.log", ["2.5,8", "33"], 86_400)];
+    let run = yard.commission(&[&logs[0], &logs[1]], &["--dry-run"]).ok();
+    for words in
+        ["learnt from all 6.0 min of", "the pause of 24.0 h after 150.0 s counts as a minute"]
+    {
+        assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
+    }
+    assert!(run.stdout.contains("step of 1 mm 0.0") && run.stdout.contains("(24 of 24)"));
 }

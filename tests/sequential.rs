@@ -176,4 +176,20 @@ fn steps_and_noise_on_coarse_transducers_have_their_suspects() {
         let wrong = said.iter().filter(|it| it.0 != it.1 && it.0 != Suspect::Undecided).count();
         assert!(right >= 5 && wrong == 0, "{fault}: {said:?}");
     }
+    // Small noise of two at once, which may be the sampling's as far as each alone can tell.
+    let (mut right, mut wrong) = (0, 0);
+    for seed in 0..6 {
+        let noisy = [(1 + seed as u8 % 3, Suspect::C1), (4 + seed as u8 % 3, Suspect::C2)];
+        let faults = noisy.map(|(cylinder, suspect)| {
+            let sensor = suspect.name();
+            format!("noise,size=0.000434,cylinder={cylinder},sensor={sensor},at=40")
+        });
+        let heard = setup.play(50.0, &setup.options(seed, &faults));
+        for (cylinder, suspect) in noisy {
+            let last = heard.of(cylinder, 40.0).map(|(_, last)| last.finding.suspect);
+            right += u32::from(last == Some(suspect));
+            wrong += u32::from(![None, Some(Suspect::Undecided), Some(suspect)].contains(&last));
+        }
+    }
+    assert!(right >= 10 && wrong == 0, "{right} of 12 right, {wrong} wrong");
 }

@@ -95,22 +95,27 @@ fn sampling_that_has_changed_is_told_and_nobody_blamed() {
     }
 }
 
-/// A cylinder that moves fast when the others do not may have an alarm before they all know.
+/// A cylinder that moves fast when the others do not may have an alarm before they all know; of 2 ms and more
+/// nearly all have one, and most residuals are wild.
 #[test]
 fn an_alarm_before_the_sampling_is_told_blames_nobody() {
-    let setup = setup().at_level(20.0).with(apart(60.0, "jitter = 1e-3"));
-    let mut alarms = 0;
-    for seed in 0..20 {
-        let heard = setup.play(90.0, &setup.options(seed, &[]));
-        let blames = |w: &&Warning| w.finding.suspect != Suspect::Undecided;
-        assert_eq!(heard.warnings.iter().find(blames), None, "{seed}\n{}", heard.told());
-        alarms += heard.warnings.len();
-        assert!(
-            heard.notices.iter().any(|it| matches!(it, Notice::Timing { apart: Some(_), .. })),
-            "{seed}"
-        );
+    for (jitter, seeds, least) in [("1e-3", 20, 1), ("2e-3", 6, 20), ("3e-3", 4, 20)] {
+        let tables = apart(60.0, &format!("jitter = {jitter}"));
+        let setup = setup().at_level(20.0).with(tables);
+        let mut alarms = 0;
+        for seed in 0..seeds {
+            let heard = setup.play(90.0, &setup.options(seed, &[]));
+            let blames = |w: &&Warning| w.finding.suspect != Suspect::Undecided;
+            let told = heard.told();
+            assert_eq!(heard.warnings.iter().find(blames), None, "{jitter} s, {seed}\n{told}");
+            alarms += heard.warnings.iter().filter(|w| w.state == Said::Raised).count();
+            assert!(
+                heard.notices.iter().any(|it| matches!(it, Notice::Timing { apart: Some(_), .. })),
+                "{jitter} s, {seed}"
+            );
+        }
+        assert!(alarms >= least, "{jitter} s: {alarms} alarms, and nothing was tried");
     }
-    assert!(alarms > 0, "none had one, and nothing was tried");
 }
 
 /// A machine that has always been like that.

@@ -14,6 +14,8 @@ pub struct Line {
     pub pair: usize,
     pub calm_first: bool,
     pub mishap: Mishap,
+    /// The configuration states that its bus has no spikes.
+    pub stated_free: bool,
     pub spoilt: Option<Spoilt>,
     /// The cylinder with the fault in the recording.
     pub faulty: Option<u8>,

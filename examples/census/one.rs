@@ -7,6 +7,7 @@ use crate::plan::{Spoilt, Task};
 use crate::recording::Memory;
 use std::fs;
 use std::path::Path;
+use tertius::calibrate::Cuts;
 use tertius::commission::{self, Commissioned, Fitness};
 use tertius::config::design;
 use tertius::config::{self, Settings};
@@ -14,13 +15,13 @@ use tertius::dbc::{Database, text};
 use tertius::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius::monitor::MonitorDesign;
 use tertius::simulator::Tables;
-use tertius::survey::{self, Origin};
+use tertius::survey::{self, Origin, Timeline};
 use tertius::time::Span;
 
 /// What all commissionings have in common.
 pub struct World {
-    /// Of fine and of coarse transducers.
-    configurations: [Configuration; 2],
+    /// Of fine and of coarse transducers, as they are and with the statement that there are no spikes.
+    configurations: [[Configuration; 2]; 2],
     database: Database,
     harsh: Tables,
 }
@@ -33,6 +34,10 @@ struct Configuration {
 
 const NAMES: [&str; 2] = ["config/e-type.toml", "config/e-type-coarse.toml"];
 
+/// Where the statement goes, and with it.
+const TABLE: &str = "false_alarms_per_year = 1.0";
+const FREE: &str = "outlier_share = 0.001\nfalse_alarms_per_year = 1.0";
+
 impl World {
     /// Reads the files of the repository `top`.
     pub fn load(top: &Path) -> Result<Self, String> {
@@ -40,13 +45,15 @@ impl World {
             fs::read(top.join(name)).map_err(|error| format!("{name} cannot be read: {error}"))
         };
         let utf8 = |bytes| String::from_utf8(bytes).map_err(|error| error.to_string());
-        let configuration = |name: &'static str| {
+        let configuration = |name: &'static str, stated_free: bool| {
             let text = utf8(read(name)?)?;
+            let text = if stated_free { text.replace(TABLE, FREE) } else { text };
             let (settings, _) = config::parse(name, &text).map_err(|error| error.to_string())?;
             Ok::<_, String>(Configuration { name, text, settings })
         };
         let [fine, coarse] = NAMES;
-        let configurations = [configuration(fine)?, configuration(coarse)?];
+        let of = |name| Ok::<_, String>([configuration(name, false)?, configuration(name, true)?]);
+        let configurations = [of(fine)?, of(coarse)?];
         let dbc = text::from_bytes(&read("dbc/e-type.dbc")?).into_owned();
         let database = Database::parse(&dbc).map_err(|error| error.to_string())?;
         let harsh = utf8(read("config/e-type-harsh-plant.toml")?)?;
@@ -55,7 +62,7 @@ impl World {
     }
 
     fn configuration(&self, task: &Task) -> &Configuration {
-        &self.configurations[usize::from(task.is_coarse())]
+        &self.configurations[usize::from(task.is_coarse())][usize::from(task.stated_free)]
     }
 }
 
@@ -104,8 +111,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     let [first, last] = memory.ends();
     let origin = Origin {
         inputs: format!("census {}", task.number),
-        first,
-        last,
+        timeline: Timeline::unbroken(first, last),
         window: survey::Window { from: 0.0, to: last.since(first).as_seconds() + 1e-9 },
         remarks: Vec::new(),
     };
@@ -114,6 +120,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
         text,
         database,
         origin: &origin,
+        cuts: &Cuts::default(),
         per_year: 1.0,
         version: env!("CARGO_PKG_VERSION"),
     };
@@ -175,6 +182,7 @@ fn line(task: &Task, result: &Commissioned) -> Line {
         pair: task.pair,
         calm_first: task.calm_first,
         mishap: task.mishap,
+        stated_free: task.stated_free,
         spoilt: task.spoilt,
         faulty: spoilt.map(|(cylinder, ..)| cylinder),
         fitness: fitness.to_owned(),

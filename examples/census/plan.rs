@@ -11,6 +11,9 @@ const LENGTHS: [f64; 3] = [900.0, 3600.0, 10_800.0];
 /// One more commissioning with a fault in its recording for so many sound ones.
 const ONE_FAULTY_FOR: usize = 8;
 
+/// One machine in so many of a grade has a configuration that states that its bus has no spikes, as it has none.
+const FREE_OF: usize = 4;
+
 /// What befalls a recording and is no fault of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -67,6 +70,8 @@ pub struct Task {
     pub pair: usize,
     pub calm_first: bool,
     pub mishap: Mishap,
+    /// The configuration states that its bus has no spikes.
+    pub stated_free: bool,
     pub spoilt: Option<Spoilt>,
 }
 
@@ -95,7 +100,8 @@ impl Plan {
             let sound = MISHAPS[(round + machine / 2 / lengths.len()) % MISHAPS.len()];
             let mishap = if spoilt.is_some() { Mishap::None } else { sound };
             let calm_first = number.is_multiple_of(2);
-            Task { number, seed, machine, length, pair, calm_first, mishap, spoilt }
+            let stated_free = machine / 2 % FREE_OF == FREE_OF - 1 && mishap != Mishap::Spikes;
+            Task { number, seed, machine, length, pair, calm_first, mishap, stated_free, spoilt }
         };
         let sound = (0..commissionings).map(|number| task(number, number / 2, None));
         let faulty = (0..commissionings / ONE_FAULTY_FOR).map(|index| {

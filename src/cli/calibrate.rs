@@ -2,9 +2,12 @@
 
 use super::Failure;
 use super::files::Overwriting;
-use super::survey::{Field, Surveyed};
+use super::learnt_file::Prepared;
+use super::survey::Field;
 use super::tables::{self, InPlace};
+use super::update::{Study, Update};
 use crate::calibrate::{Calibration, Course};
+use crate::commission::holding::Without;
 use crate::config::design;
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
@@ -33,6 +36,14 @@ pub struct Calibrate {
     place: InPlace,
     #[command(flatten)]
     overwriting: Overwriting,
+    /// Learns from this recording together with what is kept of earlier ones in NAME.learnt, beside
+    /// the configuration NAME.toml, and keeps it there, too. What does not look healthy by the tables
+    /// that stand is left out; a recording with a fault that stays is refused
+    #[arg(long, requires = "into", conflicts_with_all = ["held_back", "output"])]
+    update: bool,
+    /// Begins what --update keeps anew, with this recording
+    #[arg(long, requires = "update")]
+    fresh: bool,
     /// Fits on the beginning, and tries the fit on this part of the time at the end, %, instead of
     /// blocks that alternate
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(5..=90))]
@@ -58,21 +69,38 @@ impl Calibrate {
             &surveyed,
             &self.place,
         )?;
-        let result = self.calibration(&surveyed)?;
+        let study = if self.update {
+            if !self.place.is(&self.field.config) {
+                return Err(Failure::Wrong(
+                    "--update: --into has to be the configuration itself, whose tables judge the recording"
+                        .to_owned(),
+                ));
+            }
+            let update = Update { fresh: self.fresh, all: false };
+            let Some(study) = Study::adding(surveyed, &self.field.config, update)? else {
+                return Ok(());
+            };
+            study
+        } else {
+            Study::alone(surveyed)
+        };
+        let result = self.calibration(&study)?;
         let page = calibration::page(&result);
-        let settings = &surveyed.machine.loaded.settings;
+        let settings = &study.surveyed.machine.loaded.settings;
         let usable = result.usable(settings.comparator.critical);
         let written =
             usable.is_ok().then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION")));
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
-        if let Some(tables) = written {
-            self.place.put(&tables, &[], design::unjudging)?;
+        // What is kept has no cylinder that contradicts it, and no damage.
+        let whole = result.refusals().is_empty() && study.surveyed.damage().is_ok();
+        if let Some(tables) = written.filter(|_| whole || !self.update) {
+            self.put(&study, &result, &tables)?;
         }
         if let Some(report) = report {
-            report.write(&figures(&surveyed, &result)?)?;
+            report.write(&figures(&study, &result)?)?;
         }
-        surveyed.damage()?;
+        study.surveyed.damage()?;
         usable.map_err(Failure::Failed)?;
         // A cylinder without a calibration is a failure, though the others have theirs.
         match &result.refusals()[..] {
@@ -81,21 +109,32 @@ impl Calibrate {
         }
     }
 
-    fn calibration(&self, surveyed: &Surveyed) -> Result<Calibration, Failure> {
-        let (settings, all) = (&surveyed.machine.loaded.settings, surveyed.window);
+    /// Puts the tables into the configuration, and keeps what they are of.
+    fn put(&self, study: &Study, result: &Calibration, tables: &str) -> Result<(), Failure> {
+        let mut prepared = None;
+        self.place.put_after(tables, &[], design::unjudging, |after| {
+            prepared = study.prepare(after, &result.cuts())?;
+            Ok(())
+        })?;
+        prepared.map_or(Ok(()), Prepared::settle)
+    }
+
+    fn calibration(&self, study: &Study) -> Result<Calibration, Failure> {
+        let (settings, all) = (&study.surveyed.machine.loaded.settings, study.window);
         let [fitted, tried] = match self.held_back {
             Some(percent) => all.split(1.0 - f64::from(percent) / 100.0),
             None => [all, all],
         };
         let course = Course { settings, fitted, tried, per_year: self.false_alarms_per_year };
-        Calibration::of(&course, surveyed, &surveyed.origin())
+        let recording = Without { recording: study, blocks: None, cuts: &study.cuts };
+        Calibration::of(&course, &recording, &study.origin())
     }
 }
 
 /// The page of HTML.
-fn figures(surveyed: &Surveyed, result: &Calibration) -> Result<String, Failure> {
-    let settings = &surveyed.machine.loaded.settings;
+fn figures(study: &Study, result: &Calibration) -> Result<String, Failure> {
+    let settings = &study.surveyed.machine.loaded.settings;
     let mut differences = Differences::new(result, settings.machine.sample_time);
-    surveyed.read(surveyed.window, &mut differences)?;
+    study.read(study.window, &mut differences)?;
     Ok(page::calibration::page(result, &differences, settings.comparator.bound))
 }

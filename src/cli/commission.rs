@@ -2,9 +2,11 @@
 
 use super::Failure;
 use super::files::{self, Claimed, Inputs, Mark, Overwriting};
+use super::learnt_file::Prepared;
 use super::survey::{Field, Surveyed};
 use super::tables;
-use crate::commission::{Commissioned, Fitness, Stage, Step, Task};
+use super::update::{Study, Update};
+use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
 use crate::config::design;
 use crate::config::edit;
 use crate::report::{commission, page};
@@ -21,7 +23,9 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Example:\n  tertius commission monday.log.zst tuesday.log.zst --config \
                   config/e-type.toml --report commissioning.html\n\nThe configuration changes in its \
                   place: comments and order stay, and the file as it was is kept beside it. What is not \
-                  fit for use is not written; then the exit code is 1, and the reasons are told.")]
+                  fit for use is not written; then the exit code is 1, and the reasons are told.\n\n\
+                  Another day adds up with the days before where each says so:\n  tertius commission \
+                  wednesday.log.zst --config config/e-type.toml --update")]
 pub struct Commission {
     #[command(flatten)]
     field: Field,
@@ -37,6 +41,14 @@ pub struct Commission {
     /// Takes the tables of the other cylinders where some are refused
     #[arg(long)]
     accept_refused: bool,
+    /// Learns from this recording together with what is kept of earlier ones in NAME.learnt, beside
+    /// the configuration NAME.toml, and keeps it there, too. What does not look healthy by the tables
+    /// that stand is left out; a recording with a fault that stays is refused
+    #[arg(long, conflicts_with_all = ["output", "accept_refused"])]
+    update: bool,
+    /// Begins what --update keeps anew, with this recording
+    #[arg(long, requires = "update")]
+    fresh: bool,
     /// False alarms that a year of monitoring may bring: of R1 and R2, of R3, and of the sequential
     /// detectors, all cylinders together
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
@@ -59,24 +71,33 @@ impl Commission {
         })?;
         let [output, report] = self.claim(&surveyed)?;
         let config = &self.field.config;
-        let before = surveyed.machine.loaded.document.text();
+        let study = if self.update {
+            let update = Update { fresh: self.fresh, all: true };
+            let Some(study) = Study::adding(surveyed, config, update)? else { return Ok(()) };
+            study
+        } else {
+            Study::alone(surveyed)
+        };
+        let machine = &study.surveyed.machine;
+        let before = machine.loaded.document.text();
         let task = Task {
             name: &config.display().to_string(),
             text: before,
-            database: &surveyed.machine.database,
-            origin: &surveyed.origin(),
+            database: &machine.database,
+            origin: &study.origin(),
+            cuts: &study.cuts,
             per_year: self.false_alarms_per_year,
             version: env!("CARGO_PKG_VERSION"),
         };
-        let result = task.run(&surveyed, tell)?;
+        let result = task.run(&study, tell)?;
         std::io::stdout()
             .write_all(commission::page(&result).as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
         if let Some(report) = report {
-            report.write(&figures(&surveyed, &result)?)?;
+            report.write(&figures(&study, &result)?)?;
         }
         self.judge(&result)?;
-        self.write(before, &result.taught.text, output)
+        self.write(&study, &result.taught, output)
     }
 
     /// Takes the files that are written; the configuration is one of them, in its place.
@@ -111,14 +132,22 @@ impl Commission {
         }
     }
 
-    fn write(&self, before: &str, after: &str, output: Option<Claimed>) -> Result<(), Failure> {
-        let config = self.field.config.as_path();
+    fn write(
+        &self,
+        study: &Study,
+        taught: &Taught,
+        output: Option<Claimed>,
+    ) -> Result<(), Failure> {
+        let (config, after) = (self.field.config.as_path(), &taught.text);
+        let before = study.surveyed.machine.loaded.document.text();
         let Some(path) = self.output.as_deref() else {
             tables::approve(config, after, design::judging)?;
-            return match self.dry_run {
-                true => tables::show(config, before, after),
-                false => tables::replace(config, before, after),
-            };
+            if self.dry_run {
+                return tables::show(config, before, after);
+            }
+            let prepared = study.prepare(after, &taught.cuts())?;
+            tables::replace(config, before, after)?;
+            return prepared.map_or(Ok(()), Prepared::settle);
         };
         let moved = moved(config, path, after)?;
         tables::approve(path, &moved, design::judging)?;
@@ -149,13 +178,13 @@ fn moved(config: &Path, path: &Path, text: &str) -> Result<String, Failure> {
 }
 
 /// The page of HTML.
-fn figures(surveyed: &Surveyed, result: &Commissioned) -> Result<String, Failure> {
-    let settings = &surveyed.machine.loaded.settings;
+fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
+    let settings = &study.surveyed.machine.loaded.settings;
     let sample_time = settings.machine.sample_time;
     let calibration = result.taught.calibration.as_ref();
     let mut differences = calibration.map(|it| page::Differences::new(it, sample_time));
     if let Some(differences) = &mut differences {
-        surveyed.read(surveyed.window, differences)?;
+        study.read(study.window, differences)?;
     }
     Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound))
 }

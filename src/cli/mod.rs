@@ -12,6 +12,7 @@ mod files;
 mod history;
 mod identify;
 mod inject;
+mod learnt_file;
 mod machine;
 mod output;
 mod plant;
@@ -26,6 +27,7 @@ mod stage;
 mod survey;
 mod tables;
 mod tune;
+mod update;
 mod virtual_bus;
 
 pub use crate::failure::Failure;

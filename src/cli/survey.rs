@@ -9,10 +9,9 @@ use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
 use crate::report::judgement::Recorded;
-use crate::survey::{self, Frames, Origin, Rows, Surveyor, Window};
-use crate::time::Timestamp;
+use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Which recordings of which machine, and which part of them.
@@ -25,7 +24,8 @@ pub struct Field {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
-    /// Leaves out what is before: seconds since the first frame, or a part, like 25%
+    /// Leaves out what is before: seconds since the first frame, or a part, like 25%. A pause of more
+    /// than a minute counts as a minute
     #[arg(long, value_name = "TIME")]
     pub from: Option<Place>,
     /// Leaves out what is after: seconds since the first frame, or a part, like 75%
@@ -53,9 +53,8 @@ pub enum Place {
 pub struct Surveyed {
     pub machine: Machine,
     pub design: MonitorDesign,
-    /// Time stamps of the first and the last frame.
-    pub first: Timestamp,
-    pub last: Timestamp,
+    /// Where its frames are in time.
+    pub timeline: Timeline,
     /// What is asked for of it.
     pub window: Window,
     pub statistics: Statistics,
@@ -73,8 +72,7 @@ const STRIDE: u64 = 1 << 16;
 /// What the first reading of a recording finds.
 #[derive(Debug, Default)]
 struct Extent {
-    /// The first frame's time stamp, and the latest of all.
-    ends: Option<(Timestamp, Timestamp)>,
+    timeline: Timeline,
     frames: u64,
     /// With an identifier of the configuration.
     used: u64,
@@ -102,20 +100,20 @@ impl Extent {
 
     fn take(&mut self, frame: &Frame, design: &MonitorDesign) {
         let at = frame.timestamp;
-        let (first, last) = self.ends.unwrap_or((at, at));
-        self.ends = Some((first, last.max(at)));
+        self.timeline.take(at);
         self.frames += 1;
-        self.before += u64::from(at < first);
+        self.before += u64::from(at < self.timeline.first());
         let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
         self.used += u64::from(data && design.wiring.find(frame.id).is_some());
     }
 
     /// What is to be said of frames from before the first one, if there are any.
-    fn backwards(&self, first: Timestamp) -> Result<Option<String>, Failure> {
+    fn backwards(&self) -> Result<Option<String>, Failure> {
         let Self { frames, before, .. } = *self;
         if before == 0 {
             return Ok(None);
         }
+        let first = self.timeline.first();
         let told = format!("{before} of {frames} frames are from before the first one, at {first}");
         if before as f64 <= LARGEST_LOSS * frames as f64 {
             return Ok(Some(format!("{told}, and are left out")));
@@ -151,18 +149,18 @@ impl Field {
         let (interfaces, used) = (&options.interfaces, extent.used);
         let recorded = Recorded { statistics: &statistics, interfaces, design: &design, used };
         let nothing = recorded.nothing();
-        let Some((first, last)) = extent.ends.filter(|_| nothing.is_empty()) else {
+        if extent.timeline.ends().is_none() || !nothing.is_empty() {
             let reasons = nothing.join("; ");
             return Err(Failure::Failed(format!("nothing was judged: {reasons}")));
-        };
-        let backwards = extent.backwards(first)?;
-        let window = self.window(last.since(first).as_seconds())?;
+        }
+        let backwards = extent.backwards()?;
+        let timeline = extent.timeline;
+        let window = self.window(timeline.length())?;
         let reordered = logs != self.logs;
         Ok(Surveyed {
             machine,
             design,
-            first,
-            last,
+            timeline,
             window,
             statistics,
             backwards,
@@ -203,21 +201,31 @@ impl Surveyed {
     pub fn origin(&self) -> Origin {
         Origin {
             inputs: self.inputs(),
-            first: self.first,
-            last: self.last,
+            timeline: self.timeline.clone(),
             window: self.window,
-            remarks: self.remarks(),
+            remarks: self.timeline.remarks().into_iter().chain(self.remarks()).collect(),
         }
     }
 
+    /// The recordings, in the order of time.
+    pub fn logs(&self) -> impl Iterator<Item = &Path> {
+        self.logs.iter().map(PathBuf::as_path)
+    }
+
+    /// Whether the configuration reads this frame.
+    pub fn reads(&self, frame: &Frame) -> bool {
+        let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
+        data && self.design.wiring.find(frame.id).is_some()
+    }
+
     /// The recordings' names, for people.
-    fn inputs(&self) -> String {
+    pub fn inputs(&self) -> String {
         let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
         logs.join(", ")
     }
 
     /// What could not be read, for people; empty where all could.
-    fn remarks(&self) -> Vec<String> {
+    pub fn remarks(&self) -> Vec<String> {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
@@ -227,6 +235,27 @@ impl Surveyed {
                 .to_owned()
         });
         reordered.into_iter().chain(self.backwards.clone()).chain(bad).collect()
+    }
+
+    /// Gives the frames within `window` (seconds by the timeline) to `take`, as they were stamped.
+    ///
+    /// # Errors
+    /// They cannot be read any more.
+    pub fn recorded(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
+        let mut recording = Recording::open(&self.logs, self.options.clone())?;
+        let bar = Bar::new(recording.progress());
+        let mut frames = 0_u64;
+        while let Some(frame) = recording.next_frame()? {
+            if window.holds(self.timeline.seconds(frame.timestamp)) {
+                take(frame);
+            }
+            frames += 1;
+            if frames.is_multiple_of(STRIDE) {
+                bar.show(recording.progress());
+            }
+        }
+        bar.finish();
+        Ok(())
     }
 
     /// An input of which a part could not be read is a failure, though the rest was used.
@@ -245,20 +274,7 @@ impl Frames for Surveyed {
     type Error = Failure;
 
     fn frames(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
-        let mut recording = Recording::open(&self.logs, self.options.clone())?;
-        let bar = Bar::new(recording.progress());
-        let mut frames = 0_u64;
-        while let Some(frame) = recording.next_frame()? {
-            if window.holds(frame.timestamp.since(self.first).as_seconds()) {
-                take(frame);
-            }
-            frames += 1;
-            if frames.is_multiple_of(STRIDE) {
-                bar.show(recording.progress());
-            }
-        }
-        bar.finish();
-        Ok(())
+        self.recorded(window, |frame| placed(frame, &self.timeline, &mut take))
     }
 }
 
@@ -270,8 +286,20 @@ impl survey::Recording for Surveyed {
     }
 
     fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Failure> {
-        let Self { design, first, .. } = self;
-        Rows { frames: self, design, first: *first }.read_counted(window, surveyor)
+        let (design, first) = (&self.design, self.timeline.first());
+        Rows { frames: self, design, first }.read_counted(window, surveyor)
+    }
+}
+
+/// Gives a frame to `take` as it is on a timeline.
+pub fn placed(frame: &Frame, timeline: &Timeline, take: &mut impl FnMut(&Frame)) {
+    let timestamp = timeline.place(frame.timestamp);
+    if timestamp == frame.timestamp {
+        take(frame);
+    } else {
+        let mut moved = frame.clone();
+        moved.timestamp = timestamp;
+        take(&moved);
     }
 }
 

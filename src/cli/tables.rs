@@ -51,6 +51,13 @@ pub struct InPlace {
     dry_run: bool,
 }
 
+impl InPlace {
+    /// The tables are put into the configuration `config` itself.
+    pub fn is(&self, config: &Path) -> bool {
+        self.into.as_deref().is_some_and(|into| files::is_same(into, config))
+    }
+}
+
 /// Files as they were that are kept beside a configuration.
 const KEPT: usize = 99;
 
@@ -61,6 +68,21 @@ impl InPlace {
     /// # Errors
     /// It cannot be read or written, or would be refused with the tables in it; then nothing has changed.
     pub fn put(&self, tables: &str, anew: &[&str], design: Designer) -> Result<(), Failure> {
+        self.put_after(tables, anew, design, |_| Ok(()))
+    }
+
+    /// As [`Self::put`]; `ready` gets the whole before anything is written, and is not asked where nothing
+    /// is.
+    ///
+    /// # Errors
+    /// As [`Self::put`], and what `ready` says; then nothing has changed, too.
+    pub fn put_after(
+        &self,
+        tables: &str,
+        anew: &[&str],
+        design: Designer,
+        ready: impl FnOnce(&str) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         let Some(path) = self.into.as_deref() else { return Ok(()) };
         let name = path.display();
         let loaded = config::load(path)?;
@@ -72,6 +94,7 @@ impl InPlace {
         if self.dry_run {
             return show(path, before, &after);
         }
+        ready(&after)?;
         replace(path, before, &after)
     }
 }

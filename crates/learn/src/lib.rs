@@ -6,10 +6,12 @@
 //! - [`calibrate`]: a and b of (5-20), the band of R3, the tables of the sequential detectors.
 //! - [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and the smallest faults that follow.
 //! - [`tables`]: all of it as text that the configuration reads.
+//! - [`learnt`]: what is kept of healthy recordings, so that those of several days add up.
 
 pub mod calibrate;
 pub mod extremes;
 pub mod identify;
+pub mod learnt;
 pub mod survey;
 pub mod tables;
 pub mod tune;

@@ -1,8 +1,9 @@
 //! What a longer recording would win, and where on the stroke.
 
 use super::stages::Taught;
+use tertius_core::sequential::Reference;
 use tertius_core::sequential::reference::LARGEST_DOUBT;
-use tertius_core::sequential::{Reference, wild};
+use tertius_core::sequential::wild::Outliers;
 use tertius_learn::calibrate::LEAST_BOUND;
 use tertius_learn::extremes::HOURS_PER_YEAR;
 use tertius_learn::tune::LEAST_HIGH;
@@ -110,8 +111,9 @@ fn places(coverage: &[Coverage]) -> Vec<String> {
 
 /// Levels that the recording has raised.
 fn levels(taught: &Taught) -> Option<String> {
-    let least = wild::least_level();
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let leasts = cylinders.clone().filter_map(|it| Some(it.sequential.as_ref()?.1.outliers));
+    let least = leasts.map(Outliers::least_level).reduce(f64::max)?;
     let cylinders = cylinders.filter(|it| it.sequential.is_some());
     let raised: Vec<String> = cylinders
         .filter_map(|it| Some((it.number, it.level.filter(|level| *level > WORTH * least)?)))

@@ -41,6 +41,8 @@ pub struct Task<'a> {
     pub text: &'a str,
     pub database: &'a Database,
     pub origin: &'a Origin,
+    /// What is known to be no healthy machine, s of each cylinder: nothing is learnt from it.
+    pub cuts: &'a Cuts,
     /// False alarms that a year may bring: of R1 and R2, of R3, and of the sequential detectors.
     pub per_year: f64,
     /// The program's, for the tables.
@@ -85,18 +87,18 @@ impl Task<'_> {
         mut tell: impl FnMut(Step),
     ) -> Result<Commissioned, F::Error> {
         let lesson = |blocks| Lesson { task: self, frames, blocks };
-        let taught = lesson(None).teach(&Cuts::default(), |stage| tell(Step::Learn(stage)))?;
+        let taught = lesson(None).teach(self.cuts, |stage| tell(Step::Learn(stage)))?;
+        let cuts = &taught.cuts().with(self.cuts);
         let mut rehearsed = None;
         if taught.is_whole() {
             let blocks = Blocks::of(self.origin.window);
             let told = |stage| tell(Step::Rehearse(stage));
-            rehearsed = Some((lesson(Some(blocks)).teach(&taught.cuts(), told)?, blocks));
+            rehearsed = Some((lesson(Some(blocks)).teach(cuts, told)?, blocks));
         }
         let trial = match &rehearsed {
             Some((rehearsal, blocks)) if rehearsal.is_whole() => {
                 tell(Step::Try);
-                let (refused, cuts) = (&taught.refused_cylinders()[..], &taught.cuts());
-                let blocks = *blocks;
+                let (refused, blocks) = (&taught.refused_cylinders()[..], *blocks);
                 trial::Course { task: self, rehearsal, blocks, refused, cuts }.run(frames)?
             }
             _ => None,

@@ -67,9 +67,7 @@ impl Taught {
 
     /// What the calibration has left out, as no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
-        let cylinders = self.calibration.iter().flat_map(|it| &it.cylinders);
-        let spans: Vec<_> = cylinders.map(|cylinder| cylinder.left_out.clone()).collect();
-        spans.into()
+        self.calibration.as_ref().map(Calibration::cuts).unwrap_or_default()
     }
 
     /// The cylinders that were refused, in order, each once.
@@ -129,7 +127,7 @@ impl<F: Frames> Lesson<'_, F> {
         }
         if result.is_ok() {
             tell(Stage::Tune);
-            let found = taught.cuts();
+            let found = taught.cuts().with(cuts);
             // What a calibration with less to go by has not found is left out all the same.
             let cuts = if self.blocks.is_some() { cuts } else { &found };
             result = self.tune(&mut taught, cuts);
@@ -146,7 +144,8 @@ impl<F: Frames> Lesson<'_, F> {
         let failed = |why| Stopped::Failed(Stage::Identify, why);
         let (settings, design) = self.machine(taught).map_err(failed)?;
         taught.machine.clone_from(&settings.machine.name);
-        let (origin, wishes) = (self.task.origin, Wishes::default());
+        // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
+        let (origin, wishes) = (self.task.origin, Wishes { held_back: 0, ..Wishes::default() });
         let course = identify::course::Course { settings: &settings, origin, wishes };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
@@ -219,7 +218,7 @@ impl<F: Frames> Lesson<'_, F> {
         design: &'b MonitorDesign,
         cuts: &'b Cuts,
     ) -> impl Recording<Error = F::Error> + 'b {
-        let first = self.task.origin.first;
+        let first = self.task.origin.timeline.first();
         let recording = Rows { frames: self.frames, design, first };
         Without { recording, blocks: self.blocks, cuts }
     }

@@ -17,7 +17,7 @@ use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::Verdict;
 use tertius_learn::calibrate::Cuts;
-use tertius_learn::survey::Frames;
+use tertius_learn::survey::{Frames, Timeline};
 use tertius_machine::inject::{Injector, place};
 
 /// Those that find what is wrong with a reading that looks sound.
@@ -139,7 +139,8 @@ impl Course<'_> {
         let known = own.filter(|(number, _)| cylinders.contains(number)).collect();
         Some(Trying {
             course: self,
-            first: origin.first,
+            first: origin.timeline.first(),
+            newest: origin.timeline.first(),
             cylinders,
             monitor,
             heard: Heard::default(),
@@ -155,6 +156,8 @@ impl Course<'_> {
 struct Trying<'a> {
     course: &'a Course<'a>,
     first: Timestamp,
+    /// The latest frame.
+    newest: Timestamp,
     /// That are tried.
     cylinders: Vec<u8>,
     monitor: Monitor,
@@ -172,6 +175,10 @@ impl Trying<'_> {
     fn take(&mut self, frame: &Frame) {
         let t = frame.timestamp.since(self.first).as_seconds();
         self.start(t, frame.timestamp);
+        if Timeline::is_pause(frame.timestamp.since(self.newest)) {
+            self.monitor.interrupt(frame.timestamp, &mut self.heard);
+        }
+        self.newest = self.newest.max(frame.timestamp);
         self.monitor.take(frame, &mut self.heard);
         self.judge();
         for attempt in &mut self.attempts {

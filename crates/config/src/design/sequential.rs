@@ -3,6 +3,7 @@
 use super::{Flaw, Wirer};
 use crate::settings::CylinderSequential;
 use tertius_core::sequential::reference::DOUBTED;
+use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
 /// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
@@ -31,6 +32,7 @@ impl Wirer<'_> {
             deviation: fitted.deviation,
             noise: Noise { rest: fitted.noise, timing: fitted.timing },
             resolution: fitted.resolution,
+            outliers: Outliers { share: fitted.outlier_share },
             pair: self.pair(n, fitted),
             level: settings.sequential_level_of(n),
             sample_time,

@@ -5,6 +5,7 @@ use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
 use super::{number, numbers, text};
 use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
 
 #[rustfmt::skip]
@@ -16,6 +17,10 @@ pub(super) static SEQUENTIAL: Table = Table { keys: &[
         number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
         "20.0", "the level h of all cylinders, nats; absent: that of each cylinder's calibration, else by \
          false_alarms_per_year"),
+    Key::optional("outlier_share",
+        number(Limits::least(Outliers::LEAST.share, "the share of samples that may be wild").most(0.05)),
+        "0.01", "the share of samples that may be off by any amount, and are no fault, on a healthy bus, as \
+         `tertius calibrate` reckons with it: where there are none, 0.001 finds a fault by three samples"),
     Key::optional("stop_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
@@ -61,6 +66,9 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
         "samples that the calibration had between each two nodes"),
     Key::required("velocity", number(Limits::finite(FITTED)), "0.0001",
         "what C1 - C2 grows by with the velocity, s"),
+    Key::optional("outlier_share",
+        number(Limits::least(Outliers::LEAST.share, FITTED).most(0.05)),
+        "0.01", "the share of wild samples that the calibration reckoned with; absent: 0.02"),
     Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
         "the standard deviation of the residual, m"),
     Key::required("noise", number(Limits::above(0.0, FITTED)), "0.0001",

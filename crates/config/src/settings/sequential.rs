@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
 
 /// The sequential detectors of all cylinders that have a calibration for it.
@@ -13,6 +14,9 @@ pub struct Sequential {
     /// h of all cylinders, nats; absent: that of each cylinder's calibration, else by
     /// [`tertius_core::sequential::level`].
     pub level: Option<f64>,
+    /// The share of samples that may be wild, and no fault, on a healthy bus: what `tertius calibrate` reckons
+    /// with.
+    pub outlier_share: f64,
     /// Platform states in which the rods stand on their mechanical stops, named as
     /// [`Machine::monitored_states`](super::Machine::monitored_states); absent: none is known.
     pub stop_states: Option<Vec<String>>,
@@ -29,6 +33,7 @@ impl Default for Sequential {
         Self {
             false_alarms_per_year: 1.0,
             level: None,
+            outlier_share: Outliers::USUAL.share,
             stop_states: None,
             history: None,
             maintenance: None,
@@ -56,6 +61,9 @@ pub struct CylinderSequential {
     pub samples: Vec<u64>,
     /// What C1 − C2 grows by with the velocity, s.
     pub velocity: f64,
+    /// The share of wild samples that the calibration reckoned with.
+    #[serde(default = "unsaid")]
+    pub outlier_share: f64,
     /// Standard deviation of the residual, m, whatever the speed, …
     pub deviation: f64,
     /// … at rest, m, …
@@ -79,4 +87,8 @@ pub struct CylinderSequential {
     /// What the readings differ by from it in a cycle, m.
     #[serde(default)]
     pub prediction: f64,
+}
+
+const fn unsaid() -> f64 {
+    Outliers::UNSAID.share
 }

@@ -24,8 +24,23 @@ impl Monitor {
         let said = said.filter_map(|(_, detector)| detector.said());
         let (apart, told) = sampling.judge(said).unwrap_or_default();
         cylinders.iter_mut().for_each(|cylinder| cylinder.allow(&apart));
+        ask(cylinders);
         if let Some(changed) = told {
             sink.notice(&Notice::Timing { at, apart: changed.then_some(apart) });
         }
+    }
+}
+
+/// Asks the other cylinders of each that has an alarm of nobody's whether it may be the sampling's.
+fn ask(cylinders: &mut [Cylinder]) {
+    for index in 0..cylinders.len() {
+        let Some(claim) = cylinders[index].sequential().and_then(|(_, it)| it.claim()) else {
+            continue;
+        };
+        let others = cylinders.iter().enumerate().filter(|(other, _)| *other != index);
+        let others = others.filter_map(|(_, cylinder)| cylinder.sequential());
+        let evidence = others.filter_map(|(_, detector)| detector.evidence(&claim));
+        let may_be_timing = !claim.is_contradicted(evidence);
+        cylinders[index].hear(may_be_timing);
     }
 }

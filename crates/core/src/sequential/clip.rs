@@ -1,6 +1,10 @@
 //! How much of one sample counts.
 
-use super::statistic::Bands;
+use super::statistic::{Bands, Scales};
+use super::wild::Frequency;
+
+/// The index of the window of so many samples as wild ones must not be a fault by, of [`super::windows::WIDTHS`].
+const SEVERAL: usize = 3;
 
 /// Beyond these a sample counts no more: there a wild one is taken to be ([`super::wild`]), and what it
 /// is farther off proves nothing more. The evidence of a window is convex in its sum, so that no window
@@ -23,8 +27,58 @@ impl Clip {
         }
     }
 
+    /// Where wild samples are frequent, each is less evidence by `scales`: several in a row, of which the
+    /// dead band takes more than of one alone, no more than as many.
+    pub fn of_frequent(scales: &Scales) -> Self {
+        let bands = scales.bands();
+        let [mean, square] = bands.outliers().evidence_of_frequent();
+        let farthest = |nats: Option<f64>| nats.unwrap_or(f64::INFINITY).min(bands.farthest());
+        let root = farthest(scales.square().reaches(square));
+        Self {
+            farthest: farthest(scales.mean().reaches(mean)) + bands.dead_band_of(SEVERAL),
+            square: root * root + bands.spread_band(),
+        }
+    }
+
     /// Nothing is clipped.
     pub const NONE: Self = Self { farthest: f64::INFINITY, square: f64::INFINITY };
+}
+
+/// How much of each sample counts, as it comes.
+#[derive(Clone, Debug)]
+pub struct Clipping {
+    usual: Clip,
+    of_frequent: Clip,
+    frequency: Frequency,
+}
+
+impl Clipping {
+    /// For statistics by `scales`.
+    pub fn new(scales: &Scales) -> Self {
+        let bands = scales.bands();
+        Self {
+            usual: Clip::new(bands),
+            of_frequent: Clip::of_frequent(scales),
+            frequency: Frequency::new(bands.outliers(), bands.farthest()),
+        }
+    }
+
+    /// While there are no more wild samples than were expected.
+    pub const fn usual(&self) -> &Clip {
+        &self.usual
+    }
+
+    /// A sample that is part of no fault, weighed, m: it may be wild.
+    #[inline]
+    pub fn take(&mut self, weighed: f64) {
+        self.frequency.take(weighed);
+    }
+
+    /// Of the newest sample.
+    #[inline]
+    pub fn clip(&self) -> &Clip {
+        if self.frequency.is_high() { &self.of_frequent } else { &self.usual }
+    }
 }
 
 #[cfg(test)]
@@ -33,7 +87,7 @@ mod tests {
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::{History, Sample};
     use super::super::statistic::{DEAD_BAND, INDEPENDENT, Scales};
-    use super::super::wild::SHARE;
+    use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -42,7 +96,7 @@ mod tests {
     const DEVIATION: f64 = 1e-4;
 
     /// Of a calibration of an hour without a wild sample.
-    fn scales() -> Scales {
+    fn scales(outliers: Outliers) -> Scales {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut magnitudes = Magnitudes::new(1e-6);
         for _ in 0..180_000 {
@@ -50,50 +104,78 @@ mod tests {
             magnitudes.add(DEVIATION * normal);
         }
         let [mean, square] =
-            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
+            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION, outliers));
         let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
-        Scales::new(mean, square, INDEPENDENT, Bands::new(DEVIATION, DEAD_BAND, [0.0; 2]))
+        Scales::new(mean, square, INDEPENDENT, Bands::new(DEVIATION, DEAD_BAND, [0.0; 2], outliers))
     }
 
     /// The most of both statistics after healthy samples, with a wild one in the place of each of
     /// `wild`, of that size.
-    fn most(wild: &[usize], size: f64) -> f64 {
-        let scales = scales();
-        let clip = Clip::new(scales.bands());
+    fn most(scales: &Scales, clip: &Clip, wild: &[usize], size: f64) -> f64 {
         let mut history = History::default();
         let mut most = 0.0_f64;
         for k in 0..1500_usize {
             let healthy = if k % 2 == 0 { 0.5 * DEVIATION } else { -0.5 * DEVIATION };
             let residual = if wild.contains(&k) { size } else { healthy };
-            history.push(Sample::at_rest(residual), &clip, News::InMotion);
+            history.push(Sample::at_rest(residual), clip, News::InMotion);
             let [mean, variance] = scales.peaks(&history, 1024);
             most = most.max(mean.nats).max(variance.nats);
         }
         most
     }
 
+    /// Some of them, in a row and scattered, and to which side and how far they are.
+    fn places(count: usize) -> impl Iterator<Item = (Vec<usize>, f64)> {
+        let rows = [[500, 501, 502, 503], [500, 502, 505, 506]];
+        let of = move |row: [usize; 4]| {
+            [4e-4, 1e-3, -5e-3, 1.0].map(|size| (row[..count].to_vec(), size))
+        };
+        rows.into_iter().flat_map(of)
+    }
+
     /// However they follow each other, k wild samples are no more than k times as much as one.
     #[test]
     fn wild_samples_prove_no_more_than_how_many_they_are() {
-        let each = (2.0 / SHARE).ln();
-        let (together, scattered) = ([500, 501, 502, 503], [500, 502, 505, 506]);
-        for size in [4e-4, 1e-3, -5e-3, 1.0] {
-            for count in 1..=4 {
-                for places in [together, scattered] {
-                    let most = most(&places[..count], size);
-                    // The healthy ones between them are on one side, too.
-                    assert!(most <= each * count as f64 + 0.5, "{count} of {size}: {most}");
-                }
+        for outliers in [Outliers::UNSAID, Outliers::USUAL, Outliers::LEAST] {
+            let scales = scales(outliers);
+            let (clip, each) = (Clip::new(scales.bands()), outliers.evidence());
+            for (places, size) in (1..=4).flat_map(places) {
+                let (most, count) = (most(&scales, &clip, &places, size), places.len() as f64);
+                // The healthy ones between them are on one side, too.
+                assert!(most <= each * count + 0.5, "{outliers:?}: {places:?} of {size}: {most}");
             }
-            assert!(most(&together[..1], size) > 0.6 * each, "{size}");
+            assert!(most(&scales, &clip, &[500], 5e-3) > 0.6 * each, "{outliers:?}");
         }
     }
 
+    /// Where they are frequent, four of them are beneath the level by more than a healthy one may add.
     #[test]
-    fn five_in_a_row_are_a_fault() {
-        let row: Vec<usize> = (500..505).collect();
-        for size in [6e-4, -5e-3, 1.0] {
-            assert!(most(&row, size) > 19.5, "{size}: {}", most(&row, size));
+    fn of_frequent_ones_four_prove_nothing() {
+        for outliers in [Outliers::UNSAID, Outliers::USUAL, Outliers::LEAST] {
+            let scales = scales(outliers);
+            let (clip, level) = (Clip::of_frequent(&scales), outliers.least_level());
+            for (places, size) in places(4) {
+                let most = most(&scales, &clip, &places, size);
+                assert!(most < level - 2.5, "{outliers:?}: {places:?} of {size}: {most}");
+            }
+        }
+    }
+
+    /// How many in a row it takes depends on how many are expected, and on how many there are.
+    #[test]
+    fn a_few_in_a_row_are_a_fault() {
+        let shares =
+            [(Outliers::UNSAID, [6, 6]), (Outliers::USUAL, [4, 6]), (Outliers::LEAST, [3, 6])];
+        for (outliers, counts) in shares {
+            let (scales, level) = (scales(outliers), outliers.least_level());
+            let clips = [Clip::new(scales.bands()), Clip::of_frequent(&scales)];
+            for (clip, count) in clips.iter().zip(counts) {
+                for size in [7e-4, -5e-3, 1.0] {
+                    let row: Vec<usize> = (500..500 + count).collect();
+                    let found = most(&scales, clip, &row, size);
+                    assert!(found > level, "{outliers:?} {size}: {found}");
+                }
+            }
         }
     }
 }

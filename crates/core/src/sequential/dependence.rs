@@ -12,7 +12,6 @@
 use super::rate::{Magnitudes, Of, Rate};
 use super::samples::History;
 use super::statistic::{Bands, Dependence, INDEPENDENT, Scales};
-use super::wild;
 use super::windows::WIDTHS;
 use alloc::vec::Vec;
 
@@ -84,6 +83,7 @@ impl Measuring {
 
     /// Windows wider than that of the index `stretch` are as many of it as they are wider.
     fn compose(&self, dependence: &mut Dependence, stretch: usize, scales: &Scales) {
+        let level = scales.bands().outliers().least_level();
         let mean = Composed::of(&self.means[stretch], Of::Mean, stretch);
         let square = Composed::of(&self.squares[stretch], Of::Square, stretch);
         let [means, squares] = dependence;
@@ -92,10 +92,10 @@ impl Measuring {
             let by_mean = |beyond: f64| scales.by_mean(index, beyond);
             let by_square = |root: f64| scales.by_square(index, root * root);
             if let Some(mean) = &mean {
-                *of_mean = of_mean.max(mean.outgrown(index, by_mean));
+                *of_mean = of_mean.max(mean.outgrown(level, index, by_mean));
             }
             if let Some(square) = &square {
-                *of_square = of_square.max(square.outgrown(index, by_square));
+                *of_square = of_square.max(square.outgrown(level, index, by_square));
             }
         }
     }
@@ -133,11 +133,11 @@ impl Composed {
         Some(Self { rate: Rate::seen(windows, what)?, width, largest })
     }
 
-    /// By how much `evidence` of the window of `index` is larger than what its parts are worth, at the least
-    /// level: there it matters.
-    fn outgrown(&self, index: usize, evidence: impl Fn(f64) -> f64) -> f64 {
+    /// By how much `evidence` of the window of `index` is larger than what its parts are worth, at this
+    /// `level`, nats: there it matters.
+    fn outgrown(&self, level: f64, index: usize, evidence: impl Fn(f64) -> f64) -> f64 {
         let parts = WIDTHS[index] as f64 / self.width as f64;
-        let (level, most) = (wild::least_level(), parts * self.rate.at(self.largest));
+        let most = parts * self.rate.at(self.largest);
         if most < level {
             // However far off all of it is, it may be so many stretches.
             return (evidence(f64::INFINITY) / most).max(1.0);
@@ -202,6 +202,7 @@ mod tests {
     use super::super::rate::{Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::DEAD_BAND;
+    use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -214,7 +215,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let (mut history, mut measuring) = (History::default(), Measuring::default());
         let mut magnitudes = Magnitudes::new(1e-6);
-        let bands = Bands::new(DEVIATION, 1e-6, [0.0; 2]);
+        let bands = Bands::new(DEVIATION, 1e-6, [0.0; 2], Outliers::USUAL);
         let clip = Clip::new(&bands);
         for _ in 0..200_000 / hold {
             let normal: f64 = StandardNormal.sample(&mut rng);
@@ -224,8 +225,8 @@ mod tests {
                 measuring.take(&history, &bands);
             }
         }
-        let [mean, square] =
-            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
+        let [mean, square] = [Of::Mean, Of::Square]
+            .map(|what| Rate::of(&magnitudes, what, DEVIATION, Outliers::USUAL));
         let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
         measuring.dependence(&Scales::new(mean, square, INDEPENDENT, bands))
     }
@@ -253,7 +254,7 @@ mod tests {
     /// together: in two hours there are hundreds of those.
     #[test]
     fn stretches_that_come_together_are_expected() {
-        let bands = Bands::new(DEVIATION, DEAD_BAND, [0.0; 2]);
+        let bands = Bands::new(DEVIATION, DEAD_BAND, [0.0; 2], Outliers::USUAL);
         let clip = Clip::new(&bands);
         let (mut history, mut measuring) = (History::default(), Measuring::default());
         let mut magnitudes = Magnitudes::new(1e-6);
@@ -267,8 +268,8 @@ mod tests {
             magnitudes.add(push(&mut history));
             measuring.take(&history, &bands);
         }
-        let [mean, square] =
-            [Of::Mean, Of::Square].map(|what| Rate::of(&magnitudes, what, DEVIATION));
+        let [mean, square] = [Of::Mean, Of::Square]
+            .map(|what| Rate::of(&magnitudes, what, DEVIATION, Outliers::USUAL));
         let (mean, square) = (mean.expect("there are some"), square.expect("there are some"));
         let scales =
             |dependence| Scales::new(mean.clone(), square.clone(), dependence, bands.clone());
@@ -284,13 +285,13 @@ mod tests {
                 most = most.max(mean.nats).max(square.nats);
             }
         }
-        assert!((4.0..0.75 * wild::least_level()).contains(&most), "{most}");
+        assert!((4.0..0.75 * Outliers::USUAL.least_level()).contains(&most), "{most}");
         // What stays is found within a second.
         for _ in 0..50 {
             history.push(Sample::at_rest(5.0 * DEVIATION), &clip, News::InMotion);
         }
         let [mean, _] = scales.peaks(&history, 1024);
-        assert!(mean.nats > wild::least_level(), "{mean:?}");
+        assert!(mean.nats > Outliers::USUAL.least_level(), "{mean:?}");
     }
 
     #[test]

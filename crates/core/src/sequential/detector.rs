@@ -1,10 +1,11 @@
 //! The sequential detector of one cylinder.
 
 mod alarmed;
+mod together;
 
 use super::alarm::{Alarm, Cause};
 use super::baseline::{Baseline, Loss, Slow};
-use super::clip::Clip;
+use super::clip::Clipping;
 use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
@@ -14,22 +15,16 @@ use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
 use super::samples::{History, Sample};
-use super::sampling::{Apart, Said};
 use super::scale::Proportion;
 use super::search::Search;
 use super::skew::Skew;
 use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
 use super::velocity::Velocity;
-use super::windows::WIDTHS;
+use super::wild::Outliers;
+use super::witness::Witness;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
-
-/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
-const SLOW: f64 = 6e-4;
-
-/// The level at which an alarm ends, as a part of that at which it rises.
-const CALM: f64 = 0.5;
 
 /// What one detector runs on.
 #[derive(Clone, Debug)]
@@ -45,6 +40,8 @@ pub struct Design {
     pub noise: Noise,
     /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
     pub resolution: [f64; 2],
+    /// What was expected of them when the rates were made.
+    pub outliers: Outliers,
     /// `None` where the calibration has no drive: then nothing is located.
     pub pair: Option<PairDesign>,
     /// h, nats.
@@ -77,7 +74,7 @@ pub struct Input {
 pub struct Sequential {
     design: Design,
     scales: Scales,
-    clip: Clip,
+    clipping: Clipping,
     baseline: Baseline,
     slow: Slow,
     loss: Loss,
@@ -87,8 +84,11 @@ pub struct Sequential {
     /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
     noise: Noise,
     sooner: f64,
-    /// The cylinders may be about to find that they are sampled otherwise.
+    /// They are sampled otherwise than calibrated, and that is told.
+    sampled_anew: bool,
+    /// As far as the other cylinders know, a noise may be that of the sampling.
     may_be_timing: bool,
+    witness: Witness,
     skew: Skew,
     proportion: Proportion,
     pair: Option<Pair>,
@@ -109,22 +109,26 @@ pub struct Sequential {
 
 impl Sequential {
     pub fn new(design: Design) -> Self {
-        let bands = Bands::new(design.noise.rest, DEAD_BAND, design.resolution);
-        let clip = Clip::new(&bands);
+        let Design { noise, resolution, outliers, .. } = design;
+        let bands = Bands::new(noise.rest, DEAD_BAND, resolution, outliers);
         let (rate, square_rate) = (design.rate.clone(), design.square_rate.clone());
         let scales = Scales::new(rate, square_rate, design.dependence, bands);
+        let clipping = Clipping::new(&scales);
+        let farthest = clipping.usual().farthest;
         Self {
-            clip,
+            clipping,
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             loss: Loss::default(),
-            novelty: Novelty::new(design.sample_time, design.deviation, clip.farthest),
+            novelty: Novelty::new(design.sample_time, design.deviation, farthest),
             scales,
             history: History::default(),
             search: Search::default(),
             noise: design.noise.relied_on(),
             sooner: 0.0,
+            sampled_anew: false,
             may_be_timing: false,
+            witness: Witness::default(),
             skew: Skew::new(design.sample_time, design.noise.timing),
             proportion: Proportion::new(design.deviation, DEAD_BAND),
             pair: design.pair.clone().map(Pair::new),
@@ -171,30 +175,6 @@ impl Sequential {
     /// where that is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
         self.history.apart().filter(|_| self.verdict == Verdict::Healthy)
-    }
-
-    /// What its residuals say of when C1 and C2 are sampled; `None` while one of both is at fault.
-    pub fn said(&self) -> Option<Said> {
-        let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
-        self.is_witness().then(said)
-    }
-
-    /// A noise that is nobody's may be the sampling's: were it not asked, those that have no alarm yet would
-    /// be the majority.
-    fn is_witness(&self) -> bool {
-        self.alarm
-            .is_none_or(|alarm| alarm.fault == Fault::Noise && alarm.suspect == Suspect::Undecided)
-    }
-
-    /// C1 and C2 are sampled so far apart, as all cylinders together have it.
-    pub fn allow(&mut self, apart: &Apart) {
-        let Noise { rest, timing } = self.design.noise.relied_on();
-        self.noise = Noise { rest, timing: apart.timing(timing) };
-        self.sooner = apart.mean;
-        self.may_be_timing = apart.perhaps;
-        if apart.changing {
-            self.lay_to_timing();
-        }
     }
 
     /// The alarm that stands.
@@ -282,6 +262,7 @@ impl Sequential {
         let doubt = doubt * doubt + of_baseline * of_baseline;
         let sample = Sample { residual, share: self.noise.share(velocity), doubt };
         let news = self.novelty.step([c1, c2], sample);
+        self.witness.push(residual, if news == News::InMotion { velocity } else { 0.0 });
         if news == News::InMotion {
             if let Some(alarm) = &self.alarm {
                 self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual);
@@ -307,6 +288,7 @@ impl Sequential {
         self.forget();
         self.novelty.reset();
         self.velocity.reset();
+        self.witness.reset();
         self.peaks = [Peak::default(); 2];
         self.verdict = Verdict::Unknown;
         if let Some(pair) = &mut self.pair {
@@ -355,6 +337,7 @@ impl Sequential {
 
     /// There is no evidence in this cycle: what was found stands.
     const fn go_without(&mut self, reason: Unknown) {
+        self.witness.push(0.0, 0.0);
         (self.verdict, self.unknown) = match self.alarm {
             Some(_) => (Verdict::Faulty, None),
             None => (Verdict::Unknown, Some(reason)),
@@ -369,25 +352,6 @@ impl Sequential {
             .zip(difference)
             .map(|(c1, (residual, baseline))| [c1, c1 - (residual - baseline)]);
         pair.step(lengths, input.command);
-    }
-
-    fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
-        self.history.push(sample, &self.clip, news);
-        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
-        self.peaks = self.search.step(&self.scales, &self.history, widest);
-        let [mean, variance] = self.peaks;
-        let level = self.design.level;
-        if self.alarm.is_some() {
-            self.go_on(mean.nats.max(variance.nats) < CALM * level);
-        } else if mean.nats > level {
-            self.raise(at, Cause::Mean, mean);
-        } else if variance.nats > level {
-            self.raise(at, Cause::Variance, variance);
-        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > SLOW) {
-            self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
-        }
-        self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
-        self.unknown = None;
     }
 }
 

@@ -45,6 +45,7 @@ pub mod trend;
 pub mod velocity;
 pub mod wild;
 pub mod windows;
+pub mod witness;
 
 use crate::time::per_second;
 pub use alarm::{Alarm, Cause};
@@ -62,6 +63,7 @@ pub use sampling::{Apart, Sampling};
 pub use scale::Scale;
 pub use stops::{Blame, Judgement};
 pub use trend::{Forecast, Limits, Trend};
+pub use witness::Claim;
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
 /// seconds and always judged has `per_year` false alarms a year at the most.

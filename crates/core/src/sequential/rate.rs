@@ -1,6 +1,6 @@
 //! How unlikely a mean is on a healthy cylinder.
 
-use super::wild;
+use super::wild::Outliers;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -116,14 +116,14 @@ impl Rate {
         Self { spacing, density: 1.0 / spacing, end, roots, bound }
     }
 
-    /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m; `None` where
-    /// there are none.
-    pub fn of(magnitudes: &Magnitudes, what: Of, noise: f64) -> Option<Self> {
-        let farthest = wild::reach() * noise;
+    /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m, so many of which may be
+    /// `outliers`; `None` where there are none.
+    pub fn of(magnitudes: &Magnitudes, what: Of, noise: f64, outliers: Outliers) -> Option<Self> {
+        let farthest = outliers.reach() * noise;
         if magnitudes.total == 0 || farthest <= 0.0 {
             return None;
         }
-        let part = (1.0 - wild::SHARE) / (magnitudes.total as f64 + 1.0);
+        let part = (1.0 - outliers.share) / (magnitudes.total as f64 + 1.0);
         let mut points: Vec<(f64, f64)> = magnitudes
             .counts
             .iter()
@@ -212,6 +212,16 @@ impl Rate {
         beyond.map(along).fold(0.0, f64::max)
     }
 
+    /// Where I is `nats` first, m; `None` where it never is.
+    pub fn reaches(&self, nats: f64) -> Option<f64> {
+        let wanted = libm::sqrt(nats.max(0.0));
+        let node = self.roots.iter().position(|[root, _]| *root >= wanted)?;
+        let Some([root, more]) = node.checked_sub(1).map(|before| self.roots[before]) else {
+            return Some(0.0);
+        };
+        Some(self.spacing * (node as f64 - 1.0 + (wanted - root) / more))
+    }
+
     /// I(x), nats, at least 0; `x` in m, at least 0.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
@@ -252,6 +262,7 @@ fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64, grown: impl Fn(f64, f
 #[cfg(test)]
 mod tests {
     use super::*;
+    const USUAL: Outliers = Outliers::USUAL;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
@@ -271,7 +282,7 @@ mod tests {
     /// Of a normal distribution it is x²/2σ², less what wild ones may do.
     #[test]
     fn of_a_normal_distribution_it_is_nearly_a_parabola() {
-        let rate = Rate::of(&normal(200_000), Of::Mean, SIGMA).expect("there are samples");
+        let rate = Rate::of(&normal(200_000), Of::Mean, SIGMA, USUAL).expect("there are samples");
         for z in [0.3_f64, 0.5, 1.0, 1.5, 2.0] {
             let (found, expected) = (rate.at(z * SIGMA), z * z / 2.0);
             assert!((0.8..1.01).contains(&(found / expected)), "{z}: {found} for {expected}");
@@ -281,7 +292,7 @@ mod tests {
     /// Of a normal distribution it is (ρ − 1 − ln ρ)/2 with ρ = mean square/σ², and nothing below 1.
     #[test]
     fn of_a_normal_distributions_square_it_is_less_than_that_of_its_variance() {
-        let rate = Rate::of(&normal(200_000), Of::Square, SIGMA).expect("there are samples");
+        let rate = Rate::of(&normal(200_000), Of::Square, SIGMA, USUAL).expect("there are samples");
         assert!(rate.at(0.97 * SIGMA) < 1e-3, "{}", rate.at(0.97 * SIGMA));
         for rho in [1.5_f64, 2.0, 3.0, 5.0] {
             let (found, expected) = (rate.at(rho.sqrt() * SIGMA), 0.5 * (rho - 1.0 - rho.ln()));
@@ -291,11 +302,11 @@ mod tests {
 
     #[test]
     fn one_sample_is_no_more_evidence_than_it_is_rare_to_be_wild() {
-        let of = |what| Rate::of(&normal(200_000), what, SIGMA).expect("there are samples");
+        let of = |what| Rate::of(&normal(200_000), what, SIGMA, USUAL).expect("there are samples");
         for x in [1e-3, 1.0, f64::INFINITY] {
             let (mean, square) = (of(Of::Mean).at(x), of(Of::Square).at(x));
-            assert!((mean - (2.0 / wild::SHARE).ln()).abs() < 0.2, "{mean}");
-            assert!((square - (1.0 / wild::SHARE).ln()).abs() < 0.2, "{square}");
+            assert!((mean - (2.0 / USUAL.share).ln()).abs() < 0.2, "{mean}");
+            assert!((square - (1.0 / USUAL.share).ln()).abs() < 0.2, "{square}");
         }
     }
 
@@ -304,16 +315,28 @@ mod tests {
     fn wild_samples_that_were_seen_prove_less() {
         let mut magnitudes = normal(100_000);
         (0..5000).for_each(|_| magnitudes.add(5e-3));
-        let rate = Rate::of(&magnitudes, Of::Mean, SIGMA).expect("there are samples");
-        let expected = (2.0_f64 / (wild::SHARE + 5.0 / 105.0)).ln();
+        let rate = Rate::of(&magnitudes, Of::Mean, SIGMA, USUAL).expect("there are samples");
+        let expected = (2.0_f64 / (USUAL.share + 5.0 / 105.0)).ln();
         assert!((rate.at(1.0) - expected).abs() < 0.05, "{} for {expected}", rate.at(1.0));
     }
 
     #[test]
+    fn where_it_reaches_what_it_is_there() {
+        for what in [Of::Mean, Of::Square] {
+            let rate = Rate::of(&normal(200_000), what, SIGMA, USUAL).expect("there are samples");
+            for nats in [0.01, 1.0, 2.5, 4.0] {
+                let x = rate.reaches(nats).expect("one sample is worth more");
+                assert!((rate.at(x) - nats).abs() < 1e-9, "{nats}: {x}");
+            }
+            assert_eq!((rate.reaches(0.0), rate.reaches(9.0)), (Some(0.0), None));
+        }
+    }
+
+    #[test]
     fn it_never_falls_and_nothing_gives_nothing() {
-        let rate = Rate::of(&normal(1000), Of::Mean, SIGMA).expect("there are samples");
+        let rate = Rate::of(&normal(1000), Of::Mean, SIGMA, USUAL).expect("there are samples");
         assert!(rate.values().is_sorted() && rate.values()[0] == 0.0);
-        assert_eq!(Rate::of(&Magnitudes::new(1e-6), Of::Mean, SIGMA), None);
+        assert_eq!(Rate::of(&Magnitudes::new(1e-6), Of::Mean, SIGMA, USUAL), None);
     }
 
     #[test]

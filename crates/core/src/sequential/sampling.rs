@@ -8,7 +8,7 @@
 use super::skew::Seen;
 
 /// Fewer cylinders have no majority.
-const LEAST: usize = 3;
+pub(super) const LEAST: usize = 3;
 
 /// More cylinders than these are not asked.
 const MOST: usize = 16;
@@ -34,8 +34,8 @@ pub struct Apart {
     pub spread: f64,
     /// The newest half second is sure that chance adds more, and that is not told yet.
     pub changing: bool,
-    /// The newest half second has it so, if not for sure: nobody is to be blamed in the meantime.
-    pub perhaps: bool,
+    /// It is not what the calibration has seen, and that is told.
+    pub changed: bool,
 }
 
 impl Apart {
@@ -88,7 +88,7 @@ impl Sampling {
         let perhaps = !self.changed && fast.may_be_beyond(limit);
         let changing = told == Some(true) || perhaps && surely(said, 0, limit);
         let spread = libm::sqrt(fast.square.max(slow.square).max(0.0));
-        Some((Apart { mean, spread, changing, perhaps }, told))
+        Some((Apart { mean, spread, changing, changed: self.changed }, told))
     }
 
     /// Of what is known for sure.

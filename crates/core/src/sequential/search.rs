@@ -119,6 +119,7 @@ mod tests {
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT};
+    use super::super::wild::Outliers;
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -136,15 +137,22 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut rng);
             magnitudes.add(DEVIATION * normal);
         }
-        let rate = |what| Rate::of(&magnitudes, what, DEVIATION).expect("there are samples");
-        let bands = Bands::new(DEVIATION, DEAD_BAND, [1e-4; 2]);
+        let rate = |what| {
+            Rate::of(&magnitudes, what, DEVIATION, Outliers::USUAL).expect("there are samples")
+        };
+        let bands = Bands::new(DEVIATION, DEAD_BAND, [1e-4; 2], Outliers::USUAL);
         Scales::new(rate(Of::Mean), rate(Of::Square), dependence, bands)
     }
 
     /// As nobody fits them, but a file may have them.
     fn odd(mean: &[f64], square: &[f64]) -> Scales {
         let [mean, square] = [mean, square].map(|values| Rate::new(3e-5, values));
-        Scales::new(mean, square, INDEPENDENT, Bands::new(DEVIATION, 1e-6, [0.0; 2]))
+        Scales::new(
+            mean,
+            square,
+            INDEPENDENT,
+            Bands::new(DEVIATION, 1e-6, [0.0; 2], Outliers::USUAL),
+        )
     }
 
     /// Healthy, wild, displaced and noisy samples, at rest and in motion, and a lost bus.

@@ -2,7 +2,7 @@
 
 use super::rate::Rate;
 use super::samples::History;
-use super::wild;
+use super::wild::Outliers;
 use super::windows::{VALUES, WIDTHS};
 use core::ops::Range;
 
@@ -47,11 +47,12 @@ pub struct Bands {
     spread_band: f64,
     /// As far as one sample is evidence, m.
     farthest: f64,
+    outliers: Outliers,
 }
 
 impl Bands {
     /// Of residuals that scatter by `noise` at rest, m, of readings that move in counts of this
-    /// `resolution`, m. A displacement of `dead_band`, m, is no fault.
+    /// `resolution`, m, and of so many `outliers`. A displacement of `dead_band`, m, is no fault.
     ///
     /// In a short window a displacement of ε is hardly evidence, and the healthy residuals of the
     /// rate function have been displaced, too; so the dead band grows with the window, ε w/(w + w₀),
@@ -60,7 +61,7 @@ impl Bands {
     /// Where a rod goes whole counts from cycle to cycle and both readings lie between two of them, the
     /// noise rounds each up or down as long as the speed lasts: a mean square of q²/4 of each, however
     /// little it is elsewhere. So much is no noise.
-    pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2]) -> Self {
+    pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2], outliers: Outliers) -> Self {
         let ratio = noise / dead_band;
         let grown = 8.0 * BY_DEAD_BAND * (ratio * ratio);
         let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
@@ -70,7 +71,8 @@ impl Bands {
             dead_band,
             dead_bands: WIDTHS.map(of),
             spread_band: least.max(tossed - noise * noise),
-            farthest: wild::reach() * noise,
+            farthest: outliers.reach() * noise,
+            outliers,
         }
     }
 
@@ -78,8 +80,17 @@ impl Bands {
         self.farthest
     }
 
+    pub const fn outliers(&self) -> Outliers {
+        self.outliers
+    }
+
     pub const fn dead_band(&self) -> f64 {
         self.dead_band
+    }
+
+    /// ε_w of the window of `index`, m.
+    pub const fn dead_band_of(&self, index: usize) -> f64 {
+        self.dead_bands[index]
     }
 
     pub const fn spread_band(&self) -> f64 {
@@ -173,6 +184,14 @@ impl Scales {
         Self { mean, square, bands, windows }
     }
 
+    pub const fn mean(&self) -> &Rate {
+        &self.mean
+    }
+
+    pub const fn square(&self) -> &Rate {
+        &self.square
+    }
+
     pub const fn bands(&self) -> &Bands {
         &self.bands
     }
@@ -252,7 +271,12 @@ mod tests {
         };
         let square: Vec<f64> = (0..=50).map(square).collect();
         let [mean, square] = [mean, square].map(|values| Rate::new(1e-5, &values));
-        Scales::new(mean, square, dependence, Bands::new(DEVIATION, dead_band, resolution))
+        Scales::new(
+            mean,
+            square,
+            dependence,
+            Bands::new(DEVIATION, dead_band, resolution, Outliers::UNSAID),
+        )
     }
 
     fn after(residuals: impl IntoIterator<Item = f64>, news: News) -> [Peak; 2] {

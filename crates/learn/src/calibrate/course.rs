@@ -1,6 +1,6 @@
 //! A calibration from beginning to end, on whatever can be read again and again.
 
-use super::cutting::{Cuts, Cutting};
+use super::cutting::{Cuts, Cutting, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
@@ -10,6 +10,7 @@ use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
+use tertius_core::sequential::wild::Outliers;
 
 /// What a calibration is made with.
 #[derive(Clone, Copy, Debug)]
@@ -31,15 +32,6 @@ pub struct Calibrated {
     /// See [`super::Calibration::bound`].
     pub bound: Option<Bound>,
 }
-
-/// What is beyond the level is cut out with so much on either side, s.
-const BESIDE: f64 = 20.0;
-
-/// A fault is in so many places at the most.
-const MOST_PLACES: usize = 2;
-
-/// More of the recording than this part is not cut out.
-const MOST_CUT: f64 = 0.1;
 
 /// Of each cylinder, and of both halves of the recording.
 type Profiles = Vec<Option<(Profile, Halves)>>;
@@ -74,6 +66,10 @@ impl Course<'_> {
         Division::new(self.fitted, self.tried)
     }
 
+    const fn outliers(&self) -> Outliers {
+        Outliers { share: self.settings.sequential.outlier_share }
+    }
+
     /// The whole of what is read.
     fn whole(&self) -> Window {
         let Self { fitted, tried, .. } = self;
@@ -98,7 +94,7 @@ impl Course<'_> {
             .zip(&profiles)
             .enumerate()
             .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
-        let mut scattering = Scattering::new(sample_time, division, spread);
+        let mut scattering = Scattering::new(sample_time, self.outliers(), division, spread);
         recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
         let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
             judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
@@ -187,14 +183,13 @@ impl Course<'_> {
     /// again and again belongs to the machine, and is told.
     fn cuts(&self, taught: &Taught) -> (Cuts, bool) {
         let mut cuts = Cuts::none(taught.levels.len());
-        let (mut any, most) = (false, MOST_CUT * self.whole().length());
+        let (mut any, length) = (false, self.whole().length());
         for (index, level) in taught.levels.iter().enumerate() {
             let Some(level) = level.as_ref().filter(|it| it.contradiction().is_some()) else {
                 continue;
             };
             let places = places(level.beyond());
-            let length: f64 = places.iter().map(|[from, to]| to - from).sum();
-            if !places.is_empty() && places.len() <= MOST_PLACES && length <= most {
+            if !places.is_empty() && are_few(&places, length) {
                 any = true;
                 places.into_iter().for_each(|place| cuts.add(index, place));
             }
@@ -241,19 +236,6 @@ impl Course<'_> {
     }
 }
 
-/// The places, s, from which to which there is evidence beyond a level, at these times, in order.
-fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
-    let mut places: Vec<[f64; 2]> = Vec::new();
-    for t in times {
-        let [from, to] = [t - BESIDE, t + BESIDE];
-        match places.last_mut() {
-            Some(last) if from <= last[1] => last[1] = to,
-            _ => places.push([from, to]),
-        }
-    }
-    places
-}
-
 /// What there is of one cylinder.
 type Learnt = (
     ((u8, Result<super::Fitted, Refusal>), Option<super::Tried>),
@@ -289,6 +271,7 @@ impl CylinderCalibration {
                     node_deviations: reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect(),
                     samples: profile.samples.clone(),
                     velocity: reference.velocity,
+                    outlier_share: scatter.outliers.share,
                     deviation: scatter.deviation,
                     noise: scatter.spread.noise.rest,
                     timing: scatter.spread.noise.timing,

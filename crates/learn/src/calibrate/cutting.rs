@@ -2,6 +2,34 @@
 
 use crate::survey::{Row, Surveyor};
 
+/// What is beyond the level is cut out with so much on either side, s.
+const BESIDE: f64 = 20.0;
+
+/// A fault is in so many places at the most.
+const MOST_PLACES: usize = 2;
+
+/// More of the recording than this part is not cut out.
+const MOST_CUT: f64 = 0.1;
+
+/// The places, s, from which to which there is evidence beyond a level, at these times, in order.
+pub(crate) fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for t in times {
+        let [from, to] = [t - BESIDE, t + BESIDE];
+        match places.last_mut() {
+            Some(last) if from <= last[1] => last[1] = to,
+            _ => places.push([from, to]),
+        }
+    }
+    places
+}
+
+/// Whether places, s, are so few that they may be left out of a recording of this length, s.
+pub(crate) fn are_few(places: &[[f64; 2]], length: f64) -> bool {
+    let cut: f64 = places.iter().map(|[from, to]| to - from).sum();
+    places.len() <= MOST_PLACES && cut <= MOST_CUT * length
+}
+
 /// Times, s, of each cylinder that neither teach nor judge.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cuts {
@@ -22,6 +50,27 @@ impl Cuts {
 
     pub fn add(&mut self, index: usize, span: [f64; 2]) {
         self.spans[index].push(span);
+    }
+
+    /// These and the `other` ones.
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
+        let count = self.spans.len().max(other.spans.len());
+        let of = |cuts: &Self, index: usize| cuts.spans.get(index).cloned().unwrap_or_default();
+        let spans = |index| [of(self, index), of(other, index)].concat();
+        Self { spans: (0..count).map(spans).collect() }
+    }
+
+    /// The same in another time: `place` says where each is.
+    #[must_use]
+    pub fn moved(&self, place: impl Fn(f64) -> f64) -> Self {
+        let moved = |spans: &Vec<[f64; 2]>| spans.iter().map(|span| span.map(&place)).collect();
+        Self { spans: self.spans.iter().map(moved).collect() }
+    }
+
+    /// Whether any cylinder has a cut between `from` and `to`, s, both included.
+    pub fn any(&self, from: f64, to: f64) -> bool {
+        self.spans.iter().flatten().any(|[begin, end]| *begin <= to && from < *end)
     }
 
     /// What was cut out of the cylinder of `index` (from 0), s.

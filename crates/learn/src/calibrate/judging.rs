@@ -1,6 +1,6 @@
 //! Whether a calibration can be used.
 
-use super::{Bound, Calibrated, Calibration, Course, LARGEST_BOUND, LEAST_BOUND};
+use super::{Bound, Calibrated, Calibration, Course, Cuts, LARGEST_BOUND, LEAST_BOUND};
 use crate::survey::{Origin, Recording};
 
 impl Calibration {
@@ -25,7 +25,7 @@ impl Calibration {
         Ok(Self {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
-            first: origin.first,
+            timeline: origin.timeline.clone(),
             fitted: course.fitted,
             tried: course.tried,
             cylinders,
@@ -54,6 +54,13 @@ impl Calibration {
             LEAST_BOUND * 1e3,
             bound.often.ceil(),
         ))
+    }
+
+    /// What was left out, as no healthy cylinder reads so.
+    pub fn cuts(&self) -> Cuts {
+        let spans: Vec<_> =
+            self.cylinders.iter().map(|cylinder| cylinder.left_out.clone()).collect();
+        spans.into()
     }
 
     /// The cylinders that have no calibration, or none for their sequential detector, and why.

@@ -32,6 +32,7 @@ pub mod watch;
 pub use crate::survey::Recording;
 pub use course::{Calibrated, Course};
 pub use cutting::{Cuts, Cutting};
+pub(crate) use cutting::{are_few, places};
 pub use division::{Division, Halves};
 pub use finding::Contradiction;
 pub use fitting::{Fitted, Fitting};
@@ -43,8 +44,7 @@ pub use scatter::{Scatter, Scattering};
 pub use spreading::{Spread, Spreading};
 pub use trying::{Tried, Trying};
 
-use crate::survey::Window;
-use tertius_core::time::Timestamp;
+use crate::survey::{Timeline, Window};
 
 /// The result for a machine.
 #[derive(Clone, Debug)]
@@ -52,8 +52,8 @@ pub struct Calibration {
     pub machine: String,
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamp of the recording's first frame.
-    pub first: Timestamp,
+    /// Where the recording's frames are in time.
+    pub timeline: Timeline,
     /// The part that the lines were fitted on, and the part that the band is from.
     pub fitted: Window,
     pub tried: Window,

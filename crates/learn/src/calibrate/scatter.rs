@@ -12,6 +12,7 @@ use tertius_core::sequential::dependence::Measuring;
 use tertius_core::sequential::rate::Of;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
+use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Rate};
 
 /// The first width of the bins of magnitudes, m.
@@ -36,6 +37,8 @@ pub struct Scatter {
     pub square_rate: Rate,
     /// How much of a window of residuals is news.
     pub dependence: Dependence,
+    /// What was expected of wild samples.
+    pub outliers: Outliers,
     /// Standard deviation of the residual, m, whatever the speed, wild samples left out.
     pub deviation: f64,
     /// How it goes with the speed, and what the readings move in.
@@ -63,6 +66,7 @@ impl Scatter {
             deviation: self.deviation,
             noise: self.spread.noise,
             resolution: self.spread.resolution,
+            outliers: self.outliers,
             pair,
             level: f64::INFINITY,
             sample_time,
@@ -113,9 +117,10 @@ struct Judged {
 
 impl Scattering {
     /// Of cylinders with these lines, profiles and spreads, and what the halves of `division` have taught
-    /// of each, sampled every `sample_time` seconds.
+    /// of each, sampled every `sample_time` seconds, with so many `outliers`.
     pub fn new<'a>(
         sample_time: f64,
+        outliers: Outliers,
         division: Division,
         cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), Spread)>>,
     ) -> Self {
@@ -128,7 +133,7 @@ impl Scattering {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
                 spread,
                 noise: noise.relied_on(),
-                bands: Bands::new(noise.rest, DEAD_BAND, resolution),
+                bands: Bands::new(noise.rest, DEAD_BAND, resolution, outliers),
                 pair: profile.drive.and_then(design).map(Pair::new),
                 magnitudes: Magnitudes::new(BIN),
                 healthy: (0, 0.0),
@@ -149,9 +154,9 @@ impl Scattering {
         if magnitudes.total() < LEAST_SAMPLES {
             return None;
         }
-        let rest = spread.noise.rest;
-        let rate = Rate::of(magnitudes, Of::Mean, rest)?;
-        let square_rate = Rate::of(magnitudes, Of::Square, rest)?;
+        let (rest, outliers) = (spread.noise.rest, bands.outliers());
+        let rate = Rate::of(magnitudes, Of::Mean, rest, outliers)?;
+        let square_rate = Rate::of(magnitudes, Of::Square, rest, outliers)?;
         let deviation = (healthy.1 / healthy.0.max(1) as f64).sqrt().max(rest);
         let scales = Scales::new(rate.clone(), square_rate.clone(), INDEPENDENT, bands.clone());
         Some(Scatter {
@@ -159,6 +164,7 @@ impl Scattering {
             square_rate,
             dependence: common(measuring.iter().map(|lot| lot.dependence(&scales)).collect()),
             deviation,
+            outliers,
             spread: *spread,
             prediction: pair
                 .as_ref()

@@ -20,6 +20,8 @@ const MOST: usize = 2000;
 #[derive(Clone, Debug)]
 pub struct Watch {
     sample_time: f64,
+    /// Of those of all designs the largest, nats.
+    least_level: f64,
     /// What is not judged. The baseline goes on over it: a fault that stays behind its beginning is still
     /// one where only that is cut out.
     cuts: Option<Cuts>,
@@ -79,15 +81,17 @@ pub struct Level {
     pub sound: bool,
 }
 
+/// A design, and how the halves of a recording judge each other.
+type Crossed<'a> = (&'a Design, Option<(Division, Halves)>);
+
 impl Watch {
     /// By these `designs`, of readings every `sample_time` seconds.
     pub fn new<'a>(
         designs: impl IntoIterator<Item = Option<&'a Design>>,
         sample_time: f64,
     ) -> Self {
-        let watched = |design: &Design| Watched::new(design, sample_time, None);
-        let watched = designs.into_iter().map(|design| design.map(watched)).collect();
-        Self { sample_time, cuts: None, watched }
+        let all = designs.into_iter().map(|design| Some((design?, None))).collect();
+        Self::of(all, None, sample_time)
     }
 
     /// The same, of a recording whose halves judge each other, without what is cut out.
@@ -97,18 +101,25 @@ impl Watch {
         cuts: &Cuts,
         sample_time: f64,
     ) -> Self {
-        let watched = |(design, halves): (&Design, &Halves)| {
-            Watched::new(design, sample_time, Some((division, halves.clone())))
-        };
-        let watched = designs.into_iter().map(|both| both.map(watched)).collect();
-        Self { sample_time, cuts: Some(cuts.clone()), watched }
+        let crossed =
+            |(design, halves): (&'a Design, &Halves)| (design, Some((division, halves.clone())));
+        let all = designs.into_iter().map(|both| both.map(crossed)).collect();
+        Self::of(all, Some(cuts.clone()), sample_time)
+    }
+
+    fn of(all: Vec<Option<Crossed<'_>>>, cuts: Option<Cuts>, sample_time: f64) -> Self {
+        let least = |(design, _): &Crossed<'_>| design.outliers.least_level();
+        let least_level = all.iter().flatten().map(least).fold(0.0, f64::max);
+        let watched = |(design, halves): Crossed<'_>| Watched::new(design, sample_time, halves);
+        let watched = all.into_iter().map(|one| one.map(watched)).collect();
+        Self { sample_time, least_level, cuts, watched }
     }
 
     /// What every cylinder's level has to be that all together have `per_year` false alarms a year;
     /// `None` without a detector.
     pub fn levels(&self, per_year: f64) -> Vec<Option<OwnLevel>> {
         let maxima: Vec<_> = self.watched.iter().flatten().map(|one| &one.maxima).collect();
-        let mut asked = levels(&maxima, per_year, self.sample_time).into_iter();
+        let mut asked = levels(&maxima, per_year, self.sample_time, self.least_level).into_iter();
         let mut own = |watched: &Watched| OwnLevel {
             asked: asked.next().flatten(),
             worst: watched.worst,

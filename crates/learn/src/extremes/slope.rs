@@ -7,7 +7,6 @@
 
 use super::maxima::Maxima;
 use super::per_second;
-use tertius_core::sequential::wild;
 
 /// Slopes that are believed: in (0, 1] evidence is rarer than it says, and below the lower bound the
 /// model of the residuals is wrong and not its tail.
@@ -45,15 +44,17 @@ pub struct Asked {
     pub worst: f64,
     /// The time that was judged, s.
     pub seconds: f64,
+    /// No level is less, nats.
+    pub least: f64,
     /// What the tail falls by in truth, per nat, where that is less than any slope that is believed,
     /// beyond chance.
     pub slower: Option<f64>,
 }
 
 impl Asked {
-    /// The level that is given, which is at least that of [`wild::least_level`].
+    /// The level that is given.
     pub fn level(&self) -> f64 {
-        self.nats.clamp(wild::least_level(), LARGEST_LEVEL)
+        self.nats.clamp(self.least, LARGEST_LEVEL)
     }
 
     /// How often its level is reached in a year, by what the tail falls by in truth.
@@ -107,8 +108,14 @@ fn joint(excesses: &[Option<Excesses>]) -> f64 {
 }
 
 /// What the levels of several series have to be that `per_year` false alarms a year are shared by, all
-/// equally; `None` for one with too few blocks. Blocks are of cycles of `sample_time` seconds.
-pub fn levels(series: &[&Maxima], per_year: f64, sample_time: f64) -> Vec<Option<Asked>> {
+/// equally, and none less than `least_level`, nats; `None` for one with too few blocks. Blocks are of cycles of
+/// `sample_time` seconds.
+pub fn levels(
+    series: &[&Maxima],
+    per_year: f64,
+    sample_time: f64,
+    least_level: f64,
+) -> Vec<Option<Asked>> {
     let excesses: Vec<_> = series.iter().map(|maxima| Excesses::of(maxima)).collect();
     let joint = joint(&excesses);
     let [least, most] = SLOPES;
@@ -128,6 +135,7 @@ pub fn levels(series: &[&Maxima], per_year: f64, sample_time: f64) -> Vec<Option
             peaks: excesses.values.len(),
             worst: maxima.worst(),
             seconds,
+            least: least_level,
             slower: excesses.is_strange(least).then(|| 1.0 / mean),
         })
     };
@@ -137,6 +145,8 @@ pub fn levels(series: &[&Maxima], per_year: f64, sample_time: f64) -> Vec<Option
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const LEAST_LEVEL: f64 = 21.87;
 
     /// Blocks of 10 s whose largest evidence is exponential with this slope.
     fn maxima(blocks: u32, slope: f64) -> Maxima {
@@ -150,7 +160,10 @@ mod tests {
 
     fn asked(series: &[Maxima]) -> Vec<Asked> {
         let series: Vec<_> = series.iter().collect();
-        levels(&series, 1.0, 10.0).into_iter().map(|it| it.expect("there are blocks")).collect()
+        levels(&series, 1.0, 10.0, LEAST_LEVEL)
+            .into_iter()
+            .map(|it| it.expect("there are blocks"))
+            .collect()
     }
 
     /// Minutes and hours ask for the same: what a year brings follows from the slope.
@@ -160,7 +173,7 @@ mod tests {
             .map(|blocks| asked(&[(); 6].map(|()| maxima(blocks, 1.0)))[0])
             .map(|it| {
                 assert!(it.is_sound() && (0.9..=1.0).contains(&it.slope), "{it:?}");
-                assert_eq!(it.level(), wild::least_level());
+                assert_eq!(it.level(), LEAST_LEVEL);
                 it.nats
             })
             .to_vec();
@@ -205,7 +218,7 @@ mod tests {
     #[test]
     fn too_few_blocks_ask_for_nothing() {
         let (few, many) = (maxima(5, 1.0), maxima(60, 1.0));
-        let levels = levels(&[&few, &many], 1.0, 10.0);
+        let levels = levels(&[&few, &many], 1.0, 10.0, LEAST_LEVEL);
         assert!(levels[0].is_none() && levels[1].is_some());
     }
 }

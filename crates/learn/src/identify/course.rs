@@ -86,8 +86,7 @@ impl Course<'_> {
         let mut outcome = Outcome {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
-            first: origin.first,
-            last: origin.last,
+            timeline: origin.timeline.clone(),
             shaping,
             fitted,
             validated,

@@ -5,10 +5,9 @@ use super::nonlinear::Nonlinear;
 use super::refusal::Refusal;
 use super::shaper::{Shaping, Sources};
 use super::validate::{Fit, Trials, Tried};
-use crate::survey::Window;
+use crate::survey::{Timeline, Window};
 use nalgebra::{Complex, Matrix3, SVD};
 use tertius_core::observe::model::{Model, POSITION};
-use tertius_core::time::Timestamp;
 
 /// The result for a machine.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,9 +15,8 @@ pub struct Outcome {
     pub machine: String,
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamps of the recording's first and last frame.
-    pub first: Timestamp,
-    pub last: Timestamp,
+    /// Where the recording's frames are in time.
+    pub timeline: Timeline,
     pub shaping: Shaping,
     /// What the models were made from, and what they were tried on; the same where nothing is held
     /// back.

@@ -8,10 +8,12 @@
 
 mod recording;
 mod row;
+mod timeline;
 mod window;
 
 pub use recording::{Frames, Origin, Recording, Rows};
 pub use row::Row;
+pub use timeline::Timeline;
 pub use window::Window;
 
 use tertius_core::alarm::status::MAX_CYLINDERS;

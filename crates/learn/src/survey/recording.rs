@@ -1,6 +1,6 @@
 //! Recordings that what learns reads again and again.
 
-use super::{Survey, Surveyor, Window};
+use super::{Survey, Surveyor, Timeline, Window};
 use tertius_core::frame::Frame;
 use tertius_core::monitor::{Counts, Monitor, MonitorDesign};
 use tertius_core::time::Timestamp;
@@ -25,6 +25,18 @@ pub trait Recording {
     }
 }
 
+impl<R: Recording> Recording for &R {
+    type Error = R::Error;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error> {
+        (**self).read(window, surveyor)
+    }
+
+    fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Self::Error> {
+        (**self).read_counted(window, surveyor)
+    }
+}
+
 /// Frames that can be read as often as needed, the same each time.
 pub trait Frames {
     type Error;
@@ -41,9 +53,8 @@ pub trait Frames {
 pub struct Origin {
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamps of the first and the last frame.
-    pub first: Timestamp,
-    pub last: Timestamp,
+    /// Where its frames are in time.
+    pub timeline: Timeline,
     /// What is learnt from.
     pub window: Window,
     /// What could not be read, for people; empty where everything could.
@@ -76,7 +87,15 @@ impl<F: Frames> Recording for Rows<'_, F> {
         let mut monitor = Monitor::new(self.design.clone());
         let mut survey = Survey::new(self.first, window, surveyor);
         let fed = Window { from: window.from - LEAD, to: window.to + TRAIL };
-        self.frames.frames(fed, |frame| monitor.take(frame, &mut survey))?;
+        let mut newest = None;
+        self.frames.frames(fed, |frame| {
+            let at = frame.timestamp;
+            if newest.is_some_and(|newest| Timeline::is_pause(at.since(newest))) {
+                monitor.interrupt(at, &mut survey);
+            }
+            newest = newest.max(Some(at));
+            monitor.take(frame, &mut survey);
+        })?;
         monitor.finish(&mut survey);
         Ok(*monitor.counts())
     }

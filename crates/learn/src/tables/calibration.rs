@@ -50,10 +50,10 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
 /// The tables, with what they were made from; `None` where no cylinder has a calibration.
 pub fn of(result: &Calibration, version: &str) -> Option<String> {
     fits(result).next()?;
-    let Calibration { machine, inputs, first, .. } = result;
+    let Calibration { machine, inputs, timeline, .. } = result;
     let both = [("fitted", result.fitted), ("tried ", result.tried)];
     let parts = if result.fitted == result.tried { &both[..1] } else { &both[..] };
-    let mut text = provenance::heading(version, "calibrate", machine, inputs, *first, parts);
+    let mut text = provenance::heading(version, "calibrate", machine, inputs, timeline, parts);
     for cylinder in &result.cylinders {
         if let Err(refusal) = &cylinder.result {
             let refusal = one_line(&refusal.to_string());
@@ -101,12 +101,13 @@ fn sequential_table(
     };
     let mut text = format!(
         "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nnode_deviations = {}\nsamples = {samples:?}\n\
-         velocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
+         outlier_share = {:?}\nvelocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
          square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
         reference.first,
         reference.spacing,
         six(&reference.nodes),
         six(&deviations),
+        scatter.outliers.share,
         reference.velocity,
         spread.noise.rest,
         spread.noise.timing,

@@ -40,10 +40,7 @@ pub fn of(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String
 
 /// Where, when and from what, as comments.
 fn provenance(outcome: &Outcome, version: &str) -> String {
-    let at = |seconds: f64| {
-        let nanos = tertius_core::time::Span::from_seconds(seconds);
-        date(outcome.first.after(nanos))
-    };
+    let at = |seconds: f64| date(outcome.timeline.at(seconds));
     let window = |name: &str, window: &crate::survey::Window| {
         let (from, to) = (window.from, window.to);
         format!("# {name} {from:.2} s to {to:.2} s, {} to {}\n", at(from), at(to))

@@ -1,7 +1,7 @@
 //! Where, when and from what a table was made, as comments of TOML.
 
-use crate::survey::Window;
-use tertius_core::time::{Span, Timestamp};
+use crate::survey::{Timeline, Window};
+use tertius_core::time::Timestamp;
 
 /// The first lines of a file of tables by `command`; `parts` of the recording and their names.
 pub fn heading(
@@ -9,7 +9,7 @@ pub fn heading(
     command: &str,
     machine: &str,
     inputs: &str,
-    first: Timestamp,
+    timeline: &Timeline,
     parts: &[(&str, Window)],
 ) -> String {
     let mut text = format!(
@@ -18,7 +18,7 @@ pub fn heading(
         one_line(inputs)
     );
     for (name, window) in parts {
-        let at = |seconds: f64| date(first.after(Span::from_seconds(seconds)));
+        let at = |seconds: f64| date(timeline.at(seconds));
         let Window { from, to } = *window;
         text += &format!("# {name} {from:.2} s to {to:.2} s, {} to {}\n", at(from), at(to));
     }
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_name_stays_in_its_comment() {
-        let named = heading("1", "tune", "a\n[fde]\nhigh = 1", "log\r", Timestamp::default(), &[]);
+        let named = heading("1", "tune", "a\n[fde]\nhigh = 1", "log\r", &Timeline::default(), &[]);
         assert!(named.lines().all(|line| line.starts_with('#')), "{named}");
     }
 

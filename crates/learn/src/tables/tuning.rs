@@ -53,9 +53,9 @@ pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
 
 /// The tables, with what they were made from.
 pub fn of(result: &Tuning, version: &str) -> String {
-    let Tuning { machine, inputs, first, window, .. } = result;
+    let Tuning { machine, inputs, timeline, window, .. } = result;
     let parts = [("tuned on", *window)];
-    let mut text = provenance::heading(version, "tune", machine, inputs, *first, &parts);
+    let mut text = provenance::heading(version, "tune", machine, inputs, timeline, &parts);
     let Weights { q, r } = result.search.weights;
     let Score { threshold, peak, incipient, settled, .. } = result.search.score;
     _ = writeln!(

@@ -93,7 +93,7 @@ impl Course<'_> {
         let mut result = Tuning {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
-            first: origin.first,
+            timeline: origin.timeline.clone(),
             window: origin.window,
             sample_time,
             search,

@@ -28,11 +28,10 @@ pub use search::{Search, search};
 pub use store::Store;
 pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
-use crate::survey::Window;
+use crate::survey::{Timeline, Window};
 use tertius_core::observe::model::Model;
 use tertius_core::observe::observer::Design;
 use tertius_core::observe::riccati::RiccatiError;
-use tertius_core::time::Timestamp;
 
 /// What is known of one cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,8 +83,8 @@ pub struct Tuning {
     pub machine: String,
     /// The recordings' names.
     pub inputs: String,
-    /// Time stamp of the recording's first frame.
-    pub first: Timestamp,
+    /// Where the recording's frames are in time.
+    pub timeline: Timeline,
     pub window: Window,
     /// s.
     pub sample_time: f64,

@@ -10,7 +10,7 @@ use tertius_core::observe::observer::{Design, Innovation, Measurement, Observer}
 const LENGTH: usize = 1500;
 
 /// Cycles of all cylinders together.
-const MOST: usize = 200_000;
+const MOST: usize = 400_000;
 
 /// What the observers of one cylinder get in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]

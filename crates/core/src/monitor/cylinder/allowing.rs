@@ -10,4 +10,11 @@ impl Cylinder {
             sequential.allow(apart);
         }
     }
+
+    /// Its sequential detector hears whether a noise of its own may be of the sampling.
+    pub const fn hear(&mut self, may_be_timing: bool) {
+        if let Some(sequential) = &mut self.sequential {
+            sequential.hear(may_be_timing);
+        }
+    }
 }

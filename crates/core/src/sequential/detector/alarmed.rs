@@ -3,10 +3,19 @@
 use super::Sequential;
 use crate::sequential::alarm::{Alarm, Cause};
 use crate::sequential::kind::{self, Looks};
+use crate::sequential::novelty::News;
 use crate::sequential::pair::Form;
+use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
+use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Suspect, Verdict};
+
+/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
+const SLOW: f64 = 6e-4;
+
+/// The level at which an alarm ends, as a part of that at which it rises.
+const CALM: f64 = 0.5;
 
 /// A slow alarm is over below this mean of a minute, m.
 const SLOW_OVER: f64 = 4e-4;
@@ -16,7 +25,7 @@ const SCALE: u32 = 20;
 
 /// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
 /// can only tell a step's side while the filter has not followed, …
-const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
+pub(super) const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
 
 /// … which is until so many cycles after the alarm.
 const LATEST: usize = 25;
@@ -26,7 +35,7 @@ const LATEST: usize = 25;
 const SHARED: f64 = 5.0;
 
 /// So many cycles after the alarm they mostly do, and whose a noise is can be told.
-const NOISE_TOLD: u32 = 25;
+pub(super) const NOISE_TOLD: u32 = 25;
 
 /// A noise has a root mean square of more than so many healthy deviations.
 const NOTABLE: f64 = 1.1;
@@ -35,19 +44,42 @@ const NOTABLE: f64 = 1.1;
 const LONGEST: usize = 50;
 
 /// Evidence for one of the transducers that decides, nats.
-const DECIDED: f64 = 6.0;
+const DECIDED: f64 = 5.0;
 
 /// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
 /// and to be compared as one: a slow drift is nobody's.
 const CLEARLY: f64 = 3.0;
 
 /// Alarms of longer windows come too late: the filter, and the machine, have followed.
-const LOCATED: usize = 16;
+const LOCATED: usize = 24;
 
 /// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
 const FOLLOWED: f64 = 5e-3;
 
 impl Sequential {
+    /// By what this sample and those before it are evidence of.
+    pub(super) fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
+        if self.alarm.is_none() && news != News::Repeated {
+            self.clipping.take(sample.residual * sample.share);
+        }
+        self.history.push(sample, self.clipping.clip(), news);
+        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
+        self.peaks = self.search.step(&self.scales, &self.history, widest);
+        let [mean, variance] = self.peaks;
+        let level = self.design.level;
+        if self.alarm.is_some() {
+            self.go_on(mean.nats.max(variance.nats) < CALM * level);
+        } else if mean.nats > level {
+            self.raise(at, Cause::Mean, mean);
+        } else if variance.nats > level {
+            self.raise(at, Cause::Variance, variance);
+        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > SLOW) {
+            self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
+        }
+        self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
+        self.unknown = None;
+    }
+
     /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
         let back = self.history.cycles(peak.width);

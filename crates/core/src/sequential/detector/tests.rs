@@ -38,6 +38,7 @@ fn with(resolution: [f64; 2], doubts: Vec<f64>) -> Sequential {
         deviation: 1e-4,
         noise: Noise { rest: 1e-4, timing: 0.0 },
         resolution,
+        outliers: Outliers::UNSAID,
         pair: None,
         level: 23.0,
         sample_time: SAMPLE_TIME,

@@ -1,0 +1,249 @@
+//! Whether the tables that earlier recordings have taught take a new one for healthy.
+
+use crate::calibrate::watch::{Sight, Watch};
+use crate::calibrate::{Cuts, are_few, places};
+use crate::survey::{Row, Surveyor, Window};
+use tertius_config::settings::Settings;
+use tertius_core::monitor::MonitorDesign;
+use tertius_core::sequential::Reference;
+use tertius_core::sequential::velocity::Velocity;
+
+/// Readings of neighbouring times are put together, s.
+const BLOCK: f64 = 10.0;
+
+/// A healthy C1 − C2 is no farther from what earlier recordings have taught, m: beyond that a transducer was
+/// replaced or adjusted, or has drifted, as on the stops.
+const MOST_OFF: f64 = 5e-4;
+
+/// After a fault that is over C1 − C2 is what it was before, m, but for a temperature.
+const STAYS: f64 = 2e-4;
+
+/// What was before and after is looked at for so long, s.
+const BESIDE: f64 = 120.0;
+
+/// A mean of fewer readings says nothing.
+const LEAST_ROWS: u32 = 400;
+
+/// One reading says no more than this of a mean, m.
+const CLIP: f64 = 5e-3;
+
+/// What was found in a new recording.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Judgement {
+    /// What is left out of it.
+    pub cuts: Cuts,
+    /// Why, a line for each place.
+    pub left_out: Vec<String>,
+    /// Why nothing is learnt from it, a line for each reason; empty where it is healthy but for the cuts.
+    pub refused: Vec<String>,
+}
+
+/// Judges a recording with the sequential detectors, the bounds of R3 and the profiles of a configuration.
+#[derive(Clone, Debug)]
+pub struct Judging {
+    watch: Watch,
+    /// h of each cylinder, nats.
+    levels: Vec<f64>,
+    cylinders: Vec<Compared>,
+}
+
+#[derive(Clone, Debug)]
+struct Compared {
+    /// a and b of (5-20), and the bound of R3, m.
+    line: (f64, f64),
+    bound: f64,
+    reference: Option<Reference>,
+    velocity: Velocity,
+    /// When |R3| was beyond its bound, s, once in a block, and the largest then, m.
+    beyond: Vec<(f64, f64)>,
+    /// Of C1 − C2 less what is healthy there, block by block from when on, s.
+    blocks: Vec<Block>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    from: f64,
+    sum: f64,
+    rows: u32,
+}
+
+/// What does not look healthy, and when, s.
+struct Seen {
+    t: f64,
+    what: String,
+    /// How far beyond what is healthy; to name the worst.
+    times: f64,
+}
+
+impl Judging {
+    /// By the tables of `settings`, of which `design` was made.
+    pub fn new(settings: &Settings, design: &MonitorDesign) -> Self {
+        let sample_time = settings.machine.sample_time;
+        let designs = || design.cylinders.iter().map(|cylinder| cylinder.sequential.as_ref());
+        let compared =
+            |(index, design): (usize, Option<&tertius_core::sequential::Design>)| Compared {
+                line: settings.comparator_of(index as u8 + 1),
+                bound: settings.comparator.bound,
+                reference: design.map(|design| design.reference.clone()),
+                velocity: Velocity::new(sample_time),
+                beyond: Vec::new(),
+                blocks: Vec::new(),
+            };
+        Self {
+            watch: Watch::new(designs(), sample_time),
+            levels: (1..=settings.machine.cylinders)
+                .map(|n| settings.sequential_level_of(n))
+                .collect(),
+            cylinders: designs().enumerate().map(compared).collect(),
+        }
+    }
+
+    /// What came of a recording of this `window`.
+    pub fn judgement(&self, window: Window) -> Judgement {
+        let mut judgement =
+            Judgement { cuts: Cuts::none(self.cylinders.len()), ..Judgement::default() };
+        // How often false alarms may come changes levels, and no sight.
+        let sights = self.watch.levels(1.0);
+        for (index, cylinder) in self.cylinders.iter().enumerate() {
+            let sights = sights.get(index).and_then(Option::as_ref).map(|own| &own.sights[..]);
+            let seen = cylinder.seen(sights.unwrap_or_default(), self.levels[index]);
+            cylinder.judge(index, &seen, window, &mut judgement);
+        }
+        judgement
+    }
+}
+
+impl Surveyor for Judging {
+    fn row(&mut self, row: &Row) {
+        self.watch.row(row);
+        self.cylinders[usize::from(row.cylinder) - 1].take(row);
+    }
+
+    fn gap(&mut self, cylinder: u8) {
+        self.watch.gap(cylinder);
+        self.cylinders[usize::from(cylinder) - 1].velocity.reset();
+    }
+}
+
+impl Compared {
+    fn take(&mut self, row: &Row) {
+        let velocity = self.velocity.step(row.c2, row.v2);
+        let Some((c1, c2)) = row.c1.zip(row.c2) else { return };
+        let r3 = (c1 - (self.line.0 * c2 + self.line.1)).abs();
+        if r3 > self.bound {
+            match self.beyond.last_mut() {
+                Some((t, largest)) if row.t - *t < BLOCK => *largest = largest.max(r3),
+                _ => self.beyond.push((row.t, r3)),
+            }
+        }
+        let Some((reference, velocity)) = self.reference.as_ref().zip(velocity) else { return };
+        let residual = reference.residual(c1, c2, velocity).filter(|_| row.monitored);
+        let Some((residual, _)) = residual else { return };
+        if self.blocks.last().is_none_or(|block| row.t - block.from >= BLOCK) {
+            self.blocks.push(Block { from: row.t, sum: 0.0, rows: 0 });
+        }
+        if let Some(block) = self.blocks.last_mut() {
+            block.sum += residual.clamp(-CLIP, CLIP);
+            block.rows += 1;
+        }
+    }
+
+    /// All that does not look healthy, in the order of time.
+    fn seen(&self, sights: &[Sight], level: f64) -> Vec<Seen> {
+        let evidence = sights.iter().filter(|sight| sight.nats > level).map(|sight| {
+            let Sight { nats, t, length, width, scatter, .. } = *sight;
+            let how = if scatter { "a scatter that grew" } else { "a mean that moved" };
+            let what = format!(
+                "{nats:.1} nats of evidence at {t:.1} s where {level:.1} are a warning, C1 at \
+                 {length:.3} m, by {how} over {width} samples"
+            );
+            Seen { t, what, times: nats / level }
+        });
+        let crossings = self.beyond.iter().map(|(t, r3)| {
+            let what = format!(
+                "R3 of {:.2} mm at {t:.1} s where {:.2} mm are a warning",
+                r3 * 1e3,
+                self.bound * 1e3
+            );
+            Seen { t: *t, what, times: r3 / self.bound }
+        });
+        let mut seen: Vec<Seen> = evidence.chain(crossings).collect();
+        seen.sort_by(|one, other| one.t.total_cmp(&other.t));
+        seen
+    }
+
+    /// Says what is left out of the cylinder of `index`, or why it cannot be.
+    fn judge(&self, index: usize, seen: &[Seen], window: Window, judgement: &mut Judgement) {
+        let n = index + 1;
+        let places = places(seen.iter().map(|seen| seen.t));
+        let worst = |[from, to]: [f64; 2]| {
+            let within = seen.iter().filter(|seen| (from..=to).contains(&seen.t));
+            let worst = within.max_by(|one, other| one.times.total_cmp(&other.times));
+            worst.map_or("", |seen| &seen.what)
+        };
+        let stays = places.iter().find_map(|place| Some((*place, self.step(*place, &places)?)));
+        if let Some((place, step)) = stays {
+            let what = worst(place);
+            judgement
+                .refused
+                .push(format!("cylinder {n}: {what}, and {:.2} mm of it stay", step * 1e3));
+        } else if let Some(last) = seen.last().filter(|seen| seen.t > window.to - BLOCK) {
+            let [from, _] = *places.last().unwrap_or(&[last.t; 2]);
+            let (from, what) = (from.max(0.0), worst([from, f64::INFINITY]));
+            judgement.refused.push(format!(
+                "cylinder {n}: {what}; from {from:.0} s on, it is not over at the end"
+            ));
+        } else if let Some((from, off)) = self.off(&places) {
+            judgement.refused.push(format!(
+                "cylinder {n}: C1 - C2 is {:.2} mm from what the tables say, from {from:.0} s on: a \
+                 transducer has drifted, or was replaced or adjusted",
+                off * 1e3
+            ));
+        } else if !are_few(&places, window.length()) {
+            let whole = [f64::NEG_INFINITY, f64::INFINITY];
+            let (count, worst) = (places.len(), worst(whole));
+            let more = if count == 1 { "in one long place" } else { "again and again" };
+            judgement.refused.push(format!(
+                "cylinder {n} does not look healthy {more}, {count} in all; the worst: {worst}"
+            ));
+        } else {
+            for [from, to] in places {
+                judgement.left_out.push(format!(
+                    "cylinder {n}: {}; what it read from {:.0} to {to:.0} s is left out: look there for a \
+                     fault",
+                    worst([from, to]),
+                    from.max(0.0)
+                ));
+                judgement.cuts.add(index, [from, to]);
+            }
+        }
+    }
+
+    /// What C1 − C2 has moved by from before a place to after it, m, where that is no temperature.
+    fn step(&self, [from, to]: [f64; 2], places: &[[f64; 2]]) -> Option<f64> {
+        let before = self.mean([from - BESIDE, from], places)?;
+        let after = self.mean([to, to + BESIDE], places)?;
+        Some(after - before).filter(|step| step.abs() > STAYS)
+    }
+
+    /// Since when C1 − C2 is farther than it may be from what the tables say, s, and how far, m.
+    fn off(&self, places: &[[f64; 2]]) -> Option<(f64, f64)> {
+        let long = self.blocks.iter().step_by(6);
+        let mut means = long.filter_map(|block| {
+            let from = block.from;
+            Some((from, self.mean([from, from + 6.0 * BLOCK], places)?))
+        });
+        means.find(|(_, mean)| mean.abs() > MOST_OFF)
+    }
+
+    /// Of C1 − C2 beyond what is healthy, m, between two times and outside of `places`.
+    fn mean(&self, [from, to]: [f64; 2], places: &[[f64; 2]]) -> Option<f64> {
+        let within = self.blocks.iter().filter(|block| {
+            let [begin, end] = [block.from, block.from + BLOCK];
+            let apart = |[from, to]: &[f64; 2]| end <= *from || *to <= begin;
+            from <= begin && end <= to + 1e-6 && places.iter().all(apart)
+        });
+        let (sum, rows) = within.fold((0.0, 0), |(sum, rows), it| (sum + it.sum, rows + it.rows));
+        (rows >= LEAST_ROWS).then(|| sum / f64::from(rows))
+    }
+}

@@ -1,0 +1,275 @@
+//! `--update`: a recording, and what is kept of earlier ones, as one.
+
+use super::Failure;
+use super::files::{Inputs, Mark, Overwriting};
+use super::learnt_file::{LearntFile, Prepared};
+use super::survey::{Surveyed, placed};
+use crate::calibrate::Cuts;
+use crate::frame::Frame;
+use crate::learnt::thinning::Visiting;
+use crate::learnt::{
+    Clash, Damage, Judging, Learnt, MOST_BYTES, Packing, Part, Parting, Piece, Seals,
+};
+use crate::monitor::Counts;
+use crate::survey::{Frames, Origin, Recording, Rows, Surveyor, Timeline, Window};
+use std::io::Write;
+use std::path::Path;
+
+/// How a recording adds to what is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Update {
+    /// What is kept is of no use any more.
+    pub fresh: bool,
+    /// All tables are learnt anew, not those of a calibration alone.
+    pub all: bool,
+}
+
+/// What is learnt from: a recording alone, or with what is kept of earlier ones.
+pub struct Study {
+    pub surveyed: Surveyed,
+    timeline: Timeline,
+    pub window: Window,
+    /// What the tables that stand do not take for healthy.
+    pub cuts: Cuts,
+    keeping: Option<Keeping>,
+}
+
+/// What is kept, and what is new.
+struct Keeping {
+    file: LearntFile,
+    earlier: Learnt,
+    /// Of the recording.
+    novel: Vec<Part>,
+}
+
+impl Study {
+    /// Of a recording alone.
+    pub fn alone(surveyed: Surveyed) -> Self {
+        let (timeline, window) = (surveyed.timeline.clone(), surveyed.window);
+        Self { surveyed, timeline, window, cuts: Cuts::default(), keeping: None }
+    }
+
+    /// Of a recording that is added to what is kept beside `config`; `None` where it is in there already,
+    /// which is told.
+    ///
+    /// # Errors
+    /// What is kept is of other tables; the recording is partly known, or not healthy by the tables that
+    /// stand.
+    pub fn adding(
+        surveyed: Surveyed,
+        config: &Path,
+        update: Update,
+    ) -> Result<Option<Self>, Failure> {
+        let loaded = &surveyed.machine.loaded;
+        let machine = loaded.settings.machine.name.clone();
+        let file = LearntFile::beside(config);
+        let inputs = Inputs::new(surveyed.logs().chain(surveyed.machine.files(config)));
+        inputs.claim([(Some(file.path()), Mark::Judged)], Overwriting::default())?;
+        let seals = seals(loaded.document.text(), &loaded.dbc_text)?;
+        let earlier = if update.fresh {
+            file.is_ours()?;
+            None
+        } else {
+            file.read(&seals, update.all)?
+        };
+        let earlier = earlier.unwrap_or(Learnt { machine, ..Learnt::default() });
+        let novel = novel(&surveyed, &earlier)?;
+        if novel.is_empty() {
+            say(&format!(
+                "{} was learnt already: it is in {}, and nothing changes\n",
+                surveyed.inputs(),
+                file.path().display()
+            ))?;
+            return Ok(None);
+        }
+        let mut study = Self::alone(surveyed);
+        if !earlier.pieces.is_empty() {
+            study.join(&earlier.pieces, &novel)?;
+        }
+        study.keeping = Some(Keeping { file, earlier, novel });
+        Ok(Some(study))
+    }
+
+    /// Judges the recording by the tables that stand, and puts it among the `pieces`.
+    fn join(&mut self, pieces: &[Piece], novel: &[Part]) -> Result<(), Failure> {
+        let surveyed = &self.surveyed;
+        let mut judging = Judging::new(&surveyed.machine.loaded.settings, &surveyed.design);
+        surveyed.read(surveyed.window, &mut judging)?;
+        let judgement = judging.judgement(surveyed.window);
+        if !judgement.refused.is_empty() {
+            return Err(Failure::Failed(format!(
+                "by the tables of the earlier recordings {} is of no healthy machine; nothing was learnt \
+                 from it, and nothing was written:\n  {}\nMend it and record again, or leave that part \
+                 out (--from, --to); where the machine has become another one, begin anew (--update \
+                 --fresh)",
+                surveyed.inputs(),
+                judgement.refused.join("\n  ")
+            )));
+        }
+        let told: String = judgement.left_out.iter().map(|line| format!("{line}\n")).collect();
+        say(&told)?;
+        let of_pieces = pieces.iter().map(|piece| [piece.first(), piece.last()]);
+        let of_parts = novel.iter().map(|part| [part.first, part.last]);
+        let mut spans: Vec<_> = of_pieces.chain(of_parts).collect();
+        spans.sort();
+        let mut timeline = Timeline::default();
+        spans.iter().for_each(|[first, last]| timeline.span(*first, *last));
+        self.cuts = judgement.cuts.moved(|t| timeline.seconds(surveyed.timeline.at(t)));
+        self.window = Window { from: 0.0, to: timeline.length() + 1e-9 };
+        self.timeline = timeline;
+        Ok(())
+    }
+
+    /// Where the rows come from, for what is learnt from them.
+    pub fn origin(&self) -> Origin {
+        let own = self.surveyed.origin();
+        let Some(keeping) = self.keeping.as_ref().filter(|it| !it.earlier.pieces.is_empty()) else {
+            return own;
+        };
+        let parts = keeping.earlier.parts.len();
+        let inputs = format!("{}, with what is kept of {} earlier", own.inputs, counted(parts));
+        let place = |part: &Part| {
+            let [from, to] = [part.first, part.last].map(|at| self.timeline.seconds(at));
+            format!("{from:.1} to {to:.1} s")
+        };
+        let places: Vec<String> = keeping.novel.iter().map(place).collect();
+        let told = format!(
+            "times count through all that is kept, long pauses as a minute: this recording is at {}",
+            places.join(", ")
+        );
+        let remarks = [told].into_iter().chain(self.surveyed.remarks()).collect();
+        Origin { inputs, timeline: self.timeline.clone(), window: self.window, remarks }
+    }
+
+    /// Writes what is kept from now on beside its file, for a configuration that will be the text `after`;
+    /// nothing where nothing is kept. Of times that were `left_out` nothing is.
+    ///
+    /// # Errors
+    /// It cannot be written, or the recording cannot be read any more.
+    pub fn prepare(&self, after: &str, left_out: &Cuts) -> Result<Option<Prepared>, Failure> {
+        let Some(Keeping { file, earlier, novel }) = &self.keeping else { return Ok(None) };
+        let cuts = self.cuts.with(left_out);
+        let t = |at| self.timeline.seconds(at);
+        let mut learnt = earlier.clone();
+        learnt.pieces.retain(|piece| !cuts.any(t(piece.first()), t(piece.last())));
+        let mut packing = Packing::default();
+        self.surveyed.recorded(self.surveyed.window, |frame| {
+            if cuts.any(t(frame.timestamp), t(frame.timestamp)) {
+                packing.close();
+            } else if self.surveyed.reads(frame) && holds(novel, frame) {
+                packing.take(frame);
+            }
+        })?;
+        learnt.add(novel.iter().copied(), packing.finish());
+        learnt.seals = seals(after, &self.surveyed.machine.loaded.dbc_text)?;
+        self.thin(&mut learnt)?;
+        file.clone().prepare(&learnt).map(Some)
+    }
+
+    /// Takes pieces away where there are too many.
+    fn thin(&self, learnt: &mut Learnt) -> Result<(), Failure> {
+        if learnt.bytes() <= MOST_BYTES {
+            return Ok(());
+        }
+        let mut visiting = Visiting::new(&learnt.pieces, &self.timeline);
+        self.read(self.window, &mut visiting)?;
+        let bytes: Vec<usize> = learnt.pieces.iter().map(Piece::bytes).collect();
+        let kept = visiting.keep(&bytes, MOST_BYTES);
+        learnt.pieces = kept.into_iter().map(|index| learnt.pieces[index].clone()).collect();
+        Ok(())
+    }
+}
+
+impl Frames for Study {
+    type Error = Failure;
+
+    fn frames(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
+        let joined = self.keeping.as_ref().filter(|it| !it.earlier.pieces.is_empty());
+        let Some(Keeping { file, earlier, novel }) = joined else {
+            return self.surveyed.frames(window, take);
+        };
+        let mut waiting = earlier.pieces.iter().peekable();
+        let mut damage = None;
+        let t = |at| self.timeline.seconds(at);
+        let mut give = |frame: &Frame| {
+            if window.holds(t(frame.timestamp)) {
+                placed(frame, &self.timeline, &mut take);
+            }
+        };
+        let wanted = |piece: &Piece| t(piece.last()) >= window.from && t(piece.first()) < window.to;
+        let mut unpack = |piece: &Piece, give: &mut dyn FnMut(&Frame)| {
+            if wanted(piece) {
+                damage = damage.or(piece.unpack(give).err());
+            }
+        };
+        self.surveyed.recorded(self.surveyed.window, |frame| {
+            while let Some(piece) = waiting.next_if(|piece| piece.first() <= frame.timestamp) {
+                unpack(piece, &mut give);
+            }
+            if holds(novel, frame) {
+                give(frame);
+            }
+        })?;
+        waiting.for_each(|piece| unpack(piece, &mut give));
+        damage.map_or(Ok(()), |damage: Damage| {
+            Err(Failure::Wrong(format!("{}: {damage}", file.path().display())))
+        })
+    }
+}
+
+impl Recording for Study {
+    type Error = Failure;
+
+    fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Failure> {
+        self.read_counted(window, surveyor).map(drop)
+    }
+
+    fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Failure> {
+        let (design, first) = (&self.surveyed.design, self.timeline.first());
+        Rows { frames: self, design, first }.read_counted(window, surveyor)
+    }
+}
+
+/// The parts of a recording that were not learnt yet.
+fn novel(surveyed: &Surveyed, earlier: &Learnt) -> Result<Vec<Part>, Failure> {
+    let mut parting = Parting::default();
+    surveyed.recorded(surveyed.window, |frame| {
+        if surveyed.reads(frame) {
+            parting.take(frame);
+        }
+    })?;
+    let mut novel = Vec::new();
+    for part in parting.finish() {
+        let known = part.is_among(&earlier.parts).map_err(|Clash { part, known }| {
+            Failure::Wrong(format!(
+                "the recording from {} to {} is of the same time as one that was learnt, from {} to {}, \
+                 and is not that one: cut otherwise, or recorded with a clock that was set? Leave out what \
+                 is known (--from, --to), or begin anew (--update --fresh)",
+                part.first, part.last, known.first, known.last
+            ))
+        })?;
+        if !known {
+            novel.push(part);
+        }
+    }
+    Ok(novel)
+}
+
+fn holds(parts: &[Part], frame: &Frame) -> bool {
+    parts.iter().any(|part| part.holds(frame.timestamp))
+}
+
+fn seals(config: &str, dbc: &[u8]) -> Result<Seals, Failure> {
+    let none = || Failure::Failed("the configuration cannot be sealed: it is no TOML".to_owned());
+    Seals::of(config, dbc).ok_or_else(none)
+}
+
+fn counted(parts: usize) -> String {
+    if parts == 1 { "1 recording".to_owned() } else { format!("{parts} recordings") }
+}
+
+fn say(text: &str) -> Result<(), Failure> {
+    std::io::stdout()
+        .write_all(text.as_bytes())
+        .map_err(|error| Failure::writing("standard output", &error))
+}
