@@ -7,6 +7,9 @@ use tertius_learn::survey::{Recording, Row, Surveyor, Window};
 /// the same.
 const ONE_IN: u64 = 3;
 
+/// Less than this part of a block is none.
+const SHORTEST: f64 = 0.5;
+
 /// The blocks of a recording that a trial is made on, and nothing is learnt from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocks {
@@ -30,18 +33,22 @@ impl Blocks {
     /// The row at `t`, s, is held back.
     pub fn hold(&self, t: f64) -> bool {
         let block = (t / self.length).max(0.0) as u64;
-        self.window.holds(t) && block % ONE_IN == ONE_IN - 1
+        self.window.holds(t) && self.span(block).is_some()
     }
 
     /// From when until when each of them lasts, s.
     pub fn spans(&self) -> Vec<[f64; 2]> {
         let first = (self.window.from / self.length).max(0.0) as u64;
-        let blocks = (first..).map(|block| (block, block as f64 * self.length));
-        blocks
-            .take_while(|(_, from)| *from < self.window.to)
-            .filter(|(block, _)| block % ONE_IN == ONE_IN - 1)
-            .map(|(_, from)| [from.max(self.window.from), (from + self.length).min(self.window.to)])
-            .collect()
+        let last = (self.window.to / self.length).max(0.0) as u64;
+        (first..=last).filter_map(|block| self.span(block)).collect()
+    }
+
+    /// That of a block, where it is held back: what the ends of a recording leave of one may be too short for
+    /// a fault.
+    fn span(&self, block: u64) -> Option<[f64; 2]> {
+        let from = block as f64 * self.length;
+        let [from, to] = [from.max(self.window.from), (from + self.length).min(self.window.to)];
+        (block % ONE_IN == ONE_IN - 1 && to - from >= SHORTEST * self.length).then_some([from, to])
     }
 }
 
@@ -102,6 +109,16 @@ mod tests {
         let division = Division::new(window, window);
         let halves: Vec<_> = spans.iter().map(|[from, _]| division.taught(*from)).collect();
         assert_eq!(halves, [0, 1, 0, 1, 0, 1].map(Some));
+    }
+
+    /// The last cycles of a recording are no block, in which faults would be over before they begin.
+    #[test]
+    fn what_is_left_of_a_block_is_none() {
+        for (to, held, spans) in [(1200.003, 1200.001, 6), (1229.0, 1210.0, 6), (1231.0, 1210.0, 7)]
+        {
+            let blocks = Blocks::of(Window { from: 0.0, to });
+            assert_eq!((blocks.spans().len(), blocks.hold(held)), (spans, spans == 7), "{to}");
+        }
     }
 
     #[test]
