@@ -6,6 +6,9 @@
 //! It looks at tokens, so that comments and texts may say what they like, and at code outside of
 //! `#[cfg(test)]` only.
 
+#[path = "tidy/documents.rs"]
+mod documents;
+
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -41,7 +41,7 @@ pub struct Calibrate {
     /// that stand is left out; a recording with a fault that stays is refused
     #[arg(long, requires = "into", conflicts_with_all = ["held_back", "output"])]
     update: bool,
-    /// Begins what --update keeps anew, with this recording
+    /// Discards what --update has kept, and begins anew with this recording
     #[arg(long, requires = "update")]
     fresh: bool,
     /// Fits on the beginning, and tries the fit on this part of the time at the end, %, instead of

@@ -38,7 +38,7 @@ pub struct Commission {
     /// Writes a page with figures, in one file; the recording is read once more for it
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Takes the tables of the other cylinders where some are refused
+    /// Takes the tables of the other cylinders if some are refused
     #[arg(long)]
     accept_refused: bool,
     /// Learns from this recording together with what is kept of earlier ones in NAME.learnt, beside
@@ -46,7 +46,7 @@ pub struct Commission {
     /// that stand is left out; a recording with a fault that stays is refused
     #[arg(long, conflicts_with_all = ["output", "accept_refused"])]
     update: bool,
-    /// Begins what --update keeps anew, with this recording
+    /// Discards what --update has kept, and begins anew with this recording
     #[arg(long, requires = "update")]
     fresh: bool,
     /// False alarms that a year of monitoring may bring: of R1 and R2, of R3, and of the sequential

@@ -40,7 +40,7 @@ pub struct Evaluate {
     /// The simulated machine [default: built in, as config/e-type-plant.toml]
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
-    /// Whatever is random comes from this number
+    /// Seeds everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Faults in a row; a quarter of them in those of the loop [default: 600; --quick: 12]

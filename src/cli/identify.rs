@@ -44,13 +44,13 @@ pub struct Identify {
     /// Takes the model of this cylinder [default: the one whose worst VAF is the best]
     #[arg(long, value_name = "N")]
     model_of: Option<u8>,
-    /// Writes each cylinder its own model
+    /// Writes a model for each cylinder
     #[arg(long)]
     per_cylinder: bool,
-    /// Whether the command at which a cylinder rests is estimated, too
+    /// Whether to estimate the command at which a cylinder rests as well
     #[arg(long, value_enum, default_value_t = Offset::Auto)]
     offset: Offset,
-    /// Tells flow and friction curves, too: section 3-3-1
+    /// Also finds flow and friction curves: section 3-3-1
     #[arg(long)]
     nonlinear: bool,
     /// Supply pressure for --nonlinear, bar [default: as signals.supply has it]

@@ -77,7 +77,7 @@ pub struct Inject {
     overwriting: Overwriting,
     #[command(flatten)]
     faults: FaultOptions,
-    /// Whatever is random comes from this number: the same seed gives the same bytes
+    /// Seeds everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Puts faults only into frames of this interface [default: the configuration's where the recording

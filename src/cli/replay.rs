@@ -44,8 +44,8 @@ pub struct Replay {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Goes on with what earlier recordings read on the stops, if the file is there, and writes it
-    /// with this one's at the end; recordings in the order of time. `run` goes on with the same file
+    /// Continues from what earlier recordings read on the stops, if the file is there, and adds what
+    /// this one reads; recordings in the order of time. `run` can continue with the same file
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
     /// Takes only the frames of this interface [default: the configuration's where the recording has
@@ -54,7 +54,7 @@ pub struct Replay {
     interface: Option<String>,
     #[command(flatten)]
     overwriting: Overwriting,
-    /// What the time stamps of a console recording are
+    /// The meaning of the time stamps of a console recording
     #[arg(long, value_enum, default_value_t = Stamps::Auto)]
     time_stamps: Stamps,
 }

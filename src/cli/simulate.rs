@@ -47,7 +47,7 @@ pub struct Simulate {
     /// s of the machine's time
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     duration: f64,
-    /// Whatever is random comes from this number
+    /// Seeds everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Significant wave height, m, and peak period, s [default: the plant's]

@@ -24,18 +24,18 @@ pub struct Field {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
-    /// Leaves out what is before: seconds since the first frame, or a part, like 25%. A pause of more
+    /// Leaves out everything before: seconds since the first frame, or a part, like 25%. A pause of more
     /// than a minute counts as a minute
     #[arg(long, value_name = "TIME")]
     pub from: Option<Place>,
-    /// Leaves out what is after: seconds since the first frame, or a part, like 75%
+    /// Leaves out everything after: seconds since the first frame, or a part, like 75%
     #[arg(long, value_name = "TIME")]
     pub to: Option<Place>,
     /// Takes only the frames of this interface [default: the configuration's where the recording has
     /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     pub interface: Option<String>,
-    /// What the time stamps of a console recording are
+    /// The meaning of the time stamps of a console recording
     #[arg(long, value_enum, default_value_t = Stamps::Auto)]
     pub time_stamps: Stamps,
 }

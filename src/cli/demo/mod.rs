@@ -53,7 +53,7 @@ pub struct Demo {
     /// else max]
     #[arg(long, value_name = "N")]
     speed: Option<Pace>,
-    /// Whatever is random comes from this number: the sea, the noise
+    /// Seeds everything random: the sea, the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Writes all frames of the bus as candump -l would

@@ -1,0 +1,122 @@
+//! What documents and manifests promise: links that lead somewhere, and one oldest compiler everywhere.
+
+use super::none;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn top() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Files of `folder` below the top whose name ends with `extension`.
+fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(top().join(folder)).expect("it can be read");
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.expect("it is there").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|it| it == extension));
+    paths.sort();
+    paths
+}
+
+/// The targets of `[text](target)` outside of blocks of code.
+fn links(text: &str) -> Vec<&str> {
+    let prose = text.lines().filter(|line| !line.starts_with("    "));
+    let targets = prose.flat_map(|line| line.split("](").skip(1));
+    targets.filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
+}
+
+/// The anchors of a page's headings, as GitHub makes them.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let anchor = |line: &str| -> String {
+        let heading = line.trim_start_matches('#').trim().to_lowercase();
+        let kept = heading.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(anchor).collect()
+}
+
+/// Why a link on the page at `page` leads nowhere; `None` where it leads somewhere, or elsewhere.
+fn broken(page: &Path, link: &str) -> Option<String> {
+    if link.starts_with("https://") {
+        return None;
+    }
+    let (path, anchor) = link.split_once('#').unwrap_or((link, ""));
+    let target = match path {
+        "" => page.to_owned(),
+        path => page.parent().expect("it is in a folder").join(path),
+    };
+    let name = page.strip_prefix(top()).expect("it is below").display();
+    if !target.exists() {
+        return Some(format!("{name}: {link} is not there"));
+    }
+    let known = anchor.is_empty() || anchors(&read(&target)).contains(anchor);
+    (!known).then(|| format!("{name}: {link} has no such heading"))
+}
+
+#[test]
+fn links_of_documents_lead_somewhere() {
+    let pages: Vec<PathBuf> = [files("", "md"), files("docs", "md")].concat();
+    let mut counted = 0;
+    let mut found = Vec::new();
+    for page in &pages {
+        let text = read(page);
+        counted += links(&text).len();
+        found.extend(links(&text).into_iter().filter_map(|link| broken(page, link)));
+    }
+    assert!(counted > 30, "{counted} links on {} pages", pages.len());
+    none(found, "links that lead nowhere");
+}
+
+#[test]
+fn broken_links_are_caught_and_others_are_not() {
+    let page = top().join("README.md");
+    for link in ["docs/NOWHERE.md", "docs/SPEED.md#nothing-of-it", "#no-such-heading"] {
+        assert!(broken(&page, link).is_some(), "{link}");
+    }
+    for link in ["docs/SPEED.md", "docs/TELEMETRY.md#get-health", "https://example.org/a#b"] {
+        assert_eq!(broken(&page, link), None, "{link}");
+    }
+    assert_eq!(links("a [b](c.md#d), [e](f)\n    [code](g)\n"), ["c.md#d", "f"]);
+}
+
+/// The value of `key` in the table of a manifest that is called `table`.
+fn value<'a>(manifest: &'a toml::Table, table: &str, key: &str) -> Option<&'a toml::Value> {
+    table.split('.').try_fold(manifest, |table, name| table.get(name)?.as_table())?.get(key)
+}
+
+#[test]
+fn one_oldest_compiler_is_promised_everywhere() {
+    let manifest = |path: &Path| -> toml::Table { read(path).parse().expect("it is TOML") };
+    let root = manifest(&top().join("Cargo.toml"));
+    let promised = value(&root, "workspace.package", "rust-version").and_then(toml::Value::as_str);
+    let promised = promised.expect("the workspace promises one");
+
+    let mut found = Vec::new();
+    let members = fs::read_dir(top().join("crates")).expect("it can be read");
+    let members = members.map(|entry| entry.expect("it is there").path());
+    for folder in members.chain([top().to_owned()]) {
+        let own = manifest(&folder.join("Cargo.toml"));
+        let inherited = value(&own, "package.rust-version", "workspace");
+        if inherited.and_then(toml::Value::as_bool) != Some(true) {
+            found.push(format!("{}: no rust-version.workspace = true", folder.display()));
+        }
+    }
+    let fuzz = manifest(&top().join("fuzz/Cargo.toml"));
+    if value(&fuzz, "package", "rust-version").and_then(toml::Value::as_str) != Some(promised) {
+        found.push("fuzz/Cargo.toml: another rust-version".to_owned());
+    }
+    for (page, words) in [
+        ("README.md", format!("Rust ({promised} or newer)")),
+        (".github/workflows/ci.yml", format!("rust:{promised}-")),
+    ] {
+        if !read(&top().join(page)).contains(&words) {
+            found.push(format!("{page}: nothing of {words}"));
+        }
+    }
+    none(found, "another oldest compiler than the workspace's");
+}
