@@ -56,7 +56,7 @@ fn a_sound_configuration_is_described() {
     assert!(!text.contains("worth a look"), "the shipped DBC is clean: {text}");
 
     let text = check(HANGING_LOAD).ok().stdout;
-    assert!(text.contains("1 cylinders, every 0.02 s; FDE1 and FDE2 always judge"), "{text}");
+    assert!(text.contains("1 cylinder, every 0.02 s; FDE1 and FDE2 always judge"), "{text}");
     assert!(text.contains("frames    0x201 0x211"), "{text}");
     assert!(text.contains("FDE3      C1 − (1.0031 C2 +0.0034 m)"), "{text}");
 }

@@ -46,9 +46,10 @@ fn describe(machine: &Machine) -> String {
         lines.len(),
     );
     text += &format!(
-        "{}: {} cylinders, every {} s; {}\n",
+        "{}: {} cylinder{}, every {} s; {}\n",
         settings.machine.name,
         settings.machine.cylinders,
+        if settings.machine.cylinders == 1 { "" } else { "s" },
         settings.machine.sample_time,
         match &settings.machine.monitored_states {
             Some(states) => format!("FDE1 and FDE2 judge when {}", states.join(" or ")),

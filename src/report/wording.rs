@@ -68,13 +68,18 @@ pub const COVERAGE: &str = "Sequential detectors: for how long they judged, and 
      knew nothing: the platform in no monitored state, C1, C2 or the speed missing or implausible, the \
      rod where the calibration has not been, the difference in this stretch of motion not yet learnt";
 
+/// How often: once, or so many times.
+pub fn times(count: u64) -> String {
+    if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
 /// A line; empty where no counter jumped.
 pub fn counter_jumps(summary: &Summary<'_>) -> String {
     let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
     if jumps == 0 {
         return String::new();
     }
-    format!("alive counters jumped {jumps} times\n")
+    format!("alive counters jumped {}\n", times(jumps))
 }
 
 /// How many there were, by detector.
@@ -92,7 +97,8 @@ pub fn warnings(summary: &Summary<'_>) -> String {
         .filter(|(_, raised)| **raised > 0)
         .map(|(detector, raised)| format!("{} {raised}", label(*detector)));
     let by_detector = by_detector.collect::<Vec<_>>().join(", ");
-    format!("{total} warnings: {by_detector}")
+    let warnings = if total == 1 { "warning" } else { "warnings" };
+    format!("{total} {warnings}: {by_detector}")
 }
 
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.

@@ -68,9 +68,9 @@ fn over_time(page: &mut Page, recorded: &Recorded) {
     );
     if recorded.jumps > 0 {
         page.paragraph(&format!(
-            "The time stamps jumped {} times. The figures go on there as if no time had passed, so \
+            "The time stamps jumped {}. The figures go on there as if no time had passed, so \
              that behind the first jump their time is not that of the table of warnings.",
-            recorded.jumps
+            wording::times(recorded.jumps)
         ));
     }
     for (figure, caption) in &figures {
