@@ -1,10 +1,12 @@
 //! `tertius commission`: a healthy recording in, a configuration that can be used out, or words.
 
 mod support;
+mod yard;
 
 use std::fs;
-use support::{Run, Scratch, changed, top};
+use support::Run;
 use toml::Table;
+use yard::{Yard, moved, tertius};
 
 /// Seconds in each sea.
 const HALF: i64 = 150;
@@ -15,43 +17,7 @@ const PAUSE: i64 = 30;
 const CALM: [&str; 2] = ["1.2,6.5", "31"];
 const ROUGH: [&str; 2] = ["2.5,8", "32"];
 
-/// A machine that is to be commissioned, its recordings beside it.
-struct Yard(Scratch);
-
-fn tertius(arguments: &[&str]) -> Run {
-    support::tertius(arguments, b"")
-}
-
 impl Yard {
-    fn new() -> Self {
-        let scratch = Scratch::new();
-        let plant = fs::read_to_string(top().join("config/e-type-plant.toml")).expect("it ships");
-        // Readings that stand off for a while are what the sequential detectors find.
-        let plant = changed(&plant, &[("probability = 5.0e-4", "probability = 0.0")]);
-        scratch.write("plant.toml", plant);
-        scratch.write("e-type.dbc", fs::read(top().join("dbc/e-type.dbc")).expect("it ships"));
-        let text = fs::read_to_string(top().join("config/e-type.toml")).expect("it ships");
-        scratch.write("config.toml", changed(&text, &[("../dbc/e-type.dbc", "e-type.dbc")]));
-        Self(scratch)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path(name)
-    }
-
-    fn read(&self, name: &str) -> String {
-        self.0.read(name)
-    }
-
-    fn record(&self, name: &str, [sea, seed]: [&str; 2], seconds: i64, more: &[&str]) -> String {
-        let [config, plant, log] = ["config.toml", "plant.toml", name].map(|it| self.path(it));
-        let seconds = seconds.to_string();
-        let call = ["simulate", "--config", &config, "--plant", &plant, "--duration", &seconds];
-        let of = ["--sea", sea, "--seed", seed, "--output", &log];
-        tertius(&[&call[..], &of, more].concat()).ok();
-        log
-    }
-
     /// Five minutes, calm and rough, in one file, with `faults` in it.
     fn recording(&self, name: &str, faults: &[&str]) -> String {
         self.recording_of(&[CALM, ROUGH], name, faults)
@@ -60,19 +26,11 @@ impl Yard {
     /// As [`Self::recording`], a half of it for each of `seas`.
     fn recording_of(&self, seas: &[[&str; 2]], name: &str, faults: &[&str]) -> String {
         let parts = seas.iter().zip(0..).map(|(of, number)| {
-            let log = self.record(&format!("{}.log", of[1]), *of, HALF, &["--force"]);
-            let text = fs::read_to_string(log).expect("it was written");
-            text.lines().map(|line| moved(line, number * (HALF + PAUSE))).collect::<String>()
+            let log = self.simulate(&format!("{}.log", of[1]), *of, HALF, &["--force"]);
+            moved(&fs::read_to_string(log).expect("it was written"), number * (HALF + PAUSE))
         });
         let log = self.0.write(name, parts.collect::<String>());
-        if faults.is_empty() {
-            return log;
-        }
-        let [config, faulty] = ["config.toml", &format!("faulty-{name}")].map(|it| self.path(it));
-        let mut call = vec!["inject", &log, "--config", &config, "--output", &faulty];
-        faults.iter().for_each(|fault| call.extend(["--fault", fault]));
-        tertius(&call).ok();
-        faulty
+        if faults.is_empty() { log } else { self.inject(&log, &format!("faulty-{name}"), faults) }
     }
 
     fn commission(&self, logs: &[&str], more: &[&str]) -> Run {
@@ -86,11 +44,6 @@ impl Yard {
         assert_eq!(self.read("config.toml"), before);
         assert!(!fs::exists(self.path("config.toml.bak-1")).expect("the folder is there"));
     }
-}
-
-fn moved(line: &str, later: i64) -> String {
-    let (seconds, rest) = line[1..].split_once('.').expect("a time stamp");
-    format!("({}.{rest}\n", seconds.parse::<i64>().expect("seconds") + later)
 }
 
 fn comments(text: &str) -> Vec<&str> {
@@ -136,7 +89,7 @@ fn from_a_recording_to_a_configuration_that_holds_in_another_sea() {
     let parts = ["is fit for use", "<h2>Trial", "<h2>Model", "<h2>Calibration", "<h2>Tuning"];
     assert!(parts.map(place).is_sorted(), "the verdict is first");
 
-    let other = yard.record("other.log", ["2.0,7.5", "77"], 300, &[]);
+    let other = yard.simulate("other.log", ["2.0,7.5", "77"], 300, &[]);
     let config = yard.path("config.toml");
     let replay = tertius(&["replay", &other, "--config", &config, "--format", "jsonl"]).ok();
     assert!(replay.warnings().is_empty(), "{:?}", replay.warnings());
@@ -194,6 +147,21 @@ fn a_short_fault_is_left_out_of_all_that_is_learnt() {
     assert_eq!(sequential(&text), [1, 2, 3, 4, 5, 6]);
 }
 
+/// From one day to the next the transducers are a little apart by temperature, which is no fault of either.
+#[test]
+fn of_another_day_nothing_before_it_is_remembered() {
+    let yard = Yard::new();
+    let first = yard.recording("first.log", &[]);
+    let second = yard.recording_of(&[["1.2,6.5", "41"], ["2.5,8", "42"]], "second.log", &[]);
+    let warmer = "step,cylinder=3,sensor=c1,at=0,size=0.0003";
+    let second = yard.inject(&second, "warmer.log", &[warmer]);
+    let later =
+        yard.0.write("later.log", moved(&fs::read_to_string(second).expect("it is there"), 86_400));
+    let run = yard.commission(&[&first, &later], &["--dry-run"]).ok();
+    assert!(run.stdout.contains("no false alarm in"), "{}", run.stdout);
+    assert!(!run.stdout.contains("left out"), "{}", run.stdout);
+}
+
 #[test]
 fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
     let yard = Yard::new();
@@ -205,12 +173,12 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
         assert!(words.iter().all(|word| run.stdout.contains(word)), "{}", run.stdout);
         yard.is_untouched(&before);
     };
-    let short = yard.record("short.log", ROUGH, 20, &[]);
+    let short = yard.simulate("short.log", ROUGH, 20, &[]);
     refused(&short, &["there is enough to judge: at least 50 s", "what to do:"]);
-    let still = yard.record("still.log", ["0.01,8", "1"], 90, &[]);
+    let still = yard.simulate("still.log", ["0.01,8", "1"], 90, &[]);
     refused(&still, &["record it in motion"]);
     // C2 at a tenth, as a wrong DBC has it.
-    let sound = yard.record("sound.log", ROUGH, 60, &[]);
+    let sound = yard.simulate("sound.log", ROUGH, 60, &[]);
     let dbc = yard.read("e-type.dbc");
     yard.0.write("e-type.dbc", wrong(&dbc));
     refused(&sound, &["check unit, factor and offset of both in the DBC"]);
@@ -235,7 +203,7 @@ fn wrong(dbc: &str) -> String {
 #[test]
 fn a_configuration_that_exists_is_not_written_over() {
     let yard = Yard::new();
-    let short = yard.record("short.log", ROUGH, 20, &[]);
+    let short = yard.simulate("short.log", ROUGH, 20, &[]);
     let taken = yard.0.write("taken.toml", "# mine\n");
     yard.commission(&[&short], &["--output", &taken]).failed(2, &["taken.toml", "--force"]);
     assert_eq!(yard.read("taken.toml"), "# mine\n");
@@ -248,9 +216,9 @@ fn a_configuration_that_exists_is_not_written_over() {
 fn a_night_between_two_recordings_counts_as_a_minute() {
     let yard = Yard::new();
     let day = |name: &str, of: [&str; 2], later: i64| {
-        let log = yard.record("day.log", of, HALF, &["--force"]);
+        let log = yard.simulate("day.log", of, HALF, &["--force"]);
         let text = fs::read_to_string(log).expect("it was written");
-        yard.0.write(name, text.lines().map(|line| moved(line, later)).collect::<String>())
+        yard.0.write(name, moved(&text, later))
     };
     let logs = [day("first.log", ROUGH, 0), day("second.log", ["2.5,8", "33"], 86_400)];
     let run = yard.commission(&[&logs[0], &logs[1]], &["--dry-run"]).ok();

@@ -1,73 +1,36 @@
 //! `--update`: what is learnt on several days adds up, and what is no healthy machine is left out.
 
 mod support;
+mod yard;
 
 use std::fs;
-use support::{Run, Scratch, Seeded, changed, top};
+use support::{Run, Seeded};
 use tertius::frame::{Frame, Id, Kind, MAX_DATA};
 use tertius::learnt::{Learnt, MOST_BYTES, Packing, Seals};
 use tertius::time::Timestamp;
 use toml::{Table, Value};
+use yard::{Yard, moved, tertius};
 
 /// Of a simulated recording's first frame, s.
 const BEGIN: i64 = 1_700_000_000;
 
 const DAY: i64 = 86_400;
 
-/// A machine, its configuration and its recordings.
-struct Yard(Scratch);
-
-fn tertius(arguments: &[&str]) -> Run {
-    support::tertius(arguments, b"")
-}
-
 impl Yard {
-    fn new() -> Self {
-        let scratch = Scratch::new();
-        let plant = fs::read_to_string(top().join("config/e-type-plant.toml")).expect("it ships");
-        // Readings that stand off for a while are what the sequential detectors find.
-        let plant = changed(&plant, &[("probability = 5.0e-4", "probability = 0.0")]);
-        scratch.write("plant.toml", plant);
-        scratch.write("e-type.dbc", fs::read(top().join("dbc/e-type.dbc")).expect("it ships"));
-        let text = fs::read_to_string(top().join("config/e-type.toml")).expect("it ships");
-        scratch.write("config.toml", changed(&text, &[("../dbc/e-type.dbc", "e-type.dbc")]));
-        Self(scratch)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path(name)
-    }
-
-    fn read(&self, name: &str) -> String {
-        self.0.read(name)
-    }
-
     fn bytes(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).expect("it was written")
     }
 
     /// A recording in this sea, so many days after the first.
     fn record(&self, name: &str, sea: &str, seconds: i64, day: i64) -> String {
-        let [config, plant, first] =
-            ["config.toml", "plant.toml", "first.log"].map(|it| self.path(it));
-        let (seconds, seed) = (seconds.to_string(), (31 + day).to_string());
-        let call = ["simulate", "--config", &config, "--plant", &plant, "--duration", &seconds];
-        let of = ["--sea", sea, "--seed", &seed, "--output", &first, "--force"];
-        tertius(&[&call[..], &of].concat()).ok();
-        let moved = |line: &str| {
-            let (seconds, rest) = line[1..].split_once('.').expect("a time stamp");
-            format!("({}.{rest}\n", seconds.parse::<i64>().expect("seconds") + day * DAY)
-        };
-        let text = self.read("first.log");
-        self.0.write(name, text.lines().map(moved).collect::<String>())
+        let seed = (31 + day).to_string();
+        self.simulate("first.log", [sea, &seed], seconds, &["--force"]);
+        self.0.write(name, moved(&self.read("first.log"), day * DAY))
     }
 
     /// The same recording with a fault.
     fn faulty(&self, log: &str, fault: &str) -> String {
-        let [config, faulty] = ["config.toml", "faulty.log"].map(|it| self.path(it));
-        let call = ["inject", log, "--config", &config, "--output", &faulty, "--force"];
-        tertius(&[&call[..], &["--fault", fault]].concat()).ok();
-        faulty
+        self.inject(log, "faulty.log", &[fault])
     }
 
     fn learn(&self, command: &str, logs: &[&str], config: &str, more: &[&str]) -> Run {

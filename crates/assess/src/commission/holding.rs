@@ -1,7 +1,7 @@
 //! What is left out of a recording.
 
 use tertius_learn::calibrate::{Cuts, Cutting, Division};
-use tertius_learn::survey::{Recording, Row, Surveyor, Window};
+use tertius_learn::survey::{Recording, Surveyor, Window};
 
 /// One block in so many is held back. Odd, so that both halves of a calibration, which alternate, lose
 /// the same.
@@ -52,7 +52,7 @@ impl Blocks {
     }
 }
 
-/// A recording without what is left out of it: there rows end as they do where cycles are missing.
+/// A recording without what is left out of it.
 #[derive(Debug)]
 pub struct Without<'a, R> {
     pub recording: R,
@@ -65,28 +65,9 @@ impl<R: Recording> Recording for Without<'_, R> {
 
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), R::Error> {
         let Self { recording, blocks, cuts } = self;
-        let surveyor = Cutting { cuts, surveyor };
-        recording.read(window, Rest { surveyor, blocks: *blocks })
-    }
-}
-
-#[derive(Debug)]
-struct Rest<S> {
-    surveyor: S,
-    blocks: Option<Blocks>,
-}
-
-impl<S: Surveyor> Surveyor for Rest<S> {
-    fn row(&mut self, row: &Row) {
-        if self.blocks.is_some_and(|blocks| blocks.hold(row.t)) {
-            self.surveyor.gap(row.cylinder);
-        } else {
-            self.surveyor.row(row);
-        }
-    }
-
-    fn gap(&mut self, cylinder: u8) {
-        self.surveyor.gap(cylinder);
+        let held = |t| blocks.is_some_and(|blocks| blocks.hold(t));
+        let out = |cylinder, t| held(t) || cuts.hold(cylinder, t);
+        recording.read(window, Cutting { out, surveyor })
     }
 }
 

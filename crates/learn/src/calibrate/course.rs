@@ -1,6 +1,6 @@
 //! A calibration from beginning to end, on whatever can be read again and again.
 
-use super::cutting::{Cuts, Cutting, are_few, places};
+use super::cutting::{Cuts, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
     Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
@@ -89,13 +89,13 @@ impl Course<'_> {
         let mut spreading = Spreading::new(sample_time, division, halves);
         let mut trying = Trying::new(fits(), settings.warning_cycles());
         let both = (&mut trying, &mut spreading);
-        recording.read(tried, Cutting { cuts, surveyor: both })?;
+        recording.read(tried, cuts.around(both))?;
         let spread = fits()
             .zip(&profiles)
             .enumerate()
             .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
         let mut scattering = Scattering::new(sample_time, self.outliers(), division, spread);
-        recording.read(tried, Cutting { cuts, surveyor: &mut scattering })?;
+        recording.read(tried, cuts.around(&mut scattering))?;
         let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
             judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
         };
@@ -124,7 +124,7 @@ impl Course<'_> {
         let fits = results.iter().map(|result| result.as_ref().ok());
         let mut profiling =
             Profiling::new(self.division(), machine.stroke, machine.sample_time, fits);
-        recording.read(self.whole(), Cutting { cuts, surveyor: &mut profiling })?;
+        recording.read(self.whole(), cuts.around(&mut profiling))?;
         Ok((0..results.len()).map(|index| profiling.result(index)).collect())
     }
 
@@ -143,14 +143,14 @@ impl Course<'_> {
         };
         let numbers = 1..=settings.machine.cylinders;
         let mut gathering = Gathering::new(high - low, numbers.clone().map(configured).collect());
-        recording.read(self.fitted, Cutting { cuts, surveyor: &mut gathering })?;
+        recording.read(self.fitted, cuts.around(&mut gathering))?;
         let second = settings.signals.cylinder.c2.is_some();
         let judge = |n: u8| {
             if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
         };
         let lines: Vec<_> = numbers.map(judge).collect();
         let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
-        recording.read(self.fitted, Cutting { cuts, surveyor: &mut fitting })?;
+        recording.read(self.fitted, cuts.around(&mut fitting))?;
         let results = lines.into_iter().enumerate().map(|(i, line)| {
             fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
         });

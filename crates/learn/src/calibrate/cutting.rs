@@ -96,18 +96,24 @@ impl Cuts {
         let spans = self.spans.get(usize::from(cylinder).wrapping_sub(1));
         spans.into_iter().flatten().any(|[from, to]| *from <= t && t < *to)
     }
+
+    /// Shows a surveyor what is not cut out.
+    pub fn around<S: Surveyor>(&self, surveyor: S) -> impl Surveyor {
+        Cutting { out: |cylinder, t| self.hold(cylinder, t), surveyor }
+    }
 }
 
-/// Shows all rows to a surveyor but those that are cut out.
+/// Shows all rows to a surveyor but those that are left `out`, by cylinder (from 1) and time, s: there they end as
+/// they do where cycles are missing.
 #[derive(Debug)]
-pub struct Cutting<'a, S> {
-    pub cuts: &'a Cuts,
+pub struct Cutting<F, S> {
+    pub out: F,
     pub surveyor: S,
 }
 
-impl<S: Surveyor> Surveyor for Cutting<'_, S> {
+impl<F: Fn(u8, f64) -> bool, S: Surveyor> Surveyor for Cutting<F, S> {
     fn row(&mut self, row: &Row) {
-        if self.cuts.hold(row.cylinder, row.t) {
+        if (self.out)(row.cylinder, row.t) {
             self.surveyor.gap(row.cylinder);
         } else {
             self.surveyor.row(row);

@@ -1,15 +1,13 @@
 //! Which recordings were learnt, so that none counts twice.
 
+use crate::survey::LONGEST_PAUSE;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 use tertius_core::frame::{Frame, Kind};
-use tertius_core::time::{Span, Timestamp};
-
-/// A longer pause ends a part: a recording of several days has one for each.
-const PAUSE: Span = Span::from_nanos(60_000_000_000);
+use tertius_core::time::Timestamp;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A stretch of a recording without a long pause.
+/// A stretch of a recording without a long pause: one of several days has one for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Time stamps of its first frame and of the latest.
@@ -59,7 +57,7 @@ impl Parting {
     /// Takes the next frame.
     pub fn take(&mut self, frame: &Frame) {
         let at = frame.timestamp;
-        if self.open.as_ref().is_some_and(|(part, _)| at.since(part.last) > PAUSE) {
+        if self.open.as_ref().is_some_and(|(part, _)| at.since(part.last) > LONGEST_PAUSE) {
             self.close();
         }
         let empty = || (Part { first: at, last: at, frames: 0, crc: 0 }, CRC.digest());

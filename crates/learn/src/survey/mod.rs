@@ -13,7 +13,7 @@ mod window;
 
 pub use recording::{Frames, Origin, Recording, Rows};
 pub use row::Row;
-pub use timeline::Timeline;
+pub use timeline::{LONGEST_PAUSE, Timeline};
 pub use window::Window;
 
 use tertius_core::alarm::status::MAX_CYLINDERS;

@@ -2,8 +2,9 @@
 
 use tertius_core::time::{Span, Timestamp};
 
-/// A pause that is longer counts as this long, ns: nobody learns from it, and blocks that alternate must not
-/// fall into it.
+/// A pause that is longer counts as this long: nobody learns from it, and blocks that alternate must not fall
+/// into it.
+pub const LONGEST_PAUSE: Span = Span::from_nanos(LONGEST);
 const LONGEST: i64 = 60_000_000_000;
 
 /// The time stamps of frames, and where each is when long pauses are shortened to a minute. Without a long

@@ -1,13 +1,10 @@
 //! A calibration as tables that the configuration reads.
 
 use super::provenance::{self, four_digits, one_line};
-use crate::calibrate::{
-    Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND, Profile, Scatter,
-};
+use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
 use crate::extremes::HOURS_PER_YEAR;
 use std::fmt::Write as _;
-use tertius_core::sequential::Drive;
-use tertius_core::sequential::reference::DOUBTED;
+use tertius_config::settings::{Cylinder, CylinderSequential};
 
 /// What is rarer than the evidence by more than this is bounded by it, and not measured.
 const FAR: f64 = 100.0;
@@ -72,57 +69,70 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         }
         _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
     }
-    for (cylinder, fitted) in fits(result) {
-        let line = fitted.line;
+    for cylinder in result.cylinders.iter().filter_map(CylinderCalibration::table) {
+        let Cylinder { n, c2_gain, c2_offset, sequential, .. } = cylinder;
         _ = writeln!(
             text,
-            "\n[[cylinder]]\nn = {}\nc2_gain = {:?}\nc2_offset = {:?}",
-            cylinder.number, line.gain, line.offset
+            "\n[[cylinder]]\nn = {n}\nc2_gain = {c2_gain:?}\nc2_offset = {c2_offset:?}"
         );
-        if let Some((profile, scatter)) = &cylinder.sequential {
-            text += &sequential_table(cylinder, profile, scatter);
+        if let Some(sequential) = &sequential {
+            text += &sequential_table(sequential);
         }
     }
     Some(text)
 }
 
-fn sequential_table(
-    cylinder: &CylinderCalibration,
-    profile: &Profile,
-    scatter: &Scatter,
-) -> String {
-    let sample_time = cylinder.sample_time;
-    let Profile { reference, samples, drive, .. } = profile;
-    let deviations: Vec<f64> = reference.doubts.iter().map(|doubt| doubt / DOUBTED).collect();
-    let Scatter { rate, square_rate, dependence, deviation, spread, prediction, .. } = scatter;
+fn sequential_table(table: &CylinderSequential) -> String {
+    // All of it: what is not written is read as what it was before there was a key for it.
+    let CylinderSequential {
+        sample_time,
+        level,
+        first,
+        spacing,
+        nodes,
+        node_deviations,
+        samples,
+        velocity,
+        outlier_share,
+        deviation,
+        noise,
+        timing,
+        resolution,
+        rate_spacing,
+        rate,
+        square_rate,
+        mean_dependence,
+        square_dependence,
+        drive,
+        prediction,
+    } = table;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
         format!("[{}]", texts.join(", "))
     };
-    let mut text = format!(
-        "\n[cylinder.sequential]\nsample_time = {sample_time:?}\nfirst = {:?}\nspacing = {:?}\nnodes = {}\nnode_deviations = {}\nsamples = {samples:?}\n\
-         outlier_share = {:?}\nvelocity = {:e}\ndeviation = {deviation:e}\nnoise = {:e}\ntiming = {:e}\nresolution = {}\nrate_spacing = {:e}\nrate = {}\n\
-         square_rate = {}\nmean_dependence = {}\nsquare_dependence = {}\n",
-        reference.first,
-        reference.spacing,
-        six(&reference.nodes),
-        six(&deviations),
-        scatter.outliers.share,
-        reference.velocity,
-        spread.noise.rest,
-        spread.noise.timing,
-        six(&spread.resolution),
-        rate.spacing(),
-        six(&rate.values()),
-        six(&square_rate.values()),
-        six(&dependence[0]),
-        six(&dependence[1]),
-    );
-    if let Some(nats) = cylinder.level {
-        _ = writeln!(text, "level = {:?}", four_digits(nats));
+    let mut text = "\n[cylinder.sequential]\n".to_owned();
+    if let Some(seconds) = sample_time {
+        _ = writeln!(text, "sample_time = {seconds:?}");
     }
-    if let Some((Drive(coefficients), prediction)) = drive.zip(*prediction) {
-        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(&coefficients));
+    _ = write!(
+        text,
+        "first = {first:?}\nspacing = {spacing:?}\nnodes = {}\nnode_deviations = {}\nsamples = {samples:?}\n\
+         outlier_share = {outlier_share:?}\nvelocity = {velocity:e}\ndeviation = {deviation:e}\nnoise = {noise:e}\n\
+         timing = {timing:e}\nresolution = {}\nrate_spacing = {rate_spacing:e}\nrate = {}\nsquare_rate = {}\n\
+         mean_dependence = {}\nsquare_dependence = {}\n",
+        six(nodes),
+        six(node_deviations),
+        six(resolution),
+        six(rate),
+        six(square_rate),
+        six(mean_dependence),
+        six(square_dependence),
+    );
+    if let Some(nats) = level {
+        _ = writeln!(text, "level = {:?}", four_digits(*nats));
+    }
+    if let Some(coefficients) = drive {
+        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(coefficients));
     }
     text
 }
