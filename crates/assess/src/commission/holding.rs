@@ -74,6 +74,7 @@ impl<R: Recording> Recording for Without<'_, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tertius_learn::survey::Row;
 
     #[test]
     fn every_third_block_is_held_back_and_both_halves_lose_the_same() {
