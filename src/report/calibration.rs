@@ -89,7 +89,9 @@ pub fn sequential(result: &Calibration) -> Section {
             format!("{:.4} mm", scatter.deviation * 1e3),
             format!("{:.3} mm", scatter.largest * 1e3),
             format!("{:.3} ms", reference.velocity * 1e3),
-            scatter.prediction.map_or("none".to_owned(), |p| format!("{:.4} mm", p * 1e3)),
+            scatter
+                .prediction
+                .map_or("none".to_owned(), |it| format!("{:.4} mm", it.deviation * 1e3)),
             cylinder.level.map_or("by rate".to_owned(), |nats| format!("{nats:.2} nats")),
         ]);
     }

@@ -2,7 +2,9 @@
 
 use super::{Flaw, Wirer};
 use crate::settings::CylinderSequential;
+use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
+use tertius_core::sequential::whitening::Whitening;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
@@ -43,7 +45,16 @@ impl Wirer<'_> {
     fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
         let drive = Drive(fitted.drive?);
         let sample_time = self.settings.machine.sample_time;
-        let design = PairDesign::new(drive, sample_time, fitted.deviation, fitted.prediction);
+        let Some(whitening) = Whitening::of(&fitted.prediction_correlation) else {
+            self.flaws.push(Flaw::new(
+                "cylinder.sequential",
+                format!("the prediction_correlation of cylinder {n} is that of no errors"),
+                "calibrate it anew",
+            ));
+            return None;
+        };
+        let prediction = Prediction { deviation: fitted.prediction, whitening };
+        let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction);
         design
             .map_err(|error| {
                 self.flaws.push(Flaw::new(

@@ -5,6 +5,7 @@ use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
 use super::{number, numbers, text};
 use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
 
@@ -95,4 +96,8 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
         "the velocity by the commands"),
     Key::optional("prediction", number(Limits::least(0.0, FITTED)), "0.0001",
         "the deviation of the readings from it, m"),
+    Key::optional("prediction_correlation",
+        Kind::List { least: ORDER, most: ORDER, of: Scalar::Number(Limits::least(-1.0, FITTED).most(1.0)) },
+        "[0.4, 0.1, -0.2, -0.4, -0.3, -0.1]",
+        "how alike two of these deviations are that are 1, 2, ... cycles apart; absent: not at all"),
 ] };

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use tertius_core::sequential::drive::FEATURES;
+use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
 
@@ -87,6 +88,9 @@ pub struct CylinderSequential {
     /// What the readings differ by from it in a cycle, m.
     #[serde(default)]
     pub prediction: f64,
+    /// Correlation of these errors that are 1, 2, … cycles apart.
+    #[serde(default)]
+    pub prediction_correlation: [f64; ORDER],
 }
 
 const fn unsaid() -> f64 {

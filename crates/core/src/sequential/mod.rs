@@ -43,6 +43,7 @@ mod student;
 pub mod tanh;
 pub mod trend;
 pub mod velocity;
+pub mod whitening;
 pub mod wild;
 pub mod windows;
 pub mod witness;

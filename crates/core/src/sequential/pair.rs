@@ -6,6 +6,7 @@
 //! in the closed loop the machine has, too.
 
 use super::drive::{Commands, Drive};
+use super::whitening::{ORDER, Whitening};
 use crate::observe::riccati::{self, RiccatiError};
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
@@ -30,6 +31,20 @@ pub const fn dynamics(sample_time: f64) -> Matrix3<f64> {
 /// C: both transducers read the length.
 const BOTH: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
 
+/// How well the command predicts the mean of both readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// Standard deviation of its errors, m; 0 where it is not known.
+    pub deviation: f64,
+    /// What one of them foretells of the next ones.
+    pub whitening: Whitening,
+}
+
+impl Prediction {
+    /// Nobody has measured it.
+    pub const UNKNOWN: Self = Self { deviation: 0.0, whitening: Whitening::NONE };
+}
+
 /// What the filter runs on.
 #[derive(Clone, Debug)]
 pub struct PairDesign {
@@ -37,16 +52,36 @@ pub struct PairDesign {
     gain: [f64; 3],
     drive: Drive,
     sample_time: f64,
-    /// Inverse variances of the innovations' sum and difference, 1/m².
+    /// Twice the inverse variances of the innovations' sum and difference, 1/m².
     weights: [f64; 2],
+    whitening: Whitening,
     /// What a unit step on C1, and a ramp of one unit a cycle, leave in both innovations. Those of C2
     /// have them exchanged.
-    signatures: [[[f64; 2]; KEPT]; 2],
+    signatures: [Signature; 2],
+}
+
+/// What a fault of C1 leaves in the innovations, by its age in cycles.
+#[derive(Clone, Debug)]
+struct Signature {
+    /// Half of their sum, less what of it those before foretell.
+    plus: [f64; KEPT],
+    /// Half of their difference.
+    minus: [f64; KEPT],
+}
+
+impl Signature {
+    fn of(innovations: [[f64; 2]; KEPT], whitening: &Whitening) -> Self {
+        let sum = innovations.map(|[g1, g2]| 0.5 * (g1 + g2));
+        let before = |age: usize, cycles: usize| if cycles > age { 0.0 } else { sum[age - cycles] };
+        Self {
+            plus: core::array::from_fn(|age| whitening.news(sum[age], |ago| before(age, ago))),
+            minus: innovations.map(|[g1, g2]| 0.5 * (g1 - g2)),
+        }
+    }
 }
 
 impl PairDesign {
-    /// For readings whose difference has the `deviation`, m, and whose mean the command predicts to
-    /// `prediction`, m (standard deviations; 0 if that is not known).
+    /// For readings whose difference has the standard deviation `deviation`, m.
     ///
     /// # Errors
     /// If there is no gain.
@@ -54,13 +89,14 @@ impl PairDesign {
         drive: Drive,
         sample_time: f64,
         deviation: f64,
-        prediction: f64,
+        prediction: Prediction,
     ) -> Result<Self, RiccatiError> {
         let a = dynamics(sample_time);
         let reading = 0.5 * deviation * deviation;
         let solution = riccati::solve(&a, &BOTH, PROCESS.map(|s| s * s), [reading; 2])?;
         let sum = 2.0 * solution.covariance[(0, 0)] + reading;
-        let weights = [1.0 / sum.max(prediction * prediction), 1.0 / reading];
+        let Prediction { deviation: off, whitening } = prediction;
+        let weights = [1.0 / sum.max(off * off), 1.0 / reading];
         let l = solution.gain;
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
@@ -70,9 +106,10 @@ impl PairDesign {
                 innovation.into()
             })
         };
-        let signatures = [respond(|_| 1.0), respond(|age| age as f64 + 1.0)];
+        let signatures = [respond(|_| 1.0), respond(|age| age as f64 + 1.0)]
+            .map(|innovations| Signature::of(innovations, &whitening));
         let gain = core::array::from_fn(|state| 0.5 * (l[(state, 0)] + l[(state, 1)]));
-        Ok(Self { gain, drive, sample_time, weights, signatures })
+        Ok(Self { gain, drive, sample_time, weights, whitening, signatures })
     }
 }
 
@@ -166,32 +203,41 @@ impl Pair {
     /// A step or a ramp that began between `latest` and `earliest` cycles ago: C1's or C2's? The log-
     /// likelihood of C1 less that of C2, nats; `None` if the filter has not followed for so long.
     ///
-    /// Each transducer's log-likelihood ratio is (gᵀ S⁻¹ ν)² / 2 gᵀ S⁻¹ g, at its best onset.
+    /// Each transducer's log-likelihood ratio is (gᵀ S⁻¹ ν)² / 2 gᵀ S⁻¹ g, at its best onset. S is that of
+    /// innovations whose difference is white, and whose sum a [`Whitening`] makes so: the same error of the
+    /// command is in several of them.
     pub fn compare(&self, form: Form, latest: usize, earliest: usize) -> Option<f64> {
-        if earliest >= self.held {
+        if earliest + ORDER >= self.held {
             return None;
         }
-        let best = |which: usize| {
-            (latest..=earliest).map(|onset| self.likelihood(form, which, onset)).fold(0.0, f64::max)
-        };
-        Some(best(0) - best(1))
+        let sum = |ago: usize| self.ago(ago).iter().sum::<f64>();
+        let news = |ago: usize| self.design.whitening.news(sum(ago), |cycles| sum(ago + cycles));
+        let mut seen = [[0.0; 2]; KEPT];
+        for (ago, seen) in seen[..=earliest].iter_mut().enumerate() {
+            let [n1, n2] = self.ago(ago);
+            *seen = [news(ago), n1 - n2];
+        }
+        let best = (latest..=earliest).fold([0.0_f64; 2], |best, onset| {
+            let nats = self.likelihoods(form, &seen[..=onset]);
+            core::array::from_fn(|which| best[which].max(nats[which]))
+        });
+        Some(best[0] - best[1])
     }
 
-    fn likelihood(&self, form: Form, which: usize, onset: usize) -> f64 {
-        let PairDesign { weights: [sum, difference], signatures, .. } = &self.design;
-        let signature = &signatures[form as usize];
-        let (mut dot, mut norm) = (0.0, 0.0);
-        for (age, [g1, g2]) in signature.iter().enumerate().take(onset + 1) {
-            let (mut g1, mut g2) = (*g1, *g2);
-            if which == 1 {
-                (g1, g2) = (g2, g1);
-            }
-            let [n1, n2] = self.ago(onset - age);
-            let (plus, minus) = (0.5 * (g1 + g2), 0.5 * (g1 - g2));
-            dot += sum * plus * (n1 + n2) + difference * minus * (n1 - n2);
+    /// Log-likelihood ratios of C1 and of C2 where the fault began with the oldest of what was `seen`: sum,
+    /// made white, and difference of the innovations, m, the newest first.
+    fn likelihoods(&self, form: Form, seen: &[[f64; 2]]) -> [f64; 2] {
+        let PairDesign { weights, whitening, signatures, .. } = &self.design;
+        let [sum, difference] = [weights[0] / whitening.left(), weights[1]];
+        let Signature { plus, minus } = &signatures[form as usize];
+        let (mut together, mut between, mut norm) = (0.0, 0.0, 0.0);
+        for ([s, d], (plus, minus)) in seen.iter().rev().zip(plus.iter().zip(minus)) {
+            together += sum * plus * s;
+            between += difference * minus * d;
             norm += 2.0 * (sum * plus * plus + difference * minus * minus);
         }
-        dot * dot / (2.0 * norm)
+        // C2's signature is C1's with both innovations exchanged.
+        [together + between, together - between].map(|dot| dot * dot / (2.0 * norm))
     }
 
     /// Whose noise the innovations ν of the newest `cycles` are: the log-likelihood of C1 less that of
@@ -248,7 +294,8 @@ mod tests {
     }
 
     fn design() -> PairDesign {
-        PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), 0.0).expect("there is a gain")
+        PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), Prediction::UNKNOWN)
+            .expect("there is a gain")
     }
 
     /// A rod that follows its command, read with noise and `fault`s from cycle 200 to 210.

@@ -10,6 +10,7 @@ use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
+use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 
 /// What a calibration is made with.
@@ -282,7 +283,10 @@ impl CylinderCalibration {
                     mean_dependence: scatter.dependence[0],
                     square_dependence: scatter.dependence[1],
                     drive: profile.drive.map(|drive| drive.0),
-                    prediction: scatter.prediction.unwrap_or_default(),
+                    prediction: scatter.prediction.map_or(0.0, |it| it.deviation),
+                    prediction_correlation: scatter
+                        .prediction
+                        .map_or([0.0; ORDER], |it| it.correlation),
                 }
             }),
         })

@@ -18,6 +18,7 @@ mod fitting;
 mod gathering;
 mod judging;
 mod line;
+mod predicting;
 mod profile;
 mod refusal;
 mod residuals;

@@ -3,12 +3,14 @@
 
 use super::division::{Division, Halves};
 use super::fitting::Fitted;
+use super::predicting::{Predicted, Predicting};
 use super::profile::Profile;
-use super::residuals::{Residuals, deviation};
+use super::residuals::{Residual, Residuals, deviation};
 use super::spreading::Spread;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::clip::Clip;
 use tertius_core::sequential::dependence::Measuring;
+use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::rate::Of;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
@@ -43,9 +45,8 @@ pub struct Scatter {
     pub deviation: f64,
     /// How it goes with the speed, and what the readings move in.
     pub spread: Spread,
-    /// Standard deviation of what both readings differ by from the command's prediction, m: the sum
-    /// of the innovations, each with half the weight, times √2. `None` without a drive that predicts.
-    pub prediction: Option<f64>,
+    /// `None` without a drive that predicts.
+    pub prediction: Option<Predicted>,
     pub samples: u64,
     /// m.
     pub largest: f64,
@@ -54,7 +55,8 @@ pub struct Scatter {
 impl Scatter {
     /// The detector that these make, with a level that nothing reaches.
     pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
-        let prediction = self.prediction.unwrap_or(0.0);
+        let prediction =
+            self.prediction.as_ref().map_or(Prediction::UNKNOWN, Predicted::prediction);
         let pair = profile
             .drive
             .and_then(|drive| PairDesign::new(drive, sample_time, self.deviation, prediction).ok());
@@ -112,7 +114,7 @@ struct Judged {
     /// By lots of blocks.
     measuring: Vec<Measuring>,
     division: Division,
-    sums: Magnitudes,
+    predicting: Predicting,
 }
 
 impl Scattering {
@@ -127,7 +129,8 @@ impl Scattering {
         let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
-            let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
+            let design =
+                |drive| PairDesign::new(drive, sample_time, deviation, Prediction::UNKNOWN).ok();
             let Spread { noise, resolution } = spread;
             Judged {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
@@ -141,7 +144,7 @@ impl Scattering {
                 history: History::default(),
                 measuring: vec![Measuring::default(); division.lots()],
                 division,
-                sums: Magnitudes::new(BIN),
+                predicting: Predicting::default(),
             }
         };
         Self { cylinders: cylinders.into_iter().map(|all| all.map(judged)).collect() }
@@ -149,7 +152,7 @@ impl Scattering {
 
     /// What came of the cylinder of `index` (from 0); `None` where there was too little.
     pub fn result(&self, index: usize) -> Option<Scatter> {
-        let Judged { magnitudes, sums, pair, measuring, spread, bands, healthy, .. } =
+        let Judged { magnitudes, predicting, measuring, spread, bands, healthy, .. } =
             self.cylinders[index].as_ref()?;
         if magnitudes.total() < LEAST_SAMPLES {
             return None;
@@ -166,11 +169,7 @@ impl Scattering {
             deviation,
             outliers,
             spread: *spread,
-            prediction: pair
-                .as_ref()
-                .filter(|_| sums.total() > 0)
-                .map(|_| sums.deviation())
-                .filter(|off| *off <= FARTHEST_OFF * deviation),
+            prediction: predicting.result().filter(|it| it.deviation <= FARTHEST_OFF * deviation),
             samples: magnitudes.total(),
             largest: self.cylinders[index].as_ref()?.largest,
         })
@@ -218,6 +217,7 @@ impl Judged {
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
+        self.predicting.interrupt();
     }
 
     fn take(&mut self, row: &Row) {
@@ -227,10 +227,16 @@ impl Judged {
         }
         let residual = self.residuals.take(row);
         let beyond = residual.and_then(|residual| residual.beyond);
+        let weighed =
+            |it: &Residual| it.beyond.map(|beyond| self.noise.share(it.velocity) * beyond);
+        if residual.as_ref().and_then(weighed).is_some_and(|it| it.abs() > self.bands.farthest()) {
+            self.predicting.disturb();
+        }
         if let Some(pair) = &mut self.pair {
             pair.step(row.c1.zip(beyond).map(|(c1, beyond)| [c1, c1 - beyond]), row.u);
-            if let Some([n1, n2]) = pair.newest() {
-                self.sums.add((n1 + n2) * std::f64::consts::FRAC_1_SQRT_2);
+            match pair.newest() {
+                Some(innovations) => self.predicting.take(innovations),
+                None => self.predicting.interrupt(),
             }
         }
         let Some((residual, beyond)) = residual.zip(beyond) else { return };

@@ -105,6 +105,7 @@ fn sequential_table(table: &CylinderSequential) -> String {
         square_dependence,
         drive,
         prediction,
+        prediction_correlation,
     } = table;
     let six = |values: &[f64]| {
         let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
@@ -132,7 +133,12 @@ fn sequential_table(table: &CylinderSequential) -> String {
         _ = writeln!(text, "level = {:?}", four_digits(*nats));
     }
     if let Some(coefficients) = drive {
-        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(coefficients));
+        _ = writeln!(
+            text,
+            "drive = {}\nprediction = {prediction:e}\nprediction_correlation = {}",
+            six(coefficients),
+            six(prediction_correlation)
+        );
     }
     text
 }

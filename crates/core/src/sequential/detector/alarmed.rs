@@ -43,8 +43,11 @@ const NOTABLE: f64 = 1.1;
 /// As far back as innovations, and residuals at rest, are kept.
 const LONGEST: usize = 50;
 
-/// Evidence for one of the transducers that decides, nats.
-const DECIDED: f64 = 5.0;
+/// Evidence that decides whose a step or a ramp is, nats, …
+const SIDE_DECIDED: f64 = 4.0;
+
+/// … and whose a noise is: what the rod does by itself is less well known there.
+const NOISE_DECIDED: f64 = 5.0;
 
 /// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
 /// and to be compared as one: a slow drift is nobody's.
@@ -178,7 +181,7 @@ impl Sequential {
         }
         let pair = self.pair.as_ref();
         let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.back + 1));
-        decide(alarm, evidence);
+        decide(alarm, evidence, SIDE_DECIDED);
     }
 
     /// Noise has no onset to compare; its innovations go on.
@@ -190,7 +193,8 @@ impl Sequential {
         let of_timing = alarm.of_timing || self.may_be_timing;
         if alarm.suspect == Suspect::Undecided && alarm.age >= NOISE_TOLD && !of_timing {
             let span = (alarm.age as usize).min(LONGEST);
-            decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
+            let evidence = self.pair.as_ref().and_then(|pair| pair.energy(span));
+            decide(alarm, evidence, NOISE_DECIDED);
         }
     }
 
@@ -205,12 +209,12 @@ impl Sequential {
     }
 }
 
-/// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
-fn decide(alarm: &mut Alarm, evidence: Option<f64>) {
+/// Blames whom the evidence is against, where it is enough: the log-likelihood of C1 less that of C2, nats.
+fn decide(alarm: &mut Alarm, evidence: Option<f64>, enough: f64) {
     alarm.evidence = evidence;
     alarm.suspect = match evidence {
-        Some(nats) if nats > DECIDED => Suspect::C1,
-        Some(nats) if nats < -DECIDED => Suspect::C2,
+        Some(nats) if nats > enough => Suspect::C1,
+        Some(nats) if nats < -enough => Suspect::C2,
         _ => Suspect::Undecided,
     };
 }
