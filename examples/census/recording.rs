@@ -18,7 +18,8 @@ const ROUGH: [f64; 2] = [2.5, 8.0];
 /// Between the two files, s.
 const PAUSE: f64 = 30.0;
 
-/// The machine is asked to rest in this part of the second half of a file, and to go on a minute later.
+/// The machine is asked to rest in this part of the file of the calm sea, in either order, and to go on a
+/// minute later.
 const REST: [f64; 2] = [0.6, 60.0];
 
 /// A cycle is lost with this probability.
@@ -61,7 +62,7 @@ impl Memory {
             let cycles = (half / settings.machine.sample_time) as u64;
             let begin = (REST[0] * cycles as f64) as u64;
             let end = begin + (REST[1] / settings.machine.sample_time) as u64;
-            let rests = task.mishap == Mishap::Stop && file == 1;
+            let rests = task.mishap == Mishap::Stop && sea == CALM;
             for cycle in 0..cycles {
                 match cycle {
                     _ if !rests => {}

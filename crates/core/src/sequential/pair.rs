@@ -335,6 +335,59 @@ mod tests {
         }
     }
 
+    /// A rod whose valve swings about what the command says, for several cycles each time; C2 steps by
+    /// 0.5 mm in the end.
+    fn swinging(seed: u64, design: PairDesign, cycles: usize, mut see: impl FnMut(&Pair)) -> Pair {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+        let (mut pair, mut length) = (Pair::new(design), 0.0);
+        let mut swings = [0.0; 2];
+        for k in 0..=cycles + 10 {
+            let fault = if k < cycles { 0.0 } else { 5e-4 };
+            let lengths = [length + SIGMA * normal(), length + fault + SIGMA * normal()];
+            pair.step(Some(lengths), Some(0.0));
+            if k < cycles {
+                see(&pair);
+            }
+            swings = [1.3 * swings[0] - 0.75 * swings[1] + 6e-5 * normal(), swings[0]];
+            length += swings[0];
+        }
+        pair
+    }
+
+    #[test]
+    fn errors_of_the_command_that_go_on_are_counted_once() {
+        let mut sums = Vec::new();
+        swinging(1, design(), 20_000, |pair| {
+            sums.extend(pair.newest().map(|[n1, n2]| n1 + n2));
+        });
+        let product = |apart: usize| -> f64 {
+            sums.iter().zip(&sums[apart..]).map(|(one, other)| one * other).sum()
+        };
+        let deviation = libm::sqrt(product(0) / sums.len() as f64 / 2.0);
+        let whitening = Whitening::of(&core::array::from_fn(|k| product(k + 1) / product(0)))
+            .expect("there are such errors");
+        let told = |whitening: Whitening| {
+            let prediction = Prediction { deviation, whitening };
+            let design = PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), prediction)
+                .expect("there is a gain");
+            let nats = |seed: u64| {
+                let pair = swinging(seed, design.clone(), 200, |_| ());
+                pair.compare(Form::Step, 10, 13).expect("it follows")
+            };
+            let all: Vec<f64> = (100..300).map(nats).collect();
+            [
+                all.iter().filter(|nats| **nats < -4.0).count(),
+                all.iter().filter(|nats| **nats > 4.0).count(),
+            ]
+        };
+        let [[right, wrong], [by_white, wrong_by_white]] = [whitening, Whitening::NONE].map(told);
+        assert!(
+            right >= 175 && wrong <= 2 && by_white < 150,
+            "{right} right, {wrong} wrong of 200; {by_white} and {wrong_by_white} where each is news"
+        );
+    }
+
     #[test]
     fn the_transducer_that_is_noisy_is_told() {
         for seed in 0..20 {

@@ -163,8 +163,9 @@ impl Sequential {
         let form = match shape.fault {
             Fault::Incipient if speed < FOLLOWED => {
                 // So slow a drift may be anybody's, and what seemed a step was its beginning; but
-                // not a gain's that goes on, or what a stop has told since.
-                if alarm.age <= LONGEST as u32 {
+                // not a gain's that goes on, or what a stop has told since. A step that only may be a
+                // drift stays whose it is.
+                if alarm.age <= LONGEST as u32 && shape.advantage > CLEARLY {
                     alarm.clear_suspect();
                 }
                 return;
