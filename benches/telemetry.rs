@@ -3,10 +3,6 @@
 //!
 //!     cargo bench --bench telemetry
 
-#[path = "../tests/machine/mod.rs"]
-mod machine;
-
-use machine::{Cycle, monitor};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tertius::alarm::{OwnFrame, Warning};
@@ -18,6 +14,7 @@ use tertius::live::gateway::{Gateway, Journal, Silent};
 use tertius::live::outbox::{Limits, Outbox};
 use tertius::monitor::Record;
 use tertius::time::{Span, Timestamp};
+use tertius_testing::machine::{Cycle, monitor};
 
 const CYCLES: i64 = 5_000;
 const ROUNDS: usize = 21;

@@ -2,12 +2,9 @@
 //!
 //! `cargo run --release --example sweep_steps -- 2000 20` plays 2000 tries a size with seed 20.
 
-#[path = "../tests/detection_support/mod.rs"]
-mod detection_support;
-
-use detection_support::{Healthy, Outcome, Said, Try, tries};
 use std::fmt::Write as _;
 use tertius::verdict::Fault;
+use tertius_testing::detection::{Healthy, Outcome, Said, Try, tries};
 
 const SIZES: [f64; 9] = [1e-3, 1.25e-3, 1.5e-3, 1.75e-3, 2e-3, 2.5e-3, 5e-3, 10e-3, 25e-3];
 /// Failures that are shown in full for each size.

@@ -1,5 +1,4 @@
 //! What the configuration's tests share.
-#![allow(dead_code)] // Each test file takes what it needs.
 
 use tertius::config::parse;
 

@@ -1,11 +1,11 @@
 //! `tertius run` on a controller.
 
-use crate::bench::{Bench, Status, excerpt, ip, wait_for};
 use crate::port::the_bus;
 use std::time::{Duration, Instant};
 use tertius::bus::socket::{Options, SocketPort};
 use tertius::bus::{Port, Unrestricted, UnrestrictedPort};
 use tertius::frame::Frame;
+use tertius_testing::bench::{Bench, Status, excerpt, ip, wait_for};
 
 /// The machine on the other end of the bus, and what it hears.
 struct Machine {

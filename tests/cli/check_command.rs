@@ -1,0 +1,440 @@
+//! `tertius check`: what a sound configuration leads to, and where an unsound one is wrong.
+
+use std::fs;
+use tertius_testing::support::{
+    self, HANGING_LOAD, Run, Scratch, changed, recording, replay, tertius, top,
+};
+
+fn check(config: &str) -> Run {
+    tertius(&["check", config], b"")
+}
+
+/// Refused in exactly `problems` places, the first of them where `place` stands in the
+/// configuration, with `words` in the message.
+#[track_caller]
+fn refused(scratch: &Scratch, config: &str, problems: usize, place: &str, words: &[&str]) {
+    let text = fs::read_to_string(config).expect("the configuration is there");
+    assert_eq!(text.matches(place).count(), 1, "{place:?} is not once in it");
+    let before = text.split(place).next().expect("there is something before it");
+    let line = before.lines().count() + usize::from(before.ends_with('\n'));
+    let column = before.len() - before.rfind('\n').map_or(0, |end| end + 1) + 1;
+    let run = check(config).failed(2, words);
+    let position = format!("[{config}:{line}:{column}]");
+    assert!(run.stderr.contains(&position), "{position} is not in\n{}", run.stderr);
+    let found = run.stderr.matches(&format!("[{config}:")).count();
+    assert_eq!(found, problems, "{}", run.stderr);
+    assert_eq!(run.stdout, "");
+
+    // A replay refuses it with the same words, and touches nothing.
+    let table = scratch.path("residuals.csv");
+    let log = recording("hanging-load.log.gz");
+    assert_eq!(
+        replay(&[&log], config, &["--residuals", &table]).failed(2, words).stderr,
+        run.stderr
+    );
+    assert!(!fs::exists(&table).expect("it can be looked for"));
+}
+
+#[test]
+fn a_sound_configuration_is_described() {
+    let text = check("config/e-type.toml").ok().stdout;
+    for line in [
+        "config/e-type.toml: sound",
+        "25 messages, of which 20 are listened to",
+        "Ampelmann E-type: 6 cylinders, every 0.02 s; FDE1 and FDE2 judge when engaged",
+        "cylinder 6",
+        "frames    0x186 0x196 0x1A6",
+        // Table 4-1: nearly integrating, a commanded metre per second moves one.
+        "model     moduli of the poles 0.99878, 0.99878, 0.87704; steady speed per commanded speed 1.002",
+        "FDE1      gain of the position's innovation 1.7034, 38.1411, -255525.1",
+        "FDE3      C1 − (1 C2 +0 m)",
+        "estimate  both transducers and the model; valid up to σ = 5 mm; not sent",
+    ] {
+        assert!(text.contains(line), "{line:?} is not in\n{text}");
+    }
+    assert!(!text.contains("worth a look"), "the shipped DBC is clean: {text}");
+
+    let text = check(HANGING_LOAD).ok().stdout;
+    assert!(text.contains("1 cylinder, every 0.02 s; FDE1 and FDE2 always judge"), "{text}");
+    assert!(text.contains("frames    0x201 0x211"), "{text}");
+    assert!(text.contains("FDE3      C1 − (1.0031 C2 +0.0034 m)"), "{text}");
+}
+
+#[test]
+fn a_signal_or_message_that_the_dbc_lacks() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("\"Cyl{n}_C2.Position\"", "\"Cyl{n}_C2.Postion\"")]);
+    // One mistake, although it is of each of the six cylinders.
+    let words = ["Cyl1_C2 has no signal \"Postion\"", "nearest: Position"];
+    refused(&scratch, &config, 1, "\"Cyl{n}_C2.Postion\"", &words);
+    let config = scratch.config(&[("\"Plc_State.PlatformState\"", "\"Plc_Stat.PlatformState\"")]);
+    let words = ["no message \"Plc_Stat\"", "nearest: Plc_State"];
+    refused(&scratch, &config, 1, "\"Plc_Stat.PlatformState\"", &words);
+    let config = scratch.config(&[("sync = \"Sync\"", "sync = \"Synk\"")]);
+    refused(&scratch, &config, 1, "\"Synk\"", &["no message \"Synk\"", "nearest: Sync"]);
+    let config = scratch.config(&[("_Valve.PressureRod\"", "_Valve.PressureRot\"")]);
+    let words = ["no signal \"PressureRot\"", "nearest: PressureRod"];
+    refused(&scratch, &config, 1, "\"Cyl{n}_Valve.PressureRot\"", &words);
+}
+
+#[test]
+fn a_key_that_is_unknown() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("sample_time = 0.02", "sampel_time = 0.02")]);
+    let run = check(&config).failed(2, &["sampel_time", "sample_time"]);
+    assert!(run.stderr.contains(&format!("[{config}:")), "{}", run.stderr);
+}
+
+#[test]
+fn a_platform_state_that_there_is_not() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("[\"engaged\"]", "[\"engagd\"]")]);
+    let words = ["no state \"engagd\"", "safe, settled, neutral, engaged"];
+    refused(&scratch, &config, 1, "[\"engagd\"]", &words);
+    // By number, and in capitals.
+    let config = scratch.config(&[("[\"engaged\"]", "[\"3\", \"NEUTRAL\"]")]);
+    assert!(check(&config).ok().stdout.contains("judge when 3 or NEUTRAL"));
+    let config = scratch.config(&[("state = \"Plc_State.PlatformState\"\n", "")]);
+    let words = ["there is no signal that tells the platform's state", "signals.state"];
+    refused(&scratch, &config, 1, "[\"engaged\"]", &words);
+}
+
+#[test]
+fn identifiers_of_the_gateway_as_inputs() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("[plausibility]", "[gateway]\nnode = 33\n\n[plausibility]")]);
+    let words = ["identifier 0x1A1 is the gateway's own and also an input", "choose a node"];
+    refused(&scratch, &config, 1, "33\n", &words);
+}
+
+#[test]
+fn one_signal_for_two_things() {
+    let scratch = Scratch::new();
+    let config =
+        scratch.config(&[("\"Cyl{n}_Valve.ControlSpeed\"", "\"Cyl1_Valve.ControlSpeed\"")]);
+    refused(&scratch, &config, 1, "\"Cyl1_Valve.ControlSpeed\"", &["{n} is missing"]);
+    let config = scratch.config(&[("c2 = \"Cyl{n}_C2.Position\"", "c2 = \"Cyl{n}_C1.Position\"")]);
+    let run = check(&config).failed(2, &["Cyl{n}_C1.Position"]);
+    assert!(run.stderr.contains(&format!("[{config}:")), "{}", run.stderr);
+}
+
+/// A configuration beside the default DBC with one change.
+fn with_dbc(scratch: &Scratch, from: &str, to: &str) -> String {
+    let config = scratch.config(&[]);
+    let text = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("the DBC is there");
+    scratch.write("e-type.dbc", changed(&text, &[(from, to)]));
+    config
+}
+
+const CYL1_C1: &str = "BO_ 385 Cyl1_C1: 6 Transducer1_C1\n SG_ Position : 0|16@1+ \
+                       (0.00010850694444444444,-1.5) [-1.49989149305556|1.5] \"m\"";
+
+#[test]
+fn a_length_that_is_not_in_metres() {
+    let scratch = Scratch::new();
+    let millimetres = CYL1_C1
+        .replace("(0.00010850694444444444,-1.5) [-1.49989149305556|1.5]", "(0.1085,-1500) [0|0]")
+        .replace("\"m\"", "\"mm\"");
+    let config = with_dbc(&scratch, CYL1_C1, &millimetres);
+    let words = ["Cyl1_C1.Position is in \"mm\", expected \"m\"", "scale factor, offset and range"];
+    refused(&scratch, &config, 1, "\"Cyl{n}_C1.Position\"", &words);
+    // Without a unit it is believed.
+    let config = with_dbc(&scratch, CYL1_C1, &CYL1_C1.replace("\"m\"", "\"\""));
+    check(&config).ok();
+}
+
+#[test]
+fn an_error_of_the_dbc_matters_where_the_message_is_used() {
+    let scratch = Scratch::new();
+    let config = with_dbc(&scratch, "SG_ Roll : 0|16@1-", "SG_ Roll : 40|16@1-");
+    let text = check(&config).ok().stdout;
+    let (_, noted) = text.split_once("e-type.dbc: worth a look\n").expect("it is told");
+    assert!(noted.contains("message Mru_Attitude, signal Roll: it ends in byte 7"), "{noted}");
+    assert_eq!(noted.lines().count(), 1, "{noted}");
+
+    for (from, to, words) in [
+        (CYL1_C1.to_owned(), CYL1_C1.replace("0|16@1+", "8|16@1+"), "it shares bits with Position"),
+        (CYL1_C1.to_owned(), CYL1_C1.replace(": 6 ", ": 5 "), "but the message has 5 bytes"),
+        ("\nBO_ 386 ".to_owned(), "\nBO_ 385 ".to_owned(), "has its identifier"),
+    ] {
+        let config = with_dbc(&scratch, &from, &to);
+        let words = ["message Cyl1_C1 cannot be used: line", words, "correct the message"];
+        let run = check(&config).failed(2, &words);
+        assert!(run.stderr.contains(&format!("[{config}:")), "{}", run.stderr);
+    }
+    let config = with_dbc(&scratch, "BO_ 433 Mru_Attitude: 6", "BO_ 433 Mru_Attitude 6");
+    let words = ["e-type.dbc: line 125", "it should look like BO_ identifier Name: length"];
+    refused(&scratch, &config, 1, "\"e-type.dbc\"", &words);
+}
+
+#[test]
+fn files_that_are_not_there() {
+    let scratch = Scratch::new();
+    check(&scratch.path("no.toml")).failed(2, &["no.toml", "No such file"]);
+    let config = scratch.config(&[("\"e-type.dbc\"", "\"e-typ.dbc\"")]);
+    refused(&scratch, &config, 1, "\"e-typ.dbc\"", &["e-typ.dbc", "No such file"]);
+}
+
+/// A configuration that sends its estimates, of a machine of `stroke`, beside a changed DBC.
+fn estimating(scratch: &Scratch, stroke: &str, from: &str, to: &str) -> String {
+    let tables = "[estimate]\nsend = true\n\n[gateway]\nbus_share = 0.15\n\n[plausibility]";
+    let changes = [("[plausibility]", tables), ("[-1.5, 1.5]", stroke)];
+    let config = scratch.config(&changes);
+    let text = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("the DBC is there");
+    scratch.write("e-type.dbc", changed(&text, &[(from, to)]));
+    config
+}
+
+#[test]
+fn estimates_that_do_not_fit_their_message() {
+    const POSITION: &str = " SG_ Position : 32|16@1+ (0.00010850694444444444,-1.5) \
+                            [-1.49989149305556|1.5] \"m\" Plc\n SG_ Sigma";
+    let scratch = Scratch::new();
+    let config =
+        estimating(&scratch, "[-2.0, 2.0]", "BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 8");
+    let words = [
+        "line 176 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
+        "`machine.stroke` is [-2.0, 2.0]",
+        "or send no estimates",
+    ];
+    refused(&scratch, &config, 1, "true\n", &words);
+    // Raw counts alone would reach that far up, and not that far down.
+    let config = estimating(&scratch, "[-2.0, 2.0]", " Fd_Estimate:", " My_Estimate:");
+    let words = ["the DBC has no Fd_Estimate", "from -1.4999 m to 5.6110 m"];
+    refused(&scratch, &config, 1, "true\n", &words);
+    let config = estimating(&scratch, "[-1.5, 1.5]", " Fd_Estimate:", " My_Estimate:");
+    check(&config).ok();
+    let room = POSITION.replace("-1.5) [-1.49989149305556|1.5]", "-2.0) [-2|2]");
+    let config = estimating(&scratch, "[-2.0, 2.0]", POSITION, &room);
+    check(&config).ok();
+
+    let fine = " SG_ Sigma : 48|16@1+ (0.000001,0) [0|0.065535]";
+    let finer = " SG_ Sigma : 48|16@1+ (0.00000005,0) [0|0]";
+    let config = estimating(&scratch, "[-1.5, 1.5]", fine, finer);
+    let words = ["line 177 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
+    check(&config).failed(2, &words);
+
+    for (from, to, words) in [
+        (
+            "32|16@1+ (0.0001",
+            "32|15@1+ (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        (
+            "32|16@1+ (0.0001",
+            "32|16@1- (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        (
+            "32|16@1+ (0.0001",
+            "39|16@0+ (0.0001",
+            "line 176 of the DBC: Fd_Estimate.Position is not",
+        ),
+        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 177 of the DBC: Fd_Estimate.Sigma is not"),
+        ("BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 9", "has 9 bytes, expected 8"),
+    ] {
+        let config = estimating(&scratch, "[-1.5, 1.5]", from, to);
+        refused(&scratch, &config, 1, "\"e-type.dbc\"", &[words]);
+        // Who sends none does not care.
+        let silent = fs::read_to_string(&config).expect("it was written");
+        let silent = scratch.write("silent.toml", silent.replace("send = true", "send = false"));
+        check(&silent).ok();
+    }
+}
+
+#[test]
+fn a_model_or_a_table_of_another_sample_time() {
+    const OWN: &str = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\
+                       gamma = [0.0926, 6.5427]\n";
+    let scratch = Scratch::new();
+    let config = scratch.config(&[("sample_time = 0.02", "sample_time = 0.007")]);
+    let words = [
+        "`machine.sample_time` is 0.007, but the default model, Table 4-1, of cylinder 1 is for a \
+         sample time of 0.02 s",
+        "`tertius identify` takes this configuration as it is",
+    ];
+    refused(&scratch, &config, 1, "0.007", &words);
+    // The command that mends it takes it, and gets as far as the recording.
+    let log = recording("hanging-load.log.gz");
+    let run = tertius(&["identify", &log, "--config", &config], b"");
+    assert!(!run.stderr.contains("Table 4-1"), "{}", run.stderr);
+
+    let with = |time: &str, model: &str| {
+        let model = format!("{model}\n[plausibility]");
+        let changes = [("sample_time = 0.02", time), ("[plausibility]", model.as_str())];
+        scratch.config(&changes)
+    };
+    check(&with("sample_time = 0.007", OWN)).ok();
+    check(&with("sample_time = 0.007", &format!("{OWN}sample_time = 0.007\n"))).ok();
+    check(&with("sample_time = 0.02", "[observer]\nsample_time = 0.0200000000001\n")).ok();
+    let config = with("sample_time = 0.007", &format!("{OWN}sample_time = 0.021\n"));
+    let words = ["the model (4-1) of cylinder 1 is for a sample time of 0.021 s"];
+    refused(&scratch, &config, 1, "0.021", &words);
+    let config = with("sample_time = 0.02", "[observer]\nsample_time = 0.004\n");
+    let words = ["the table [observer] is for a sample time of 0.004 s", "tertius tune"];
+    refused(&scratch, &config, 1, "0.004", &words);
+
+    let table = "tests/recordings/e-type-sequential.toml";
+    let text = fs::read_to_string(top().join(table)).expect("the configuration is there");
+    let text = text.replace("../../dbc/e-type.dbc", "e-type.dbc").replacen(
+        "[cylinder.sequential]\n",
+        "[cylinder.sequential]\nsample_time = 0.005\n",
+        1,
+    );
+    let config = scratch.write("sequential.toml", text);
+    let words = ["the table [cylinder.sequential] of cylinder 1 is for a sample time of 0.005 s"];
+    refused(&scratch, &config, 1, "0.005\n", &words);
+}
+
+/// How well each node is known: of every one, or, in a table of an earlier version, of none.
+#[test]
+fn deviations_of_nodes_that_are_not_there() {
+    let scratch = Scratch::new();
+    let table = "tests/recordings/e-type-sequential.toml";
+    let text = fs::read_to_string(top().join(table)).expect("the configuration is there");
+    let text = text.replace("../../dbc/e-type.dbc", "e-type.dbc");
+    scratch.write("e-type.dbc", fs::read(top().join("dbc/e-type.dbc")).expect("it is kept"));
+    let with = |deviations: &str| {
+        let table = format!("[cylinder.sequential]\nnode_deviations = {deviations}\n");
+        scratch.write("nodes.toml", text.replacen("[cylinder.sequential]\n", &table, 1))
+    };
+    tertius(&["check", &scratch.write("nodes.toml", &text)], b"").ok();
+    let words = ["`cylinder[0].sequential.node_deviations` has 2 values, but there are"];
+    refused(&scratch, &with("[1e-5, 2e-5]"), 1, "[1e-5, 2e-5]", &words);
+    tertius(&["check", &with("[1e-5, -2e-5]")], b"").failed(2, &["node_deviations"]);
+}
+
+/// What cannot be: six cylinders' frames within a millisecond at 500 kbit/s.
+#[test]
+fn a_cycle_that_the_bus_cannot_carry() {
+    let scratch = Scratch::new();
+    let model = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\n[plausibility]";
+    let changes = [("sample_time = 0.02", "sample_time = 0.001"), ("[plausibility]", model)];
+    let config = scratch.config(&changes);
+    let words =
+        ["at 500000 bit/s the 19 frames of a cycle take at least 0.001140 s", "bus.bitrate"];
+    refused(&scratch, &config, 1, "0.001\n", &words);
+}
+
+/// Whoever is not told cannot be told: that is no reason to end otherwise.
+#[test]
+fn standard_error_that_cannot_be_written_changes_nothing() {
+    let full = || std::fs::File::create("/dev/full").expect("every Linux has it");
+    let code = |arguments: &[&str]| {
+        let mut command = support::command(arguments);
+        command.stdout(std::process::Stdio::null()).stderr(full());
+        command.status().expect("it starts").code()
+    };
+    assert_eq!(code(&["check", "dbc/e-type.dbc"]), Some(2));
+    assert_eq!(code(&["check", "no/such/file.toml"]), Some(2));
+    let log = recording("hanging-load.log.gz");
+    let fault = ["--fault", "step,cylinder=1,size=0.01"];
+    assert_eq!(code(&[&["inject", &log, "--config", HANGING_LOAD][..], &fault].concat()), Some(0));
+}
+
+#[test]
+fn a_pipe_is_no_configuration_and_no_dbc() {
+    let scratch = Scratch::new();
+    let config = scratch.config(&[]);
+    let dbc = scratch.path("e-type.dbc");
+    fs::remove_file(&dbc).expect("it is there");
+    let pipe = |path: &str| {
+        let made = std::process::Command::new("mkfifo").arg(path).status().expect("it starts");
+        assert!(made.success());
+    };
+    pipe(&dbc);
+    check(&config).failed(2, &["the DBC", "it is a pipe or a device, expected a file"]);
+    let pipe_of_toml = scratch.path("pipe.toml");
+    pipe(&pipe_of_toml);
+    check(&pipe_of_toml).failed(2, &[&pipe_of_toml, "it is a pipe or a device"]);
+    check("/dev/zero").failed(2, &["/dev/zero", "it is a pipe or a device"]);
+}
+
+#[test]
+fn a_file_that_is_no_configuration_is_one_problem() {
+    let run = check("dbc/e-type.dbc").failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
+    assert!(!run.stderr.contains("not TOML"), "{}", run.stderr);
+    check("README.md").failed(2, &["1 problem", "this is no configuration", "[machine]"]);
+    check("tests/recordings/hanging-load.faults.csv").failed(2, &["1 problem"]);
+    // Of a configuration the first places are told where it breaks.
+    let scratch = Scratch::new();
+    let rubbish = "this is no line\n".repeat(50);
+    let config = scratch.config(&[("[plausibility]", &format!("{rubbish}[plausibility]"))]);
+    let run = check(&config).failed(2, &["not TOML"]);
+    let told = run.stderr.matches(&format!("[{config}:")).count();
+    assert!((1..=5).contains(&told), "{told}: {}", run.stderr);
+}
+
+/// 32767 is the overflow of an S7 analogue input. A reading of 24 bits passes it.
+#[test]
+fn the_code_of_a_broken_wire_belongs_to_a_signal_of_16_bits() {
+    let scratch = Scratch::new();
+    let dbc = fs::read_to_string(top().join("tests/recordings/hanging-load.dbc")).expect("the DBC");
+    let wide = dbc
+        .replace("Rig_Transducers: 4", "Rig_Transducers: 6")
+        .replace("C1 : 7|16@0+ (0.000108506944444444,-1.5)", "C1 : 7|24@0+ (0.000001,-1.5)")
+        .replace("C2 : 23|16@0+ (0.000108506944444444,-1.5)", "C2 : 31|24@0+ (0.000001,-1.5)");
+    scratch.write("hanging-load.dbc", wide);
+    let config = fs::read_to_string(top().join(HANGING_LOAD)).expect("the configuration");
+    let file = scratch.write("wide.toml", &config);
+    assert!(!check(&file).ok().stdout.contains("broken_wire"));
+    // The rod goes out, through 32767 counts, under a command that moves it.
+    let frames: String = (0..400_i64)
+        .map(|k| {
+            let at = 1_700_000_000_000 + 20 * k;
+            let raw = 32767 + 1000 * (k - 200).max(-30);
+            let readings =
+                format!("({}.{:03}000) can0 201#{raw:06X}{raw:06X}", at / 1000, at % 1000);
+            format!("{readings}\n({}.{:03}000) can0 211#00002710\n", at / 1000, at % 1000 + 1)
+        })
+        .collect();
+    let log = scratch.write("wide.log", frames);
+    let broken = |config: &str| {
+        let warnings = replay(&[&log], config, &[]).ok().warnings();
+        warnings.iter().filter(|warning| warning["fault"] == "broken_wire").count()
+    };
+    assert_eq!(broken(&file), 0);
+
+    // Who asks for it gets it, and is told what it means.
+    let asked =
+        changed(&config, &[("[plausibility]", "[plausibility]\nbroken_wire_codes = [32767]")]);
+    let asked = scratch.write("asked.toml", asked);
+    assert!(broken(&asked) > 0);
+    let text = check(&asked).ok().stdout;
+    let doubt =
+        "32767 is -1.4672 m of Rig_Transducers.C1, within its range of -1.49989149305556 to 1.5 m";
+    assert!(text.contains("asked.toml: worth a look") && text.contains(doubt), "{text}");
+    assert!(text.contains("Rig_Transducers.C2"), "{text}");
+}
+
+/// With such an a or b the machine's own rule does not hold on a healthy cylinder.
+#[test]
+fn readings_that_are_apart_when_they_agree() {
+    let scratch = Scratch::new();
+    let dbc = fs::read(top().join("tests/recordings/hanging-load.dbc")).expect("the DBC");
+    scratch.write("hanging-load.dbc", dbc);
+    let config = fs::read_to_string(top().join(HANGING_LOAD)).expect("the configuration");
+    let apart = changed(&config, &[("c2_offset = 0.0034", "c2_offset = 0.06")]);
+    let text = check(&scratch.write("apart.toml", apart)).ok().stdout;
+    assert!(
+        text.contains("comparator.critical: C1 - C2 of a healthy cylinder 1 is 0.06"),
+        "{text}"
+    );
+    assert!(!check(&scratch.write("near.toml", config)).ok().stdout.contains("worth a look"));
+}
+
+/// As a calibration before it knew the noise by its speed has left it: to be made anew, not by hand.
+#[test]
+fn a_sequential_table_of_an_earlier_version_is_refused() {
+    let scratch = Scratch::new();
+    let config = "tests/recordings/hanging-load-sequential.toml";
+    let text = fs::read_to_string(top().join(config)).expect("it is there");
+    let (before, rest) = text.split_once("\nnoise = ").expect("it has a noise");
+    let (_, rest) = rest.split_once("\ntiming = ").expect("it has a timing");
+    let (_, after) = rest.split_once('\n').expect("more follows");
+    let dbc = format!("dbc = {:?}", top().join("tests/recordings/hanging-load.dbc"));
+    let old = format!("{before}\n{after}").replace("dbc = \"hanging-load.dbc\"", &dbc);
+    let path = scratch.write("old.toml", old);
+    let words = ["[cylinder[0].sequential] lacks `noise`", "a table without it is of an earlier"];
+    check(&path).failed(2, &words);
+}

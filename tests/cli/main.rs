@@ -1,0 +1,17 @@
+//! The commands as people run them: their outputs, files and messages.
+
+mod check_command;
+mod coverage;
+mod demo;
+mod doctor;
+mod dwell_history;
+mod gateway_frames;
+mod golden;
+mod inject_cli;
+mod inject_oracle;
+mod output_files;
+mod replay_bad_input;
+mod replay_identity;
+mod report;
+mod residuals;
+mod simulate;

@@ -1,0 +1,8 @@
+//! Configurations: what is read, and what is refused in which words.
+
+mod common;
+mod files;
+mod keys;
+mod properties;
+mod reading;
+mod values;

@@ -1,0 +1,105 @@
+//! Tables that are learnt, put into the configuration itself.
+
+use std::fs;
+use tertius_testing::support::{self, Run, Scratch, between, merge, recorded, top};
+use toml::Table;
+
+/// A recording of two minutes, and the configuration that ships.
+struct Desk {
+    scratch: Scratch,
+    log: String,
+    config: String,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let scratch = Scratch::new();
+        let log = between(&recorded("e-type-healthy.log.zst"), 200.0, 320.0);
+        let log = scratch.write("in.log", log);
+        let text = fs::read_to_string(top().join("config/e-type.toml")).expect("it ships");
+        let dbc = format!("{:?}", top().join("dbc/e-type.dbc"));
+        let config = scratch.write("e-type.toml", text.replace("\"../dbc/e-type.dbc\"", &dbc));
+        Self { scratch, log, config }
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(&self.config).expect("it is there")
+    }
+
+    fn table(&self) -> Table {
+        self.text().parse().expect("it is TOML")
+    }
+}
+
+fn tertius(arguments: &[&str]) -> Run {
+    support::tertius(arguments, b"")
+}
+
+/// The lines that are nothing but a comment.
+fn comments(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| line.starts_with('#')).collect()
+}
+
+#[test]
+fn tables_in_place_are_those_of_the_file_of_their_own() {
+    let desk = Desk::new();
+    let original = desk.text();
+    for (round, command) in ["identify", "calibrate", "tune"].into_iter().enumerate() {
+        let (before, output) = (desk.text(), desk.scratch.path(&format!("{command}.toml")));
+        let call = [command, &desk.log, "--config", &desk.config, "--into", &desk.config];
+        let dry = tertius(&[&call[..], &["--dry-run"]].concat()).ok();
+        assert_eq!(desk.text(), before, "{command} --dry-run changes nothing");
+        assert!(dry.stdout.contains("\n+++ with the tables\n"), "{}", dry.stdout);
+        let told = tertius(&[&call[..], &["--output", &output]].concat()).ok();
+        let kept = format!("{}.bak-{}", desk.config, round + 1);
+        assert!(told.stderr.contains(&kept), "{}", told.stderr);
+        assert_eq!(fs::read_to_string(&kept).expect("it is kept"), before);
+        let mut expected: Table = before.parse().expect("it is TOML");
+        merge(
+            &mut expected,
+            &fs::read_to_string(&output).expect("it wrote").parse().expect("TOML"),
+        );
+        assert_eq!(desk.table(), expected, "{command}");
+        for line in dry.stdout.lines().filter(|line| line.starts_with('+') && line.len() > 4) {
+            let shown = line.trim_start_matches('+');
+            assert!(shown == " with the tables" || desk.text().contains(shown), "{line}");
+        }
+        tertius(&["check", &desk.config]).ok();
+    }
+    let (before, after) = (original, desk.text());
+    assert_eq!(comments(&after)[..comments(&before).len()], comments(&before), "they stay");
+    for command in ["identify", "calibrate", "tune"] {
+        assert_eq!(after.matches(&format!(" {command}, for ")).count(), 1, "{after}");
+    }
+    // Once more: nothing but where it came from could change, and that is the same.
+    tertius(&["calibrate", &desk.log, "--config", &desk.config, "--into", &desk.config]).ok();
+    let again = desk.table();
+    assert_eq!(again, after.parse::<Table>().expect("it is TOML"));
+}
+
+#[test]
+fn what_would_be_refused_is_not_written() {
+    let desk = Desk::new();
+    let text = desk.text().replace("bound = 1.5e-3\n", "bound = 2e-2\nlow = 1e-2\n");
+    assert_ne!(text, desk.text(), "what is calibrated will be below `low`");
+    fs::write(&desk.config, &text).expect("it is ours");
+    let call = ["calibrate", &desk.log, "--config", &desk.config, "--into", &desk.config];
+    tertius(&call).failed(1, &["would be refused; nothing was changed", "comparator.low"]);
+    assert_eq!(desk.text(), text);
+    assert!(!fs::exists(format!("{}.bak-1", desk.config)).expect("it can be looked for"));
+}
+
+#[test]
+fn only_a_configuration_is_written_into() {
+    let desk = Desk::new();
+    let log = fs::read(&desk.log).expect("it is there");
+    let call = ["calibrate", &desk.log, "--config", &desk.config, "--into", &desk.log];
+    tertius(&call).failed(2, &["would be written over the input"]);
+    let other = desk.scratch.write("notes.toml", "[notes]\n");
+    let call = ["calibrate", &desk.log, "--config", &desk.config, "--into", &other];
+    tertius(&call).failed(2, &["notes.toml"]);
+    assert_eq!(fs::read_to_string(&other).expect("it is there"), "[notes]\n");
+    assert_eq!(fs::read(&desk.log).expect("it is there"), log);
+    let call = ["calibrate", &desk.log, "--config", &desk.config, "--dry-run"];
+    tertius(&call).failed(2, &["--into"]);
+}

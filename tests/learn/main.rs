@@ -1,0 +1,19 @@
+//! What is learnt from recordings, by the library and by the commands, and what it is worth.
+
+mod calibration;
+mod commission;
+mod commissioning;
+mod evaluate;
+mod foreign_machines;
+mod identify;
+mod identify_census;
+mod identify_command;
+mod identify_support;
+mod in_place;
+mod learned_configuration;
+mod learning_support;
+mod nonlinear;
+mod report_learning;
+mod tuning;
+mod update;
+mod yard;

@@ -1,0 +1,10 @@
+//! The gateway and the proxy on buses that are not in the kernel, and the HTTP of the gateway.
+
+mod embedded_bus;
+mod inject_proxy;
+mod live_gateway;
+mod metrics;
+mod metrics_command;
+mod metrics_support;
+mod realtime;
+mod run_virtual;
