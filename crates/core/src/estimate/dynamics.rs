@@ -1,6 +1,7 @@
 //! How a length goes on by the command: with the drive that a calibration has fitted, or else by the
 //! model (4-1).
 
+use super::parameters::Parameters;
 use crate::observe::model::Model;
 pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
@@ -31,24 +32,14 @@ enum Driving {
     Model(Vector3<f64>, f64),
 }
 
-/// No rod is faster, m/s.
-const FASTEST: f64 = 1.5;
-
-/// Standard deviations of what is not known of a drive: of its velocity's error, m/s, and of the slope
-/// of that, m/s².
-const DRIVE_UNKNOWN: [f64; 2] = [0.05, 0.1];
-
-/// Load pressures lie within some hundred bar.
-const PRESSURE_UNKNOWN: f64 = 100.0;
-
 impl Dynamics {
     /// By `drive`, for readings whose difference has the `deviation`, m, every `sample_time` seconds.
-    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64) -> Self {
-        let [velocity, slope] = DRIVE_UNKNOWN.map(|deviation| deviation * deviation);
+    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64, parameters: &Parameters) -> Self {
+        let [velocity, slope] = parameters.drive_unknown.map(|deviation| deviation * deviation);
         Self {
             a: pair::dynamics(sample_time),
             process: Vector3::from(pair::PROCESS.map(|deviation| deviation * deviation)),
-            unknown: Vector3::new(way(sample_time), velocity, slope),
+            unknown: Vector3::new(way(sample_time, parameters), velocity, slope),
             reading: 0.5 * deviation * deviation,
             drive: Driving::Fitted(Box::new(drive), sample_time),
         }
@@ -56,14 +47,21 @@ impl Dynamics {
 
     /// By `model`, for a cylinder that rests at the command `offset`, m/s, with the weights of its
     /// observers: the diagonal of Q, and the variance of a position.
-    pub fn model(model: &Model, offset: f64, q: [f64; 3], r: f64, sample_time: f64) -> Self {
+    pub fn model(
+        model: &Model,
+        offset: f64,
+        q: [f64; 3],
+        r: f64,
+        sample_time: f64,
+        parameters: &Parameters,
+    ) -> Self {
         Self {
             a: model.a,
             process: Vector3::from(q),
             unknown: Vector3::new(
-                way(sample_time),
-                FASTEST * FASTEST,
-                PRESSURE_UNKNOWN * PRESSURE_UNKNOWN,
+                way(sample_time, parameters),
+                parameters.fastest * parameters.fastest,
+                parameters.pressure_unknown * parameters.pressure_unknown,
             ),
             reading: r,
             drive: Driving::Model(model.b, offset),
@@ -72,8 +70,8 @@ impl Dynamics {
 }
 
 /// The variance of a length that is not followed for a cycle, m².
-fn way(sample_time: f64) -> f64 {
-    let way = FASTEST * sample_time;
+fn way(sample_time: f64, parameters: &Parameters) -> f64 {
+    let way = parameters.fastest * sample_time;
     way * way
 }
 
@@ -114,7 +112,7 @@ mod tests {
     #[test]
     fn a_model_goes_by_the_command_less_its_offset_and_holds_the_last() {
         let model = Model::new(0.02, [0.0, -0.1, 0.0, 0.0, 0.0], [0.1, 2.0]);
-        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02);
+        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02, &Parameters::DEFAULT);
         let mut feed = Feed::default();
         assert_eq!(feed.step(&dynamics, None), None);
         assert_eq!(feed.step(&dynamics, Some(1.5)), Some(Vector3::new(0.0, 0.1, 2.0)));
@@ -127,7 +125,7 @@ mod tests {
     fn a_drive_moves_the_length_once_it_knows_enough_commands() {
         let mut coefficients = [0.0; FEATURES];
         coefficients[0] = 1.0;
-        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4);
+        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4, &Parameters::DEFAULT);
         let mut feed = Feed::default();
         let parts: Vec<_> = (0..17).map(|_| feed.step(&dynamics, Some(0.5))).collect();
         assert_eq!(parts[15], None);
