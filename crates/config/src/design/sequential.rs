@@ -4,7 +4,7 @@ use super::{Flaw, Wirer};
 use crate::settings::CylinderSequential;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
+use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Parameters, Rate, Reference};
 
 /// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
 /// not covered.
@@ -37,6 +37,7 @@ impl Wirer<'_> {
             level: settings.sequential_level_of(n),
             sample_time,
             clear: settings.warning_cycles(),
+            parameters: &Parameters::DEFAULT,
         })
     }
 

@@ -8,6 +8,7 @@ use super::mean::Mean;
 use super::parameters::{Cycles, Parameters};
 use super::scale::Scale;
 use super::{Estimate, Source};
+use crate::sequential::parameters::ResidualParameters;
 use crate::sequential::velocity::Velocity;
 
 /// What a virtual sensor runs on.
@@ -83,7 +84,7 @@ impl VirtualSensor {
     pub fn new(design: Design) -> Self {
         Self {
             cycles: design.parameters.cycles(design.sample_time),
-            velocity: Velocity::new(design.sample_time),
+            velocity: Velocity::new(&ResidualParameters::DEFAULT, design.sample_time),
             feed: Feed::default(),
             filters: [Filter::default(), Filter::default()],
             growth: Growth::default(),

@@ -115,7 +115,7 @@ mod tests {
     use crate::sequential::samples::Sample;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
-        let mut history = History::default();
+        let mut history = History::holding(64);
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
             history.push(Sample::at_rest(healthy + residual(k)), &Clip::NONE, News::InMotion);
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn what_was_there_first_was_not_seen_to_begin() {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
-            let mut history = History::default();
+            let mut history = History::holding(64);
             let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
             (0..40)
                 .for_each(|k| history.push(Sample::at_rest(fault(k)), &Clip::NONE, News::InMotion));
@@ -149,7 +149,7 @@ mod tests {
     /// Of a rod that rests now and then: two samples of three are in motion.
     #[test]
     fn an_onset_is_told_in_cycles() {
-        let mut history = History::default();
+        let mut history = History::holding(64);
         for k in 0..600_usize {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
             let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };

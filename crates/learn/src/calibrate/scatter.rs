@@ -13,7 +13,7 @@ use tertius_core::sequential::rate::Of;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Rate};
+use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Parameters, Rate};
 
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
@@ -71,6 +71,7 @@ impl Scatter {
             level: f64::INFINITY,
             sample_time,
             clear: 1,
+            parameters: &Parameters::DEFAULT,
         }
     }
 }

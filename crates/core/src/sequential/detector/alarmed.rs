@@ -5,46 +5,19 @@ use crate::sequential::alarm::{Alarm, Cause};
 use crate::sequential::kind::{self, Looks};
 use crate::sequential::novelty::News;
 use crate::sequential::pair::Form;
+use crate::sequential::parameters::AlarmParameters;
 use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
 
-/// The mean of a minute beyond this is a fault, whatever the baseline has followed, m.
-const SLOW: f64 = 6e-4;
-
-/// The level at which an alarm ends, as a part of that at which it rises.
-const CALM: f64 = 0.5;
-
-/// A slow alarm is over below this mean of a minute, m.
-const SLOW_OVER: f64 = 4e-4;
-
-/// So often it is looked at whether the fault is a gain, cycles.
-const SCALE: u32 = 20;
-
-/// Cycles after an alarm at which it is looked at again: a few samples do not tell what it is. The pair
-/// can only tell a step's side while the filter has not followed, …
-pub(super) const LOOKS: [u32; 7] = [10, 16, 25, 50, 100, 200, 400];
-
-/// … which is until so many cycles after the alarm.
+/// The pair can only tell a step's side while the filter has not followed, which is until so many cycles
+/// after the alarm.
 const LATEST: usize = 25;
-
-/// It takes up to so long until all cylinders together know that they are sampled otherwise, s; one of
-/// them may have an alarm first.
-const SHARED: f64 = 5.0;
-
-/// So many cycles after the alarm they mostly do, and whose a noise is can be told.
-pub(super) const NOISE_TOLD: u32 = 25;
-
-/// A noise has a root mean square of more than so many healthy deviations.
-const NOTABLE: f64 = 1.1;
 
 /// As far back as innovations, and residuals at rest, are kept.
 const LONGEST: usize = 50;
-
-/// Evidence for one of the transducers that decides, nats.
-const DECIDED: f64 = 5.0;
 
 /// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
 /// and to be compared as one: a slow drift is nobody's.
@@ -63,17 +36,19 @@ impl Sequential {
             self.clipping.take(sample.residual * sample.share);
         }
         self.history.push(sample, self.clipping.clip(), news);
-        let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
+        let AlarmParameters { least_watched, calm, slow, .. } = self.design.parameters.alarm;
+        let widest = WIDTHS[WIDTHS.len() - 1];
+        let widest = self.alarm.map_or(widest, |alarm| alarm.watched(least_watched));
         self.peaks = self.search.step(&self.scales, &self.history, widest);
         let [mean, variance] = self.peaks;
         let level = self.design.level;
         if self.alarm.is_some() {
-            self.go_on(mean.nats.max(variance.nats) < CALM * level);
+            self.go_on(mean.nats.max(variance.nats) < calm * level);
         } else if mean.nats > level {
             self.raise(at, Cause::Mean, mean);
         } else if variance.nats > level {
             self.raise(at, Cause::Variance, variance);
-        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > SLOW) {
+        } else if let Some(mean) = self.slow.mean().filter(|mean| mean.abs() > slow) {
             self.begin(Alarm::new(Cause::Slow, Fault::Incipient, mean, at));
         }
         self.verdict = if self.alarm.is_some() { Verdict::Faulty } else { Verdict::Healthy };
@@ -101,7 +76,7 @@ impl Sequential {
 
     /// The cylinders have found that they are sampled otherwise.
     pub(super) fn lay_to_timing(&mut self) {
-        let latest = (SHARED / self.design.sample_time) as u32;
+        let latest = self.cycles.shared;
         let just = |alarm: &&mut Alarm| alarm.age <= latest && !alarm.of_timing;
         if let Some(alarm) = self.alarm.as_mut().filter(just)
             && matches!(alarm.cause, Cause::Mean | Cause::Variance)
@@ -115,15 +90,20 @@ impl Sequential {
         let calm = match alarm.cause {
             Cause::Dwell => false,
             // The baseline had followed the fault: only the mean without it tells.
-            Cause::Slow => self.slow.mean().is_some_and(|mean| mean.abs() < SLOW_OVER),
+            Cause::Slow => {
+                let over = self.design.parameters.alarm.slow_over;
+                self.slow.mean().is_some_and(|mean| mean.abs() < over)
+            }
             _ => calm,
         };
         alarm.age = alarm.age.saturating_add(1);
         alarm.calm = if calm { alarm.calm + 1 } else { 0 };
-        if LOOKS.contains(&alarm.age) && matches!(alarm.cause, Cause::Mean | Cause::Variance) {
+        if self.cycles.looks.contains(&alarm.age)
+            && matches!(alarm.cause, Cause::Mean | Cause::Variance)
+        {
             self.look(&mut alarm);
         }
-        if alarm.age.is_multiple_of(SCALE) {
+        if alarm.age.is_multiple_of(self.cycles.scale_every) {
             alarm.scale = self.proportion.scale(alarm.scale.is_some());
         }
         self.alarm = Some(alarm);
@@ -135,11 +115,12 @@ impl Sequential {
     /// What it is, and whose, by what has been read since.
     fn look(&self, alarm: &mut Alarm) {
         let age = alarm.age as usize;
-        match kind::looks(&self.history, age.min(LONGEST)) {
+        let notable = self.design.parameters.alarm.notable * self.design.deviation;
+        match kind::looks(&self.history, age.min(self.cycles.looked_at)) {
             // A mean of many samples that stands out is no noise, however small it is beside them.
             Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
             // What healthy residuals do, too: the fault is over, or has left nothing to tell.
-            Some(Looks::Noisy(size)) if size < NOTABLE * self.design.deviation => {}
+            Some(Looks::Noisy(size)) if size < notable => {}
             Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
             Some(Looks::Steady) => self.tell_shape(alarm),
             Some(Looks::Neither) | None => {}
@@ -178,7 +159,7 @@ impl Sequential {
         }
         let pair = self.pair.as_ref();
         let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.back + 1));
-        decide(alarm, evidence);
+        self.decide(alarm, evidence);
     }
 
     /// Noise has no onset to compare; its innovations go on.
@@ -188,9 +169,10 @@ impl Sequential {
         }
         (alarm.fault, alarm.size) = (Fault::Noise, size);
         let of_timing = alarm.of_timing || self.may_be_timing;
-        if alarm.suspect == Suspect::Undecided && alarm.age >= NOISE_TOLD && !of_timing {
-            let span = (alarm.age as usize).min(LONGEST);
-            decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
+        if alarm.suspect == Suspect::Undecided && alarm.age >= self.cycles.noise_told && !of_timing
+        {
+            let span = (alarm.age as usize).min(self.cycles.looked_at);
+            self.decide(alarm, self.pair.as_ref().and_then(|pair| pair.energy(span)));
         }
     }
 
@@ -203,14 +185,15 @@ impl Sequential {
             self.baseline.reset();
         }
     }
-}
 
-/// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
-fn decide(alarm: &mut Alarm, evidence: Option<f64>) {
-    alarm.evidence = evidence;
-    alarm.suspect = match evidence {
-        Some(nats) if nats > DECIDED => Suspect::C1,
-        Some(nats) if nats < -DECIDED => Suspect::C2,
-        _ => Suspect::Undecided,
-    };
+    /// Blames whom the evidence is against: the log-likelihood of C1 less that of C2, nats.
+    fn decide(&self, alarm: &mut Alarm, evidence: Option<f64>) {
+        let decided = self.design.parameters.alarm.decided;
+        alarm.evidence = evidence;
+        alarm.suspect = match evidence {
+            Some(nats) if nats > decided => Suspect::C1,
+            Some(nats) if nats < -decided => Suspect::C2,
+            _ => Suspect::Undecided,
+        };
+    }
 }
