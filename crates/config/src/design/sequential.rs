@@ -44,7 +44,13 @@ impl Wirer<'_> {
     fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
         let drive = Drive(fitted.drive?);
         let sample_time = self.settings.machine.sample_time;
-        let design = PairDesign::new(drive, sample_time, fitted.deviation, fitted.prediction);
+        let design = PairDesign::new(
+            drive,
+            sample_time,
+            fitted.deviation,
+            fitted.prediction,
+            &Parameters::DEFAULT,
+        );
         design
             .map_err(|error| {
                 self.flaws.push(Flaw::new(

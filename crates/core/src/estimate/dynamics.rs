@@ -6,6 +6,7 @@ use crate::observe::model::Model;
 pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
 use crate::sequential::pair;
+use crate::sequential::parameters::{DriveParameters, PairParameters};
 use alloc::boxed::Box;
 use nalgebra::{Matrix3, Vector3};
 
@@ -37,8 +38,8 @@ impl Dynamics {
     pub fn fitted(drive: Drive, sample_time: f64, deviation: f64, parameters: &Parameters) -> Self {
         let [velocity, slope] = parameters.drive_unknown.map(|deviation| deviation * deviation);
         Self {
-            a: pair::dynamics(sample_time),
-            process: Vector3::from(pair::PROCESS.map(|deviation| deviation * deviation)),
+            a: pair::dynamics(sample_time, &PairParameters::DEFAULT),
+            process: Vector3::from(PairParameters::DEFAULT.process_of(sample_time)),
             unknown: Vector3::new(way(sample_time, parameters), velocity, slope),
             reading: 0.5 * deviation * deviation,
             drive: Driving::Fitted(Box::new(drive), sample_time),
@@ -76,13 +77,18 @@ fn way(sample_time: f64, parameters: &Parameters) -> f64 {
 }
 
 /// The commands as they come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Feed {
     commands: Commands,
     newest: Option<f64>,
 }
 
 impl Feed {
+    /// For commands every `sample_time` seconds.
+    pub fn new(sample_time: f64) -> Self {
+        Self { commands: Commands::new(&DriveParameters::DEFAULT, sample_time), newest: None }
+    }
+
     pub fn clear(&mut self) {
         self.commands.clear();
         self.newest = None;
@@ -113,7 +119,7 @@ mod tests {
     fn a_model_goes_by_the_command_less_its_offset_and_holds_the_last() {
         let model = Model::new(0.02, [0.0, -0.1, 0.0, 0.0, 0.0], [0.1, 2.0]);
         let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02, &Parameters::DEFAULT);
-        let mut feed = Feed::default();
+        let mut feed = Feed::new(0.02);
         assert_eq!(feed.step(&dynamics, None), None);
         assert_eq!(feed.step(&dynamics, Some(1.5)), Some(Vector3::new(0.0, 0.1, 2.0)));
         assert_eq!(feed.step(&dynamics, None), Some(Vector3::new(0.0, 0.1, 2.0)));
@@ -126,7 +132,7 @@ mod tests {
         let mut coefficients = [0.0; FEATURES];
         coefficients[0] = 1.0;
         let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4, &Parameters::DEFAULT);
-        let mut feed = Feed::default();
+        let mut feed = Feed::new(0.02);
         let parts: Vec<_> = (0..17).map(|_| feed.step(&dynamics, Some(0.5))).collect();
         assert_eq!(parts[15], None);
         assert_eq!(parts[16], Some(Vector3::new(0.01, 0.0, 0.0)));

@@ -85,7 +85,7 @@ impl VirtualSensor {
         Self {
             cycles: design.parameters.cycles(design.sample_time),
             velocity: Velocity::new(&ResidualParameters::DEFAULT, design.sample_time),
-            feed: Feed::default(),
+            feed: Feed::new(design.sample_time),
             filters: [Filter::default(), Filter::default()],
             growth: Growth::default(),
             differences: Mean::default(),

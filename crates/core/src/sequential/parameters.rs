@@ -9,11 +9,13 @@
 //! [`Parameters::DEFAULT`]; what a single detector goes by, it takes from its design.
 
 mod alarm;
+mod drive;
 mod evidence;
 mod residual;
 mod sampling;
 
 pub use alarm::{AlarmParameters, KindParameters, PairParameters, ScaleParameters};
+pub use drive::{DriveCycles, DriveParameters};
 pub use evidence::{DependenceParameters, EvidenceParameters, OutlierParameters};
 pub use residual::{ResidualCycles, ResidualParameters};
 pub use sampling::{SamplingParameters, WitnessParameters};
@@ -30,6 +32,7 @@ pub struct Parameters {
     pub alarm: AlarmParameters,
     pub kind: KindParameters,
     pub pair: PairParameters,
+    pub drive: DriveParameters,
     pub scale: ScaleParameters,
     pub sampling: SamplingParameters,
     pub witness: WitnessParameters,
@@ -43,6 +46,7 @@ impl Parameters {
         alarm: AlarmParameters::DEFAULT,
         kind: KindParameters::DEFAULT,
         pair: PairParameters::DEFAULT,
+        drive: DriveParameters::DEFAULT,
         scale: ScaleParameters::DEFAULT,
         sampling: SamplingParameters::DEFAULT,
         witness: WitnessParameters::DEFAULT,
@@ -52,7 +56,7 @@ impl Parameters {
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the ring of the newest samples is
     /// too short, and what looks back on it does so for a shorter time.
     pub fn cycles(&self, sample_time: f64) -> Cycles {
-        let Self { alarm, kind, scale, .. } = self;
+        let Self { alarm, kind, pair, scale, .. } = self;
         let samples = |seconds: f64| time::samples(seconds, sample_time);
         let at_least_one = |seconds: f64| time::cycles(seconds, sample_time).max(1);
         let newest = (samples(kind.newest) as usize).min(NEWEST);
@@ -61,6 +65,8 @@ impl Parameters {
             looked_at: (samples(kind.looked_at) as usize).min(newest),
             looks: alarm.looks.map(samples),
             noise_told: samples(alarm.noise_told),
+            latest: samples(pair.latest) as usize,
+            located: samples(pair.located) as usize,
             shared: (self.sampling.shared / sample_time) as u32,
             scale_every: at_least_one(scale.every),
             scale_longest: at_least_one(scale.longest),
@@ -82,6 +88,8 @@ pub struct Cycles {
     pub looked_at: usize,
     pub looks: [u32; 7],
     pub noise_told: u32,
+    pub latest: usize,
+    pub located: usize,
     pub shared: u32,
     pub scale_every: u32,
     pub scale_longest: u32,
@@ -98,6 +106,7 @@ mod tests {
         let (slow, usual, fast) = (of(10.0), of(50.0), of(100.0));
         assert_eq!(usual.looks, [10, 16, 25, 50, 100, 200, 400]);
         assert_eq!((usual.newest, usual.looked_at, usual.noise_told), (64, 50, 25));
+        assert_eq!((usual.latest, usual.located), (25, 24));
         assert_eq!((usual.scale_every, usual.scale_longest, usual.scale_alike), (20, 3000, 25.0));
         assert_eq!((fast.newest, fast.looked_at, fast.noise_told), (128, 100, 50));
         assert_eq!((fast.scale_every, fast.scale_longest, fast.scale_alike), (40, 6000, 50.0));

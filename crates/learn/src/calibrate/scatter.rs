@@ -55,9 +55,10 @@ impl Scatter {
     /// The detector that these make, with a level that nothing reaches.
     pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
         let prediction = self.prediction.unwrap_or(0.0);
-        let pair = profile
-            .drive
-            .and_then(|drive| PairDesign::new(drive, sample_time, self.deviation, prediction).ok());
+        let pair = profile.drive.and_then(|drive| {
+            let parameters = &Parameters::DEFAULT;
+            PairDesign::new(drive, sample_time, self.deviation, prediction, parameters).ok()
+        });
         Design {
             reference: profile.reference.clone(),
             rate: self.rate.clone(),
@@ -128,7 +129,9 @@ impl Scattering {
         let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
-            let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
+            let design = |drive| {
+                PairDesign::new(drive, sample_time, deviation, 0.0, &Parameters::DEFAULT).ok()
+            };
             let Spread { noise, resolution } = spread;
             Judged {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),

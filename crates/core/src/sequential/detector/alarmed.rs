@@ -5,29 +5,12 @@ use crate::sequential::alarm::{Alarm, Cause};
 use crate::sequential::kind::{self, Looks};
 use crate::sequential::novelty::News;
 use crate::sequential::pair::Form;
-use crate::sequential::parameters::AlarmParameters;
+use crate::sequential::parameters::{AlarmParameters, Cycles, PairParameters};
 use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
-
-/// The pair can only tell a step's side while the filter has not followed, which is until so many cycles
-/// after the alarm.
-const LATEST: usize = 25;
-
-/// As far back as innovations, and residuals at rest, are kept.
-const LONGEST: usize = 50;
-
-/// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
-/// and to be compared as one: a slow drift is nobody's.
-const CLEARLY: f64 = 3.0;
-
-/// Alarms of longer windows come too late: the filter, and the machine, have followed.
-const LOCATED: usize = 24;
-
-/// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
-const FOLLOWED: f64 = 5e-3;
 
 impl Sequential {
     /// By what this sample and those before it are evidence of.
@@ -58,13 +41,18 @@ impl Sequential {
     /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
         let back = self.history.cycles(peak.width);
-        let (fault, size, cycles) = match kind::looks(&self.history, back) {
-            Some(Looks::Noisy(size)) => (Fault::Noise, size, back),
-            _ => {
-                let shape = kind::shape(&self.history, self.design.deviation);
-                (shape.fault, shape.size, shape.onset)
-            }
-        };
+        let (fault, size, cycles) =
+            match kind::looks(&self.history, back, &self.design.parameters.kind) {
+                Some(Looks::Noisy(size)) => (Fault::Noise, size, back),
+                _ => {
+                    let shape = kind::shape(
+                        &self.history,
+                        self.design.deviation,
+                        &self.design.parameters.kind,
+                    );
+                    (shape.fault, shape.size, shape.onset)
+                }
+            };
         let ago = Span::from_seconds(-(cycles as f64) * self.design.sample_time);
         self.begin(Alarm { peak, back, ..Alarm::new(cause, fault, size, at.after(ago)) });
     }
@@ -115,10 +103,12 @@ impl Sequential {
     /// What it is, and whose, by what has been read since.
     fn look(&self, alarm: &mut Alarm) {
         let age = alarm.age as usize;
-        let notable = self.design.parameters.alarm.notable * self.design.deviation;
-        match kind::looks(&self.history, age.min(self.cycles.looked_at)) {
+        let parameters = self.design.parameters;
+        let notable = parameters.alarm.notable * self.design.deviation;
+        match kind::looks(&self.history, age.min(self.cycles.looked_at), &parameters.kind) {
             // A mean of many samples that stands out is no noise, however small it is beside them.
-            Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
+            Some(Looks::Noisy(_))
+                if alarm.cause == Cause::Mean && alarm.peak.width > self.cycles.located => {}
             // What healthy residuals do, too: the fault is over, or has left nothing to tell.
             Some(Looks::Noisy(size)) if size < notable => {}
             Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
@@ -128,31 +118,33 @@ impl Sequential {
     }
 
     fn tell_shape(&self, alarm: &mut Alarm) {
-        let shape = kind::shape(&self.history, self.design.deviation);
+        let PairParameters { clearly, followed, .. } = self.design.parameters.pair;
+        let Cycles { latest, located, looked_at, .. } = self.cycles;
+        let shape = kind::shape(&self.history, self.design.deviation, &self.design.parameters.kind);
         if alarm.fault == Fault::Noise {
             // Whoever was blamed for a noise was so by its innovations: a step has others.
             alarm.clear_suspect();
         }
-        if alarm.fault == Fault::Noise || shape.advantage > CLEARLY {
+        if alarm.fault == Fault::Noise || shape.advantage > clearly {
             alarm.fault = shape.fault;
         }
         alarm.size = shape.size;
         let speed = shape.size.abs() / (shape.onset as f64 * self.design.sample_time);
         let form = match shape.fault {
-            Fault::Incipient if speed < FOLLOWED => {
+            Fault::Incipient if speed < followed => {
                 // So slow a drift may be anybody's, and what seemed a step was its beginning; but
                 // not a gain's that goes on, or what a stop has told since.
-                if alarm.age <= LONGEST as u32 {
+                if alarm.age <= looked_at as u32 {
                     alarm.clear_suspect();
                 }
                 return;
             }
             Fault::Incipient => Form::Ramp,
-            _ if shape.advantage < CLEARLY => return,
+            _ if shape.advantage < clearly => return,
             _ => Form::Step,
         };
         let age = alarm.age as usize;
-        let late = age > LATEST || alarm.back > LOCATED || shape.onset > age + LOCATED;
+        let late = age > latest || alarm.back > located || shape.onset > age + located;
         // What was there when the evidence began, as a drift is that the baseline began with, is no step.
         if late || !shape.seen || alarm.of_timing || alarm.suspect != Suspect::Undecided {
             return;

@@ -1,5 +1,7 @@
 //! What becomes of an alarm: when it is over, what it is and whose.
 
+use crate::time::Decay;
+
 /// The numbers by which alarms rise, are looked at and end. What one takes from samples, be they innovations or
 /// residuals, is as many of them below 50 Hz as at 50 Hz ([`crate::time::samples`]).
 #[derive(Clone, Debug, PartialEq)]
@@ -72,10 +74,49 @@ impl KindParameters {
 
 /// The numbers by which it is told whose step, ramp or noise it is ([`crate::sequential::pair`]).
 #[derive(Clone, Debug, PartialEq)]
-pub struct PairParameters {}
+pub struct PairParameters {
+    /// Standard deviations of what moves the rod, and its velocity's error, in `process_time`: m, m/s and
+    /// m/s². They grow with the root of the time, as a random walk does.
+    pub process: [f64; 3],
+    /// s.
+    pub process_time: f64,
+    /// What of the slope of the velocity's error is left.
+    pub slope_left: Decay,
+    /// The filter has followed for a while after so long, s; up to 100 Hz. As many samples below 50 Hz as
+    /// there.
+    pub followed_for: f64,
+    /// What a nat against a noise of both is worth; 1 or more, for two faults at once are the less likely.
+    pub against_both: f64,
+    /// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
+    /// and to be compared as one: a slow drift is nobody's.
+    pub clearly: f64,
+    /// So long after an alarm a side can be told, s: then the filter has followed a step, and in the closed
+    /// loop the machine has, too. As many samples below 50 Hz as there.
+    pub latest: f64,
+    /// Alarms of longer windows, s, come too late. As many samples below 50 Hz as there.
+    pub located: f64,
+    /// A slower drift is followed by the filter, and in the closed loop by the machine, m/s.
+    pub followed: f64,
+}
 
 impl PairParameters {
-    pub const DEFAULT: Self = Self {};
+    pub const DEFAULT: Self = Self {
+        process: [6e-5, 2e-4, 3e-3],
+        process_time: 0.02,
+        slope_left: Decay { left: 0.9, after: 0.02 },
+        followed_for: 1.28,
+        against_both: 2.0,
+        clearly: 3.0,
+        latest: 0.5,
+        located: 0.48,
+        followed: 5e-3,
+    };
+
+    /// Variances of what a cycle of `sample_time` seconds adds, of each state.
+    pub fn process_of(&self, sample_time: f64) -> [f64; 3] {
+        let grown = libm::sqrt(sample_time / self.process_time);
+        self.process.map(|deviation| (deviation * grown) * (deviation * grown))
+    }
 }
 
 /// The numbers by which a gain that is off is told ([`crate::sequential::scale`]).
