@@ -9,9 +9,14 @@ use crate::decode::Raw;
 use crate::monitor::wiring::{Line, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
+use crate::sequential::Parameters;
+use crate::sequential::samples::NEWEST;
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
+
+/// Times that differ by less are the same, s.
+const SAME_TIME: f64 = 1e-9;
 
 /// Checks a configuration and its DBC, and tells what the monitor would do with them.
 #[derive(Args, Debug)]
@@ -84,6 +89,7 @@ fn doubts(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let mut doubts = broken_wire_doubts(machine);
     doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
+    doubts.extend(fast_doubt(settings));
     if doubts.is_empty() {
         return String::new();
     }
@@ -112,6 +118,18 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
         }
     }
     doubts
+}
+
+/// A machine that is faster than the rings were made for.
+fn fast_doubt(settings: &Settings) -> Option<String> {
+    let sample_time = settings.machine.sample_time;
+    let (wanted, held) = (Parameters::DEFAULT.kind.newest, NEWEST as f64 * sample_time);
+    (held < wanted - SAME_TIME).then(|| {
+        format!(
+            "machine.sample_time: above 100 Hz the kind of a fault and whose it is are told from less time: \
+             at {sample_time} s the newest {NEWEST} samples are {held:.2} s, not {wanted} s"
+        )
+    })
 }
 
 /// Transducers that the machine's own rule would find apart although they agree with a and b of (5-20).

@@ -286,6 +286,46 @@ fn a_model_or_a_table_of_another_sample_time() {
     refused(&scratch, &config, 1, "0.005\n", &words);
 }
 
+/// One of 50 Hz at 100 Hz: the detectors would look back half as far as they were taught.
+#[test]
+fn a_table_that_does_not_say_its_sample_time_is_of_50_hz() {
+    const OWN: &str = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\
+                       gamma = [0.0926, 6.5427]\n\n[[cylinder]]\n";
+    let scratch = Scratch::new();
+    let read = |name: &str| fs::read_to_string(top().join(recording(name))).expect("it is kept");
+    scratch.write("hanging-load.dbc", read("hanging-load.dbc"));
+    let text = read("hanging-load-sequential.toml");
+    assert!(!text.contains("[cylinder.sequential]\nsample_time"), "it says it");
+    let at = |time: &str| {
+        let time = format!("sample_time = {time}");
+        let changes = [("sample_time = 0.02", time.as_str()), ("[[cylinder]]\n", OWN)];
+        scratch.write("machine.toml", changed(&text, &changes))
+    };
+    check(&at("0.02")).ok();
+    let words = [
+        "`machine.sample_time` is 0.01, but the table [cylinder.sequential] of cylinder 1, which has none of \
+         its own, is for a sample time of 0.02 s",
+        "`tertius calibrate` takes this configuration as it is",
+    ];
+    refused(&scratch, &at("0.01"), 1, "sequential]", &words);
+}
+
+#[test]
+fn a_machine_that_is_faster_than_the_rings_is_worth_a_look() {
+    const OWN: &str = "[model]\ntheta = [-0.01, -0.12, -1.7e-5, -10.7, -0.0023]\n\
+                       gamma = [0.0926, 6.5427]\n[plausibility]";
+    let scratch = Scratch::new();
+    let at = |time: &str| {
+        let time = format!("sample_time = {time}");
+        let changes = [("sample_time = 0.02", time.as_str()), ("[plausibility]", OWN)];
+        check(&scratch.config(&changes)).ok().stdout
+    };
+    let words = "above 100 Hz the kind of a fault and whose it is are told from less time: at 0.007 s the \
+                 newest 128 samples are 0.90 s, not 1.28 s";
+    assert!(at("0.007").contains(words), "{}", at("0.007"));
+    assert!(!at("0.01").contains("100 Hz"), "{}", at("0.01"));
+}
+
 /// How well each node is known: of every one, or, in a table of an earlier version, of none.
 #[test]
 fn deviations_of_nodes_that_are_not_there() {

@@ -87,6 +87,36 @@ fn write_seconds(f: &mut fmt::Formatter<'_>, nanos: i64) -> fmt::Result {
     write!(f, "{sign}{seconds}.{fraction:0digits$}")
 }
 
+/// Whole cycles nearest to `seconds`, of cycles that follow each other every `sample_time` seconds.
+pub fn cycles(seconds: f64, sample_time: f64) -> u32 {
+    libm::round(seconds / sample_time) as u32
+}
+
+/// The least rate at which a time is as many cycles as it takes, as a sample time, s.
+const SLOWEST_BY_TIME: f64 = 0.02;
+
+/// The same of what is told from samples, and by time only where these come fast enough: below 50 Hz it
+/// takes as many of them as at 50 Hz.
+pub fn samples(seconds: f64, sample_time: f64) -> u32 {
+    cycles(seconds, sample_time.min(SLOWEST_BY_TIME))
+}
+
+/// What is left of something after a time, as one number of it fades from cycle to cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decay {
+    /// The part that is left, 0 to 1, …
+    pub left: f64,
+    /// … after so long, s.
+    pub after: f64,
+}
+
+impl Decay {
+    /// What is left after a cycle of `sample_time` seconds.
+    pub fn per_cycle(&self, sample_time: f64) -> f64 {
+        libm::pow(self.left, sample_time / self.after)
+    }
+}
+
 /// Hours of a mean year.
 pub const HOURS_PER_YEAR: f64 = 8766.0;
 
@@ -98,6 +128,19 @@ pub const fn per_second(per_year: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_told_from_samples_takes_as_many_of_them_below_50_hz() {
+        let of = |rate: f64| (cycles(0.5, 1.0 / rate), samples(0.5, 1.0 / rate));
+        assert_eq!([10.0, 50.0, 100.0].map(of), [(5, 25), (25, 25), (50, 50)]);
+    }
+
+    #[test]
+    fn a_decay_is_one_of_time() {
+        let decay = Decay { left: 0.9, after: 0.02 };
+        assert_eq!(decay.per_cycle(0.02), 0.9);
+        assert!((decay.per_cycle(0.1) - 0.9_f64.powi(5)).abs() < 1e-15);
+    }
 
     #[test]
     fn seconds_are_written_digit_by_digit() {

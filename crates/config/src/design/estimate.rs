@@ -2,7 +2,7 @@
 
 use super::Wirer;
 use tertius_core::compare::Comparator;
-use tertius_core::estimate::{Design, Drive, Dynamics, Scale};
+use tertius_core::estimate::{Design, Drive, Dynamics, Parameters, Scale};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
@@ -17,15 +17,19 @@ impl Wirer<'_> {
     ) -> Design {
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
+        let parameters = &Parameters::DEFAULT;
         let (gain, offset) = settings.comparator_of(n);
         let fitted = settings.sequential_of(n).filter(|_| sequential.is_some());
         let dynamics = match fitted.and_then(|fitted| Some((fitted, fitted.drive?))) {
-            Some((fitted, drive)) => Dynamics::fitted(Drive(drive), sample_time, fitted.deviation),
+            Some((fitted, drive)) => {
+                Dynamics::fitted(Drive(drive), sample_time, fitted.deviation, parameters)
+            }
             None => {
                 let (theta, gamma) = settings.model_of(n);
                 let model = Model::new(sample_time, theta, gamma);
                 let (q, r) = (settings.observer.q, settings.observer.r[0]);
-                Dynamics::model(&model, settings.command_offset_of(n), q, r, sample_time)
+                let offset = settings.command_offset_of(n);
+                Dynamics::model(&model, offset, q, r, sample_time, parameters)
             }
         };
         Design {
@@ -40,6 +44,7 @@ impl Wirer<'_> {
             difference: settings.comparator.bound,
             bound: settings.estimate.bound,
             lengths,
+            parameters,
         }
     }
 }

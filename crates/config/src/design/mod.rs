@@ -21,7 +21,7 @@ use tertius_core::sample::plausibility::Limits;
 use tertius_core::sample::{Field, Transducer};
 use tertius_core::time::Span;
 use tertius_core::verdict::fault::Signatures;
-use tertius_core::verdict::{BankDesign, Thresholds};
+use tertius_core::verdict::{self, BankDesign, Thresholds};
 use tertius_dbc::{Database, LookupError, Message, Signal};
 
 /// Something in the configuration that does not fit the DBC or cannot be computed.
@@ -180,6 +180,8 @@ impl<'a> Wirer<'a> {
                 },
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
+                parameters: &verdict::Parameters::DEFAULT,
+                sample_time: settings.machine.sample_time,
             },
             observers,
             estimate: self.estimate(n, sequential.as_ref(), first.lengths),

@@ -6,7 +6,7 @@ use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::whitening::Whitening;
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
+use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Parameters, Rate, Reference};
 
 /// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
 /// not covered.
@@ -39,6 +39,7 @@ impl Wirer<'_> {
             level: settings.sequential_level_of(n),
             sample_time,
             clear: settings.warning_cycles(),
+            parameters: &Parameters::DEFAULT,
         })
     }
 
@@ -54,7 +55,8 @@ impl Wirer<'_> {
             return None;
         };
         let prediction = Prediction { deviation: fitted.prediction, whitening };
-        let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction);
+        let parameters = &Parameters::DEFAULT;
+        let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction, parameters);
         design
             .map_err(|error| {
                 self.flaws.push(Flaw::new(

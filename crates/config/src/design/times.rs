@@ -6,6 +6,10 @@ use crate::settings::Cylinder;
 /// Sample times that differ by less are written differently, and are the same.
 const SAME: f64 = 1e-9;
 
+/// What the tables of sequential detectors are taken for that do not say it, s: those which were written
+/// before there was a key for it are of the thesis's machine.
+const FIRST_TABLES_TIME: f64 = 0.02;
+
 /// Bits at the nominal rate in the shortest frame that CAN or CAN FD has: from the start of frame to
 /// the switch of the rate, and from the CRC delimiter to the space between frames.
 const SHORTEST_FRAME_BITS: f64 = 30.0;
@@ -34,11 +38,13 @@ impl Wirer<'_> {
                 "`tertius identify` takes this configuration as it is, and writes a model of the \
                  machine's own sample time",
             );
-            let fitted = settings.sequential_of(n).and_then(|fitted| fitted.sample_time);
+            let Some(fitted) = settings.sequential_of(n) else { continue };
+            let unsaid =
+                if fitted.sample_time.is_some() { "" } else { ", which has none of its own," };
             self.refuse_time(
                 &format!("{}.sequential.sample_time", table.as_deref().unwrap_or("cylinder")),
-                fitted,
-                &format!("the table [cylinder.sequential] of cylinder {n}"),
+                fitted.sample_time.or(Some(FIRST_TABLES_TIME)),
+                &format!("the table [cylinder.sequential] of cylinder {n}{unsaid}"),
                 "`tertius calibrate` takes this configuration as it is, and writes the table anew",
             );
         }

@@ -48,7 +48,8 @@ const fn dependence() -> Kind {
 #[rustfmt::skip]
 pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::optional("sample_time", number(Limits::above(0.0, FITTED)), "0.02",
-        "the sample time of the readings that it was calibrated to, s; absent: not known"),
+        "the sample time of the readings that it was calibrated to, s; absent: 0.02, as of tables from before \
+         this key"),
     Key::optional("level",
         number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
         "19.5", "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \

@@ -46,7 +46,8 @@ impl Default for Sequential {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderSequential {
-    /// Of the readings that it was calibrated to, s; absent: not known.
+    /// Sample time of the readings that it was calibrated to, s; absent: 0.02, as of tables from before this
+    /// key.
     pub sample_time: Option<f64>,
     /// h, nats, where the machine has none for all; absent: by the wanted rate alone.
     pub level: Option<f64>,

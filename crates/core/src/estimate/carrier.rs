@@ -2,9 +2,6 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A reserve is sent every so many cycles: a second at 50 Hz.
-const APART: u32 = 50;
-
 /// A state that was told, and what became of it since.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrier {
@@ -39,9 +36,9 @@ impl Reserve {
         *self = Self::default();
     }
 
-    /// Takes what was told while nobody was blamed.
-    pub fn offer(&mut self, told: Carrier) {
-        if self.younger.is_none_or(|younger| younger.coasted >= APART) {
+    /// Takes what was told while nobody was blamed, at intervals of `apart` cycles.
+    pub fn offer(&mut self, told: Carrier, apart: u32) {
+        if self.younger.is_none_or(|younger| younger.coasted >= apart) {
             (self.older, self.younger) = (self.younger, Some(told));
         }
     }
@@ -61,13 +58,15 @@ impl Reserve {
 mod tests {
     use super::*;
 
+    const APART: u32 = 50;
+
     #[test]
     fn the_reserve_is_of_one_to_two_seconds_ago_and_goes_on() {
         let mut reserve = Reserve::default();
         let part = Vector3::new(1.0, 0.0, 0.0);
         for k in 0..1000 {
             let x = Vector3::new(f64::from(k), 0.0, 0.0);
-            reserve.offer(Carrier { x, variance: 1.0, coasted: 0, able: true });
+            reserve.offer(Carrier { x, variance: 1.0, coasted: 0, able: true }, APART);
             match reserve.get() {
                 None => assert!(k < APART),
                 Some(kept) => {

@@ -1,10 +1,12 @@
 //! How a length goes on by the command: with the drive that a calibration has fitted, or else by the
 //! model (4-1).
 
+use super::parameters::Parameters;
 use crate::observe::model::Model;
 pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
 use crate::sequential::pair;
+use crate::sequential::parameters::{DriveParameters, PairParameters};
 use alloc::boxed::Box;
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,24 +33,14 @@ enum Driving {
     Model(Vector3<f64>, f64),
 }
 
-/// No rod is faster, m/s.
-const FASTEST: f64 = 1.5;
-
-/// Standard deviations of what is not known of a drive: of its velocity's error, m/s, and of the slope
-/// of that, m/s².
-const DRIVE_UNKNOWN: [f64; 2] = [0.05, 0.1];
-
-/// Load pressures lie within some hundred bar.
-const PRESSURE_UNKNOWN: f64 = 100.0;
-
 impl Dynamics {
     /// By `drive`, for readings whose difference has the `deviation`, m, every `sample_time` seconds.
-    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64) -> Self {
-        let [velocity, slope] = DRIVE_UNKNOWN.map(|deviation| deviation * deviation);
+    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64, parameters: &Parameters) -> Self {
+        let [velocity, slope] = parameters.drive_unknown.map(|deviation| deviation * deviation);
         Self {
-            a: pair::dynamics(sample_time),
-            process: Vector3::from(pair::PROCESS.map(|deviation| deviation * deviation)),
-            unknown: Vector3::new(way(sample_time), velocity, slope),
+            a: pair::dynamics(sample_time, &PairParameters::DEFAULT),
+            process: Vector3::from(PairParameters::DEFAULT.process_of(sample_time)),
+            unknown: Vector3::new(way(sample_time, parameters), velocity, slope),
             reading: 0.5 * deviation * deviation,
             drive: Driving::Fitted(Box::new(drive), sample_time),
         }
@@ -56,14 +48,21 @@ impl Dynamics {
 
     /// By `model`, for a cylinder that rests at the command `offset`, m/s, with the weights of its
     /// observers: the diagonal of Q, and the variance of a position.
-    pub fn model(model: &Model, offset: f64, q: [f64; 3], r: f64, sample_time: f64) -> Self {
+    pub fn model(
+        model: &Model,
+        offset: f64,
+        q: [f64; 3],
+        r: f64,
+        sample_time: f64,
+        parameters: &Parameters,
+    ) -> Self {
         Self {
             a: model.a,
             process: Vector3::from(q),
             unknown: Vector3::new(
-                way(sample_time),
-                FASTEST * FASTEST,
-                PRESSURE_UNKNOWN * PRESSURE_UNKNOWN,
+                way(sample_time, parameters),
+                parameters.fastest * parameters.fastest,
+                parameters.pressure_unknown * parameters.pressure_unknown,
             ),
             reading: r,
             drive: Driving::Model(model.b, offset),
@@ -72,19 +71,24 @@ impl Dynamics {
 }
 
 /// The variance of a length that is not followed for a cycle, m².
-fn way(sample_time: f64) -> f64 {
-    let way = FASTEST * sample_time;
+fn way(sample_time: f64, parameters: &Parameters) -> f64 {
+    let way = parameters.fastest * sample_time;
     way * way
 }
 
 /// The commands as they come.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Feed {
     commands: Commands,
     newest: Option<f64>,
 }
 
 impl Feed {
+    /// For commands every `sample_time` seconds.
+    pub fn new(sample_time: f64) -> Self {
+        Self { commands: Commands::new(&DriveParameters::DEFAULT, sample_time), newest: None }
+    }
+
     pub fn clear(&mut self) {
         self.commands.clear();
         self.newest = None;
@@ -114,8 +118,8 @@ mod tests {
     #[test]
     fn a_model_goes_by_the_command_less_its_offset_and_holds_the_last() {
         let model = Model::new(0.02, [0.0, -0.1, 0.0, 0.0, 0.0], [0.1, 2.0]);
-        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02);
-        let mut feed = Feed::default();
+        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02, &Parameters::DEFAULT);
+        let mut feed = Feed::new(0.02);
         assert_eq!(feed.step(&dynamics, None), None);
         assert_eq!(feed.step(&dynamics, Some(1.5)), Some(Vector3::new(0.0, 0.1, 2.0)));
         assert_eq!(feed.step(&dynamics, None), Some(Vector3::new(0.0, 0.1, 2.0)));
@@ -127,8 +131,8 @@ mod tests {
     fn a_drive_moves_the_length_once_it_knows_enough_commands() {
         let mut coefficients = [0.0; FEATURES];
         coefficients[0] = 1.0;
-        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4);
-        let mut feed = Feed::default();
+        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4, &Parameters::DEFAULT);
+        let mut feed = Feed::new(0.02);
         let parts: Vec<_> = (0..17).map(|_| feed.step(&dynamics, Some(0.5))).collect();
         assert_eq!(parts[15], None);
         assert_eq!(parts[16], Some(Vector3::new(0.01, 0.0, 0.0)));

@@ -4,11 +4,14 @@ use super::dynamics::Dynamics;
 use super::mean::Mean;
 use nalgebra::{Matrix3, Vector3};
 
-/// Innovations over which their size is measured.
-const MEMORY: u32 = 15_000;
-
-/// One innovation counts no more than this in it, whatever it is.
-const WILD: f64 = 100.0;
+/// How an innovation is counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Counted {
+    /// As no more than this, as a square by the expected one.
+    pub wild: f64,
+    /// In a mean over so many.
+    pub memory: u32,
+}
 
 /// Follows the readings of one transducer.
 #[derive(Clone, Debug, Default)]
@@ -33,13 +36,14 @@ impl Filter {
     }
 
     /// Takes the reading of a cycle, m, or that there was none: for longer than `max_gap` cycles, and
-    /// it stops. A `sound` one tells how good the filter's own figures are.
+    /// it stops. A sound one tells how good the filter's own figures are: it is `counted` in them, where
+    /// that is there.
     pub fn correct(
         &mut self,
         dynamics: &Dynamics,
         reading: Option<f64>,
         max_gap: u32,
-        sound: bool,
+        counted: Option<Counted>,
     ) {
         let Some(reading) = reading else {
             self.coasted = self.coasted.saturating_add(1);
@@ -56,8 +60,8 @@ impl Filter {
         }
         let innovation = reading - self.x[0];
         let variance = self.p[(0, 0)] + dynamics.reading;
-        if sound && self.seen > 0 {
-            self.surprise.add((innovation * innovation / variance).min(WILD), MEMORY);
+        if let Some(Counted { wild, memory }) = counted.filter(|_| self.seen > 0) {
+            self.surprise.add((innovation * innovation / variance).min(wild), memory);
         }
         let covariances = self.p.column(0).into_owned();
         let gain = covariances / variance;
@@ -120,14 +124,17 @@ impl Filter {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::Parameters;
     use super::*;
     use crate::observe::model::{Model, POSITION};
     use crate::observe::riccati;
 
+    const COUNTED: Option<Counted> = Some(Counted { wild: 100.0, memory: 15_000 });
+
     fn dynamics() -> Dynamics {
         let theta = [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023];
         let model = Model::new(0.02, theta, [0.0926, 6.5427]);
-        Dynamics::model(&model, 0.0, [1e-8, 1e-3, 100.0], 1e-8, 0.02)
+        Dynamics::model(&model, 0.0, [1e-8, 1e-3, 100.0], 1e-8, 0.02, &Parameters::DEFAULT)
     }
 
     /// The covariance comes to that of the Riccati equation, which is of the prediction.
@@ -136,7 +143,7 @@ mod tests {
         let dynamics = dynamics();
         let (mut filter, part) = (Filter::default(), Vector3::zeros());
         for _ in 0..2000 {
-            filter.correct(&dynamics, Some(0.3), 5, true);
+            filter.correct(&dynamics, Some(0.3), 5, COUNTED);
             filter.predict(&dynamics, Some(&part));
         }
         let q = [1e-8, 1e-3, 100.0];
@@ -151,16 +158,16 @@ mod tests {
         let (mut filter, part) = (Filter::default(), Vector3::zeros());
         for _ in 0..100 {
             filter.predict(&dynamics, Some(&part));
-            filter.correct(&dynamics, Some(0.3), 5, true);
+            filter.correct(&dynamics, Some(0.3), 5, COUNTED);
         }
         let mut before = filter.variance();
         for _ in 0..5 {
             filter.predict(&dynamics, Some(&part));
-            filter.correct(&dynamics, None, 5, true);
+            filter.correct(&dynamics, None, 5, COUNTED);
             assert!(filter.is_running() && !filter.is_fresh() && filter.variance() > before);
             before = filter.variance();
         }
-        filter.correct(&dynamics, None, 5, true);
+        filter.correct(&dynamics, None, 5, COUNTED);
         assert!(!filter.is_running());
     }
 
@@ -169,7 +176,7 @@ mod tests {
         let dynamics = dynamics();
         let mut filter = Filter::default();
         for k in 0..50 {
-            filter.correct(&dynamics, Some(0.01 * f64::from(k)), 5, true);
+            filter.correct(&dynamics, Some(0.01 * f64::from(k)), 5, COUNTED);
             assert!((filter.state()[0] - 0.01 * f64::from(k)).abs() < 1e-6);
             filter.predict(&dynamics, None);
         }
@@ -184,7 +191,7 @@ mod tests {
             let (mut filter, part) = (Filter::default(), Vector3::zeros());
             for k in 0..4000 {
                 let reading = if k % 2 == 0 { size } else { -size };
-                filter.correct(&dynamics, Some(reading), 5, true);
+                filter.correct(&dynamics, Some(reading), 5, COUNTED);
                 filter.predict(&dynamics, Some(&part));
             }
             filter.variance().sqrt()

@@ -7,14 +7,8 @@
 use super::mean::Mean;
 use nalgebra::{Matrix3, Vector3};
 
-/// Shadows, the longest of 512 cycles.
+/// Shadows, the longest of 512 cycles. Beyond them the variance is reckoned.
 const SHADOWS: usize = 10;
-
-/// Cycles of the past that count.
-const MEMORY: u32 = 15_000;
-
-/// An error of a single trial tells little of the next: a mean square of n counts as 1 + this/n of it.
-const DOUBT: f64 = 4.0;
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Shadow {
@@ -37,15 +31,15 @@ impl Growth {
         self.shadows.iter_mut().for_each(|shadow| shadow.age = None);
     }
 
-    /// Compares with `x`, which readings have told, and sends anew.
-    pub fn compare(&mut self, x: &Vector3<f64>) {
+    /// Compares with `x`, which readings have told, and sends anew; the newest `memory` cycles count.
+    pub fn compare(&mut self, x: &Vector3<f64>, memory: u32) {
         for (octave, shadow) in self.shadows.iter_mut().enumerate() {
             let length = 1 << octave;
             match shadow.age {
                 Some(age) if age < length => continue,
                 Some(age) if age == length => {
                     let error = shadow.x[0] - x[0];
-                    shadow.squares.add(error * error, MEMORY >> octave);
+                    shadow.squares.add(error * error, memory >> octave);
                 }
                 // Not sent, or there was nothing to compare with when it came back.
                 _ => {}
@@ -64,18 +58,19 @@ impl Growth {
         }
     }
 
-    /// The variance that `cycles` of prediction add, m²; `None` if nothing was measured.
+    /// The variance that `cycles` of prediction add, m², with the `doubt` of [`super::Parameters`]; `None`
+    /// if nothing was measured.
     ///
     /// Between two shadows it is a straight line, beyond the longest that has come back it grows with
     /// the square of time, as by a velocity that is off.
-    pub fn variance(&self, cycles: u32) -> Option<f64> {
+    pub fn variance(&self, cycles: u32, doubt: f64) -> Option<f64> {
         let (mut before, mut least) = (0.0, 0.0_f64);
         for (octave, shadow) in self.shadows.iter().enumerate() {
             let (count, length) = (f64::from(shadow.squares.count()), f64::from(1_u32 << octave));
             if count == 0.0 {
                 break;
             }
-            let variance = least.max(shadow.squares.value() * (1.0 + DOUBT / count));
+            let variance = least.max(shadow.squares.value() * (1.0 + doubt / count));
             let time = f64::from(cycles);
             if time <= length {
                 return Some(least + (variance - least) * (time - before) / (length - before));
@@ -91,11 +86,14 @@ impl Growth {
 mod tests {
     use super::*;
 
+    const MEMORY: u32 = 15_000;
+    const DOUBT: f64 = 4.0;
+
     /// A length whose prediction lags by 1 mm a cycle.
     fn measured(cycles: u32) -> Growth {
         let mut growth = Growth::default();
         for k in 0..cycles {
-            growth.compare(&Vector3::new(1e-3 * f64::from(k), 0.0, 0.0));
+            growth.compare(&Vector3::new(1e-3 * f64::from(k), 0.0, 0.0), MEMORY);
             growth.predict(&Matrix3::identity(), &Vector3::zeros());
         }
         growth
@@ -105,29 +103,29 @@ mod tests {
     fn a_velocity_that_is_off_is_measured_and_carried_on() {
         let growth = measured(20_000);
         for cycles in [1_u32, 2, 4, 64, 512] {
-            let sigma = growth.variance(cycles).expect("it was measured").sqrt();
+            let sigma = growth.variance(cycles, DOUBT).expect("it was measured").sqrt();
             let expected = 1e-3 * f64::from(cycles);
             assert!(sigma >= expected && sigma < 1.07 * expected, "{cycles}: {sigma}");
         }
-        let three = growth.variance(3).expect("it was measured");
+        let three = growth.variance(3, DOUBT).expect("it was measured");
         assert!((three / 1e-6 - 10.0).abs() < 0.1, "half way from 4 to 16: {three}");
-        let far = growth.variance(5120).expect("it was measured").sqrt();
+        let far = growth.variance(5120, DOUBT).expect("it was measured").sqrt();
         assert!(far > 5.12 && far < 5.6, "{far}");
     }
 
     #[test]
     fn what_was_never_measured_is_not_known() {
-        assert_eq!(Growth::default().variance(1), None);
-        assert_eq!(measured(1).variance(1), None);
-        assert!(measured(2).variance(1).is_some_and(|v| (v / 5e-6 - 1.0).abs() < 1e-9));
+        assert_eq!(Growth::default().variance(1, DOUBT), None);
+        assert_eq!(measured(1).variance(1, DOUBT), None);
+        assert!(measured(2).variance(1, DOUBT).is_some_and(|v| (v / 5e-6 - 1.0).abs() < 1e-9));
     }
 
     #[test]
     fn a_recalled_shadow_is_compared_with_nothing() {
         let mut growth = measured(20_000);
-        let before = growth.variance(64);
+        let before = growth.variance(64, DOUBT);
         growth.recall();
-        growth.compare(&Vector3::new(-700.0, 0.0, 0.0));
-        assert_eq!(growth.variance(64), before);
+        growth.compare(&Vector3::new(-700.0, 0.0, 0.0), MEMORY);
+        assert_eq!(growth.variance(64, DOUBT), before);
     }
 }

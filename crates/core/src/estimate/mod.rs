@@ -26,10 +26,12 @@ pub mod dynamics;
 pub mod filter;
 pub mod growth;
 mod mean;
+pub mod parameters;
 pub mod scale;
 pub mod sensor;
 
 pub use dynamics::{Drive, Dynamics};
+pub use parameters::Parameters;
 pub use scale::Scale;
 pub use sensor::{Design, Input, VirtualSensor};
 

@@ -31,6 +31,7 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequential::parameters::ResidualParameters;
 
     #[test]
     fn c2_is_corrected_by_what_was_fitted_and_beyond_it_by_a_and_b() {
@@ -45,7 +46,7 @@ mod tests {
         let comparator = Comparator { gain: 1.0, offset: 9e-3 };
         let scale = Scale { comparator, reference: Some(reference) };
         let c2 = |c2| {
-            let mut velocity = Velocity::new(0.02);
+            let mut velocity = Velocity::new(&ResidualParameters::DEFAULT, 0.02);
             scale.apply(&mut velocity, [None, Some(c2)], Some(0.1))[1].expect("it was read")
         };
         assert!((c2(-0.75) - (-0.75 + 1.5e-3 + 1e-4)).abs() < 1e-12);

@@ -2,18 +2,14 @@
 
 use super::carrier::{Carrier, Reserve};
 use super::dynamics::{Dynamics, Feed};
-use super::filter::Filter;
+use super::filter::{Counted, Filter};
 use super::growth::Growth;
 use super::mean::Mean;
+use super::parameters::{Cycles, Parameters};
 use super::scale::Scale;
 use super::{Estimate, Source};
+use crate::sequential::parameters::ResidualParameters;
 use crate::sequential::velocity::Velocity;
-
-/// Cycles over which the difference of the two is measured.
-const MEMORY: u32 = 15_000;
-
-/// What of the largest difference is left after a second.
-const KEPT: f64 = 0.37;
 
 /// What a virtual sensor runs on.
 #[derive(Clone, Debug)]
@@ -32,6 +28,7 @@ pub struct Design {
     pub bound: f64,
     /// Valid lengths, both inclusive, m.
     pub lengths: (f64, f64),
+    pub parameters: &'static Parameters,
 }
 
 /// One cycle of a cylinder.
@@ -66,7 +63,7 @@ impl Input {
 #[derive(Clone, Debug)]
 pub struct VirtualSensor {
     design: Design,
-    fade: f64,
+    cycles: Cycles,
     velocity: Velocity,
     feed: Feed,
     filters: [Filter; 2],
@@ -86,9 +83,9 @@ pub struct VirtualSensor {
 impl VirtualSensor {
     pub fn new(design: Design) -> Self {
         Self {
-            fade: libm::pow(KEPT, design.sample_time),
-            velocity: Velocity::new(design.sample_time),
-            feed: Feed::default(),
+            cycles: design.parameters.cycles(design.sample_time),
+            velocity: Velocity::new(&ResidualParameters::DEFAULT, design.sample_time),
+            feed: Feed::new(design.sample_time),
             filters: [Filter::default(), Filter::default()],
             growth: Growth::default(),
             differences: Mean::default(),
@@ -121,10 +118,12 @@ impl VirtualSensor {
             self.interrupt();
         }
         self.cycle = input.cycle;
-        let Design { dynamics, scale, max_gap, .. } = &self.design;
+        let Design { dynamics, scale, max_gap, parameters, .. } = &self.design;
+        let counted = Counted { wild: parameters.wild, memory: self.cycles.memory };
+        let counted = input.is_calm().then_some(counted);
         let lengths = scale.apply(&mut self.velocity, input.lengths, input.velocity);
         for (filter, length) in self.filters.iter_mut().zip(lengths) {
-            filter.correct(dynamics, length, *max_gap, input.is_calm());
+            filter.correct(dynamics, length, *max_gap, counted);
         }
         let source = self.choose(input);
         let estimate = match source {
@@ -154,10 +153,10 @@ impl VirtualSensor {
             self.difference = (one - other).abs();
             if fresh(0) && fresh(1) && input.is_calm() {
                 let counted = self.difference.min(self.design.difference);
-                self.differences.add(counted * counted, MEMORY);
+                self.differences.add(counted * counted, self.cycles.memory);
             }
         }
-        self.largest = self.difference.max(self.fade * self.largest);
+        self.largest = self.difference.max(self.cycles.difference_left * self.largest);
         Some(source)
     }
 
@@ -183,8 +182,8 @@ impl VirtualSensor {
         let able = (0..2).all(|i| !used[i] || follows(i));
         let told = Carrier { x, variance, coasted: 0, able };
         if able && input.is_calm() {
-            self.growth.compare(&x);
-            self.reserve.offer(told);
+            self.growth.compare(&x, self.cycles.memory);
+            self.reserve.offer(told, self.cycles.reserve);
         } else {
             self.growth.recall();
         }
@@ -203,7 +202,8 @@ impl VirtualSensor {
             self.carrier = self.reserve.get();
         }
         let Carrier { x, variance, coasted, able } = self.carrier?;
-        let grown = self.growth.variance(coasted).unwrap_or(f64::INFINITY);
+        let grown =
+            self.growth.variance(coasted, self.design.parameters.doubt).unwrap_or(f64::INFINITY);
         Some(self.judged(x[0], variance + grown, Source::Model, able && !input.process))
     }
 

@@ -5,9 +5,6 @@ use super::statistic::Peak;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
-/// A clearing alarm is looked at over at least so many samples.
-const LEAST_WATCHED: usize = 48;
-
 /// Why there is an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
@@ -75,8 +72,8 @@ impl Alarm {
         self.clear_suspect();
     }
 
-    /// How far back one looks whether it is over: as far as it took to find it.
-    pub fn watched(&self) -> usize {
-        self.peak.width.max(LEAST_WATCHED)
+    /// How far back one looks whether it is over, in samples: as far as it took to find it, and `least`.
+    pub fn watched(&self, least: usize) -> usize {
+        self.peak.width.max(least)
     }
 }

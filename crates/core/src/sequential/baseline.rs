@@ -1,25 +1,12 @@
 //! Where a healthy residual lies by itself: slow changes, of temperature above all.
 
-use crate::time::Timestamp;
-
-/// The time constant, s.
-const TIME: f64 = 60.0;
-
-/// It begins with the mean of so many seconds.
-const BEGIN: f64 = 5.0;
-
-/// It follows a residual by at most so many deviations.
-const CLIP: f64 = 3.0;
-
-/// A residual that may be off by so much teaches half as much as one that is known, m.
-const HALF: f64 = 1e-4;
-
-/// No temperature does more than this, m: a sample beyond is wild, and a mean must not follow it.
-const WILD: f64 = 2e-3;
+use super::parameters::ResidualParameters;
+use crate::time::{self, Timestamp};
 
 /// A slow mean of the residual, of the doubtful the less, and what it may be off by itself.
 #[derive(Clone, Debug)]
 pub struct Baseline {
+    parameters: &'static ResidualParameters,
     /// Of one sample.
     gain: f64,
     begin: f64,
@@ -32,11 +19,13 @@ pub struct Baseline {
 
 impl Baseline {
     /// For samples every `sample_time` seconds with a healthy `deviation`, m.
-    pub fn new(sample_time: f64, deviation: f64) -> Self {
+    pub fn new(parameters: &'static ResidualParameters, sample_time: f64, deviation: f64) -> Self {
+        let cycles = parameters.cycles(sample_time);
         Self {
-            gain: sample_time / TIME,
-            begin: libm::round(BEGIN / sample_time),
-            clip: CLIP * deviation,
+            parameters,
+            gain: cycles.baseline_gain,
+            begin: cycles.baseline_begin,
+            clip: parameters.baseline_clip * deviation,
             seen: 0.0,
             value: 0.0,
             doubt: 0.0,
@@ -59,12 +48,13 @@ impl Baseline {
 
     /// Follows a residual that may be off by `doubt`, m.
     pub fn follow(&mut self, residual: f64, doubt: f64) {
-        let halves = doubt / HALF;
+        let ResidualParameters { half_taught, wild, .. } = *self.parameters;
+        let halves = doubt / half_taught;
         let share = 1.0 / (1.0 + halves * halves);
         let off = residual - self.value;
         if self.seen < self.begin {
             self.seen += share;
-            self.value += share * off.clamp(-WILD, WILD) / self.seen;
+            self.value += share * off.clamp(-wild, wild) / self.seen;
             self.doubt += share * (doubt - self.doubt) / self.seen;
         } else {
             let clip = self.clip + doubt;
@@ -73,9 +63,6 @@ impl Baseline {
         }
     }
 }
-
-/// After a shorter loss of readings the baseline is as good as before, s: temperature takes minutes.
-const SHORT: f64 = 1.0;
 
 /// Whether what was lost was long enough to forget a baseline: one cycle in a few seconds is not, or a
 /// bus that loses some would never have one.
@@ -95,19 +82,22 @@ impl Loss {
     /// been set.
     pub fn is_long(&mut self, at: Timestamp) -> bool {
         let newest = self.newest.replace(at);
+        let short = ResidualParameters::DEFAULT.short_loss;
         let passed = |newest: Timestamp| at.since(newest).as_seconds();
         core::mem::take(&mut self.lost)
-            && newest.is_some_and(|newest| !(0.0..=SHORT).contains(&passed(newest)))
+            && newest.is_some_and(|newest| !(0.0..=short).contains(&passed(newest)))
     }
 }
 
-/// One-second means in a [`Slow`].
+/// One-second means in a [`Slow`]: the minute of it.
 const MEANS: usize = 60;
 
 /// The mean of the residual itself over the newest minute of evidence: what a baseline follows too
 /// slowly to be seen, ends here.
 #[derive(Clone, Debug)]
 pub struct Slow {
+    /// No residual counts as more, m.
+    wild: f64,
     second: u32,
     means: [f64; MEANS],
     held: usize,
@@ -119,9 +109,9 @@ pub struct Slow {
 }
 
 impl Slow {
-    pub fn new(sample_time: f64) -> Self {
-        let second = (libm::round(1.0 / sample_time) as u32).max(1);
-        Self { second, means: [0.0; MEANS], held: 0, next: 0, mean: None, sum: 0.0, count: 0 }
+    pub fn new(parameters: &ResidualParameters, sample_time: f64) -> Self {
+        let (wild, second) = (parameters.wild, time::cycles(1.0, sample_time).max(1));
+        Self { wild, second, means: [0.0; MEANS], held: 0, next: 0, mean: None, sum: 0.0, count: 0 }
     }
 
     pub fn reset(&mut self) {
@@ -130,7 +120,7 @@ impl Slow {
     }
 
     pub fn push(&mut self, residual: f64) {
-        self.sum += residual.clamp(-WILD, WILD);
+        self.sum += residual.clamp(-self.wild, self.wild);
         self.count += 1;
         if self.count == self.second {
             self.means[self.next] = self.sum / f64::from(self.count);
@@ -152,9 +142,11 @@ impl Slow {
 mod tests {
     use super::*;
 
+    const P: &ResidualParameters = &ResidualParameters::DEFAULT;
+
     #[test]
     fn it_begins_with_a_mean_and_then_follows_slowly() {
-        let mut baseline = Baseline::new(0.02, 1e-4);
+        let mut baseline = Baseline::new(P, 0.02, 1e-4);
         for k in 0..250 {
             assert_eq!(baseline.value(), None);
             baseline.follow(if k % 2 == 0 { 1e-3 } else { 3e-3 }, 0.0);
@@ -168,7 +160,7 @@ mod tests {
     /// Of a place that may be off by 0.2 mm, and is.
     #[test]
     fn what_is_doubtful_teaches_little_and_leaves_its_doubt() {
-        let mut baseline = Baseline::new(0.02, 1e-4);
+        let mut baseline = Baseline::new(P, 0.02, 1e-4);
         let begun = (0..2000).position(|_| {
             baseline.follow(2e-4, 2e-4);
             baseline.value().is_some()
@@ -184,7 +176,7 @@ mod tests {
 
     #[test]
     fn neither_follows_a_wild_sample() {
-        let (mut baseline, mut slow) = (Baseline::new(0.02, 1e-4), Slow::new(0.02));
+        let (mut baseline, mut slow) = (Baseline::new(P, 0.02, 1e-4), Slow::new(P, 0.02));
         for k in 0..3000 {
             let residual = if k % 200 == 100 { 0.5 } else { 0.0 };
             baseline.follow(residual, 0.0);
@@ -208,7 +200,7 @@ mod tests {
 
     #[test]
     fn the_slow_mean_is_that_of_a_minute() {
-        let mut slow = Slow::new(0.02);
+        let mut slow = Slow::new(P, 0.02);
         (0..3000).for_each(|_| slow.push(1e-3));
         (0..2999).for_each(|k| slow.push(1e-7 * f64::from(k)));
         let expected = (1e-3 * 50.0 + 1e-7 * (0..2950).sum::<i32>() as f64) / 3000.0;

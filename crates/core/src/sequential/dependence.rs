@@ -9,30 +9,14 @@
 //! together, and fill a window that one alone does not. Whoever knows what is seen in windows as long as a
 //! stretch, and how often, knows what wider ones are worth, which are several of those.
 
+use super::parameters::{DependenceParameters, EvidenceParameters};
 use super::rate::{Magnitudes, Of, Rate};
 use super::samples::History;
 use super::statistic::{Bands, Dependence, INDEPENDENT, Scales};
 use super::windows::WIDTHS;
 use alloc::vec::Vec;
 
-/// The tail that is looked at: this part of the windows, …
-const TAIL: f64 = 0.001;
-
-/// … or what thirty windows without a sample in common have, but no more than this.
-const APART: f64 = 30.0;
-const MOST: f64 = 0.2;
-
-/// What fewer windows without a sample in common have seen is chance.
-const RARE: f64 = 3.0;
-
-/// So many samples that say as much as one are a stretch in which the readings stand off, …
-const STRETCH: f64 = 2.0;
-
-/// … and it is as long as the widest window in which they are nearly as many.
-const NEARLY: f64 = 0.8;
-
-/// A longer one, in samples, is a fault that comes and goes, and is not expected to.
-const LONGEST: usize = 48;
+const P: &DependenceParameters = &EvidenceParameters::DEFAULT.dependence;
 
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-7;
@@ -102,15 +86,15 @@ impl Measuring {
 }
 
 /// The index of the window that is as long as what the readings stand off for; `None` where they do not, or for
-/// longer than [`LONGEST`].
+/// longer than [`DependenceParameters::longest`].
 fn stretch(dependence: &Dependence) -> Option<usize> {
     let longest = |widths: &[f64; WIDTHS.len()]| {
         let most = widths.iter().copied().fold(1.0, f64::max);
-        let last = widths.iter().rposition(|value| *value >= NEARLY * most);
-        last.filter(|_| most >= STRETCH)
+        let last = widths.iter().rposition(|value| *value >= P.nearly * most);
+        last.filter(|_| most >= P.stretch)
     };
     let stretch = dependence.iter().filter_map(longest).max();
-    stretch.filter(|index| WIDTHS[*index] <= LONGEST)
+    stretch.filter(|index| WIDTHS[*index] <= P.longest)
 }
 
 /// What windows of one width have shown, of which wider ones are made.
@@ -124,7 +108,7 @@ struct Composed {
 impl Composed {
     fn of(windows: &Magnitudes, what: Of, index: usize) -> Option<Self> {
         let (width, mut beyond) = (WIDTHS[index], 0.0);
-        let least = RARE * width as f64;
+        let least = P.rare * width as f64;
         let few = |(_, count): &(f64, u64)| {
             beyond += *count as f64;
             beyond >= least
@@ -164,11 +148,11 @@ fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -
 /// then, for a fraction of a second, all such windows are alike, and their tail says nothing of them.
 fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
     let all = windows.total() as f64;
-    let least = RARE * width as f64;
+    let least = P.rare * width as f64;
     let (mut beyond, mut most) = (0.0, 1.0_f64);
     for (magnitude, count) in windows.bins().rev() {
         beyond += count as f64;
-        if beyond > MOST * all {
+        if beyond > P.most * all {
             break;
         }
         if beyond >= least {
@@ -181,7 +165,7 @@ fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
 /// The mean excess of the evidence in its tail, nats; that of an exponential tail is 1.
 fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
     let all = windows.total() as f64;
-    let part = (APART * width as f64 / all).clamp(TAIL, MOST);
+    let part = (P.apart * width as f64 / all).clamp(P.tail, P.most);
     let (mut beyond, mut sum) = (0.0, 0.0);
     for (magnitude, count) in windows.bins().rev() {
         let (nats, count) = (evidence(magnitude), count as f64);

@@ -12,6 +12,7 @@ use super::history::DwellHistory;
 use super::noise::Noise;
 use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
+use super::parameters::{Cycles, Parameters};
 use super::rate::Rate;
 use super::reference::Reference;
 use super::samples::{History, Sample};
@@ -50,6 +51,7 @@ pub struct Design {
     pub sample_time: f64,
     /// Cycles without evidence that end an alarm.
     pub clear: u32,
+    pub parameters: &'static Parameters,
 }
 
 /// One cycle of a cylinder.
@@ -73,6 +75,7 @@ pub struct Input {
 #[derive(Clone, Debug)]
 pub struct Sequential {
     design: Design,
+    cycles: Cycles,
     scales: Scales,
     clipping: Clipping,
     baseline: Baseline,
@@ -109,30 +112,32 @@ pub struct Sequential {
 
 impl Sequential {
     pub fn new(design: Design) -> Self {
-        let Design { noise, resolution, outliers, .. } = design;
+        let Design { noise, resolution, outliers, sample_time, deviation, parameters, .. } = design;
+        let (residual, cycles) = (&parameters.residual, parameters.cycles(sample_time));
         let bands = Bands::new(noise.rest, DEAD_BAND, resolution, outliers);
         let (rate, square_rate) = (design.rate.clone(), design.square_rate.clone());
         let scales = Scales::new(rate, square_rate, design.dependence, bands);
         let clipping = Clipping::new(&scales);
         let farthest = clipping.usual().farthest;
         Self {
+            cycles,
             clipping,
-            baseline: Baseline::new(design.sample_time, design.deviation),
-            slow: Slow::new(design.sample_time),
+            baseline: Baseline::new(residual, sample_time, deviation),
+            slow: Slow::new(residual, sample_time),
             loss: Loss::default(),
-            novelty: Novelty::new(design.sample_time, design.deviation, farthest),
+            novelty: Novelty::new(residual, sample_time, deviation, farthest),
             scales,
-            history: History::default(),
+            history: History::holding(cycles.newest),
             search: Search::default(),
             noise: design.noise.relied_on(),
             sooner: 0.0,
             sampled_anew: false,
             may_be_timing: false,
             witness: Witness::default(),
-            skew: Skew::new(design.sample_time, design.noise.timing),
-            proportion: Proportion::new(design.deviation, DEAD_BAND),
+            skew: Skew::new(sample_time, noise.timing),
+            proportion: Proportion::new(deviation, DEAD_BAND, &parameters.scale, &cycles),
             pair: design.pair.clone().map(Pair::new),
-            velocity: Velocity::new(design.sample_time),
+            velocity: Velocity::new(residual, sample_time),
             was_monitored: false,
             verdict: Verdict::Unknown,
             unknown: None,

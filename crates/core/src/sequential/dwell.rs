@@ -1,13 +1,10 @@
 //! The end stop as a reference: where the rods stand on their mechanical stop, a transducer's own
 //! reading repeats from dwell to dwell, and the one that moved is the one that drifted.
 
+use super::stops::StopParameters;
 use crate::time::{Span, Timestamp};
 
-/// A rod rests while its readings stay within this, m …
-const STILL: f64 = 1.5e-3;
-
-/// … and is read when it has rested for this long, s.
-const REST: f64 = 3.0;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// What one dwell read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +28,13 @@ pub struct Dwelling {
 
 impl Default for Dwelling {
     fn default() -> Self {
-        Self { rest: Span::from_seconds(REST), since: None, sums: [0.0; 2], count: 0, read: false }
+        Self {
+            rest: Span::from_seconds(P.rest),
+            since: None,
+            sums: [0.0; 2],
+            count: 0,
+            read: false,
+        }
     }
 }
 
@@ -57,7 +60,7 @@ impl Dwelling {
             _ => return None,
         };
         let near = |first: &[f64; 2]| {
-            first.iter().zip(readings).all(|(first, now)| (now - first).abs() <= STILL)
+            first.iter().zip(readings).all(|(first, now)| (now - first).abs() <= P.still)
         };
         let since = match self.since.filter(|(_, first)| near(first)) {
             Some((since, _)) => since,

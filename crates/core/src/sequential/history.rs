@@ -1,7 +1,7 @@
 //! The dwells of one cylinder so far.
 
 use super::dwell::Dwell;
-use super::stops::Day;
+use super::stops::{Day, StopParameters};
 use super::trend::Trend;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
@@ -17,8 +17,7 @@ pub const MOST_READ: usize = 512;
 /// Fewer are no history.
 pub const LEAST: usize = 3;
 
-/// A reading repeats to no better than this, m.
-pub(super) const REPEATABILITY: f64 = 5e-5;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// No cylinder is as long as this, m.
 const LONGEST: f64 = 1000.0;
@@ -27,16 +26,6 @@ const DAY: i64 = 86_400_000_000_000;
 
 /// Seconds of a mean year.
 const YEAR: f64 = 365.25 * 86_400.0;
-
-/// No machine lies idle for so many years: its clock was set.
-const IDLE: f64 = 3.0;
-
-/// Newest intervals between dwells of which the median is the usual one.
-const INTERVALS: usize = 16;
-
-/// A calibration that has C2 read otherwise by more than this, m, is that of another transducer, or of one
-/// that was adjusted.
-const ADJUSTED: f64 = 5e-4;
 
 /// What the readings of a cylinder were told by while its dwells were read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,7 +105,7 @@ impl DwellHistory {
             self.dwells.last().zip(self.gauging.corrected.zip(gauging.corrected))
         {
             let corrected = |[gain, offset]: [f64; 2]| gain * newest.readings[1] + offset;
-            if (corrected(before) - corrected(now)).abs() > ADJUSTED {
+            if (corrected(before) - corrected(now)).abs() > P.adjusted {
                 *self = Self::default();
             }
         }
@@ -155,7 +144,7 @@ impl DwellHistory {
     fn follow_clock(&mut self, at: Timestamp) -> bool {
         let Some(newest) = self.dwells.last().map(|dwell| dwell.at) else { return true };
         let usual = self.usual_interval();
-        let idle = at.since(newest).as_seconds() > IDLE * YEAR;
+        let idle = at.since(newest).as_seconds() > P.idle * YEAR;
         // Those that are later than `at` were stamped by the other clock; after years all were.
         let right = if idle { 0 } else { self.dwells.partition_point(|dwell| dwell.at < at) };
         let (_, wrong) = self.dwells.split_at(right);
@@ -180,7 +169,7 @@ impl DwellHistory {
 
     /// The median of the newest intervals; a day where there are none.
     fn usual_interval(&self) -> Span {
-        let intervals = self.dwells.windows(2).rev().take(INTERVALS);
+        let intervals = self.dwells.windows(2).rev().take(P.intervals);
         let mut intervals: Vec<i64> =
             intervals.map(|pair| pair[1].at.since(pair[0].at).as_nanos()).collect();
         intervals.sort_unstable();

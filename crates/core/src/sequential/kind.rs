@@ -1,22 +1,8 @@
 //! Of what kind a fault is, how large and since when, from the residuals since.
 
+use super::parameters::KindParameters;
 use super::samples::{History, Newest};
 use crate::verdict::Fault;
-
-/// A ramp must explain this much more than a step, nats: one sample alone fits both.
-const RAMP_ADVANTAGE: f64 = 1.0;
-
-/// Of fewer samples a ramp cannot be told.
-const SHORTEST_RAMP: usize = 12;
-
-/// The square of the mean by the mean square below which it is noise, and about no step, …
-const NOISY: f64 = 0.3;
-
-/// … and above which it is no noise: of ten draws of (5-17) one or two in a hundred are so alike.
-const STEADY: f64 = 0.6;
-
-/// The mean square of the changes by the variance above which it is noise.
-const WILD: f64 = 1.0;
 
 /// A fault as its residuals show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,9 +21,9 @@ pub struct Shape {
 
 /// The step or the ramp that explains the most, healthy samples having this `deviation`, m: of the newest
 /// ones, or of those in motion, which go back farther.
-pub fn shape(history: &History, deviation: f64) -> Shape {
-    let (newest, recent) = fit(&history.all, deviation);
-    let (moving, lasting) = fit(&history.moving, deviation);
+pub fn shape(history: &History, deviation: f64, parameters: &KindParameters) -> Shape {
+    let (newest, recent) = fit(&history.all, deviation, parameters);
+    let (moving, lasting) = fit(&history.moving, deviation, parameters);
     if lasting > recent {
         Shape { onset: history.cycles_of_moving(moving.onset), ..moving }
     } else {
@@ -46,7 +32,11 @@ pub fn shape(history: &History, deviation: f64) -> Shape {
 }
 
 /// The shape, its onset in samples, and the squares that it explains, m².
-fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
+fn fit<const N: usize>(
+    samples: &Newest<N>,
+    deviation: f64,
+    parameters: &KindParameters,
+) -> (Shape, f64) {
     let mut best = [(0.0, 0.0, 0); 2];
     let (mut sum, mut aged) = (0.0, 0.0);
     for (count, value) in (1..).zip(samples.iter()) {
@@ -61,14 +51,17 @@ fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
         if step > best[0].0 {
             best[0] = (step, sum / n, count);
         }
-        if count >= SHORTEST_RAMP && ramp > best[1].0 {
+        if count >= parameters.shortest_ramp && ramp > best[1].0 {
             best[1] = (ramp, along / squares * n, count);
         }
     }
     let [step, ramp] = best;
     let more = (ramp.0 - step.0) / (2.0 * deviation * deviation);
-    let (fault, (_, size, onset)) =
-        if more > RAMP_ADVANTAGE { (Fault::Incipient, ramp) } else { (Fault::Abrupt, step) };
+    let (fault, (_, size, onset)) = if more > parameters.ramp_advantage {
+        (Fault::Incipient, ramp)
+    } else {
+        (Fault::Abrupt, step)
+    };
     let seen = onset < samples.held();
     (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
 }
@@ -83,7 +76,7 @@ pub enum Looks {
 }
 
 /// What the newest `span` samples are; `None` if there are not so many.
-pub fn looks(history: &History, span: usize) -> Option<Looks> {
+pub fn looks(history: &History, span: usize, parameters: &KindParameters) -> Option<Looks> {
     if span > history.all.held() {
         return None;
     }
@@ -92,7 +85,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
         newest().fold((0.0, 0.0), |(sum, squares), it| (sum + it, squares + it * it));
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
-    if mean * mean > STEADY * square {
+    if mean * mean > parameters.steady * square {
         return Some(Looks::Steady);
     }
     let mut before = None;
@@ -103,7 +96,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
     });
     // Of white noise this is 2 (von Neumann), of what goes up and down slowly nearly 0.
     let wildness = changes.sum::<f64>() / (count * (square - mean * mean));
-    let noisy = mean * mean < NOISY * square && wildness > WILD;
+    let noisy = mean * mean < parameters.noisy * square && wildness > parameters.wild;
     Some(if noisy { Looks::Noisy(libm::sqrt(square)) } else { Looks::Neither })
 }
 
@@ -114,8 +107,10 @@ mod tests {
     use crate::sequential::novelty::News;
     use crate::sequential::samples::Sample;
 
+    const P: &KindParameters = &KindParameters::DEFAULT;
+
     fn history(residual: impl Fn(usize) -> f64) -> History {
-        let mut history = History::default();
+        let mut history = History::holding(64);
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
             history.push(Sample::at_rest(healthy + residual(k)), &Clip::NONE, News::InMotion);
@@ -125,10 +120,10 @@ mod tests {
 
     #[test]
     fn a_step_and_a_ramp_are_told_apart() {
-        let step = shape(&history(|k| if k < 260 { 0.0 } else { -5e-4 }), 5e-5);
+        let step = shape(&history(|k| if k < 260 { 0.0 } else { -5e-4 }), 5e-5, P);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 40));
         assert!((step.size + 5e-4).abs() < 2e-5, "{step:?}");
-        let ramp = shape(&history(|k| 4e-6 * (k as f64 - 200.0).max(0.0)), 5e-5);
+        let ramp = shape(&history(|k| 4e-6 * (k as f64 - 200.0).max(0.0)), 5e-5, P);
         assert_eq!(ramp.fault, Fault::Incipient);
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
     }
@@ -137,11 +132,11 @@ mod tests {
     #[test]
     fn what_was_there_first_was_not_seen_to_begin() {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
-            let mut history = History::default();
+            let mut history = History::holding(64);
             let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
             (0..40)
                 .for_each(|k| history.push(Sample::at_rest(fault(k)), &Clip::NONE, News::InMotion));
-            let step = shape(&history, 5e-5);
+            let step = shape(&history, 5e-5, P);
             assert_eq!((step.onset, step.seen), (40 - begin, seen));
         }
     }
@@ -149,25 +144,27 @@ mod tests {
     /// Of a rod that rests now and then: two samples of three are in motion.
     #[test]
     fn an_onset_is_told_in_cycles() {
-        let mut history = History::default();
+        let mut history = History::holding(64);
         for k in 0..600_usize {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
             let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };
             let fault = if k < 450 { 0.0 } else { 5e-4 };
             history.push(Sample::at_rest(healthy + fault), &Clip::NONE, news);
         }
-        let step = shape(&history, 5e-5);
+        let step = shape(&history, 5e-5, P);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 150));
     }
 
     #[test]
     fn noise_has_no_mean() {
         let noisy = history(|k| if k % 2 == 0 { 4e-4 } else { -4e-4 });
-        let Some(Looks::Noisy(rms)) = looks(&noisy, 25) else { panic!("{:?}", looks(&noisy, 25)) };
+        let Some(Looks::Noisy(rms)) = looks(&noisy, 25, P) else {
+            panic!("{:?}", looks(&noisy, 25, P))
+        };
         assert!((rms - 4e-4).abs() < 2e-5, "{rms}");
-        assert_eq!(looks(&history(|_| 4e-4), 25), Some(Looks::Steady));
-        assert_eq!(looks(&history(|_| 4e-4), 65), None);
+        assert_eq!(looks(&history(|_| 4e-4), 25, P), Some(Looks::Steady));
+        assert_eq!(looks(&history(|_| 4e-4), 65, P), None);
         let wave = history(|k| 4e-4 * (k as f64 * 0.25).sin());
-        assert_eq!(looks(&wave, 50), Some(Looks::Neither));
+        assert_eq!(looks(&wave, 50, P), Some(Looks::Neither));
     }
 }

@@ -2,17 +2,18 @@
 //!
 //! One wild sample is a displacement, and another one back; it takes two successive ones the same way.
 
-/// Cycles over which a displacement is looked at.
-const OVER: usize = 10;
+use super::parameters::ResidualParameters;
 
-/// Slower than this is at rest, m/s.
-const SLOWEST: f64 = 5e-3;
+/// Displacements are over no more cycles: those of [`ResidualParameters::motion`] up to 160 Hz.
+pub const MOST_CYCLES: usize = 32;
 
 /// Follows both readings.
 #[derive(Clone, Debug)]
 pub struct Motion {
     least: f64,
-    ring: [[f64; 2]; OVER],
+    /// The newest readings, of as many cycles as a displacement is over.
+    ring: [[f64; 2]; MOST_CYCLES],
+    over: usize,
     next: usize,
     held: usize,
     /// How far each reading was displaced with the cycle before, m; 0 where that was not far.
@@ -21,9 +22,10 @@ pub struct Motion {
 
 impl Motion {
     /// For samples every `sample_time` seconds.
-    pub fn new(sample_time: f64) -> Self {
-        let least = SLOWEST * OVER as f64 * sample_time;
-        Self { least, ring: [[0.0; 2]; OVER], next: 0, held: 0, way: [0.0; 2] }
+    pub fn new(parameters: &ResidualParameters, sample_time: f64) -> Self {
+        let over = parameters.cycles(sample_time).motion;
+        let least = parameters.slowest * over as f64 * sample_time;
+        Self { least, ring: [[0.0; 2]; MOST_CYCLES], over, next: 0, held: 0, way: [0.0; 2] }
     }
 
     pub fn reset(&mut self) {
@@ -33,9 +35,9 @@ impl Motion {
     /// Takes the readings of a cycle, m; `true` if the rod moves by either of them.
     #[inline]
     pub fn step(&mut self, lengths: [f64; 2]) -> bool {
-        let before = core::mem::replace(&mut self.ring[self.next], lengths);
-        self.next = if self.next + 1 == OVER { 0 } else { self.next + 1 };
-        if self.held < OVER {
+        let before = core::mem::replace(&mut self.ring[self.next % MOST_CYCLES], lengths);
+        self.next = if self.next + 1 == self.over { 0 } else { self.next + 1 };
+        if self.held < self.over {
             self.held += 1;
             return false;
         }
@@ -56,7 +58,7 @@ mod tests {
     #[test]
     fn six_millimetres_a_second_are_motion_and_four_are_not() {
         for (speed, expected) in [(6e-3, true), (4e-3, false), (-6e-3, true)] {
-            let mut motion = Motion::new(0.02);
+            let mut motion = Motion::new(&ResidualParameters::DEFAULT, 0.02);
             let moved = (0..40).map(|k| motion.step([speed * 0.02 * f64::from(k), 0.0]));
             assert_eq!(moved.last(), Some(expected), "{speed}");
         }
@@ -65,7 +67,7 @@ mod tests {
     #[test]
     fn a_wild_sample_is_no_motion() {
         for size in [2e-3, -0.3] {
-            let mut motion = Motion::new(0.02);
+            let mut motion = Motion::new(&ResidualParameters::DEFAULT, 0.02);
             let moved =
                 (0..80).filter(|k| motion.step([if k % 25 == 20 { size } else { 0.0 }, 0.0]));
             assert_eq!(moved.count(), 0, "{size}");

@@ -3,8 +3,10 @@
 //! Two transducers are never sampled at quite the same time. What chance adds to that, times the
 //! velocity, is in their difference: σ² + (s v)².
 
+use super::parameters::SamplingParameters;
+
 /// Nobody has sampled two devices more alike than this, s: a calibration that says so was lucky.
-pub const LEAST_TIMING: f64 = 2e-4;
+pub const LEAST_TIMING: f64 = SamplingParameters::DEFAULT.least_timing;
 
 /// The scatter of healthy residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]

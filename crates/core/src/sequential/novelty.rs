@@ -1,6 +1,7 @@
 //! What a cycle is evidence of: the statistics take samples for independent ones.
 
 use super::motion::Motion;
+use super::parameters::ResidualParameters;
 use super::samples::Sample;
 
 /// What a sample counts for.
@@ -13,13 +14,6 @@ pub enum News {
     InMotion,
 }
 
-/// Moves that differ by less are the same, m: the rounding of readings that come as 32-bit floats is half
-/// of that.
-const ROUNDING: f64 = 1e-6;
-
-/// A residual that differs by less than this part of the healthy deviation is the same.
-const ALIKE: f64 = 0.5;
-
 /// Follows both readings and what they differ by.
 ///
 /// Where a rod goes whole counts from cycle to cycle, each reading is rounded at the same place between
@@ -31,6 +25,7 @@ const ALIKE: f64 = 0.5;
 pub struct Novelty {
     motion: Motion,
     /// m.
+    rounding: f64,
     alike: f64,
     farthest: f64,
     /// The newest readings and their residual, m.
@@ -42,10 +37,16 @@ pub struct Novelty {
 impl Novelty {
     /// For samples every `sample_time` seconds, of healthy residuals of this `deviation`, m, which
     /// rounding alone has not beyond `farthest`, m, when they are weighed.
-    pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
+    pub fn new(
+        parameters: &ResidualParameters,
+        sample_time: f64,
+        deviation: f64,
+        farthest: f64,
+    ) -> Self {
         Self {
-            motion: Motion::new(sample_time),
-            alike: ALIKE * deviation,
+            motion: Motion::new(parameters, sample_time),
+            rounding: parameters.rounding,
+            alike: parameters.alike * deviation,
             farthest,
             newest: None,
             moved: None,
@@ -72,7 +73,7 @@ impl Novelty {
         let Some((from, before)) = self.newest.replace((lengths, residual)) else { return false };
         let moved = [lengths[0] - from[0], lengths[1] - from[1]];
         let same = self.moved.replace(moved).is_some_and(|before| {
-            before.iter().zip(moved).all(|(before, now)| (now - before).abs() < ROUNDING)
+            before.iter().zip(moved).all(|(before, now)| (now - before).abs() < self.rounding)
         });
         same && (residual - before).abs() < self.alike && (share * residual).abs() <= self.farthest
     }
@@ -86,7 +87,7 @@ mod tests {
 
     /// The news of a rod whose readings C1 and C2 are so many counts.
     fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+        let mut novelty = Novelty::new(&ResidualParameters::DEFAULT, 0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
         counts
             .into_iter()
@@ -128,7 +129,7 @@ mod tests {
     /// As a PLC sends them that has made metres of counts.
     #[test]
     fn readings_in_floats_repeat_as_those_in_counts_do() {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+        let mut novelty = Novelty::new(&ResidualParameters::DEFAULT, 0.02, 2e-4, 1e-3);
         let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
         let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
         let news = (0..30).map(|k| novelty.step(read(k), Sample::at_rest(read(k)[0] - read(k)[1])));
@@ -137,7 +138,7 @@ mod tests {
 
     #[test]
     fn nothing_outlasts_a_reset() {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+        let mut novelty = Novelty::new(&ResidualParameters::DEFAULT, 0.02, 2e-4, 1e-3);
         (0..20).for_each(|_| _ = novelty.step([0.0; 2], Sample::at_rest(0.0)));
         novelty.reset();
         assert_eq!(

@@ -6,26 +6,20 @@
 //! in the closed loop the machine has, too.
 
 use super::drive::{Commands, Drive};
+use super::parameters::{PairParameters, Parameters};
 use super::whitening::{ORDER, Whitening};
 use crate::observe::riccati::{self, RiccatiError};
+use crate::time;
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
-/// Innovations that are kept, and the length of the signatures.
-pub const KEPT: usize = 64;
-
-/// Standard deviations of what moves the rod, and its velocity's error, from cycle to cycle: m, m/s
-/// and m/s².
-pub const PROCESS: [f64; 3] = [6e-5, 2e-4, 3e-3];
-
-/// What a nat against a noise of both is worth.
-const AGAINST_BOTH: f64 = 2.0;
-
-/// What of the velocity error's slope is left in the next cycle.
-const FADE: f64 = 0.9;
+/// Innovations that are kept, and the length of the signatures: those of
+/// [`PairParameters::followed_for`] up to 100 Hz.
+pub const KEPT: usize = 128;
 
 /// A: the length beside what the drive says, that velocity's error and its slope.
-pub const fn dynamics(sample_time: f64) -> Matrix3<f64> {
-    Matrix3::new(1.0, sample_time, 0.0, 0.0, 1.0, sample_time, 0.0, 0.0, FADE)
+pub fn dynamics(sample_time: f64, parameters: &PairParameters) -> Matrix3<f64> {
+    let left = parameters.slope_left.per_cycle(sample_time);
+    Matrix3::new(1.0, sample_time, 0.0, 0.0, 1.0, sample_time, 0.0, 0.0, left)
 }
 
 /// C: both transducers read the length.
@@ -52,6 +46,11 @@ pub struct PairDesign {
     gain: [f64; 3],
     drive: Drive,
     sample_time: f64,
+    parameters: &'static Parameters,
+    /// What of the slope is left in the next cycle.
+    left: f64,
+    /// Cycles until it has followed for a while.
+    followed: usize,
     /// Twice the inverse variances of the innovations' sum and difference, 1/m².
     weights: [f64; 2],
     whitening: Whitening,
@@ -90,10 +89,12 @@ impl PairDesign {
         sample_time: f64,
         deviation: f64,
         prediction: Prediction,
+        parameters: &'static Parameters,
     ) -> Result<Self, RiccatiError> {
-        let a = dynamics(sample_time);
+        let own = &parameters.pair;
+        let a = dynamics(sample_time, own);
         let reading = 0.5 * deviation * deviation;
-        let solution = riccati::solve(&a, &BOTH, PROCESS.map(|s| s * s), [reading; 2])?;
+        let solution = riccati::solve(&a, &BOTH, own.process_of(sample_time), [reading; 2])?;
         let sum = 2.0 * solution.covariance[(0, 0)] + reading;
         let Prediction { deviation: off, whitening } = prediction;
         let weights = [1.0 / sum.max(off * off), 1.0 / reading];
@@ -109,7 +110,19 @@ impl PairDesign {
         let signatures = [respond(|_| 1.0), respond(|age| age as f64 + 1.0)]
             .map(|innovations| Signature::of(innovations, &whitening));
         let gain = core::array::from_fn(|state| 0.5 * (l[(state, 0)] + l[(state, 1)]));
-        Ok(Self { gain, drive, sample_time, weights, whitening, signatures })
+        let followed = (time::samples(own.followed_for, sample_time) as usize).min(KEPT);
+        let left = a[(2, 2)];
+        Ok(Self {
+            gain,
+            drive,
+            sample_time,
+            parameters,
+            left,
+            followed,
+            weights,
+            whitening,
+            signatures,
+        })
     }
 }
 
@@ -136,9 +149,10 @@ pub struct Pair {
 
 impl Pair {
     pub fn new(design: PairDesign) -> Self {
+        let commands = Commands::new(&design.parameters.drive, design.sample_time);
         Self {
             design,
-            commands: Commands::default(),
+            commands,
             x: [0.0; 3],
             running: false,
             innovations: [[0.0; 2]; KEPT],
@@ -165,7 +179,7 @@ impl Pair {
             Some(command) => self.commands.push(command),
             None => self.commands.clear(),
         }
-        let PairDesign { gain, drive, sample_time, .. } = &self.design;
+        let PairDesign { gain, drive, sample_time, left, .. } = &self.design;
         let Some(([c1, c2], velocity)) = lengths.zip(drive.velocity(&self.commands)) else {
             return self.lose();
         };
@@ -183,7 +197,7 @@ impl Pair {
         self.x = [
             length + sample_time * error + gain[0] * sum + sample_time * velocity,
             error + sample_time * slope + gain[1] * sum,
-            FADE * slope + gain[2] * sum,
+            left * slope + gain[2] * sum,
         ];
         // Whatever is not finite gets there first.
         if !self.x[0].is_finite() {
@@ -193,7 +207,7 @@ impl Pair {
 
     /// The newest innovations, m; `None` before the filter has followed for a while.
     pub fn newest(&self) -> Option<[f64; 2]> {
-        (self.held == KEPT).then(|| self.ago(0))
+        (self.held >= self.design.followed).then(|| self.ago(0))
     }
 
     fn ago(&self, cycles: usize) -> [f64; 2] {
@@ -271,7 +285,12 @@ impl Pair {
         let left = sums - 2.0 * part * together.abs() + part * part * differences;
         let free = (sums / count).max(sum);
         let beyond = 0.5 * (count * libm::log(free / around) + sums / free - left / around);
-        Some(between.min(AGAINST_BOTH * beyond).max(0.0).copysign(together))
+        Some(
+            between
+                .min(self.design.parameters.pair.against_both * beyond)
+                .max(0.0)
+                .copysign(together),
+        )
     }
 }
 
@@ -294,7 +313,8 @@ mod tests {
     }
 
     fn design() -> PairDesign {
-        PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), Prediction::UNKNOWN)
+        let (deviation, parameters) = (SIGMA * 2.0_f64.sqrt(), &Parameters::DEFAULT);
+        PairDesign::new(ideal(), TS, deviation, Prediction::UNKNOWN, parameters)
             .expect("there is a gain")
     }
 
@@ -369,8 +389,14 @@ mod tests {
             .expect("there are such errors");
         let told = |whitening: Whitening| {
             let prediction = Prediction { deviation, whitening };
-            let design = PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), prediction)
-                .expect("there is a gain");
+            let design = PairDesign::new(
+                ideal(),
+                TS,
+                SIGMA * 2.0_f64.sqrt(),
+                prediction,
+                &Parameters::DEFAULT,
+            )
+            .expect("there is a gain");
             let nats = |seed: u64| {
                 let pair = swinging(seed, design.clone(), 200, |_| ());
                 pair.compare(Form::Step, 10, 13).expect("it follows")

@@ -1,12 +1,13 @@
 //! What C1 − C2 is on a healthy cylinder: along the stroke and with speed, and how well that is known.
 
+use super::parameters::ResidualParameters;
 use alloc::vec::Vec;
 
 /// Where the reference may be off by more than this, nothing is known, m: so much is a fault elsewhere.
-pub const LARGEST_DOUBT: f64 = 2e-4;
+pub const LARGEST_DOUBT: f64 = ResidualParameters::DEFAULT.largest_doubt;
 
 /// It may be off by so many of its standard deviations.
-pub const DOUBTED: f64 = 3.0;
+pub const DOUBTED: f64 = ResidualParameters::DEFAULT.doubted;
 
 /// Hat functions along the stroke and one term in velocity. With it go a and b of (5-20), what no
 /// straight line takes away, and the time by which one transducer samples after the other.

@@ -10,8 +10,9 @@ use alloc::boxed::Box;
 /// at rest the count hardly changes and one sample says much of what the one before has said.
 pub const AT_REST: usize = 6;
 
-/// Of all samples, in motion or not, so many are held.
-const NEWEST: usize = 64;
+/// Of all samples, in motion or not, so many are held at the most: those of
+/// [`KindParameters::newest`](super::parameters::KindParameters::newest) up to 100 Hz.
+pub const NEWEST: usize = 128;
 
 /// Of those in motion.
 pub const MOVING: usize = 1024;
@@ -47,18 +48,20 @@ impl Sample {
     }
 }
 
-/// The newest `N` residuals at most, m; `N` is a power of two.
+/// The newest residuals, m, up to a number of them that is `N` at the most; `N` is a power of two.
 #[derive(Clone, Debug)]
 pub struct Newest<const N: usize> {
     ring: Box<[f64; N]>,
     /// Residuals that came.
     count: usize,
+    /// So many are held.
+    most: usize,
 }
 
 impl<const N: usize> Default for Newest<N> {
     fn default() -> Self {
         const { assert!(N.is_power_of_two()) };
-        Self { ring: Box::new([0.0; N]), count: 0 }
+        Self { ring: Box::new([0.0; N]), count: 0, most: N }
     }
 }
 
@@ -66,7 +69,7 @@ impl<const N: usize> Newest<N> {
     /// Residuals that are held.
     #[inline]
     pub fn held(&self) -> usize {
-        self.count.min(N)
+        self.count.min(self.most)
     }
 
     #[inline]
@@ -103,6 +106,12 @@ pub struct History {
 }
 
 impl History {
+    /// One that holds so many of all samples, [`NEWEST`] at the most.
+    pub fn holding(newest: usize) -> Self {
+        let all = Newest { most: newest.min(NEWEST), ..Newest::default() };
+        Self { all, ..Self::default() }
+    }
+
     /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
     #[inline(always)]
     pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {

@@ -5,25 +5,13 @@
 //! away from the residuals, or expected of them, and told for itself. A fault of one transducer is in
 //! one cylinder and moves no median.
 
+use super::parameters::SamplingParameters;
 use super::skew::Seen;
 
-/// Fewer cylinders have no majority.
-pub(super) const LEAST: usize = 3;
+const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 
 /// More cylinders than these are not asked.
 const MOST: usize = 16;
-
-/// What is less, s, a calibration leaves.
-const LEAST_APART: f64 = 1e-4;
-
-/// The scatter that counts beyond the known one, …
-const MORE: f64 = 1.25;
-
-/// … and how much more than seen is expected then.
-const MARGIN: f64 = 1.15;
-
-/// Standard errors that something told is beyond.
-const SURE: f64 = 3.0;
 
 /// How far apart in time C1 and C2 are sampled, beside what the calibration has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,7 +29,7 @@ pub struct Apart {
 impl Apart {
     /// The timing that a cylinder is judged with, s, whose own is `known`.
     pub fn timing(&self, known: f64) -> f64 {
-        if self.spread > MORE * known { MARGIN * self.spread } else { known }
+        if self.spread > P.more * known { P.margin * self.spread } else { known }
     }
 }
 
@@ -73,7 +61,7 @@ impl Sampling {
             count += 1;
         }
         let said = &said[..count];
-        if count < LEAST {
+        if count < P.least_cylinders {
             return None;
         }
         let [fast, slow] = [0, 1].map(|which: usize| Middle {
@@ -81,8 +69,9 @@ impl Sampling {
             square: middle(said, |one| one.seen[which].square),
         });
         let known = middle(said, |one| one.known);
-        let mean = if (fast.mean - slow.mean).abs() > LEAST_APART { fast.mean } else { slow.mean };
-        let mean = if mean.abs() > LEAST_APART { mean } else { 0.0 };
+        let mean =
+            if (fast.mean - slow.mean).abs() > P.least_apart { fast.mean } else { slow.mean };
+        let mean = if mean.abs() > P.least_apart { mean } else { 0.0 };
         let told = self.tell(said, slow, known);
         let limit = limit(known);
         let perhaps = !self.changed && fast.may_be_beyond(limit);
@@ -96,13 +85,13 @@ impl Sampling {
         let limit = limit(known);
         let moved = || {
             let error = libm::sqrt(middle(said, |one| one.seen[1].mean_variance));
-            slow.mean.abs() - SURE * error > LEAST_APART
+            slow.mean.abs() - P.sure * error > P.least_apart
         };
         let now = if self.changed {
-            let over = slow.mean.abs() < 0.7 * LEAST_APART && slow.square < limit * limit;
+            let over = slow.mean.abs() < P.over * P.least_apart && slow.square < limit * limit;
             !over
         } else {
-            slow.mean.abs() > LEAST_APART && moved()
+            slow.mean.abs() > P.least_apart && moved()
                 || slow.may_be_beyond(limit) && surely(said, 1, limit)
         };
         (core::mem::replace(&mut self.changed, now) != now).then_some(now)
@@ -125,7 +114,7 @@ impl Middle {
 
 /// The scatter that a timing of `known`, s, is taken to be exceeded by, s.
 fn limit(known: f64) -> f64 {
-    LEAST_APART.max(MORE * known)
+    P.least_apart.max(P.more * known)
 }
 
 /// Chance adds more than `limit`, s, for sure, as the newest half second (0) or half minute (1) has it.
@@ -133,7 +122,7 @@ fn limit(known: f64) -> f64 {
 fn surely(said: &[Said], which: usize, limit: f64) -> bool {
     let least = |one: &Said| {
         let seen = one.seen[which];
-        seen.square - SURE * libm::sqrt(seen.square_variance)
+        seen.square - P.sure * libm::sqrt(seen.square_variance)
     };
     middle(said, least) > limit * limit
 }

@@ -4,6 +4,7 @@
 //! time alone explains, c + s·t + q·t², be it a step, a ramp or one that bends. While the rod goes up
 //! and down, l is no function of time, and one of them fails.
 
+use super::parameters::{Cycles, ScaleParameters};
 use nalgebra::{SMatrix, SVector};
 
 /// Regressors 1, t, t² and l, and the residual.
@@ -16,22 +17,6 @@ const OF_TIME: [usize; 3] = [0, 1, 2];
 
 /// What goes with the length.
 const OF_LENGTH: [usize; 2] = [0, 3];
-
-/// Cycles that are looked at; t is 1 at their end.
-const LONGEST: u32 = 3000;
-
-/// Neighbouring residuals say the same: the valves' dither, a fluctuation and a quantised reading
-/// last for a fraction of a second, and so many samples are one.
-const ALIKE: f64 = 25.0;
-
-/// Evidence for a gain that tells, nats: a chance of e⁻¹⁰ for each fault, of which there are few …
-const TOLD: f64 = 10.0;
-
-/// … and time leaves this many times as much unexplained.
-const CLEARLY: f64 = 4.0;
-
-/// A larger gain is no gain: a frozen reading has −1.
-const LARGEST: f64 = 0.1;
 
 /// A gain that is off.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,12 +34,24 @@ pub struct Proportion {
     deviation: f64,
     /// What the gain must amount to over the stroke that was travelled, m.
     dead_band: f64,
+    parameters: &'static ScaleParameters,
+    /// Cycles after the alarm that are looked at; t is 1 at their end.
+    longest: u32,
+    /// So many samples are one.
+    alike: f64,
     sums: [[f64; COLUMNS]; COLUMNS],
 }
 
 impl Proportion {
-    pub const fn new(deviation: f64, dead_band: f64) -> Self {
-        Self { deviation, dead_band, sums: [[0.0; COLUMNS]; COLUMNS] }
+    pub const fn new(
+        deviation: f64,
+        dead_band: f64,
+        parameters: &'static ScaleParameters,
+        cycles: &Cycles,
+    ) -> Self {
+        let (longest, alike) = (cycles.scale_longest, cycles.scale_alike);
+        let sums = [[0.0; COLUMNS]; COLUMNS];
+        Self { deviation, dead_band, parameters, longest, alike, sums }
     }
 
     /// Another alarm has begun.
@@ -64,10 +61,10 @@ impl Proportion {
 
     /// Takes the residual, m, at a length, m, so many cycles after the alarm.
     pub fn push(&mut self, age: u32, length: f64, residual: f64) {
-        if age > LONGEST {
+        if age > self.longest {
             return;
         }
-        let t = f64::from(age) / f64::from(LONGEST);
+        let t = f64::from(age) / f64::from(self.longest);
         let row = [1.0, t, t * t, length, residual / self.deviation];
         for (sums, a) in self.sums.iter_mut().zip(row) {
             for (sum, b) in sums.iter_mut().zip(row) {
@@ -84,13 +81,14 @@ impl Proportion {
         let (_, by_time) = self.fit(OF_TIME)?;
         // Nothing explains more than a healthy residual leaves.
         let ratio = by_time.max(count) / by_length.max(count);
-        let nats = 0.5 * count / ALIKE * libm::log(ratio);
+        let nats = 0.5 * count / self.alike * libm::log(ratio);
         let gain = slope * self.deviation;
         let mean = self.sums[0][3] / count;
         let travelled = libm::sqrt((self.sums[3][3] / count - mean * mean).max(0.0));
-        let is_scale = gain.abs() < LARGEST
+        let ScaleParameters { told: tells, clearly, largest, .. } = *self.parameters;
+        let is_scale = gain.abs() < largest
             && gain.abs() * travelled > self.dead_band
-            && if told { nats > 0.0 } else { nats > TOLD && ratio > CLEARLY };
+            && if told { nats > 0.0 } else { nats > tells && ratio > clearly };
         is_scale.then_some(Scale { gain, nats })
     }
 
@@ -107,6 +105,7 @@ impl Proportion {
 
 #[cfg(test)]
 mod tests {
+    use super::super::parameters::Parameters;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -114,10 +113,15 @@ mod tests {
 
     const SIGMA: f64 = 1e-4;
 
+    fn of_50_hz() -> Proportion {
+        let parameters = &Parameters::DEFAULT;
+        Proportion::new(SIGMA, 1e-4, &parameters.scale, &parameters.cycles(0.02))
+    }
+
     /// A rod that goes up and down in 8 s and a little more slowly, too, for so many seconds.
     fn after(seconds: f64, residual: impl Fn(f64, f64, f64) -> f64) -> Option<Scale> {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let mut proportion = Proportion::new(SIGMA, 1e-4);
+        let mut proportion = of_50_hz();
         for age in 0..(seconds / 0.02) as u32 {
             let t = 0.02 * f64::from(age);
             let length = 0.2 + 0.3 * (0.785 * t).sin() + 0.05 * (0.2 * t).cos();

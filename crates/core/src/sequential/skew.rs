@@ -2,22 +2,12 @@
 //! residuals of one cylinder.
 
 use super::noise::Noise;
+use super::parameters::SamplingParameters;
 
-/// Time constants, s: of what has just begun, and of what is known for sure.
-const TIMES: [f64; 2] = [0.5, 20.0];
+const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 
-/// Beyond so many deviations, squared, a residual says no more of the noise than there.
-const CLIP: f64 = 4.0;
-
-/// Beyond so many, squared, it is wild and says nothing at all.
-const WILD: f64 = 25.0;
-
-/// What the square of a normal residual is on average when it is clipped so, in variances.
-const CLIPPED: f64 = 0.920_5;
-
-/// As if so many samples at such a speed, m/s, had said what the calibration has said.
-const SAMPLES: f64 = 12.0;
-const SPEED: f64 = 0.2;
+/// How many time constants there are.
+const TIMES: usize = P.times.len();
 
 /// What some seconds say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +28,8 @@ pub struct Seen {
 pub struct Skew {
     known: f64,
     /// What is left of each sum with a sample more.
-    keep: [f64; TIMES.len()],
-    sums: [[f64; TIMES.len()]; SUMS],
+    keep: [f64; TIMES],
+    sums: [[f64; TIMES]; SUMS],
 }
 
 /// Of v², of v⁴, of v e, of v² times what e² is beyond the noise at rest, and of the variances of these
@@ -49,13 +39,13 @@ const SUMS: usize = 6;
 impl Skew {
     /// Of samples every `sample_time` seconds, of a calibration with the timing `known`, s.
     pub fn new(sample_time: f64, known: f64) -> Self {
-        let keep = TIMES.map(|time| libm::exp(-sample_time / time));
-        Self { known, keep, sums: [[0.0; TIMES.len()]; SUMS] }
+        let keep = P.times.map(|time| libm::exp(-sample_time / time));
+        Self { known, keep, sums: [[0.0; TIMES]; SUMS] }
     }
 
     /// The bus was lost: the devices may have started anew.
     pub const fn reset(&mut self) {
-        self.sums = [[0.0; TIMES.len()]; SUMS];
+        self.sums = [[0.0; TIMES]; SUMS];
     }
 
     /// Takes a residual as the calibration has it, m, at a `velocity`, m/s; `noise` and `mean`, s, are
@@ -65,11 +55,11 @@ impl Skew {
         let square = velocity * velocity;
         let variance = noise.variance(velocity);
         let left = residual - mean * velocity;
-        if left * left > WILD * variance {
+        if left * left > P.wild * variance {
             return;
         }
-        let (all, most) = (left * left, CLIP * variance);
-        let clipped = if all < most { all } else { most } * (1.0 / CLIPPED);
+        let (all, most) = (left * left, P.clip * variance);
+        let clipped = if all < most { all } else { most } * (1.0 / P.clipped);
         let excess = clipped - noise.rest * noise.rest;
         let fourth = square * square;
         let values = [
@@ -89,8 +79,9 @@ impl Skew {
     /// What the newest half second says, and what the newest half minute does.
     pub fn seen(&self) -> [Seen; 2] {
         let [squares, fourths, products, excesses, variances, others] = self.sums;
-        let square = SPEED * SPEED;
-        let few = [SAMPLES * SPEED * SPEED, SAMPLES * (square * square)];
+        let (samples, speed) = (P.prior_samples, P.prior_speed);
+        let square = speed * speed;
+        let few = [samples * speed * speed, samples * (square * square)];
         let known = few[1] * self.known * self.known;
         [0, 1].map(|i: usize| {
             let [by_square, by_fourth] = [1.0 / (squares[i] + few[0]), 1.0 / (fourths[i] + few[1])];

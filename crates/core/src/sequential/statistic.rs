@@ -1,5 +1,6 @@
 //! The generalised likelihood ratios, in nats, maximised over the windows.
 
+use super::parameters::EvidenceParameters;
 use super::rate::Rate;
 use super::samples::History;
 use super::wild::Outliers;
@@ -27,14 +28,10 @@ pub type Dependence = [[f64; WIDTHS.len()]; 2];
 /// Every sample is news.
 pub const INDEPENDENT: Dependence = [[1.0; WIDTHS.len()]; 2];
 
+const P: &EvidenceParameters = &EvidenceParameters::DEFAULT;
+
 /// What is below this is no fault but a temperature or a bend that the calibration has left, m.
-pub const DEAD_BAND: f64 = 1e-4;
-
-/// What a displacement of the dead band may add to the evidence of any window, nats.
-const BY_DEAD_BAND: f64 = 1.0;
-
-/// The least dead band of the mean square, in healthy ones.
-const LEAST_SPREAD_BAND: f64 = 0.25;
+pub const DEAD_BAND: f64 = P.dead_band;
 
 /// What of the weighed residuals is no evidence: what may be a bend, and what may be wild.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,10 +60,10 @@ impl Bands {
     /// little it is elsewhere. So much is no noise.
     pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2], outliers: Outliers) -> Self {
         let ratio = noise / dead_band;
-        let grown = 8.0 * BY_DEAD_BAND * (ratio * ratio);
+        let grown = 8.0 * P.by_dead_band * (ratio * ratio);
         let of = |width: usize| dead_band * width as f64 / (width as f64 + grown);
         let tossed: f64 = resolution.iter().map(|count| 0.25 * count * count).sum();
-        let least = (dead_band * dead_band).max(LEAST_SPREAD_BAND * noise * noise);
+        let least = (dead_band * dead_band).max(P.least_spread_band * noise * noise);
         Self {
             dead_band,
             dead_bands: WIDTHS.map(of),
@@ -301,7 +298,7 @@ mod tests {
         assert!(weighed(alternating, 1.0, News::InMotion)[1].nats > 20.0);
         for length in [1, 5, 20, 80, 300] {
             let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
-            assert!(mean.nats < BY_DEAD_BAND, "{length}: {mean:?}");
+            assert!(mean.nats < P.by_dead_band, "{length}: {mean:?}");
         }
     }
 
@@ -346,7 +343,7 @@ mod tests {
     fn a_displacement_of_the_dead_band_is_no_evidence() {
         for length in [1, 5, 20, 80, 300, 2000] {
             let [mean, variance] = after((0..length).map(|_| 1e-4), News::InMotion);
-            assert!(mean.nats < BY_DEAD_BAND + 1e-9, "{length}: {mean:?}");
+            assert!(mean.nats < P.by_dead_band + 1e-9, "{length}: {mean:?}");
             assert_eq!(variance, Peak::default(), "{length}");
         }
     }

@@ -1,14 +1,14 @@
 //! Where a transducer's reading on the stop is going.
 
 use super::dwell::Dwell;
-use super::history::{LEAST, REPEATABILITY};
+use super::history::LEAST;
+use super::stops::StopParameters;
 use super::student;
 
 /// Seconds of a mean month.
 const MONTH: f64 = 30.4375 * 86_400.0;
 
-/// Of so many healthy transducers one seems to drift, which is one machine of some eighty.
-const IN_SO_MANY: f64 = 1000.0;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// A straight line through the readings of one transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +65,7 @@ impl Trend {
             .map(|dwell| dwell.readings[which] - y0 - per_month * (months(dwell) - t0))
             .map(|residual| residual * residual)
             .sum();
-        let deviation = libm::sqrt(squares / (n - 2.0)).max(REPEATABILITY);
+        let deviation = libm::sqrt(squares / (n - 2.0)).max(P.repeatability);
         Some(Self {
             per_month,
             error: deviation / libm::sqrt(tt),
@@ -79,7 +79,7 @@ impl Trend {
     /// little of how they scatter.
     fn margin(&self) -> f64 {
         let freedom = self.dwells.saturating_sub(2).max(1);
-        student::two_sided(1.0 / IN_SO_MANY, freedom) * self.error
+        student::two_sided(1.0 / P.in_so_many, freedom) * self.error
     }
 
     /// Whether it is beyond what the scatter of so many dwells may look like.

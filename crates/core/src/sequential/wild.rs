@@ -5,23 +5,9 @@
 //! wild, ln(2/π) to either side, and k of them are no more than k times as much. Where more of them come
 //! than were expected, each is less evidence ([`Frequency`]).
 
-/// No level is less, nats, however calm the recording was that it is learnt from.
-const LEAST: f64 = 19.3;
+use super::parameters::OutlierParameters;
 
-/// What healthy samples beside wild ones may add, nats.
-const BESIDE: f64 = 3.45;
-
-/// Where wild samples are frequent, so many in a row to one side reach the least level; and so many to any
-/// side. Where both transducers of a pair have 3 % of them, twice as many of their differences are wild:
-/// five in a row to one side come once in some days then.
-const IN_A_ROW: f64 = 4.75;
-const OF_ANY_SIDE: f64 = 5.59;
-
-/// They are frequent beyond this part of the share that is expected.
-const FREQUENT: f64 = 0.3;
-
-/// Their share is a mean over so many samples that of the share which is frequent this many are wild.
-const COUNTED: f64 = 10.0;
+const P: &OutlierParameters = &OutlierParameters::DEFAULT;
 
 /// How many samples of a healthy cylinder may be wild.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,8 +35,8 @@ impl Outliers {
     /// 19.3 nats do not reach it, also beside healthy ones.
     pub fn least_level(self) -> f64 {
         let evidence = self.evidence();
-        let beneath = libm::floor(LEAST / evidence);
-        LEAST.max(beneath * evidence + BESIDE)
+        let beneath = libm::floor(P.least_level / evidence);
+        P.least_level.max(beneath * evidence + P.beside)
     }
 
     /// A: how far off a wild sample is taken for, in deviations of healthy ones. There a normal one is as
@@ -62,7 +48,7 @@ impl Outliers {
     /// What one sample of the mean, and of the mean square, is worth at the most where wild ones are
     /// frequent, nats.
     pub fn evidence_of_frequent(self) -> [f64; 2] {
-        [IN_A_ROW, OF_ANY_SIDE].map(|row| self.least_level() / row)
+        [P.in_a_row, P.of_any_side].map(|row| self.least_level() / row)
     }
 }
 
@@ -83,8 +69,8 @@ pub struct Frequency {
 impl Frequency {
     /// Of samples that count as far as `farthest`, m.
     pub fn new(outliers: Outliers, farthest: f64) -> Self {
-        let frequent = FREQUENT * outliers.share;
-        Self { farthest, frequent, part: frequent / COUNTED, share: 0.0, side: 0.0 }
+        let frequent = P.frequent * outliers.share;
+        Self { farthest, frequent, part: frequent / P.counted, share: 0.0, side: 0.0 }
     }
 
     /// Takes a sample, weighed, m.
@@ -111,8 +97,8 @@ mod tests {
         for (share, row) in [(0.02, 5.0), (0.01, 4.0), (0.001, 3.0)] {
             let outliers = Outliers { share };
             let (level, each) = (outliers.least_level(), outliers.evidence());
-            assert!((LEAST..22.0).contains(&level), "{share}: {level}");
-            assert!((row - 1.0) * each + BESIDE <= level + 1e-9, "{share}: {level}");
+            assert!((P.least_level..22.0).contains(&level), "{share}: {level}");
+            assert!((row - 1.0) * each + P.beside <= level + 1e-9, "{share}: {level}");
             assert!(row * each > level + 0.9, "{share}: {level}");
             let [frequent, square] = outliers.evidence_of_frequent();
             assert!(4.0 * frequent < level && 5.0 * frequent > level, "{share}");

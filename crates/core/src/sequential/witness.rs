@@ -6,26 +6,14 @@
 //! cannot, since they stand or move too slowly, nobody is to be blamed.
 
 use super::noise::Noise;
-use super::sampling::LEAST;
+use super::parameters::{SamplingParameters, WitnessParameters};
+use super::samples::NEWEST;
 use super::wild::Outliers;
 
-/// Cycles that are kept.
-const KEPT: usize = 64;
+const P: &WitnessParameters = &WitnessParameters::DEFAULT;
 
-/// What chance has a mean square seem larger by, standard errors, …
-const LUCK: f64 = 2.0;
-
-/// … and the part of what is left of it that the others are asked for.
-const PART: f64 = 0.5;
-
-/// The others contradict by so many nats.
-const CONTRADICTED: f64 = 6.0;
-
-/// Of so many others the one that contradicts least is not heard: it may be noisy itself.
-const MANY: usize = 3;
-
-/// Where another one bears it out by so many nats, it is common to several.
-const BORNE_OUT: f64 = 2.0;
+/// Cycles that are kept: as many as of the newest samples.
+const KEPT: usize = NEWEST;
 
 /// The newest cycles of a cylinder: the residual, m, and the velocity, m/s, 0 where it says nothing.
 #[derive(Clone, Debug)]
@@ -78,7 +66,7 @@ impl Witness {
             energy += residual * residual;
             squares += velocity * velocity;
         }
-        let at_rest = noise.rest * noise.rest * (count + LUCK * libm::sqrt(2.0 * count));
+        let at_rest = noise.rest * noise.rest * (count + P.luck * libm::sqrt(2.0 * count));
         let square = (energy - at_rest) / squares;
         let possible = square <= sample_time * sample_time;
         Claim { cycles, square: if possible { square } else { f64::INFINITY } }
@@ -86,7 +74,7 @@ impl Witness {
 
     /// The log-likelihood of `claim` less that of the healthy `noise`, nats, with so many `outliers`.
     pub fn evidence(&self, claim: &Claim, noise: &Noise, outliers: Outliers) -> f64 {
-        let timing = libm::sqrt((PART * claim.square).max(noise.timing * noise.timing));
+        let timing = libm::sqrt((P.part * claim.square).max(noise.timing * noise.timing));
         let claimed = Noise { timing, ..*noise };
         // As much as it takes for a sample to be wild.
         let most = outliers.evidence();
@@ -108,9 +96,10 @@ impl Claim {
             (count, sum) = (count + 1, sum + nats);
             most = if nats > most[0] { [nats, most[0]] } else { [most[0], nats.max(most[1])] };
         }
-        let (heard, next) = if count < MANY { (sum, most[0]) } else { (sum - most[0], most[1]) };
-        let contradicted = heard < -CONTRADICTED && next < BORNE_OUT;
-        self.square == f64::INFINITY || count + 1 < LEAST || contradicted
+        let (heard, next) = if count < P.many { (sum, most[0]) } else { (sum - most[0], most[1]) };
+        let contradicted = heard < -P.contradicted && next < P.borne_out;
+        let few = count + 1 < SamplingParameters::DEFAULT.least_cylinders;
+        self.square == f64::INFINITY || few || contradicted
     }
 }
 

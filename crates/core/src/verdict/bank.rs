@@ -1,8 +1,9 @@
 //! The bank of fault detection estimators of one cylinder (Figure 5-17), after its residuals.
 
 use super::Verdict;
-use super::fault::{DIFFERENCES, Fault, Signatures, WINDOW, classify_difference};
+use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
 use super::history::History;
+use super::parameters::{Cycles, Parameters};
 use super::suspect::{self, Seen, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use crate::time::{Span, Timestamp};
@@ -25,6 +26,9 @@ pub struct BankDesign {
     pub coincidence: Span,
     /// Of R1 and R2.
     pub signatures: [Signatures; 2],
+    pub parameters: &'static Parameters,
+    /// s.
+    pub sample_time: f64,
 }
 
 /// A fault that an FDE sees.
@@ -38,9 +42,6 @@ pub struct Detection {
     pub threshold: f64,
 }
 
-/// Cycles after a raise at which the kind of the fault is looked at again.
-const LOOKS: [u32; 3] = [0, 4, WINDOW as u32 - 1];
-
 const FDE3: usize = 2;
 
 /// FDE1, FDE2 and FDE3 of one cylinder.
@@ -49,14 +50,16 @@ pub struct Bank {
     triggers: [Trigger; 3],
     verdicts: [Verdict; 3],
     newest: [f64; 3],
-    observed: [History<WINDOW>; 2],
-    difference: History<DIFFERENCES>,
+    observed: [History<LONGEST_WINDOW>; 2],
+    difference: History<LONGEST_DIFFERENCES>,
     found: [Option<Found>; 3],
     /// Any is.
     any_found: bool,
     /// Of R1 and R2.
     signatures: [Signatures; 2],
     coincidence: Span,
+    parameters: &'static Parameters,
+    cycles: Cycles,
 }
 
 /// What is remembered of a raised FDE.
@@ -80,6 +83,8 @@ impl Bank {
             any_found: false,
             signatures: design.signatures.clone(),
             coincidence: design.coincidence,
+            parameters: design.parameters,
+            cycles: design.parameters.cycles(design.sample_time),
         }
     }
 
@@ -147,7 +152,7 @@ impl Bank {
             };
             let age = self.found[i].map_or(0, |found| found.age.saturating_add(1));
             let fault = match self.found[i] {
-                Some(found) if !LOOKS.contains(&age) => found.fault,
+                Some(found) if !self.cycles.looks.contains(&age) => found.fault,
                 _ => self.classify(i),
             };
             let suspect = match self.found[i] {
@@ -172,9 +177,12 @@ impl Bank {
     }
 
     fn classify(&self, i: usize) -> Fault {
-        match self.signatures.get(i) {
-            Some(signatures) => signatures.classify(&self.observed[i].in_order()),
-            None => classify_difference(&self.difference.in_order()),
+        let Self { signatures, parameters, cycles, .. } = self;
+        match signatures.get(i) {
+            Some(of_observer) => {
+                of_observer.classify(&self.observed[i].in_order(), parameters, cycles)
+            }
+            None => classify_difference(&self.difference.in_order(), parameters, cycles),
         }
     }
 }
@@ -198,6 +206,8 @@ mod tests {
             difference: thresholds(1.5e-3),
             coincidence: Span::from_seconds(0.2),
             signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
+            parameters: &Parameters::DEFAULT,
+            sample_time: 0.02,
         })
     }
 

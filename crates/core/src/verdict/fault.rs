@@ -4,17 +4,15 @@
 //! newest residuals are compared with both signatures at every onset within the window; the one
 //! that explains most of their energy names the fault, and what neither explains is noise.
 
+use super::parameters::{Cycles, Parameters};
 use crate::observe::observer::Design;
 use nalgebra::{Vector2, Vector3};
 
-/// Residuals that a classification looks at: 0.32 s at 50 Hz.
-pub const WINDOW: usize = 16;
+/// Residuals R1 or R2 that are kept: those of [`Parameters::window`] up to 100 Hz.
+pub const LONGEST_WINDOW: usize = 32;
 
-/// A signature must explain this share of the residuals' energy; white noise stays far below it.
-const EXPLAINED: f64 = 0.5;
-
-/// A ramp must explain this much more than a step, since one sample alone fits both.
-const RAMP_ADVANTAGE: f64 = 1.02;
+/// Residuals R3 that are kept: those of [`Parameters::differences`] up to 100 Hz.
+pub const LONGEST_DIFFERENCES: usize = 128;
 
 /// The kinds of Table 5-1 and of the plausibility checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,8 +50,8 @@ impl Fault {
 /// What a unit step, and a ramp of one unit a sample, on a reading leave in a residual.
 #[derive(Clone, Debug)]
 pub struct Signatures {
-    step: [f64; WINDOW],
-    ramp: [f64; WINDOW],
+    step: [f64; LONGEST_WINDOW],
+    ramp: [f64; LONGEST_WINDOW],
 }
 
 impl Signatures {
@@ -71,55 +69,66 @@ impl Signatures {
         Self { step: respond(|_| 1.0), ramp: respond(|k| k as f64 + 1.0) }
     }
 
-    /// Names the fault in `residuals`, m, oldest first.
-    pub fn classify(&self, residuals: &[f64; WINDOW]) -> Fault {
+    /// Names the fault in `residuals`, m, oldest first, of which the newest [`Cycles::window`] count.
+    pub fn classify(
+        &self,
+        residuals: &[f64; LONGEST_WINDOW],
+        parameters: &Parameters,
+        cycles: &Cycles,
+    ) -> Fault {
+        let residuals = &residuals[LONGEST_WINDOW - cycles.window..];
         let energy = residuals.iter().map(|r| r * r).sum();
-        name(explained(&self.step, residuals), explained(&self.ramp, residuals), energy)
+        let [step, ramp] = [&self.step, &self.ramp].map(|form| explained(form, residuals));
+        name(step, ramp, energy, parameters)
     }
 }
 
-/// Cycles of R3 that a classification looks at: 1.28 s at 50 Hz.
-pub const DIFFERENCES: usize = 64;
-
-/// Names the fault in R3, m, oldest first. R3 shows a fault as it is, beside an offset that the
-/// calibration has left; so step and ramp are fitted with a free constant. What was there already a
-/// second ago for the most part crept up to its bound, too slowly for either.
-pub fn classify_difference(differences: &[f64; DIFFERENCES]) -> Fault {
+/// Names the fault in R3, m, oldest first, of which the newest [`Cycles::differences`] count. R3 shows a
+/// fault as it is, beside an offset that the calibration has left; so step and ramp are fitted with a free
+/// constant. What was there already a second ago for the most part crept up to its bound, too slowly for
+/// either.
+pub fn classify_difference(
+    differences: &[f64; LONGEST_DIFFERENCES],
+    parameters: &Parameters,
+    cycles: &Cycles,
+) -> Fault {
+    let differences = &differences[LONGEST_DIFFERENCES - cycles.differences..];
+    let count = differences.len();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let before = mean(&differences[..DIFFERENCES - WINDOW]);
-    let now = differences[DIFFERENCES - 1];
-    if (now - before).abs() < 0.5 * now.abs() {
+    let before = mean(&differences[..count - cycles.window]);
+    let now = differences[count - 1];
+    if (now - before).abs() < (1.0 - parameters.crept) * now.abs() {
         return Fault::Incipient;
     }
     let offset = mean(differences);
-    let centred = differences.map(|r| r - offset);
-    let energy = centred.iter().map(|r| r * r).sum();
+    let energy = differences.iter().map(|r| (r - offset) * (r - offset)).sum();
     let (mut step, mut ramp) = (0.0_f64, 0.0_f64);
-    for onset in 1..DIFFERENCES {
-        let share =
-            |signature: fn(f64) -> f64| {
-                let values: [f64; DIFFERENCES] = core::array::from_fn(|k| {
-                    if k < onset { 0.0 } else { signature((k - onset) as f64) }
-                });
-                let offset = mean(&values);
-                let (mut dot, mut norm) = (0.0, 0.0);
-                for (s, r) in values.iter().zip(&centred) {
-                    dot += (s - offset) * r;
-                    norm += (s - offset) * (s - offset);
-                }
-                dot * dot / norm
-            };
+    for onset in 1..count {
+        let share = |signature: fn(f64) -> f64| {
+            let mut values = [0.0; LONGEST_DIFFERENCES];
+            let values = &mut values[..count];
+            for (age, value) in values[onset..].iter_mut().enumerate() {
+                *value = signature(age as f64);
+            }
+            let offset_of_values = mean(values);
+            let (mut dot, mut norm) = (0.0, 0.0);
+            for (s, r) in values.iter().zip(differences) {
+                dot += (s - offset_of_values) * (r - offset);
+                norm += (s - offset_of_values) * (s - offset_of_values);
+            }
+            dot * dot / norm
+        };
         step = step.max(share(|_| 1.0));
         ramp = ramp.max(share(|age| age + 1.0));
     }
-    name(step, ramp, energy)
+    name(step, ramp, energy, parameters)
 }
 
 /// The kind of fault, by the energies that the best step and the best ramp explain of `energy`.
-fn name(step: f64, ramp: f64, energy: f64) -> Fault {
-    if step.max(ramp) < EXPLAINED * energy {
+fn name(step: f64, ramp: f64, energy: f64, parameters: &Parameters) -> Fault {
+    if step.max(ramp) < parameters.explained * energy {
         Fault::Noise
-    } else if ramp > RAMP_ADVANTAGE * step {
+    } else if ramp > parameters.ramp_advantage * step {
         Fault::Incipient
     } else {
         Fault::Abrupt
@@ -128,8 +137,8 @@ fn name(step: f64, ramp: f64, energy: f64) -> Fault {
 
 /// The largest energy that `signature`, begun at any onset in the window and scaled at will,
 /// explains of `residuals`.
-fn explained(signature: &[f64; WINDOW], residuals: &[f64; WINDOW]) -> f64 {
-    (0..WINDOW)
+fn explained(signature: &[f64; LONGEST_WINDOW], residuals: &[f64]) -> f64 {
+    (0..residuals.len())
         .map(|onset| {
             let (mut dot, mut norm) = (0.0, 0.0);
             for (s, r) in signature.iter().zip(&residuals[onset..]) {
@@ -165,6 +174,17 @@ mod tests {
         }
     }
 
+    /// At 50 Hz.
+    const WINDOW: usize = 16;
+    const NEWEST: usize = LONGEST_WINDOW - WINDOW;
+
+    /// What `values` are of the newest samples at 50 Hz, behind what does not count.
+    fn classify(values: impl Fn(usize) -> f64) -> Fault {
+        let ring = std::array::from_fn(|k| k.checked_sub(NEWEST).map_or(7e-3, &values));
+        let parameters = Parameters::DEFAULT;
+        observer().classify(&ring, &parameters, &parameters.cycles(0.02))
+    }
+
     const NOISE: [f64; WINDOW] =
         [1., -1., 0., 1., 1., -1., 0., 0., -1., 1., 0., -1., -1., 1., 0., 1.];
 
@@ -177,23 +197,21 @@ mod tests {
     fn steps_ramps_and_noise_are_told_apart() {
         let signatures = observer();
         for onset in [4, 8, 11] {
-            let shifted = |signature: [f64; WINDOW]| {
-                std::array::from_fn(|k| {
-                    small(k) + if k < onset { 0.0 } else { 2e-3 * signature[k - onset] }
-                })
+            let shifted = |signature: [f64; LONGEST_WINDOW]| {
+                move |k| small(k) + if k < onset { 0.0 } else { 2e-3 * signature[k - onset] }
             };
-            let step = signatures.classify(&shifted(signatures.step));
-            assert_eq!(step, Fault::Abrupt, "from {onset}");
-            let ramp = signatures.classify(&shifted(signatures.ramp));
-            assert_eq!(ramp, Fault::Incipient, "from {onset}");
+            assert_eq!(classify(shifted(signatures.step)), Fault::Abrupt, "from {onset}");
+            assert_eq!(classify(shifted(signatures.ramp)), Fault::Incipient, "from {onset}");
         }
-        assert_eq!(signatures.classify(&NOISE), Fault::Noise);
+        assert_eq!(classify(|k| NOISE[k]), Fault::Noise);
     }
 
     #[test]
     fn steps_ramps_and_noise_are_told_apart_in_the_difference() {
         let with = |offset: f64, fault: &dyn Fn(usize) -> f64| {
-            classify_difference(&std::array::from_fn(|k| offset + small(k) + fault(k)))
+            let value = |k: usize| offset + small(k) + fault(k);
+            let ring = std::array::from_fn(|k| k.checked_sub(64).map_or(7e-3, value));
+            classify_difference(&ring, &Parameters::DEFAULT, &Parameters::DEFAULT.cycles(0.02))
         };
         for offset in [-5e-4, 0.0, 5e-4] {
             for onset in [40, 56, 63] {
@@ -215,8 +233,7 @@ mod tests {
 
     #[test]
     fn a_first_sample_alone_is_a_step() {
-        let mut residuals = [0.0; WINDOW];
-        residuals[WINDOW - 1] = -2e-3;
-        assert_eq!(observer().classify(&residuals), Fault::Abrupt);
+        let first = classify(|k| if k == WINDOW - 1 { -2e-3 } else { 0.0 });
+        assert_eq!(first, Fault::Abrupt);
     }
 }

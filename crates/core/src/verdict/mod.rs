@@ -3,11 +3,13 @@
 pub mod bank;
 pub mod fault;
 pub mod history;
+pub mod parameters;
 pub mod suspect;
 pub mod trigger;
 
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
+pub use parameters::Parameters;
 pub use suspect::Suspect;
 pub use trigger::{Thresholds, Trigger};
 

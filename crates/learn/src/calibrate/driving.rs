@@ -2,6 +2,7 @@
 
 use crate::identify::qr::Triangle;
 use tertius_core::sequential::drive::{Commands, Drive, FEATURES};
+use tertius_core::sequential::parameters::DriveParameters;
 
 /// Cycles of a displacement that the drive is fitted to.
 const SPAN: usize = 10;
@@ -32,7 +33,7 @@ impl Drives {
     pub(super) fn new(sample_time: f64) -> Self {
         Self {
             sample_time,
-            commands: Commands::default(),
+            commands: Commands::new(&DriveParameters::DEFAULT, sample_time),
             ring: [(0.0, [0.0; FEATURES]); SPAN],
             held: 0,
             cycle: 0,

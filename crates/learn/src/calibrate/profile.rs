@@ -10,6 +10,7 @@ use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::drive::Drive;
 use tertius_core::sequential::noise::LEAST_TIMING;
 use tertius_core::sequential::novelty::{News, Novelty};
+use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::samples::Sample;
 use tertius_core::sequential::velocity::Velocity;
@@ -78,8 +79,13 @@ impl Profiling {
             current: None,
             look: Look::new(cells),
             samples: vec![0; cells],
-            speed: Velocity::new(sample_time),
-            novelty: Novelty::new(sample_time, deviation(fitted), f64::INFINITY),
+            speed: Velocity::new(&ResidualParameters::DEFAULT, sample_time),
+            novelty: Novelty::new(
+                &ResidualParameters::DEFAULT,
+                sample_time,
+                deviation(fitted),
+                f64::INFINITY,
+            ),
             drives: Box::new(Drives::new(sample_time)),
         };
         let cylinders = fits.into_iter().map(|fitted| fitted.map(gathered)).collect();

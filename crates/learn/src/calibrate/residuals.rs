@@ -8,6 +8,7 @@ use super::trying::FAULTY;
 use crate::survey::Row;
 use tertius_core::sequential::baseline::{Baseline, Loss};
 use tertius_core::sequential::novelty::{News, Novelty};
+use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::samples::Sample;
 use tertius_core::sequential::velocity::Velocity;
 
@@ -58,16 +59,17 @@ impl Residuals {
     /// `sample_time` seconds.
     pub fn new(sample_time: f64, fitted: &Fitted, division: Division, halves: Halves) -> Self {
         let deviation = deviation(fitted);
+        let parameters = &ResidualParameters::DEFAULT;
         Self {
             line: fitted.line,
             limit: FAULTY * fitted.limit,
             division,
             halves,
-            velocity: Velocity::new(sample_time),
-            baseline: Baseline::new(sample_time, deviation),
+            velocity: Velocity::new(parameters, sample_time),
+            baseline: Baseline::new(parameters, sample_time, deviation),
             loss: Loss::default(),
             // How far healthy residuals go is what is being learnt.
-            novelty: Novelty::new(sample_time, deviation, f64::INFINITY),
+            novelty: Novelty::new(parameters, sample_time, deviation, f64::INFINITY),
         }
     }
 

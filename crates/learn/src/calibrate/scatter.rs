@@ -15,7 +15,7 @@ use tertius_core::sequential::rate::Of;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Rate};
+use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Parameters, Rate};
 
 /// The first width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
@@ -57,9 +57,10 @@ impl Scatter {
     pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
         let prediction =
             self.prediction.as_ref().map_or(Prediction::UNKNOWN, Predicted::prediction);
-        let pair = profile
-            .drive
-            .and_then(|drive| PairDesign::new(drive, sample_time, self.deviation, prediction).ok());
+        let pair = profile.drive.and_then(|drive| {
+            let parameters = &Parameters::DEFAULT;
+            PairDesign::new(drive, sample_time, self.deviation, prediction, parameters).ok()
+        });
         Design {
             reference: profile.reference.clone(),
             rate: self.rate.clone(),
@@ -73,6 +74,7 @@ impl Scatter {
             level: f64::INFINITY,
             sample_time,
             clear: 1,
+            parameters: &Parameters::DEFAULT,
         }
     }
 }
@@ -129,8 +131,10 @@ impl Scattering {
         let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
-            let design =
-                |drive| PairDesign::new(drive, sample_time, deviation, Prediction::UNKNOWN).ok();
+            let design = |drive| {
+                let (prediction, parameters) = (Prediction::UNKNOWN, &Parameters::DEFAULT);
+                PairDesign::new(drive, sample_time, deviation, prediction, parameters).ok()
+            };
             let Spread { noise, resolution } = spread;
             Judged {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),

@@ -6,6 +6,7 @@ use crate::survey::{Row, Surveyor, Window};
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::sequential::Reference;
+use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::velocity::Velocity;
 
 /// Readings of neighbouring times are put together, s.
@@ -85,7 +86,7 @@ impl Judging {
                 line: settings.comparator_of(index as u8 + 1),
                 bound: settings.comparator.bound,
                 reference: design.map(|design| design.reference.clone()),
-                velocity: Velocity::new(sample_time),
+                velocity: Velocity::new(&ResidualParameters::DEFAULT, sample_time),
                 beyond: Vec::new(),
                 blocks: Vec::new(),
             };

@@ -1,14 +1,15 @@
 //! What the detectors of all cylinders know together: how both transducers are sampled.
 
-use super::alarmed::{LOOKS, NOISE_TOLD};
 use super::{Design, Sequential};
 use crate::sequential::alarm::Alarm;
 use crate::sequential::noise::Noise;
+use crate::sequential::parameters::Cycles;
 use crate::sequential::sampling::{Apart, Said};
 use crate::sequential::witness::Claim;
 use crate::verdict::{Fault, Suspect};
 
-/// Cycles before a look in which the other cylinders are asked.
+/// Cycles before a look in which the other cylinders are asked: as many as lie between two times that the
+/// monitor asks.
 const AHEAD: u32 = 5;
 
 impl Sequential {
@@ -39,8 +40,8 @@ impl Sequential {
     /// What the noise of an alarm that is nobody's would be of the sampling, which the other cylinders are
     /// asked for before the next look at it.
     pub fn claim(&self) -> Option<Claim> {
-        let alarm = self.alarm.as_ref().filter(|alarm| alarm.is_to_be_claimed())?;
-        let cycles = alarm.age as usize + alarm.back;
+        let alarm = self.alarm.as_ref().filter(|alarm| alarm.is_to_be_claimed(&self.cycles))?;
+        let cycles = (alarm.age as usize + alarm.back).min(self.cycles.newest);
         let Design { noise, sample_time, .. } = &self.design;
         Some(self.witness.claim(cycles, &noise.relied_on(), *sample_time))
     }
@@ -67,9 +68,9 @@ impl Sequential {
 
 impl Alarm {
     /// It is nobody's, and will soon be looked at: whether it may be the sampling's is to be asked.
-    fn is_to_be_claimed(&self) -> bool {
-        let soon = self.age.max(NOISE_TOLD - 1) + 1..=self.age + AHEAD;
+    fn is_to_be_claimed(&self, cycles: &Cycles) -> bool {
+        let soon = self.age.max(cycles.noise_told - 1) + 1..=self.age + AHEAD;
         let asks = self.suspect == Suspect::Undecided && !self.of_timing;
-        asks && LOOKS.iter().any(|look| soon.contains(look))
+        asks && cycles.looks.iter().any(|look| soon.contains(look))
     }
 }

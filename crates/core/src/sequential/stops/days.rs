@@ -1,5 +1,6 @@
 //! The dwells of a day are one reading: they are of the same weather.
 
+use super::StopParameters;
 use alloc::vec::Vec;
 
 /// What one cylinder has read on a day.
@@ -15,14 +16,12 @@ pub struct Day {
     pub dwells: u32,
 }
 
-/// Readings of one day whose difference has changed by more than this are no one mean, m.
-const SAME: f64 = 5e-4;
-
 /// Puts another reading, of `dwells` dwells, to those of its day.
 pub(in crate::sequential) fn put(days: &mut Vec<Day>, day: Day) {
     let apart = |day: &Day| day.readings[0] - day.readings[1];
+    let same = StopParameters::DEFAULT.same_day;
     match days.last_mut() {
-        Some(last) if last.number == day.number && (apart(last) - apart(&day)).abs() <= SAME => {
+        Some(last) if last.number == day.number && (apart(last) - apart(&day)).abs() <= same => {
             let whole = f64::from(last.dwells) + f64::from(day.dwells);
             let share = f64::from(day.dwells) / whole;
             let mix = |old: f64, new: f64| old + share * (new - old);

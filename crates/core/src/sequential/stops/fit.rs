@@ -1,5 +1,7 @@
 //! Least squares with what is known of the coefficients beforehand.
 
+use super::StopParameters;
+
 /// What a fit makes of its first two coefficients is of interest: a constant, and the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fit {
@@ -12,19 +14,15 @@ pub(super) struct Fit {
 }
 
 /// How readings scatter about a fit, m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scatter {
-    /// What is expected, weighing as much as [`EXPECTED`] readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// What is expected, weighing as much as [`StopParameters::expected`] readings.
     pub usual: f64,
     /// They never scatter by less.
     pub least: f64,
 }
 
-/// What is expected of the scatter weighs as much as so many readings.
-pub(super) const EXPECTED: f64 = 4.0;
-
-/// Neighbours are never taken for more alike than this.
-const MOST_ALIKE: f64 = 0.9;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// Fits `values` by the columns of `rows`, of which column 1 is the move. `deviations` are those of the
 /// coefficients, m; infinite where nothing is known. `None` where the rows do not tell the move.
@@ -44,9 +42,10 @@ pub(super) fn fit<const N: usize>(
         let factor = cholesky(normal)?;
         let solution = solve(&factor, right);
         let (squares, products) = residuals(rows, values, &solution);
-        let expected = EXPECTED * scatter.usual * scatter.usual;
-        variance = ((expected + squares) / (EXPECTED + n - 2.0)).max(scatter.least * scatter.least);
-        let alike = if squares > 0.0 { (products / squares).clamp(0.0, MOST_ALIKE) } else { 0.0 };
+        let expected = P.expected * scatter.usual * scatter.usual;
+        variance =
+            ((expected + squares) / (P.expected + n - 2.0)).max(scatter.least * scatter.least);
+        let alike = if squares > 0.0 { (products / squares).clamp(0.0, P.most_alike) } else { 0.0 };
         let mut unit = [0.0; N];
         unit[1] = 1.0;
         let spread = solve(&factor, unit)[1];

@@ -10,6 +10,7 @@
 
 mod days;
 mod fit;
+mod parameters;
 mod rule;
 mod thermometer;
 
@@ -17,15 +18,13 @@ use super::history::DwellHistory;
 use alloc::vec::Vec;
 pub use days::Day;
 pub(super) use days::put;
+pub use fit::Scatter;
+pub use parameters::StopParameters;
 pub use rule::{Blame, Course, Judgement};
-
-/// Readings that move in counts up to this are rounded up and down by their own noise, so that a mean of
-/// them is finer, m.
-const DITHERED: f64 = 2e-4;
 
 /// What the dwells of a machine say of each cylinder; `None` where too little was read.
 pub fn judge<'a>(histories: impl IntoIterator<Item = &'a DwellHistory>) -> Vec<Option<Judgement>> {
-    let coarse = |count: f64| if count > DITHERED { count } else { 0.0 };
+    let coarse = |count: f64| if count > StopParameters::DEFAULT.dithered { count } else { 0.0 };
     let read = |history: &DwellHistory| (history.days(), coarse(history.gauging().count));
     let (days, counts): (Vec<Vec<Day>>, Vec<f64>) = histories.into_iter().map(read).unzip();
     rule::judge(&days, &counts)

@@ -1,66 +1,17 @@
 //! Whose drift it is: by the trend beyond chance against the other transducer, and the machine's common
 //! part.
 
+use super::StopParameters;
 use super::days::Day;
-use super::fit::{EXPECTED, Fit, Scatter, fit, likelihood};
-use super::thermometer::{CYLINDERS, Thermometer};
+use super::fit::{Fit, fit, likelihood};
+use super::thermometer::Thermometer;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 
-const MILLIMETRE: f64 = 1e-3;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
-/// A ramp may have begun so long ago, years …
-const AGO: [f64; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
-
-/// … with so many readings before and since; …
-const SIDE: usize = 3;
-
-/// … and a step so many readings ago.
-const STEPS: [usize; 5] = [1, 2, 4, 8, 16];
-
-/// Deviations of what is known beforehand, m and m a year: the season in the difference, …
-const SEASON_APART: f64 = 0.06 * MILLIMETRE;
-
-/// … in the mean of both, of which the other cylinders tell the largest that they may have, …
-const SEASONS: [f64; 4] =
-    [0.05 * MILLIMETRE, 0.10 * MILLIMETRE, 0.20 * MILLIMETRE, 0.40 * MILLIMETRE];
-
-/// … so many nats less likely than the likeliest, …
-const MAYBE: f64 = 3.0;
-
-/// … the mean's own trend, as stops wear, …
-const WEAR: [f64; 2] = [0.20 * MILLIMETRE, 0.50 * MILLIMETRE];
-
-/// … and what both may have stepped by together.
-const COMMON_STEP: f64 = 0.30 * MILLIMETRE;
-
-const APART: Scatter = Scatter { usual: 0.08 * MILLIMETRE, least: 0.05 * MILLIMETRE };
-const TOGETHER: [Scatter; 2] = [
-    Scatter { usual: 0.12 * MILLIMETRE, least: 0.05 * MILLIMETRE },
-    Scatter { usual: 0.15 * MILLIMETRE, least: 0.05 * MILLIMETRE },
-];
-
-/// Nobody calls it a drift while the readings have come apart by less, m …
-const LEAST: f64 = 0.3 * MILLIMETRE;
-
-/// … or by less than so many of the counts they move in.
-const COUNTS: f64 = 1.5;
-
-/// Deviations beyond chance, and how it grows where few readings tell the scatter.
-const BEYOND: f64 = 4.0;
-const FEW: f64 = 17.0 / 4.0;
-
-/// Twice the nats that name one of them.
-const NAMED: f64 = 12.0;
-
-/// Variances that both of them have moved by, what the one that has moved less has of the other's move,
-/// and what it has moved at least, m: a stop that wears takes both along.
-const BOTH: f64 = 16.0;
-const PART: f64 = 0.3;
-const OWN: f64 = 0.6 * MILLIMETRE;
-
-/// The mean square of all but the largest of a few normal values, less than their variance by this.
-const TRIMMED: f64 = 3.0;
+/// Seasons that the mean may have.
+const SEASONS: [f64; P.seasons.len()] = P.seasons;
 
 /// How the readings may have moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,20 +86,20 @@ impl Series {
         };
         let n = self.days.len();
         let mut courses = Vec::new();
-        if n >= SIDE {
+        if n >= P.side {
             courses.push(Course::Ramp(first.at));
         }
-        for ago in AGO {
+        for ago in P.ramps {
             let begin = last.at - ago;
             let before = self.days.iter().filter(|day| day.at <= begin).count();
-            if before >= SIDE && n - before >= SIDE {
+            if before >= P.side && n - before >= P.side {
                 courses.push(Course::Ramp(begin));
             }
         }
-        for back in STEPS {
+        for back in P.steps {
             if n > back
                 && self.days[..n - back].iter().map(|day| day.dwells as usize).sum::<usize>()
-                    >= SIDE
+                    >= P.side
             {
                 courses.push(Course::Step(self.days[n - back].at));
             }
@@ -169,10 +120,10 @@ impl Series {
         let free = f64::INFINITY;
         let rows: Vec<[f64; 5]> = self.days.iter().map(row).collect();
         let four: Vec<[f64; 4]> = rows.iter().map(|[one, s, c, d, _]| [*one, *s, *c, *d]).collect();
-        let apart = fit(&four, &self.apart, [free, free, SEASON_APART, SEASON_APART], APART)?;
+        let apart = fit(&four, &self.apart, [free, free, P.season_apart, P.season_apart], P.apart)?;
         let Prior { season, alone } = prior;
-        let wear = WEAR[alone];
-        let mean = fit(&rows, &self.mean, [free, free, season, season, wear], TOGETHER[alone])?;
+        let wear = P.wear[alone];
+        let mean = fit(&rows, &self.mean, [free, free, season, season, wear], P.together[alone])?;
         Some([apart, mean])
     }
 }
@@ -180,7 +131,8 @@ impl Series {
 /// Judges every cylinder of a machine by the days on which it was read; `counts`: what the readings of
 /// each move in, m. `None` where too little was read.
 pub(super) fn judge(cylinders: &[Vec<Day>], counts: &[f64]) -> Vec<Option<Judgement>> {
-    let thermometer = if cylinders.len() >= CYLINDERS { Thermometer::of(cylinders) } else { None };
+    let thermometer =
+        if cylinders.len() >= P.cylinders { Thermometer::of(cylinders) } else { None };
     let alone = usize::from(thermometer.is_none());
     let series: Vec<Series> =
         cylinders.iter().map(|days| Series::new(days, thermometer.as_ref(), alone)).collect();
@@ -191,18 +143,20 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
     let own = &series[which];
     let end = own.days.last()?.at;
     let prior = Prior { season: season(series, which), alone };
-    let nu = EXPECTED + own.days.len() as f64 - 2.0;
-    let beyond = BEYOND * (1.0 + FEW / nu);
+    let nu = P.expected + own.days.len() as f64 - 2.0;
+    let beyond = P.beyond * (1.0 + P.few / nu);
     let mut best: Option<(f64, Course, [Fit; 2])> = None;
     let mut judged = None;
     for course in own.courses() {
         let Some([mut apart, mut mean]) = own.fits(course, end, prior) else { continue };
         if let Course::Step(_) = course {
-            mean.variance += COMMON_STEP * COMMON_STEP;
+            mean.variance += P.common_step * P.common_step;
         }
         judged.get_or_insert((course, [apart, mean]));
         let size = apart.moved.abs();
-        if size < LEAST.max(COUNTS * count) || size - count < beyond * libm::sqrt(apart.variance) {
+        if size < P.least.max(P.counts * count)
+            || size - count < beyond * libm::sqrt(apart.variance)
+        {
             continue;
         }
         if let Some([a, m]) = others(series, which, course, end, prior) {
@@ -240,10 +194,10 @@ fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
     let rows: Vec<[f64; 4]> = days.iter().map(row).collect();
     let free = f64::INFINITY;
     let widest = SEASONS[SEASONS.len() - 1];
-    let fitted = fit(&rows, mean, [free, WEAR[alone], widest, widest], TOGETHER[alone]);
+    let fitted = fit(&rows, mean, [free, P.wear[alone], widest, widest], P.together[alone]);
     let Some(Fit { scatter, .. }) = fitted else { return Default::default() };
     SEASONS.map(|season| {
-        likelihood(&rows, mean, [free, WEAR[alone], season, season], scatter).unwrap_or(0.0)
+        likelihood(&rows, mean, [free, P.wear[alone], season, season], scatter).unwrap_or(0.0)
     })
 }
 
@@ -251,7 +205,7 @@ fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
 /// may itself drift.
 fn season(series: &[Series], which: usize) -> f64 {
     let others =
-        || series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= SIDE);
+        || series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= P.side);
     let swing = |it: &Series| it.seasons[SEASONS.len() - 1] - it.seasons[0];
     let most = others().max_by(|(_, one), (_, two)| swing(one).total_cmp(&swing(two)));
     let most = most.map(|(i, _)| i);
@@ -260,7 +214,7 @@ fn season(series: &[Series], which: usize) -> f64 {
         (0..sums.len()).for_each(|i| sums[i] += it.seasons[i]);
     }
     let best = sums.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let place = sums.iter().rposition(|sum| *sum >= best - MAYBE).unwrap_or(0);
+    let place = sums.iter().rposition(|sum| *sum >= best - P.maybe).unwrap_or(0);
     SEASONS[place]
 }
 
@@ -270,9 +224,9 @@ fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
     // What is rounded to counts is off by up to half a count, evenly.
     let lattice = count * count / 12.0;
     let variance = mean.variance + lattice + 0.25 * (apart.variance + 4.0 * lattice);
-    if one.min(two) > (BOTH * variance).max(PART * PART * one.max(two)).max(OWN * OWN) {
+    if one.min(two) > (P.both * variance).max(P.part * P.part * one.max(two)).max(P.own * P.own) {
         Blame::Both
-    } else if (one - two).abs() > NAMED * variance {
+    } else if (one - two).abs() > P.named * variance {
         if one > two { Blame::C1 } else { Blame::C2 }
     } else {
         Blame::Undecided
@@ -288,15 +242,15 @@ fn others(
     end: f64,
     prior: Prior,
 ) -> Option<[f64; 2]> {
-    let others = series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= SIDE);
+    let others = series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= P.side);
     let fits: Vec<[Fit; 2]> = others.filter_map(|(_, it)| it.fits(course, end, prior)).collect();
-    (fits.len() + 1 >= CYLINDERS).then(|| {
+    (fits.len() + 1 >= P.cylinders).then(|| {
         [0, 1].map(|part| {
             let mut squares: Vec<f64> =
                 fits.iter().map(|fits| fits[part].moved * fits[part].moved).collect();
             squares.sort_unstable_by(f64::total_cmp);
             squares.pop();
-            TRIMMED * squares.iter().sum::<f64>() / squares.len() as f64
+            P.trimmed * squares.iter().sum::<f64>() / squares.len() as f64
         })
     })
 }

@@ -1,15 +1,12 @@
 //! What all transducers of a machine read more or less alike: its temperature, which the other
 //! cylinders tell.
 
+use super::StopParameters;
 use super::days::Day;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-/// From so many cylinders on, that were read on the same day, the others are a thermometer.
-pub(super) const CYLINDERS: usize = 4;
-
-/// So many of the first days say where a transducer begins, until all days do.
-const FIRST: usize = 3;
+const P: &StopParameters = &StopParameters::DEFAULT;
 
 /// Rounds in which what is common and where each transducer begins are found in turn.
 const ROUNDS: usize = 2;
@@ -31,13 +28,13 @@ impl Thermometer {
                 }
             }
         }
-        read.retain(|_, count| *count >= CYLINDERS);
-        if read.len() < FIRST.min(cylinders.iter().map(Vec::len).max().unwrap_or(0)) {
+        read.retain(|_, count| *count >= P.cylinders);
+        if read.len() < P.first_days.min(cylinders.iter().map(Vec::len).max().unwrap_or(0)) {
             return None;
         }
         let first = |days: &Vec<Day>| {
             [0, 1].map(|which| {
-                let first = days.iter().take(FIRST).map(|day| day.readings[which]);
+                let first = days.iter().take(P.first_days).map(|day| day.readings[which]);
                 median(&mut first.collect::<Vec<_>>())
             })
         };

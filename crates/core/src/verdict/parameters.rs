@@ -1,0 +1,80 @@
+//! What the fault detection estimators classify by, beside the thresholds, which are configured.
+
+use super::fault::{LONGEST_DIFFERENCES, LONGEST_WINDOW};
+use crate::time;
+
+/// The numbers of the classification (Table 5-1). Times are in seconds; a kind is told from samples, so
+/// that below 50 Hz each of them is as many as at 50 Hz ([`time::samples`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    /// Newest residuals R1 or R2 that are compared with the signatures of a step and a ramp, s; 0.2 to
+    /// 0.32. In 16 samples at 50 Hz the observers of Table 4-1 have followed a step, and random signs
+    /// are no signature yet.
+    pub window: f64,
+    /// When after a raise the kind is looked at, s; each within `window`. At once, on the first sample
+    /// that tells a ramp from a step, and when the window is full.
+    pub looks: [f64; 3],
+    /// Newest residuals R3 that are compared with a step and a ramp, s; up to 1.28. A ramp of 1.2 mm/s
+    /// comes to the bound of 1.5 mm in it.
+    pub differences: f64,
+    /// A residual R3 of which the mean before the newest `window` has had more than this part crept up to
+    /// its bound; 0 to 1. Half: nearer to what it is now than to nothing.
+    pub crept: f64,
+    /// The part of the residuals' energy that a signature must explain, or it is noise; 0 to 1. White
+    /// noise stays far below it.
+    pub explained: f64,
+    /// How much more a ramp must explain than a step, as a ratio; 1 or more. One sample alone fits both.
+    pub ramp_advantage: f64,
+}
+
+impl Parameters {
+    /// The same for every machine.
+    pub const DEFAULT: Self = Self {
+        window: 0.32,
+        looks: [0.0, 0.08, 0.3],
+        differences: 1.28,
+        crept: 0.5,
+        explained: 0.5,
+        ramp_advantage: 1.02,
+    };
+
+    /// The counts for a machine with this `sample_time`, s. Above 100 Hz the rings are too short, and the
+    /// windows as long as these.
+    pub fn cycles(&self, sample_time: f64) -> Cycles {
+        let samples = |seconds: f64| time::samples(seconds, sample_time);
+        let window = (samples(self.window) as usize).min(LONGEST_WINDOW);
+        Cycles {
+            window,
+            differences: (samples(self.differences) as usize).min(LONGEST_DIFFERENCES),
+            looks: self.looks.map(|look| samples(look).min(window as u32 - 1)),
+        }
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// The times of [`Parameters`] in samples of one machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cycles {
+    pub window: usize,
+    pub differences: usize,
+    pub looks: [u32; 3],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_stay_and_below_50_hz_samples_do() {
+        let of = |rate: f64| Parameters::DEFAULT.cycles(1.0 / rate);
+        let at_50 = Cycles { window: 16, differences: 64, looks: [0, 4, 15] };
+        assert_eq!([of(10.0), of(20.0), of(50.0)], [at_50; 3]);
+        assert_eq!(of(100.0), Cycles { window: 32, differences: 128, looks: [0, 8, 30] });
+        assert_eq!(of(1000.0), Cycles { window: 32, differences: 128, looks: [0, 31, 31] });
+    }
+}
