@@ -46,15 +46,17 @@ impl Wirer<'_> {
     fn pair(&mut self, n: u8, fitted: &CylinderSequential) -> Option<PairDesign> {
         let drive = Drive(fitted.drive?);
         let sample_time = self.settings.machine.sample_time;
-        let Some(whitening) = Whitening::of(&fitted.prediction_correlation) else {
+        let whitening = fitted.prediction_correlation.as_ref().map(Whitening::of);
+        if whitening == Some(None) {
             self.flaws.push(Flaw::new(
                 "cylinder.sequential",
                 format!("the prediction_correlation of cylinder {n} is that of no errors"),
                 "calibrate it anew",
             ));
             return None;
-        };
-        let prediction = Prediction { deviation: fitted.prediction, whitening };
+        }
+        let prediction =
+            Prediction { deviation: fitted.prediction, whitening: whitening.flatten() };
         let parameters = &Parameters::DEFAULT;
         let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction, parameters);
         design

@@ -100,5 +100,5 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::optional("prediction_correlation",
         Kind::List { least: ORDER, most: ORDER, of: Scalar::Number(Limits::least(-1.0, FITTED).most(1.0)) },
         "[0.4, 0.1, -0.2, -0.4, -0.3, -0.1]",
-        "how alike two of these deviations are that are 1, 2, ... cycles apart; absent: not at all"),
+        "how alike two of these deviations are that are 1, 2, ... cycles apart; absent: not known"),
 ] };

@@ -89,9 +89,8 @@ pub struct CylinderSequential {
     /// What the readings differ by from it in a cycle, m.
     #[serde(default)]
     pub prediction: f64,
-    /// Correlation of these errors that are 1, 2, … cycles apart.
-    #[serde(default)]
-    pub prediction_correlation: [f64; ORDER],
+    /// Correlation of these errors that are 1, 2, … cycles apart; absent: not known.
+    pub prediction_correlation: Option<[f64; ORDER]>,
 }
 
 const fn unsaid() -> f64 {

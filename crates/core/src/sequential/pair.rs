@@ -30,13 +30,13 @@ const BOTH: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
 pub struct Prediction {
     /// Standard deviation of its errors, m; 0 where it is not known.
     pub deviation: f64,
-    /// What one of them foretells of the next ones.
-    pub whitening: Whitening,
+    /// What one of them foretells of the next ones; `None` where nobody has measured it.
+    pub whitening: Option<Whitening>,
 }
 
 impl Prediction {
     /// Nobody has measured it.
-    pub const UNKNOWN: Self = Self { deviation: 0.0, whitening: Whitening::NONE };
+    pub const UNKNOWN: Self = Self { deviation: 0.0, whitening: None };
 }
 
 /// What the filter runs on.
@@ -54,6 +54,8 @@ pub struct PairDesign {
     /// Twice the inverse variances of the innovations' sum and difference, 1/m².
     weights: [f64; 2],
     whitening: Whitening,
+    /// Evidence that decides whose a fault is, nats.
+    decided: f64,
     /// What a unit step on C1, and a ramp of one unit a cycle, leave in both innovations. Those of C2
     /// have them exchanged.
     signatures: [Signature; 2],
@@ -96,7 +98,12 @@ impl PairDesign {
         let reading = 0.5 * deviation * deviation;
         let solution = riccati::solve(&a, &BOTH, own.process_of(sample_time), [reading; 2])?;
         let sum = 2.0 * solution.covariance[(0, 0)] + reading;
-        let Prediction { deviation: off, whitening } = prediction;
+        let off = prediction.deviation;
+        let decided = match prediction.whitening {
+            Some(_) => own.decided,
+            None => own.decided_of_any,
+        };
+        let whitening = prediction.whitening.unwrap_or(Whitening::NONE);
         let weights = [1.0 / sum.max(off * off), 1.0 / reading];
         let l = solution.gain;
         let respond = |fault: fn(usize) -> f64| {
@@ -121,6 +128,7 @@ impl PairDesign {
             followed,
             weights,
             whitening,
+            decided,
             signatures,
         })
     }
@@ -212,6 +220,11 @@ impl Pair {
 
     fn ago(&self, cycles: usize) -> [f64; 2] {
         self.innovations[(self.next + KEPT - 1 - cycles) % KEPT]
+    }
+
+    /// Evidence of [`Self::compare`] that decides, nats, for either of them.
+    pub const fn decided(&self) -> f64 {
+        self.design.decided
     }
 
     /// A step or a ramp that began between `latest` and `earliest` cycles ago: C1's or C2's? The log-
@@ -387,7 +400,7 @@ mod tests {
         let deviation = libm::sqrt(product(0) / sums.len() as f64 / 2.0);
         let whitening = Whitening::of(&core::array::from_fn(|k| product(k + 1) / product(0)))
             .expect("there are such errors");
-        let told = |whitening: Whitening| {
+        let told = |whitening: Option<Whitening>| {
             let prediction = Prediction { deviation, whitening };
             let design = PairDesign::new(
                 ideal(),
@@ -407,7 +420,7 @@ mod tests {
                 all.iter().filter(|nats| **nats > 4.0).count(),
             ]
         };
-        let [[right, wrong], [by_white, wrong_by_white]] = [whitening, Whitening::NONE].map(told);
+        let [[right, wrong], [by_white, wrong_by_white]] = [Some(whitening), None].map(told);
         assert!(
             right >= 175 && wrong <= 2 && by_white < 150,
             "{right} right, {wrong} wrong of 200; {by_white} and {wrong_by_white} where each is news"

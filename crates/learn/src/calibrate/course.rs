@@ -10,7 +10,6 @@ use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
-use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 
 /// What a calibration is made with.
@@ -284,9 +283,7 @@ impl CylinderCalibration {
                     square_dependence: scatter.dependence[1],
                     drive: profile.drive.map(|drive| drive.0),
                     prediction: scatter.prediction.map_or(0.0, |it| it.deviation),
-                    prediction_correlation: scatter
-                        .prediction
-                        .map_or([0.0; ORDER], |it| it.correlation),
+                    prediction_correlation: scatter.prediction.and_then(|it| it.correlation),
                 }
             }),
         })

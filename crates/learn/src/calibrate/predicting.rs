@@ -14,13 +14,13 @@ const LEAST_ERRORS: u64 = 1500;
 pub struct Predicted {
     /// Standard deviation, m.
     pub deviation: f64,
-    /// Correlation of those that are 1, 2, … cycles apart.
-    pub correlation: [f64; ORDER],
+    /// Correlation of those that are 1, 2, … cycles apart; `None` of too few.
+    pub correlation: Option<[f64; ORDER]>,
 }
 
 impl Predicted {
     pub(super) fn prediction(&self) -> Prediction {
-        let whitening = Whitening::of(&self.correlation).unwrap_or(Whitening::NONE);
+        let whitening = self.correlation.as_ref().and_then(Whitening::of);
         Prediction { deviation: self.deviation, whitening }
     }
 }
@@ -75,8 +75,7 @@ impl Predicting {
         let deviation = (self.squares / self.count.max(1) as f64).sqrt();
         let [variance, together @ ..] = self.products;
         let known = self.undisturbed >= LEAST_ERRORS && variance > 0.0;
-        let correlation =
-            if known { together.map(|product| product / variance) } else { [0.0; ORDER] };
+        let correlation = known.then(|| together.map(|product| product / variance));
         (self.count > 0).then_some(Predicted { deviation, correlation })
     }
 }
@@ -110,20 +109,20 @@ mod tests {
     #[test]
     fn errors_go_on_whatever_wild_readings_and_gaps_there_are() {
         let predicted = taken(100_000).result().expect("there were errors");
-        for (place, found) in (1..).zip(predicted.correlation) {
+        let correlation = predicted.correlation.expect("there were enough");
+        for (place, found) in (1..).zip(correlation) {
             let expected = 0.6_f64.powi(place);
             // Runs of 34 cycles and less: each lag has by so much fewer products.
             assert!((found - expected).abs() < 0.06, "{place}: {found}, {expected}");
         }
-        let [first, ..] = predicted.correlation;
-        assert!(Whitening::of(&predicted.correlation).is_some() && first > 0.5);
+        assert!(predicted.prediction().whitening.is_some() && correlation[0] > 0.5);
     }
 
     #[test]
     fn few_errors_do_not_tell_how_they_go_on() {
         assert_eq!(Predicting::default().result(), None);
         let few = taken(1000).result().expect("there were errors");
-        assert_eq!(few.correlation, [0.0; ORDER]);
-        assert!(few.deviation > 1e-4 && few.prediction().whitening == Whitening::NONE);
+        assert_eq!((few.correlation, few.prediction().whitening), (None, None));
+        assert!(few.deviation > 1e-4);
     }
 }

@@ -133,12 +133,10 @@ fn sequential_table(table: &CylinderSequential) -> String {
         _ = writeln!(text, "level = {:?}", four_digits(*nats));
     }
     if let Some(coefficients) = drive {
-        _ = writeln!(
-            text,
-            "drive = {}\nprediction = {prediction:e}\nprediction_correlation = {}",
-            six(coefficients),
-            six(prediction_correlation)
-        );
+        _ = writeln!(text, "drive = {}\nprediction = {prediction:e}", six(coefficients));
+    }
+    if let Some(correlation) = prediction_correlation {
+        _ = writeln!(text, "prediction_correlation = {}", six(correlation));
     }
     text
 }

@@ -150,9 +150,9 @@ impl Sequential {
         if late || !shape.seen || alarm.of_timing || alarm.suspect != Suspect::Undecided {
             return;
         }
-        let pair = self.pair.as_ref();
-        let evidence = pair.and_then(|pair| pair.compare(form, age, age + alarm.back + 1));
-        decide(alarm, evidence, self.design.parameters.pair.decided);
+        if let Some(pair) = &self.pair {
+            decide(alarm, pair.compare(form, age, age + alarm.back + 1), pair.decided());
+        }
     }
 
     /// Noise has no onset to compare; its innovations go on.

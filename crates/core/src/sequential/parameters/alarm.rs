@@ -90,9 +90,11 @@ pub struct PairParameters {
     /// So many nats a step must be better than a ramp, or a ramp than a step, to be taken for one instead,
     /// and to be compared as one: a slow drift is nobody's.
     pub clearly: f64,
-    /// Evidence that decides whose a step or a ramp is, nats; 3 to 10. Less than for a noise: what the rod does
-    /// by itself is known better for half a second than for as long as a noise lasts.
+    /// Evidence that decides whose a step or a ramp is, nats; 3 to 10.
     pub decided: f64,
+    /// The same where it is not known how the errors of the command go on, and each counts as if it were
+    /// independent of those before: that proves too much.
+    pub decided_of_any: f64,
     /// So long after an alarm a side can be told, s: then the filter has followed a step, and in the closed
     /// loop the machine has, too. As many samples below 50 Hz as there.
     pub latest: f64,
@@ -111,6 +113,7 @@ impl PairParameters {
         against_both: 2.0,
         clearly: 3.0,
         decided: 4.0,
+        decided_of_any: 5.0,
         latest: 0.5,
         located: 0.48,
         followed: 5e-3,
