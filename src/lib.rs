@@ -49,6 +49,11 @@
 //! is why a replay says what the gateway said. Deliberately absent: any action on the machine. Tertius
 //! advises; the machine's own safety system acts.
 //!
+//! Three features leave rooms out when they are off, and all of them are on by default: `cli` has the commands, the
+//! program and what surrounds the gateway in it; `http` has health and metrics ([`appliance::http`],
+//! [`appliance::telemetry`]); `plots` has [`report`]. `cli` needs the other two. Without them there are the bus, the
+//! live monitor and all crates.
+//!
 //! Frames in, warnings out:
 //!
 //! ```
@@ -93,13 +98,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "cli")]
 #[macro_use]
 pub mod failure;
 
+#[cfg(feature = "http")]
 pub mod appliance;
 pub mod bus;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod live;
+#[cfg(feature = "plots")]
 pub mod report;
 
 pub use tertius_assess::{commission, evaluate};

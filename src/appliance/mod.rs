@@ -1,17 +1,29 @@
 //! The box around the live gateway: signals, the service manager, the log. The only room that knows
 //! what runs the gateway.
 
-mod activity;
-pub mod doctor;
-pub mod history;
 pub mod http;
-mod journald;
-pub mod link_watch;
-pub mod logging;
-mod quota;
 pub mod realtime;
-mod site;
-pub mod surroundings;
 pub mod telemetry;
+
+#[cfg(feature = "cli")]
+mod activity;
+#[cfg(feature = "cli")]
+pub mod doctor;
+#[cfg(feature = "cli")]
+pub mod history;
+#[cfg(feature = "cli")]
+mod journald;
+#[cfg(feature = "cli")]
+pub mod link_watch;
+#[cfg(feature = "cli")]
+pub mod logging;
+#[cfg(feature = "cli")]
+mod quota;
+#[cfg(feature = "cli")]
+mod site;
+#[cfg(feature = "cli")]
+pub mod surroundings;
+#[cfg(feature = "cli")]
 mod warning_log;
+#[cfg(feature = "cli")]
 mod watchdog;

@@ -73,7 +73,7 @@ pub fn tertius(arguments: &[&str], input: &[u8]) -> Run {
     tertius_in_pieces(arguments, input, &mut || usize::MAX)
 }
 
-/// As [`tertius`], the input written in pieces of the sizes that `size` gives.
+/// As [`tertius()`], the input written in pieces of the sizes that `size` gives.
 pub fn tertius_in_pieces(
     arguments: &[&str],
     input: &[u8],
