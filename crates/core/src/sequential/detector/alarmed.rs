@@ -118,7 +118,7 @@ impl Sequential {
     }
 
     fn tell_shape(&self, alarm: &mut Alarm) {
-        let PairParameters { clearly, followed, .. } = self.design.parameters.pair;
+        let PairParameters { clearly, followed, certain, .. } = self.design.parameters.pair;
         let Cycles { latest, located, looked_at, .. } = self.cycles;
         let shape = kind::shape(&self.history, self.design.deviation, &self.design.parameters.kind);
         if alarm.fault == Fault::Noise {
@@ -133,9 +133,11 @@ impl Sequential {
         let form = match shape.fault {
             Fault::Incipient if speed < followed => {
                 // So slow a drift may be anybody's, and what seemed a step was its beginning; but
-                // not a gain's that goes on, or what a stop has told since. A step that only may be a
-                // drift stays whose it is.
-                if alarm.age <= looked_at as u32 && shape.advantage > clearly {
+                // not a gain's that goes on, or what a stop has told since, or a step's that was certain
+                // and only may be a drift.
+                let certain = alarm.evidence.is_some_and(|nats| nats.abs() > certain);
+                let stays = certain && shape.advantage < clearly;
+                if alarm.age <= looked_at as u32 && !stays {
                     alarm.clear_suspect();
                 }
                 return;
