@@ -21,7 +21,7 @@ pub struct AlarmParameters {
     pub noise_told: f64,
     /// A noise has a root mean square of more than so many healthy deviations; 1 or more.
     pub notable: f64,
-    /// Evidence that decides whose a noise is, nats; 3 to 10. One blame of 150 is wrong then.
+    /// Evidence that decides whose a noise is, nats; 3 to 10. At e⁵ to one a blame is wrong once in 150.
     pub decided: f64,
 }
 
@@ -152,4 +152,24 @@ pub struct ScaleParameters {
 impl ScaleParameters {
     pub const DEFAULT: Self =
         Self { every: 0.4, longest: 60.0, alike: 0.5, told: 10.0, clearly: 4.0, largest: 0.1 };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A walk of a second is the same in 10, 50 or 100 steps.
+    #[test]
+    fn a_random_walk_is_one_of_time() {
+        let of = |rate: f64| PairParameters::DEFAULT.process_of(1.0 / rate);
+        assert_eq!(
+            of(50.0),
+            PairParameters::DEFAULT.process.map(|deviation| deviation * deviation)
+        );
+        for rate in [10.0, 100.0] {
+            for (here, usual) in of(rate).into_iter().zip(of(50.0)) {
+                assert!((rate * here / (50.0 * usual) - 1.0).abs() < 1e-12, "{rate} Hz");
+            }
+        }
+    }
 }

@@ -25,12 +25,12 @@ impl EvidenceParameters {
     };
 }
 
-/// What wild samples prove ([`crate::sequential::wild`]). The numbers come from the study of `scripts/healthy`,
-/// simulated buses with spikes on up to 3 % of the samples.
+/// What wild samples prove ([`crate::sequential::wild`]). The numbers come from `scripts/sweep-healthy spikes`:
+/// simulated hours with spikes on up to 3 % of the samples of either transducer or of both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutlierParameters {
-    /// No level is less, nats, however calm the recording was that it is learnt from; that of one false
-    /// alarm a year of six cylinders at 50 Hz, less what a recording shows to be better.
+    /// No level is less, nats, however calm the recording was that it is learnt from: it says nothing of
+    /// spikes to come.
     pub least_level: f64,
     /// What healthy samples beside wild ones may add, nats.
     pub beside: f64,
