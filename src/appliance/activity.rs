@@ -1,17 +1,17 @@
-//! What is said of a bus that falls quiet, speaks again, comes too fast or takes nothing.
+//! Log lines about a bus that falls quiet, resumes, delivers frames too fast or accepts none.
 
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
-/// Without a frame of the machine for this long the bus is quiet.
+/// Time without a frame of the machine after which the bus is quiet.
 const QUIET: Duration = Duration::from_secs(1);
 
-/// What goes on is said again after this long at the earliest.
+/// Least interval at which a persisting condition is logged again.
 const AGAIN: Duration = Duration::from_secs(60);
 
-/// Tells once when the bus becomes quiet and once when it speaks again, and of frames lost.
+/// Reports once when the bus becomes quiet and once when it resumes, and reports lost frames.
 #[derive(Debug)]
 pub(super) struct Activity {
     used: u64,
@@ -65,7 +65,7 @@ impl Activity {
     }
 }
 
-/// An interface that takes nothing: nobody acknowledges, or the bus is full.
+/// An interface that accepts no frames: nobody acknowledges them, or the bus is full.
 #[derive(Clone, Copy, Debug, Default)]
 struct Jam {
     sent: u64,
@@ -96,7 +96,7 @@ impl Jam {
     }
 }
 
-/// A count that is told of when it has grown, at once and then now and again.
+/// A count whose growth is logged, at once and then from time to time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Growth {
     told: u64,
@@ -104,7 +104,7 @@ struct Growth {
 }
 
 impl Growth {
-    /// By how much `count` has grown since it was told of, if that is to be told now.
+    /// Growth of `count` since it was last logged, if it is to be logged now.
     fn by(&mut self, count: u64) -> Option<u64> {
         if count == self.told {
             return None;

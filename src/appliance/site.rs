@@ -1,4 +1,4 @@
-//! Where the gateway's telemetry is served, and what the log says of it.
+//! The address at which the gateway's telemetry is served, and its log lines.
 
 use super::http::Server;
 use super::telemetry::Recorder;
@@ -6,17 +6,17 @@ use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use tracing::{info, warn};
 
-/// The server, where there is one. Without it the gateway does all the same.
+/// The server, if there is one. The gateway also works without it.
 #[derive(Debug, Default)]
 pub(super) struct Site {
-    /// As it was asked for; port 0 becomes another one.
+    /// Address as requested; port 0 becomes another one.
     listen: Option<SocketAddr>,
     server: Option<Server>,
 }
 
 impl Site {
-    /// Serves what `recorder` writes on `listen` from now on. Where that cannot be, it goes on as
-    /// before.
+    /// Serves what `recorder` writes on `listen` from now on. Where that fails, the previous server
+    /// continues.
     pub fn listen(&mut self, listen: Option<SocketAddr>, recorder: &Recorder) {
         if self.listen == listen && self.server.is_some() == listen.is_some() {
             return;
@@ -53,7 +53,7 @@ impl Site {
     }
 }
 
-/// What to do about it.
+/// Advice on an error.
 fn help(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::AddrInUse => {

@@ -1,4 +1,4 @@
-//! What surrounds the live gateway: signals, the log, the service manager.
+//! The surroundings of the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
 use super::history::{Keeper, Kept};
@@ -32,27 +32,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
-/// The slice in which a wait looks for signals.
+/// Interval at which a wait checks for signals.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What a configuration leads to.
+/// Everything that is prepared from a configuration.
 pub struct Prepared {
     pub gateway: Gateway,
     /// Opens the interface.
     pub opener: Box<dyn Opener>,
-    /// The interface's name; `None` for the embedded bus.
+    /// Name of the interface; `None` for the embedded bus.
     pub interface: Option<String>,
-    /// Where HTTP listens.
+    /// Address of the HTTP server.
     pub listen: Option<SocketAddr>,
-    /// Only as the gateway starts.
+    /// Real-time settings, used only at the gateway's start.
     pub realtime: Realtime,
-    /// What outlives the gateway.
+    /// State that outlives the gateway.
     pub kept: Kept,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
 
-/// The surroundings of the gateway on a box.
+/// The surroundings of the gateway on a computer.
 pub struct Appliance {
     stop: Arc<AtomicBool>,
     reload: Arc<AtomicBool>,
@@ -68,10 +68,9 @@ pub struct Appliance {
 }
 
 impl Appliance {
-    /// Catches the signals; `prepare` reads the configuration anew.
+    /// Catches the signals; `prepare` reads the configuration again.
     ///
-    /// # Errors
-    /// If a signal cannot be caught.
+    /// # Errors A signal cannot be caught.
     pub fn new(prepare: Prepare) -> io::Result<Self> {
         let (stop, reload) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         for signal in [SIGTERM, SIGINT] {
@@ -105,12 +104,13 @@ impl Appliance {
         })
     }
 
-    /// Set, it stops the gateway as SIGTERM does.
+    /// A flag that, when set, stops the gateway as SIGTERM does.
     pub fn stopper(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }
 
-    /// The gateway of the configuration `config` starts, on `interface`, and HTTP on `listen`.
+    /// Logs the start of the gateway with the configuration `config`, on its interface, and starts
+    /// HTTP on `listen`.
     pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>, interface: Option<&str>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
         self.site.listen(listen, &self.recorder);
@@ -124,12 +124,12 @@ impl Appliance {
         }
     }
 
-    /// `gateway` starts with what was kept.
+    /// Restores in `gateway` what was kept.
     pub fn remind(&mut self, gateway: &mut Gateway, kept: Kept) {
         gateway.inherit(self.keeper.open(kept, None));
     }
 
-    /// `gateway` has stopped.
+    /// Finishes after `gateway` has stopped.
     pub fn stopped(&mut self, gateway: &Gateway) {
         tell(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());

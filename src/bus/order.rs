@@ -1,4 +1,4 @@
-//! Whether recordings are named in the order of time.
+//! Checks whether recordings are named in the order of time.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,16 @@ use super::input::Place;
 use super::selection::Interfaces;
 use super::source::SourceError;
 
-/// Bytes of a recording that are looked at for its first frame.
+/// Number of bytes of a recording in which its first frame is sought.
 const PEEK: usize = 64 * 1024;
 
-/// Right orders of more recordings are not told in full.
+/// Most recordings whose right order is listed in full.
 const LISTED: usize = 16;
 
-/// Refuses recordings of which one begins before one that is named ahead of it. Only files are looked
-/// at, and time stamps that count from somewhere of their own say nothing.
+/// Refuses recordings one of which begins before one that is named ahead of it. Only files are
+/// examined, and time stamps with an origin of their own are ignored.
 ///
-/// # Errors
-/// The two, and the right order.
+/// # Errors The two recordings, and the right order.
 pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceError> {
     if places.len() < 2 {
         return Ok(());
@@ -40,8 +39,8 @@ pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceErr
     Err(SourceError::Order { ahead: ahead.0, at: ahead.1, later: later.0, before: later.1, advice })
 }
 
-/// `paths` in the order in which they begin, by their time stamps; as they are named where one of them
-/// does not tell. What cannot be opened is told when it is read.
+/// `paths` in the order in which they begin, by their time stamps; unchanged where one of them has
+/// none. Files that cannot be opened are reported when they are read.
 pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
     let begins = |path: &PathBuf| Some((beginning(&Place::of(path), interfaces)?, path.clone()));
     match paths.iter().map(begins).collect::<Option<Vec<_>>>() {
@@ -53,7 +52,7 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
     }
 }
 
-/// The time stamp of the first frame of a file, of the interface that is meant if it comes soon.
+/// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
 fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
     let Place::File(path) = place else { return None };
     let text = first_bytes(path)?;
@@ -78,7 +77,8 @@ fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
     first.filter(|_| matches!(interfaces, Interfaces::One(_)))
 }
 
-/// `None` of what is no file: opening a pipe and closing it would end its writer.
+/// First bytes of a file; `None` for anything else: opening and closing a pipe would end its
+/// writer.
 fn first_bytes(path: &Path) -> Option<Vec<u8>> {
     if !path.metadata().ok()?.is_file() {
         return None;

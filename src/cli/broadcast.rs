@@ -1,4 +1,4 @@
-//! A simulated machine on an interface, live: its frames in their own time.
+//! Sends the frames of a simulated machine on an interface in real time.
 
 use super::Failure;
 use super::player::Pace;
@@ -11,22 +11,22 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A frame that went out more than this after its time is counted as late: half a sample of 20 ms.
+/// Delay beyond which a frame counts as late: half a sample of 20 ms.
 const LATE: Duration = Duration::from_millis(10);
 
-/// Behind by more than this the schedule starts anew, so that what was missed does not burst out.
+/// Delay beyond which the schedule restarts, so that missed frames do not burst out.
 const BEHIND: Duration = Duration::from_millis(100);
 
-/// How long an interface may have no room for a frame.
+/// Longest time for which an interface may have no room for a frame.
 const JAMMED: Duration = Duration::from_secs(1);
 
-/// The longest sleep: a signal is heard after it.
+/// Longest sleep, after which signals are checked.
 const NAP: Duration = Duration::from_millis(50);
 
-/// Between two tries of an interface that has no room.
+/// Pause between two attempts to send on an interface without room.
 const RETRY: Duration = Duration::from_millis(1);
 
-/// An interface that frames go out on, each in its time.
+/// An interface on which frames are sent at their times.
 pub struct Broadcast<P> {
     name: String,
     port: P,
@@ -37,21 +37,20 @@ pub struct Broadcast<P> {
     counts: Counts,
 }
 
-/// What became of the frames.
+/// Counts of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
     sent: u64,
     late: u64,
-    /// Times that the schedule started anew.
+    /// Number of times that the schedule restarted.
     anew: u64,
     worst: Duration,
 }
 
 impl Broadcast<Unrestricted<SocketPort>> {
-    /// Opens `name`, and hears SIGINT and SIGTERM from then on.
+    /// Opens `name`, and catches SIGINT and SIGTERM from then on.
     ///
-    /// # Errors
-    /// An interface that cannot be sent on, or one of a real bus without leave.
+    /// # Errors An interface that cannot send, or one of a real bus without permission.
     pub fn open(name: &str, pace: Pace, real_bus: bool) -> Result<Self, Failure> {
         let nothing = Options { identifiers: Identifiers::Only(vec![]), ..Options::default() };
         let port = Unrestricted::<SocketPort>::open(name, &nothing)
@@ -79,15 +78,14 @@ impl<P: UnrestrictedPort> Broadcast<P> {
         Self { name, port, pace, stop, anchor: None, counts }
     }
 
-    /// Sends the next frame once its time has come; `false` if it is to stop instead.
+    /// Sends the next frame when its time has come; returns `false` if it must stop instead.
     ///
-    /// # Errors
-    /// The interface carries nothing any more.
+    /// # Errors The interface no longer carries frames.
     pub fn send(&mut self, frame: &Frame) -> Result<bool, Failure> {
         Ok(self.await_time(frame.timestamp) && self.hand_over(frame)?)
     }
 
-    /// Tells what became of the frames, each fate only where it befell some.
+    /// Reports the counts of the frames that are not zero.
     pub fn report(&self) {
         let Counts { sent, late, anew, worst } = self.counts;
         tell!("{sent} frames sent on {}", self.name);
@@ -106,7 +104,7 @@ impl<P: UnrestrictedPort> Broadcast<P> {
         }
     }
 
-    /// Waits until the machine's time is `stamp`; `false` if it is to stop.
+    /// Waits until the machine's time is `stamp`; returns `false` if it must stop.
     fn await_time(&mut self, stamp: Timestamp) -> bool {
         let Pace::Times(times) = self.pace else { return self.goes_on() };
         let (instant, origin) = *self.anchor.get_or_insert((Instant::now(), stamp));

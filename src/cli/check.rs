@@ -23,10 +23,9 @@ pub struct Check {
 }
 
 impl Check {
-    /// Checks.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// Everything wrong with the configuration and its DBC.
+    /// # Errors Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
         let text = describe(&machine);
@@ -79,7 +78,8 @@ fn describe(machine: &Machine) -> String {
     text
 }
 
-/// What is sound by itself, but hardly meant: with it a healthy machine is not healthy.
+/// Settings that are valid, but hardly intended, since a healthy machine would not be healthy with
+/// them.
 fn doubts(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let mut doubts = broken_wire_doubts(machine);
@@ -91,8 +91,8 @@ fn doubts(machine: &Machine) -> String {
     format!("\n{}: worth a look\n{}", machine.loaded.document.name(), lines.collect::<String>())
 }
 
-/// A code of a broken wire that is a length like any other. The cylinders' signals are alike: the first
-/// of C1 and of C2 stands for all.
+/// A broken-wire code that is also a valid length. The cylinders' signals are alike, so the first
+/// of C1 and of C2 are checked.
 fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
     let settings = &machine.loaded.settings;
     let signals = &settings.signals.cylinder;
@@ -114,7 +114,8 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
     doubts
 }
 
-/// Transducers that the machine's own rule would find apart although they agree with a and b of (5-20).
+/// Transducers that the machine's own rule would find apart although they agree with a and b of
+/// (5-20).
 fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
     settings.signals.cylinder.c2.as_ref()?;
     let (gain, offset) = settings.comparator_of(n);
@@ -134,7 +135,7 @@ fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
     })
 }
 
-/// What is read on the stops, and where it is kept; nothing where nobody asked for it.
+/// Which dwells are read, and where they are kept; empty where this is not configured.
 fn stops(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let states = settings.sequential.stop_states.as_deref().unwrap_or_default();

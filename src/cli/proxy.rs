@@ -17,29 +17,28 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Frames that wait at most: half a second of a full bus.
+/// Most frames that wait: half a second of a full bus.
 const WAITING: usize = 4096;
 
 type Socket = Unrestricted<SocketPort>;
 
-/// The two interfaces, and how long.
+/// The two interfaces, and the duration.
 #[derive(Debug)]
 pub struct Ends {
-    /// Its frames get faults.
+    /// Interface whose frames get faults.
     pub from: String,
-    /// Its frames go back unchanged.
+    /// Interface whose frames go back unchanged.
     pub to: String,
-    /// `None`: until a signal comes.
+    /// Duration; `None`: until a signal comes.
     pub lasts: Option<Duration>,
-    /// An older frame is dropped.
+    /// Age at which a frame is dropped.
     pub max_age: Duration,
 }
 
-/// Runs the proxy until it is told to stop, and tells what became of the frames. Returns the
-/// injector, with what became of the faults.
+/// Runs the proxy until it is told to stop, and reports what became of the frames. Returns the
+/// injector with its tallies.
 ///
-/// # Errors
-/// Both are one interface, or one cannot be used even once it is there.
+/// # Errors Both are the same interface, or one cannot be used even when it is there.
 pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
     ends.refuse_one_interface()?;
     let (mut from, mut to) = (Interface::new(&ends.from), Interface::new(&ends.to));
@@ -91,7 +90,7 @@ struct Interface {
     claim: Option<UnixDatagram>,
 }
 
-/// Why an interface is not open.
+/// Why an interface cannot be opened.
 struct Refusal {
     reason: String,
     may_pass: bool,
@@ -129,14 +128,14 @@ impl Interface {
     }
 }
 
-/// Claims the interface of that index for one proxy, so that several cannot form a ring. The name is
-/// of the network namespace, as the index is, and is free again when the process ends.
+/// Claims the interface of that index for one proxy, so that several cannot form a ring. Like the
+/// index, the name belongs to the network namespace; it becomes free when the process ends.
 fn claim(index: u32) -> io::Result<UnixDatagram> {
     let address = SocketAddr::from_abstract_name(format!("tertius inject {index}"))?;
     UnixDatagram::bind_addr(&address)
 }
 
-/// The host that the proxy runs on.
+/// The computer that the proxy runs on.
 struct Host<'a> {
     ends: &'a Ends,
     stop: Arc<AtomicBool>,
@@ -189,7 +188,7 @@ impl Bench<Socket> for Host<'_> {
     }
 }
 
-/// Tells what became of the frames from `from` to `to`, each fate only where it befell some.
+/// Reports the counts of the frames from `from` to `to` that are not zero.
 fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
     let LaneCounts { received, sent, changed, .. } = *lane.counts();
     tell!("{from} to {to}: {received} frames received, {sent} sent, {changed} changed");

@@ -1,4 +1,4 @@
-//! `tertius run`: the gateway, live.
+//! `tertius run`: the live gateway.
 
 use super::Failure;
 use super::machine::Machine;
@@ -30,7 +30,8 @@ pub struct Run {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
-    /// The form of the log: text or json on standard error, or journal for fields in systemd's
+    /// Format of the log: text or json on standard error, or journal for fields in systemd's
+    /// journal
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     log: LogFormat,
     #[command(flatten)]
@@ -38,11 +39,10 @@ pub struct Run {
 }
 
 impl Run {
-    /// Runs.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or the configuration. An interface that is not there is waited
-    /// for.
+    /// # Errors A wrong call or configuration. A missing interface is not an error: the gateway
+    /// waits for it.
     pub fn run(self) -> Result<(), Failure> {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
@@ -82,13 +82,13 @@ pub fn gateway(machine: Machine) -> Gateway {
     Gateway::new(Monitor::new(machine.design), outbox, guard)
 }
 
-/// The identifiers that the gateway of a machine listens to.
+/// Identifiers that the gateway of a machine receives.
 pub fn identifiers(machine: &Machine) -> Vec<Id> {
     machine.design.wiring.lines().iter().map(|line| line.id).collect()
 }
 
-/// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
-/// `stage`.
+/// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus
+/// of `stage`.
 fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;

@@ -28,7 +28,7 @@ pub fn page(result: &Calibration) -> String {
     text
 }
 
-/// Which parts of the recording it was made from.
+/// Parts of the recording that were used.
 pub fn parts(result: &Calibration) -> String {
     let Calibration { fitted, tried, .. } = result;
     let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
@@ -54,7 +54,7 @@ pub fn lines(result: &Calibration) -> Section {
     table.about("C1 = a·C2 + b (5-20), least squares without the samples left out")
 }
 
-/// The band of each cylinder.
+/// Band of each cylinder.
 pub fn bands(result: &Calibration) -> Section {
     let mut table = Sheet::new(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
     for cylinder in &result.cylinders {
@@ -74,7 +74,7 @@ pub fn bands(result: &Calibration) -> Section {
     table.about("the difference before (Figure 5-14) and after (Figure 5-15), where it was tried")
 }
 
-/// What the sequential detectors start from.
+/// Basis of the sequential detectors.
 pub fn sequential(result: &Calibration) -> Section {
     let mut table =
         Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command", "h"]);
@@ -110,7 +110,7 @@ fn faulty(tried: &Tried) -> String {
     }
 }
 
-/// The bound that is proposed, or why none is.
+/// Proposed bound, or why there is none.
 pub fn bound(result: &Calibration) -> String {
     match &result.bound {
         Some(bound) => format!(
@@ -124,7 +124,7 @@ pub fn bound(result: &Calibration) -> String {
     }
 }
 
-/// A line for each.
+/// Remarks, one line each.
 pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();

@@ -37,7 +37,7 @@ fn listed(head: &str, lines: &[String]) -> String {
     format!("\n{head}:\n{lines}")
 }
 
-/// What it was learnt from.
+/// Recordings that were learnt from.
 pub fn origin(result: &Commissioned) -> String {
     let minutes = result.length / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
@@ -49,7 +49,7 @@ pub fn origin(result: &Commissioned) -> String {
     format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
 }
 
-/// What the configuration has then.
+/// Tables of the resulting configuration.
 pub fn tables(result: &Commissioned) -> Section {
     let mut table = Sheet::new(&["", "learnt", "of"]);
     let taught = &result.taught;
@@ -96,7 +96,7 @@ const fn name(detector: Detector) -> &'static str {
     }
 }
 
-/// What was said of the machine as it is, in what was held back.
+/// Warnings on the healthy machine in the blocks held back.
 pub fn trial(result: &Commissioned) -> Section {
     let header = ["detector", "false alarms", "at most an hour (95 %)", "judged"];
     let mut table = Sheet::new(&header);
@@ -110,7 +110,7 @@ pub fn trial(result: &Commissioned) -> Section {
     table.about(format!("trial, {:.1} min held back: as it was recorded", trial.held / 60.0))
 }
 
-/// Both ends to so many digits, or one where they are the same.
+/// Both ends with `digits` decimals, or one where they are the same.
 fn range(low: f64, high: f64, digits: usize) -> String {
     let [low, high] = [low, high].map(|end| format!("{end:.digits$}"));
     if low == high { low } else { format!("{low} to {high}") }
@@ -123,7 +123,7 @@ fn known(trial: &Trial) -> String {
     })
 }
 
-/// What was said of faults.
+/// Results of the faults that were tried.
 pub fn faults(result: &Commissioned) -> Section {
     let header =
         ["fault", "tried", "found", "median", "95 %", "right", "undecided", "wrong", "no place"];
@@ -151,12 +151,12 @@ pub fn faults(result: &Commissioned) -> Section {
     )
 }
 
-/// What a longer recording would win.
+/// What a longer recording would add.
 pub fn wins(result: &Commissioned) -> Vec<String> {
     coverage::wins(&result.taught, &result.coverage)
 }
 
-/// What each stage has to say beside its tables, once.
+/// Remarks of each stage beside its tables, each once.
 pub fn remarks(result: &Commissioned) -> Vec<String> {
     let taught = &result.taught;
     let mut remarks: Vec<String> = Vec::new();
@@ -181,7 +181,7 @@ pub fn remarks(result: &Commissioned) -> Vec<String> {
     remarks
 }
 
-/// Whether it can be written, and as a whole.
+/// Whether the whole configuration can be written.
 pub const fn is_good(result: &Commissioned) -> bool {
     matches!(result.verdict.fitness, Fitness::Fit)
 }

@@ -1,4 +1,4 @@
-//! Where on the stroke the difference of both readings is known, and how well.
+//! Where on the stroke the difference of both readings is known, and how accurately.
 
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, CylinderCalibration, Profile};
@@ -35,7 +35,7 @@ pub fn section(result: &Calibration) -> Section {
     ))
 }
 
-/// The spans of the stroke, m, in which something can be judged.
+/// Spans of the stroke, m, in which the detector can judge.
 pub fn known(profile: &Profile) -> Vec<[f64; 2]> {
     profile.reference.spans(f64::NEG_INFINITY, LARGEST_DOUBT)
 }

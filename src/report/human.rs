@@ -1,4 +1,4 @@
-//! The page that a person reads after a replay.
+//! The page for people after a replay.
 
 use super::wording;
 use super::{Episode, Summary};
@@ -8,7 +8,7 @@ use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets};
 use console::style;
 use std::fmt::Write as _;
 
-/// Gaps, jumps and restarts that are kept for the page; the others are counted.
+/// Most gaps, jumps and restarts that are kept for the page; further ones are counted.
 pub const NOTICES_KEPT: usize = 20;
 
 /// Notices of a replay.
@@ -31,22 +31,22 @@ impl Notices {
         &self.kept
     }
 
-    /// Notices beyond [`NOTICES_KEPT`].
+    /// Number of notices beyond [`NOTICES_KEPT`].
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
 }
 
-/// What stands above the tables.
+/// Heading above the tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Heading<'a> {
-    /// The recordings.
+    /// Names of the recordings.
     pub inputs: &'a str,
     pub machine: &'a str,
     pub config: &'a str,
-    /// The recording's first frame.
+    /// Time stamp of the recording's first frame.
     pub first: Timestamp,
-    /// Colours and attributes for a terminal.
+    /// Whether to use colours and attributes of a terminal.
     pub colour: bool,
 }
 

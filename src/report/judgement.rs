@@ -1,34 +1,35 @@
-//! Whether anything was judged, and why nothing was: a recording of which nothing was judged says
-//! nothing about the machine, and must not look as if all were well.
+//! Whether anything was judged, and why not: a recording in which nothing was judged says nothing
+//! about the machine, and must not look as if all were well.
 
 use crate::bus::{Interfaces, Statistics};
 use crate::frame::Id;
 use crate::monitor::cylinder::Tally;
 use crate::monitor::{Counts, MonitorDesign};
 
-/// Identifiers that are told by number; of more, how many there are.
+/// Most identifiers that are listed; further ones are counted.
 const LISTED: usize = 6;
 
-/// What is known of a recording once it has been read.
+/// Facts about a recording that has been read.
 #[derive(Clone, Copy, Debug)]
 pub struct Recorded<'a> {
     pub statistics: &'a Statistics,
-    /// The interface that was asked for.
+    /// The requested interface.
     pub interfaces: &'a Interfaces,
     pub design: &'a MonitorDesign,
     /// Frames with an identifier of the configuration.
     pub used: u64,
 }
 
-/// Why nothing was judged; no reason where something was.
+/// Reasons why nothing was judged; none where something was.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judgement {
     reasons: Vec<String>,
 }
 
 impl Judgement {
-    /// Of a replay. Something was judged where a residual was, of whatever cylinder and detector;
-    /// `missed` are the monitored states by name, where the platform was in none of them.
+    /// The judgement of a replay. Something was judged where there was a residual of any cylinder
+    /// and detector; `missed` are the monitored states by name, if the platform was in none of
+    /// them.
     pub fn new(
         recorded: &Recorded<'_>,
         counts: &Counts,
@@ -53,7 +54,7 @@ impl Judgement {
         &self.reasons
     }
 
-    /// What a person reads first; empty where something was judged.
+    /// First line for a person; empty where something was judged.
     pub fn headline(&self) -> String {
         if self.is_judged() {
             return String::new();
@@ -65,7 +66,7 @@ impl Judgement {
 }
 
 impl Recorded<'_> {
-    /// Why there is nothing of this machine in the recording; empty where there is something.
+    /// Why the recording has nothing of this machine; empty where it has.
     pub fn nothing(&self) -> Vec<String> {
         if self.used > 0 {
             return Vec::new();
@@ -89,7 +90,7 @@ impl Recorded<'_> {
     }
 }
 
-/// What the configuration listens to.
+/// Identifiers that the configuration uses.
 fn identifiers(design: &MonitorDesign) -> String {
     let ids: Vec<Id> = design.wiring.lines().iter().map(|line| line.id).collect();
     let shown = ids.iter().take(LISTED).map(ToString::to_string).collect::<Vec<_>>().join(", ");
@@ -99,7 +100,7 @@ fn identifiers(design: &MonitorDesign) -> String {
     }
 }
 
-/// Why no residual came of the frames that the monitor listens to.
+/// Why the frames that the monitor uses gave no residual.
 fn unjudged(counts: &Counts, tallies: &[Tally], missed: Option<&[String]>) -> Vec<String> {
     let sum = |of: fn(&Tally) -> u64| tallies.iter().map(of).sum::<u64>();
     let (cycles, incomplete) = (sum(|tally| tally.cycles), sum(|tally| tally.incomplete));

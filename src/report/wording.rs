@@ -1,4 +1,4 @@
-//! What a replay is told in, wherever it is told: rows, lines and numbers.
+//! Texts of a replay that several outputs share: rows, lines and numbers.
 
 use super::jsonl::restart_name;
 use super::{Episode, Summary};
@@ -20,7 +20,7 @@ pub const CYLINDER_COLUMNS: [&str; 9] = [
     "warnings",
 ];
 
-/// For how long the sequential detectors judged, and why not.
+/// Columns of the time in which the sequential detectors judged, and why not otherwise.
 pub const COVERAGE_COLUMNS: [&str; 6] =
     ["cylinder", "judged", "not monitored", "no reading", "not calibrated", "no baseline"];
 
@@ -29,7 +29,7 @@ pub const EPISODE_COLUMNS: [&str; 10] = [
     "lasted",
 ];
 
-/// Which of them is the level.
+/// Index of the column of the level.
 pub const LEVEL_COLUMN: usize = 6;
 
 /// A row for each cylinder.
@@ -51,7 +51,7 @@ pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 9]> {
     (1..).zip(summary.tallies).map(row).collect()
 }
 
-/// A row for each cylinder with a sequential detector: seconds.
+/// Seconds of coverage, a row for each cylinder with a sequential detector.
 pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
     let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
@@ -63,17 +63,17 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
     (1..).zip(summary.tallies).filter_map(row).collect()
 }
 
-/// What the rows of [`coverage_rows`] are.
+/// Introduction to the rows of [`coverage_rows`].
 pub const COVERAGE: &str = "Sequential detectors: for how long they judged, and for how long they \
      knew nothing: the platform in no monitored state, C1, C2 or the speed missing or implausible, the \
      rod where the calibration has not been, the difference in this stretch of motion not yet learnt";
 
-/// How often: once, or so many times.
+/// Number of times in words: once, or a number.
 pub fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
-/// A line; empty where no counter jumped.
+/// A line about the counters; empty where none jumped.
 pub fn counter_jumps(summary: &Summary<'_>) -> String {
     let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
     if jumps == 0 {
@@ -82,7 +82,7 @@ pub fn counter_jumps(summary: &Summary<'_>) -> String {
     format!("alive counters jumped {}\n", times(jumps))
 }
 
-/// How many there were, by detector.
+/// Number of warnings, by detector.
 pub fn warnings(summary: &Summary<'_>) -> String {
     let episodes = summary.episodes;
     let total: u64 = episodes.raised().iter().sum();
@@ -129,7 +129,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     ]
 }
 
-/// When, and what.
+/// Time and text of a notice.
 pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
     let (at, what) = match *notice {
         Notice::Gap { at, length } => {
@@ -151,7 +151,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
     [clock(at.since(first).as_seconds()), what]
 }
 
-/// How far apart in time C1 and C2 are sampled.
+/// Time between the samples of C1 and C2, in words.
 fn timing(apart: &Apart) -> String {
     let Apart { mean, spread, .. } = apart;
     let skew = match mean {
@@ -191,7 +191,7 @@ fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1e3)
 }
 
-/// As candump writes it, so that the place is found in the log with a search: six decimals, or nine
+/// A time as candump writes it, so that it can be searched for in the log: six decimals, or nine
 /// where the recording has them.
 fn log_time(at: Timestamp) -> String {
     let exact = at.to_string();
@@ -200,7 +200,7 @@ fn log_time(at: Timestamp) -> String {
     exact + &"0".repeat(missing)
 }
 
-/// Hours, minutes and seconds, as few as there are.
+/// Hours, minutes and seconds, without leading zero parts.
 pub fn clock(seconds: f64) -> String {
     let sign = if seconds < 0.0 { "-" } else { "" };
     let millis = (seconds.abs() * 1e3).round() as u64;

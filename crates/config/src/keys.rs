@@ -1,4 +1,4 @@
-//! Every key of the configuration file: what it is for, its type and its limits.
+//! Every key of the configuration file: its purpose, type and limits.
 
 mod estimate;
 mod fitted;
@@ -6,7 +6,7 @@ mod fitted;
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::text::TextRule;
 
-/// Fd_Status has two state bits for each transducer of six cylinders.
+/// Most cylinders: Fd_Status has two state bits for each transducer of six cylinders.
 pub(super) const MOST_CYLINDERS: u8 = 6;
 
 const DURATION: &str = "a duration in seconds";
@@ -277,7 +277,7 @@ mod tests {
     use super::super::settings;
     use super::*;
 
-    /// Asks a type for the names of its fields.
+    /// Deserializer that collects the names of a type's fields.
     struct Fields<'a>(&'a mut Vec<&'static str>);
 
     impl<'de> Deserializer<'de> for Fields<'_> {
@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    /// The file of all examples, or of those that are required only.
+    /// The file of all examples, or only of those that are required.
     fn examples(path: &str, table: &Table, all: bool, text: &mut String) {
         let wanted = || table.keys.iter().filter(|key| all || key.required);
         for key in wanted().filter(|key| !key.example.is_empty()) {

@@ -20,8 +20,7 @@ const EXTENDED_FLAG: u64 = 1 << 31;
 
 /// Judges `draft` and compiles it; `None` if it has an error, which then stands in its `refused`.
 ///
-/// # Errors
-/// When `steps` are used up.
+/// # Errors `steps` are used up.
 pub(super) fn compile(
     draft: &mut Draft,
     findings: &mut Findings,
@@ -152,7 +151,8 @@ fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> 
     check_place(draft, signal, own)
 }
 
-/// The signal's bits, if there can be such; errors where they are no float or leave the message.
+/// The signal's bits, if they are valid; errors where they are not a float's or lie outside the
+/// message.
 fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
     let parsed = &signal.parsed;
     let mut error = |concern, what: String, remedy| {
@@ -200,8 +200,8 @@ fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> O
     }
 }
 
-/// Errors for signals that share bits with an earlier one while both are in the frame. An overlap
-/// on purpose cannot be told from a slip that has two redundant readings come from one place.
+/// Errors for signals that share bits with an earlier one while both are in the frame. A deliberate
+/// overlap cannot be told from a mistake that takes two redundant readings from one place.
 fn check_overlaps(
     draft: &Draft,
     fields: &[Option<Field>],
@@ -234,7 +234,8 @@ fn check_overlaps(
     Ok(())
 }
 
-/// Whether one frame can carry both signals: no multiplexor on both ways selects but one of them.
+/// Whether one frame can carry both signals: no multiplexor on the way to both selects only one of
+/// them.
 fn can_meet(routes: &Routes, a: usize, b: usize) -> bool {
     !routes.way(a).any(|on_a| {
         routes.way(b).any(|on_b| {

@@ -16,10 +16,10 @@ use std::time::{Duration, Instant, SystemTime};
 /// ARPHRD_CAN of linux/if_arp.h.
 const CAN: &str = "280";
 
-/// The longest wait for a frame, so that the end of listening is kept.
+/// Longest wait for a frame, so that listening ends in time.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Where systemd looks for units, first come first served.
+/// Directories in which systemd looks for units, in its order.
 const UNITS: [&str; 4] = [
     "/etc/systemd/system",
     "/run/systemd/system",
@@ -29,8 +29,8 @@ const UNITS: [&str; 4] = [
 
 const UNIT: &str = "tertius.service";
 
-/// All facts, after listening for that long on the bus, if there is one; `embedded` is that it is
-/// inside the program.
+/// Gathers all facts, after listening on the bus for that long, if there is one; `embedded`: the
+/// bus is inside the program.
 pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: Duration) -> Facts {
     let (monotonic, system) = (Instant::now(), SystemTime::now());
     let rights = rights(&wanted.config);
@@ -101,7 +101,7 @@ fn hear(port: &mut dyn Port, listen: Duration, hearing: &mut Hearing) {
     hearing.dropped = port.counts().dropped;
 }
 
-/// Of the gateway of this configuration, if /proc shows one, else of this process.
+/// Rights of the gateway of this configuration, if /proc shows one, or else of this process.
 fn rights(config: &Path) -> Rights {
     let of = |process: &str| -> Option<Rights> {
         let read = |file| fs::read_to_string(format!("/proc/{process}/{file}"));
@@ -139,8 +139,8 @@ fn clock(monotonic: Instant, system: SystemTime) -> Clock {
     }
 }
 
-/// Whether systemd-timesyncd keeps the clock, or the kernel was told so by whoever does (chrony,
-/// ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
+/// Whether systemd-timesyncd synchronises the clock, or another daemon has told the kernel that it
+/// does (chrony, ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
 fn synchronised() -> Option<bool> {
     if Path::new("/run/systemd/timesync/synchronized").exists() {
         return Some(true);

@@ -1,12 +1,12 @@
-//! The box besides its bus: rights, clock, HTTP, service.
+//! Checks of the computer apart from the bus: rights, clock, HTTP, service.
 
 use super::facts::{Clock, Host, Rights, Service, Wanted};
 use super::finding::Finding;
 use std::net::SocketAddr;
 
-/// What two readings of two clocks may differ by, s, besides a part of the time between them that
-/// steering a clock takes (500 ppm at the most).
+/// Largest difference between readings of two clocks, s, apart from [`STEERING`].
 const READING: f64 = 2e-3;
+/// Largest steering of a clock, as a part of the time.
 const STEERING: f64 = 5e-4;
 
 const DROP_IN: &str = "tertius-realtime.conf";
@@ -25,7 +25,7 @@ pub(super) fn judge(wanted: &Wanted, host: &Host) -> Vec<Finding> {
     findings
 }
 
-/// Whose rights were looked at.
+/// Name of the process whose rights were checked.
 fn whose(rights: &Rights) -> String {
     match rights.gateway {
         Some(process) => format!("the gateway that runs here (process {process})"),

@@ -1,10 +1,10 @@
-//! The interface and its controller.
+//! Checks of the interface and its controller.
 
 use super::facts::{Interface, Wanted};
 use super::finding::Finding;
 use crate::bus::socket::{ControllerState, LinkState};
 
-/// More frames than this may burst out stale when a bus returns.
+/// Longest send queue: more frames would burst out stale when a bus returns.
 const LONG_QUEUE: u32 = 50;
 
 pub(super) fn judge(wanted: &Wanted, interface: &Interface) -> Vec<Finding> {
@@ -47,7 +47,7 @@ pub(super) fn judge(wanted: &Wanted, interface: &Interface) -> Vec<Finding> {
     findings
 }
 
-/// A virtual interface (vcan) has none.
+/// Whether the interface has a controller; a virtual one (vcan) does not.
 fn has_controller(link: &LinkState) -> bool {
     link.state.is_some()
 }

@@ -1,7 +1,7 @@
-//! A look at the box: what is right for the gateway, and what to do where it is not.
+//! Checks whether the computer suits the gateway, with advice where it does not.
 //!
-//! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`] judges
-//! them without looking at the world again.
+//! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`]
+//! judges them without further access to the system.
 
 pub mod facts;
 mod finding;
@@ -19,7 +19,7 @@ pub use finding::{Finding, Verdict};
 
 use facts::{Bus, Interface, Wanted};
 
-/// Judges, one line for each thing.
+/// Judges the facts; one finding for each subject.
 pub fn examine(facts: &Facts) -> Vec<Finding> {
     let wanted = &facts.wanted;
     let mut findings =

@@ -1,10 +1,10 @@
-//! The way of frames from the interface to the gateway.
+//! Checks of the path of frames from the interface to the gateway.
 
 use super::facts::{Interface, Receiving, Rights};
 use super::finding::Finding;
 use crate::bus::Stamps;
 
-/// Less than a second by no more than the kernel's rounding.
+/// A second less the kernel's rounding, s.
 const A_SECOND: f64 = 0.99;
 
 pub(super) fn judge(interface: &Interface, rights: &Rights) -> Vec<Finding> {

@@ -1,25 +1,25 @@
-//! What comes on the bus, against what the configuration listens to.
+//! Checks of the traffic on the bus against the configuration.
 
 use super::facts::{Message, Rights, Wanted};
 use super::finding::Finding;
 use super::hearing::{Errors, Hearing, Intervals};
 use crate::error_frame::ControllerState;
 
-/// Messages named in a line at most.
+/// Most messages that are named in a line.
 const NAMED: usize = 20;
 
-/// The cycle may be off by this part …
+/// Largest deviation of the cycle, as a part of it.
 const CYCLE_TOLERANCE: f64 = 0.02;
-/// … and is another machine's beyond this.
+/// Deviation beyond which the cycle is that of another machine.
 const CYCLE_LIMIT: f64 = 0.1;
 
-/// Part of a cycle by which its opening may move.
+/// Largest jitter of a cycle's opening, as a part of the cycle.
 const JITTER_TOLERANCE: f64 = 0.2;
 
-/// A cyclic message comes less often than once a cycle below the one, more often above the other.
+/// Rate of a cyclic message per cycle below which it comes too seldom, and above which too often.
 const ONCE: [f64; 2] = [0.9, 1.1];
 
-/// Part of the bus beyond which low priorities wait long.
+/// Load of the bus beyond which low priorities wait long.
 const BUSY: f64 = 0.7;
 
 pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<Finding> {
@@ -38,7 +38,7 @@ pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<
     findings
 }
 
-/// The names, not too many of them.
+/// Names of the messages, shortened to a few.
 fn named<'a>(messages: impl Iterator<Item = &'a Message>) -> String {
     let mut names: Vec<String> =
         messages.map(|message| format!("{} ({})", message.name, message.id)).collect();
@@ -200,7 +200,7 @@ fn errors(errors: &Errors) -> Finding {
     }
 }
 
-/// Whether somebody else sends what only the gateway may.
+/// Whether another node sends what only the gateway may.
 fn node(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Finding {
     let (subject, node) = ("node", wanted.node);
     let ids: Vec<String> = wanted

@@ -1,4 +1,4 @@
-//! Keeps what was read on the stops over restarts and reloads.
+//! Keeps the readings on the stops across restarts and reloads.
 
 use super::file::{HistoryFile, ReadError};
 use super::worker::{self, Order};
@@ -10,47 +10,47 @@ use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use tracing::{info, warn};
 
-/// Orders that may wait for the disk: all rods come to rest at nearly the same time. What does not
-/// fit is left to the next one, which has it, too.
+/// Most orders that wait for the disk: all rods come to rest at nearly the same time. An order that
+/// does not fit is dropped, and the next one includes its data.
 const WAITING: usize = 8;
 
-/// What is to be kept, and where.
+/// What is kept, and in which file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
-    /// The machine's name.
+    /// Name of the machine.
     pub machine: String,
     pub cylinders: u8,
     pub limits: Limits,
-    /// `None`: in memory only.
+    /// File of the history; `None`: in memory only.
     pub file: Option<HistoryFile>,
 }
 
-/// The data path's end of what is kept. Nothing here waits, but for the beginning and the end.
+/// The data path's side of the history. It waits only at the start and at the end.
 #[derive(Debug)]
 pub struct Keeper {
-    /// As it was read; of cylinders of which nothing is read now it is all there is.
+    /// Archive as it was read; for cylinders that are no longer read it is all there is.
     base: Archive,
     limits: Limits,
-    /// Where it is written, unless that cannot be.
+    /// File that is written; `None` if it must not be.
     file: Option<HistoryFile>,
-    /// There is something that was not handed on yet.
+    /// Whether there is something not yet handed to the worker.
     news: bool,
     orders: Option<SyncSender<Order>>,
     worker: Option<JoinHandle<()>>,
     telemetry: Arc<Telemetry>,
 }
 
-/// What a file gave.
+/// Result of reading a file.
 enum Loaded {
     Archive(Archive),
-    /// It may be written.
+    /// There is nothing; the file may be written.
     Nothing,
-    /// It must not be written over.
+    /// The file must not be overwritten.
     Unusable,
 }
 
 impl Keeper {
-    /// Of nothing yet.
+    /// A keeper without data.
     pub fn new(telemetry: &Arc<Telemetry>) -> Self {
         let mut keeper = Self {
             base: Archive::default(),
@@ -65,7 +65,7 @@ impl Keeper {
         keeper
     }
 
-    /// Without a thread everything stays in memory.
+    /// Starts the worker thread; without one everything stays in memory.
     fn start(&mut self) {
         let (orders, ordered) = sync_channel(WAITING);
         let told = Arc::clone(&self.telemetry);
@@ -76,8 +76,8 @@ impl Keeper {
         }
     }
 
-    /// Keeps `kept` from now on, and gives what a monitor of it goes on with: what is in its file,
-    /// or what `before` knows, if that is of the same machine and the file is the same or is new.
+    /// Keeps `kept` from now on, and returns what its monitor restores: the content of its file, or
+    /// the data of `before`, if that belongs to the same machine and the file is the same or new.
     pub fn open(&mut self, kept: Kept, before: Option<&Monitor>) -> &Archive {
         let Kept { machine, cylinders, limits, file } = kept;
         if let Some(monitor) = before {
@@ -110,12 +110,12 @@ impl Keeper {
         &self.base
     }
 
-    /// A rod was read on its stop.
+    /// Notes that a rod was read on its stop.
     pub const fn dwelt(&mut self) {
         self.news = true;
     }
 
-    /// The data path has done a turn: what was read in it is handed on. In a turn without a dwell that
+    /// Hands the readings of a turn of the data path to the worker. In a turn without a dwell this
     /// is a comparison, in one with a dwell a copy of at most 30 kB; the machine stands still then.
     pub fn turned(&mut self, monitor: &Monitor) {
         if std::mem::take(&mut self.news) {
@@ -124,7 +124,7 @@ impl Keeper {
         }
     }
 
-    /// The gateway has stopped: waits until everything is written.
+    /// Waits until everything is written, after the gateway has stopped.
     pub fn finish(&mut self, monitor: &Monitor) {
         let order = self.snapshot(monitor);
         if let Some(orders) = self.orders.take() {
@@ -162,7 +162,7 @@ impl Drop for Keeper {
     }
 }
 
-/// What is in `file`, and the log hears of it. What is no history of this machine is set aside.
+/// Reads `file` and logs the result. A file that is not a history of this machine is set aside.
 fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
     let path = file.path().display();
     let refusal = match file.read(machine, cylinders) {

@@ -16,19 +16,19 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// What the text is, for HTTP.
+/// Content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-/// By the numbers of Fd_Status.
+/// Names of the modes, by the numbers of Fd_Status.
 pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
 
-/// By the numbers of Fd_Status.
+/// Names of the transducers' states, by the numbers of Fd_Status.
 const TRANSDUCER_STATES: [&str; 4] = ["unknown", "healthy", "suspect", "faulty"];
 
-/// By the numbers of Fd_Status.
+/// Names of the alarm levels, by the numbers of Fd_Status.
 pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
 
-/// By the numbers of the telemetry.
+/// Names of the controller's states, by the numbers of the telemetry.
 pub(super) const CONTROLLER_STATES: [&str; 6] =
     ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
 
@@ -36,7 +36,7 @@ const CYLINDERS: [&str; 6] = ["1", "2", "3", "4", "5", "6"];
 const RESIDUALS: [&str; 3] = ["r1", "r2", "r3"];
 pub(super) const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
 
-/// In the order of the telemetry.
+/// Names of the forecasts, in the order of the telemetry.
 const LEFT: [(&str, &str); 3] = [
     (
         "stop_months_until_maintenance",
@@ -47,10 +47,9 @@ const LEFT: [(&str, &str); 3] = [
     ("stop_latest_months_until_maintenance", "The most that the dwells allow."),
 ];
 
-/// The whole of `telemetry` as it is now by `clock`.
+/// The text of `telemetry` as it is now by `clock`.
 ///
-/// # Errors
-/// None that is known: a text takes whatever is written to it.
+/// # Errors None in practice: writing to a text does not fail.
 pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<String, fmt::Error> {
     let mut registry = Registry::with_prefix("tertius");
     registry.register_collector(Box::new(View {
@@ -114,7 +113,7 @@ impl View {
         out.gauge("controller_receive_errors", help, link.receive_errors.get())
     }
 
-    /// The cylinders that there are, by their number.
+    /// Cylinders of the machine, by their number.
     fn numbered(&self) -> impl Iterator<Item = (&'static str, &Cylinder)> {
         CYLINDERS.into_iter().zip(self.telemetry.cylinders())
     }
@@ -186,7 +185,7 @@ impl View {
         Ok(())
     }
 
-    /// What was read on the stops. Without enough dwells nothing is claimed.
+    /// Writes the readings on the stops. Without enough dwells there are none.
     fn stops(&self, out: &mut Out<'_, '_>) -> fmt::Result {
         let help = "Times that the rod was read on its stop, as many as are kept.";
         let mut family = out.family("stop_dwells", help, None, MetricType::Gauge)?;
@@ -210,7 +209,7 @@ impl View {
         Ok(())
     }
 
-    /// A gauge of each transducer on its stop: name, help and unit.
+    /// Writes a gauge for each transducer on its stop: name, help and unit.
     fn readings(
         &self,
         out: &mut Out<'_, '_>,
@@ -243,14 +242,14 @@ impl View {
         out.time("last_frame_timestamp", help, self.ago(telemetry.since_frame(self.uptime)))
     }
 
-    /// The system's time so long ago.
+    /// The system's time at that time before now.
     fn ago(&self, time: Option<Duration>) -> Option<Timestamp> {
         let nanos = i64::try_from(time?.as_nanos()).ok()?;
         Some(self.system.after(Span::from_nanos(-nanos)))
     }
 }
 
-/// Where families go to.
+/// Output of metric families.
 struct Out<'a, 'b>(&'a mut DescriptorEncoder<'b>);
 
 impl Out<'_, '_> {
@@ -269,7 +268,7 @@ impl Out<'_, '_> {
         self.0.encode_descriptor(name, help, unit, kind)
     }
 
-    /// A number that may be absent.
+    /// Writes a number that may be absent.
     fn gauge(&mut self, name: &str, help: &str, value: Option<f64>) -> fmt::Result {
         let mut family = self.family(name, help, None, MetricType::Gauge)?;
         value.map_or(Ok(()), |value| family.encode_gauge(&value))
@@ -287,7 +286,7 @@ fn count(family: &mut MetricEncoder<'_>, labels: &Labels<'_>, total: &Total) -> 
     family.encode_family(&labels)?.encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)
 }
 
-/// A sample for each of `names`: 1 for the one of `number`, 0 for the others.
+/// Writes a sample for each of `names`: 1 for the one of `number`, 0 for the others.
 fn one_of(
     family: &mut MetricEncoder<'_>,
     labels: &Labels<'_>,

@@ -1,11 +1,11 @@
-//! Totals that only grow, whatever begins again meanwhile.
+//! Totals that only grow, even if their sources restart.
 
 use super::cell::Total;
 use crate::bus::PortCounts;
 use crate::live::outbox::OutboxCounts;
 use crate::monitor::Counts;
 
-/// Everything that is counted, from the start of the process on.
+/// Totals since the start of the process.
 #[derive(Debug, Default)]
 pub(super) struct Totals {
     pub received: Total,
@@ -37,14 +37,15 @@ pub(super) struct Totals {
     pub reconnects: Total,
     pub reloads_accepted: Total,
     pub reloads_refused: Total,
-    /// By the thread that keeps the history, as is the next.
+    /// Writes of the history, counted by the thread that keeps it.
     pub history_writes: Total,
+    /// Failed writes of the history, counted by the thread that keeps it.
     pub history_failures: Total,
     pub history_crowded: Total,
 }
 
 impl Totals {
-    /// A port counts from its opening on.
+    /// Adds a port's counts, which start when it is opened.
     pub fn port(&self, last: &PortCounts, now: &PortCounts) {
         self.received.follow(last.received, now.received);
         self.error_frames.follow(last.error_frames, now.error_frames);
@@ -54,7 +55,7 @@ impl Totals {
         self.refused.follow(last.refused, now.refused);
     }
 
-    /// An outbox counts from the reading of the configuration on.
+    /// Adds an outbox's counts, which start when the configuration is read.
     pub fn outbox(&self, last: &OutboxCounts, now: &OutboxCounts) {
         self.sent.follow(last.sent, now.sent);
         self.too_old.follow(last.too_old, now.too_old);
@@ -64,7 +65,7 @@ impl Totals {
         self.held_back.follow(last.held_back, now.held_back);
     }
 
-    /// A monitor counts from its making on.
+    /// Adds a monitor's counts, which start when it is made.
     pub fn monitor(&self, last: &Counts, now: &Counts) {
         self.used.follow(last.used, now.used);
         self.ignored.follow(last.ignored, now.ignored);
@@ -83,7 +84,7 @@ impl Totals {
 type Described<'a> = (&'static str, &'static str, &'a Total);
 
 impl Totals {
-    /// Those that are one number each: name, help, total.
+    /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
     pub fn described(&self) -> [Described<'_>; 30] {
         [

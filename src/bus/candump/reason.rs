@@ -1,4 +1,4 @@
-//! Why a line is no frame, for people.
+//! Why a line is not a frame, for people.
 
 use super::MAX_LINE;
 

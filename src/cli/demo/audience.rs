@@ -1,4 +1,4 @@
-//! Who watches the gateway in the demonstration.
+//! Audience of the demonstration.
 
 use super::listener::{Heard, Listener};
 use super::programme::{ACTS, CURTAIN, window};
@@ -24,30 +24,30 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Hears the bus, shows what happens, and keeps score.
+/// Receives the frames on the bus, shows what happens, and keeps score.
 pub struct Audience {
     pub stage: Stage<Simulation>,
     pub ear: Endpoint,
     pub listener: Listener,
     pub screen: Screen,
     pub record: Option<Record>,
-    /// From the first fault on.
+    /// Pace from the first fault on.
     pub pace: Pace,
-    /// Of R1, R2 and R3, m.
+    /// Limits of R1, R2 and R3, m.
     pub limits: [f64; 3],
     pub over: Arc<AtomicBool>,
     pub interrupted: Arc<AtomicBool>,
     pub scene: Scene,
     pub score: Score,
-    /// Frames that are nobody's or broken.
+    /// Number of frames that are unknown or damaged.
     pub strangers: u64,
-    /// Acts that were announced, and that were said to be over.
+    /// Number of acts that were announced, and that were announced as over.
     pub begun: [usize; 2],
     pub failure: Option<Failure>,
 }
 
 impl Audience {
-    /// Hears what has come on the bus since, and shows it.
+    /// Shows the frames that have come on the bus since the last call.
     pub fn attend(&mut self) {
         self.scene.now = self.stage.now().since(EPOCH).as_seconds().max(0.0);
         self.announce();
@@ -66,7 +66,7 @@ impl Audience {
         }
     }
 
-    /// A line for those without a drawing.
+    /// Prints a line for output without a drawing.
     fn tell(&mut self, line: impl FnOnce() -> String) {
         if !self.screen.is_terminal() {
             let said = self.screen.say(&[line()]);
@@ -150,7 +150,7 @@ impl Surroundings for Audience {
         if wanted || self.failure.is_some() { Wish::Stop } else { Wish::GoOn }
     }
 
-    /// The bus inside the program has always room.
+    /// Does not wait, since the embedded bus always has room.
     fn wait(&mut self, _: Duration) {}
 
     fn opened(&mut self, _: &dyn Port) {}
@@ -159,7 +159,7 @@ impl Surroundings for Audience {
         self.failure = Some(Failure::Failed(format!("the embedded bus: {reason}")));
     }
 
-    /// Likewise: it takes every frame.
+    /// Does nothing, since the embedded bus takes every frame.
     fn unsaid(&mut self, _: &str) {}
 
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {

@@ -33,13 +33,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How much faster the platform comes up, of which there is little to see.
+/// Speed of the start-up of the platform, during which there is little to see.
 const PRELUDE: f64 = 6.0;
 
 /// Shows the gateway at work on a simulated machine: faults arrive, it warns.
 ///
-/// Simulator, embedded bus and gateway run in this process. But for readings and residuals, all that
-/// is shown is read from the frames on the bus.
+/// Simulator, embedded bus and gateway run in this process. Except for readings and residuals,
+/// everything shown is read from the frames on the bus.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   tertius demo
@@ -49,14 +49,14 @@ const PRELUDE: f64 = 6.0;
 On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as it goes.
 Exit code 1: a fault was not found as announced.")]
 pub struct Demo {
-    /// How many times as fast as the machine; max: as fast as it goes [default: 1 on a terminal,
-    /// else max]
+    /// Speed as a multiple of real time; max: as fast as possible [default: 1 on a terminal, else
+    /// max]
     #[arg(long, value_name = "N")]
     speed: Option<Pace>,
-    /// Seeds everything random: the sea, the noise
+    /// Seed of everything random: the sea, the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Writes all frames of the bus as candump -l would
+    /// Writes all frames of the bus in the format of candump -l
     #[arg(long, value_name = "FILE.log")]
     record: Option<PathBuf>,
     #[command(flatten)]
@@ -64,10 +64,9 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Shows it.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// A fault that was not found as announced, or an output that cannot be written.
+    /// # Errors A fault was not found as announced, or an output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::simulated()?;
         let stage = self.stage(&machine)?;
@@ -81,7 +80,7 @@ impl Demo {
         end(audience)
     }
 
-    /// The bus with the machine on it.
+    /// The bus with the machine connected to it.
     fn stage(&self, machine: &Machine) -> Result<Stage<Simulation>, Failure> {
         let settings = &machine.loaded.settings;
         let built_in = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
@@ -147,7 +146,7 @@ const INTRODUCTION: [&str; 4] = [
     "a second. Five faults will come, one after the other. Ctrl-C ends it.",
 ];
 
-/// Says how it went.
+/// Prints the result.
 fn end(mut audience: Audience) -> Result<(), Failure> {
     if let Some(record) = audience.record.take() {
         record.into_inner().finish().map_err(|error| Failure::writing("the record", &error))?;

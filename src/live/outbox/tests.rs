@@ -106,7 +106,7 @@ fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
     assert_eq!((outbox.counts().outdated, outbox.counts().superseded), (12, 0));
 }
 
-/// 300 estimates a second, and 100 frames that may go out.
+/// 300 estimates a second, with 100 frames that may be sent at once.
 #[test]
 fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
     let (mut outbox, mut encoder) = (outbox(), encoder());
@@ -133,7 +133,7 @@ fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
     assert!((190..=200 + 20).contains(&(estimates + warnings)), "{estimates} {warnings}");
 }
 
-/// Everything that can stand is raised in one cycle, with a status, after the estimates of two.
+/// Every warning that can stand is raised in one cycle, with a status, after the estimates of two.
 #[test]
 fn every_place_at_once_goes_out_at_once() {
     let (waiting, burst) = (Limits::WAITING, Limits::BURST);

@@ -1,4 +1,4 @@
-//! The observers' weights against each other.
+//! Table of the comparison of the observers' weights.
 
 use super::{percent, rate};
 use crate::evaluate::weights::{FAULTS, SetResult};

@@ -16,7 +16,7 @@ use plotters::style::RGBColor;
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];
 const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 
-/// The whole page; `configured`: the bound of R3 that the configuration has, m.
+/// The whole page; `configured` is the bound of R3 in the configuration, m.
 pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&result.inputs);
@@ -24,7 +24,7 @@ pub fn page(result: &Calibration, differences: &Differences, configured: f64) ->
     page.finish()
 }
 
-/// All of it that is not about where it comes from.
+/// Adds everything except the origin of the data.
 pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, configured: f64) {
     page.paragraph(&capitalised(&text::parts(result)));
     page.lines(&text::remarks(result));
@@ -110,7 +110,7 @@ fn bound(result: &Calibration) -> Option<f64> {
     result.bound.map(|bound| four_digits(bound.level))
 }
 
-/// What was seen but for faulty samples, and both bounds around what is corrected.
+/// A scale for everything except faulty samples, with both bounds around the corrected values.
 fn scale(
     tried: Option<&Tried>,
     curve: &Curve,

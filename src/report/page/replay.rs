@@ -14,7 +14,8 @@ const TIME: &str = "time since the first frame";
 
 const RESIDUALS: [&str; 3] = ["R1", "R2", "R3"];
 
-/// Residuals are drawn up to this many thresholds; what is beyond is a triangle at the border.
+/// Range of the residuals' scale, as a multiple of the threshold; values beyond are drawn as
+/// triangles at the border.
 const SCALE: f64 = 8.0;
 
 /// The whole page, from the same facts as the text for a terminal.
@@ -100,7 +101,7 @@ fn residuals(number: u8, cylinder: &Gathered, recorded: &Recorded) -> Option<(Fi
     (!panels.is_empty()).then_some((Figure { width: WIDE, x, panels }, caption))
 }
 
-/// The panel of one residual, and what is to be said of values beyond its scale.
+/// Panel of one residual, with a remark on values beyond its scale.
 fn residual(
     i: usize,
     number: u8,
@@ -154,7 +155,7 @@ fn thresholds(panel: Panel, i: usize, bounds: Bounds) -> Panel {
     panel.with_bounds(&clears, palette::LOW, low).with_bounds(&raises, palette::HIGH, high)
 }
 
-/// Which residual a detector judges; `None` where it judges none.
+/// Index of the residual that a detector judges; `None` where it judges none.
 fn place(detector: Detector) -> Option<usize> {
     match detector {
         Detector::Fde1 => Some(0),
@@ -297,7 +298,7 @@ fn histograms(page: &mut Page, recorded: &Recorded) {
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// The counts of one residual by its size, all cylinders together and each.
+/// Histograms of one residual, for all cylinders together and for each.
 fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
     let bounds = recorded.cylinders.first()?.bounds[i];
     let mut all = Histogram::new(bounds.high);

@@ -1,4 +1,4 @@
-//! What was read on the stops, on the page of a replay.
+//! The section on the stops, on the page of a replay.
 
 use super::Page;
 use super::axis::Axis;
@@ -9,13 +9,14 @@ use crate::sequential::Dwell;
 
 const DAY: f64 = 86_400.0;
 
-/// Histories of fewer days are drawn on a clock.
+/// Length of a history, days, below which it is drawn on a clock.
 const FEW_DAYS: f64 = 2.0;
 
-/// Scatter is drawn no larger than this lets it, mm: a reading repeats to no better.
+/// Least scale of the figure, mm, which keeps the scatter small: a reading does not repeat more
+/// accurately.
 const LEAST: f64 = 0.05;
 
-/// The section; nothing where nothing was read.
+/// Adds the section; nothing where nothing was read.
 pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     if stops.is_empty() {
         return;
@@ -34,7 +35,7 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// How the readings of one cylinder have moved, which may move by `limit`, m; `None` with too few dwells.
+/// Moves of the readings of one cylinder, whose limit is `limit`, m; `None` with too few dwells.
 fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
     let history = stop.history;
     let (first, newest) = (history.dwells().first()?.at, history.dwells().last()?);

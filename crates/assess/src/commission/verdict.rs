@@ -1,4 +1,4 @@
-//! Fit for use or not, in a sentence.
+//! Whether the configuration is fit for use, in a sentence.
 
 use super::faults::Kind;
 use super::stages::{Refused, Stage, Taught};
@@ -10,40 +10,41 @@ use tertius_learn::extremes::HOURS_PER_YEAR;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fitness {
     Fit,
-    /// But for these cylinders.
+    /// It can be used except for these cylinders.
     Partly(Vec<u8>),
     Unfit,
 }
 
-/// What is said of the whole.
+/// Verdict on the whole configuration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
     pub fitness: Fitness,
     pub sentence: String,
-    /// Why not, a line for each.
+    /// Reasons against use, one line each.
     pub reasons: Vec<String>,
-    /// What to do about it.
+    /// What to do about them.
     pub advice: Vec<String>,
 }
 
-/// That more than so many false alarms are no chance.
+/// More false alarms than expected count against the tables when chance explains them with a
+/// probability below this.
 const DOUBT: f64 = 0.05;
 
-/// Of steps of a millimetre, which the thesis's thresholds find, at least this part has to be found, …
+/// Least part of the 1 mm steps that has to be found, since the thesis's thresholds find them.
 const LEAST_FOUND: f64 = 0.5;
 
-/// … where so many were tried.
+/// Least number of steps that were tried before [`LEAST_FOUND`] applies.
 const ENOUGH: usize = 8;
 
-/// Who would live with more false alarms a year: two an hour.
+/// Most false alarms a year that anyone would accept: two an hour.
 const MOST_PER_YEAR: f64 = 2.0 * HOURS_PER_YEAR;
 
-/// So many false alarms are told one by one.
+/// At most this many false alarms are listed one by one.
 const TOLD: usize = 6;
 
 impl Verdict {
-    /// Of what was `taught` by all of the recording, `rehearsed` without what was held back, and the
-    /// `trial` of that.
+    /// Verdict on the tables learnt from the whole recording (`taught`), those learnt without the
+    /// blocks held back (`rehearsed`), and the `trial` of the latter.
     pub fn of(taught: &Taught, rehearsed: Option<&Taught>, trial: Option<&Trial>) -> Self {
         let refused = taught.refused_cylinders();
         let mut reasons: Vec<String> = taught.refused.iter().map(told).collect();
@@ -85,7 +86,7 @@ const ADVICE: &str = "mend what is named above and record again; `tertius identi
 const PARTLY: &str = "mend the cylinder and record again, or take the tables of the others \
                       (--accept-refused): the refused one keeps what it has, and is watched by that";
 
-/// What a stage that failed leaves nobody with.
+/// What is missing when a stage has failed.
 const fn nothing(stage: Stage) -> &'static str {
     match stage {
         Stage::Identify => "no model can be identified",
@@ -115,7 +116,7 @@ fn untried(rehearsed: Option<&Taught>) -> (String, String) {
     (why, "record for longer; a quarter of an hour at work is enough".to_owned())
 }
 
-/// What a trial says against the tables.
+/// What the trial found against the tables.
 fn wrongs(
     taught: &Taught,
     trial: &Trial,
@@ -156,7 +157,7 @@ fn counted(alarms: u64) -> String {
     if alarms == 1 { "1 false alarm".to_owned() } else { format!("{alarms} false alarms") }
 }
 
-/// So many events are more than chance makes of so many that are expected.
+/// Whether `events` are more than chance explains where `expected` are expected.
 fn beyond(events: u64, expected: f64) -> bool {
     // At least so many come with a probability below the doubt: the exact bound from below.
     events > 0 && poisson_lower(events) > expected
@@ -168,7 +169,7 @@ fn poisson_lower(events: u64) -> f64 {
     poisson_upper(events - 1, DOUBT)
 }
 
-/// What is found, in half a sentence.
+/// What the trial found, as half a sentence.
 fn finds(trial: &Trial) -> String {
     let found = |it: &KindResult| {
         let median = it.median().map_or("rarely".to_owned(), |delay| format!("{delay:.2} s"));
@@ -210,7 +211,7 @@ mod tests {
         }
     }
 
-    /// Of 300 s, with so many of twelve steps of 1 mm found.
+    /// A trial of 300 s in which `found` of twelve steps of 1 mm were found.
     fn trial(found: usize) -> Trial {
         let one = KindResult {
             kind: Kind::Step(1e-3),

@@ -4,18 +4,18 @@ use super::outcome::Outcome;
 use super::proportion::Proportion;
 use serde::Serialize;
 
-/// A sentence of the thesis about the residual of the faulty transducer's own observer.
+/// A claim of the thesis about the residual of the faulty transducer's own observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claim {
-    /// Every one is found within one sample (section 5-4-2).
+    /// Every fault is found within one sample (section 5-4-2).
     AtOnce,
-    /// Not all of them are found.
+    /// Not all faults are found.
     NotAlways,
     /// δ_h is not crossed (section 5-4-3).
     Never,
     /// δ_h is crossed.
     Found,
-    /// Every one is found within so many seconds (section 5-4-4).
+    /// Every fault is found within this many seconds (section 5-4-4).
     Within(f64),
 }
 
@@ -42,7 +42,7 @@ impl Claim {
         }
     }
 
-    /// Holds it for these? "Every one" is every one that was tried.
+    /// Whether the claim holds for `outcomes`. "Every" fault means every one that was tried.
     pub fn judge(self, outcomes: &[Outcome], sample_time: f64) -> Judged {
         let limit = match self {
             Self::AtOnce => sample_time,

@@ -24,13 +24,13 @@ use tertius_core::verdict::fault::Signatures;
 use tertius_core::verdict::{BankDesign, Thresholds};
 use tertius_dbc::{Database, LookupError, Message, Signal};
 
-/// Something in the configuration that does not fit the DBC or cannot be computed.
+/// A setting that does not fit the DBC or cannot be computed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// The key to blame, for example `signals.cylinder.c1`.
+    /// Key at fault, for example `signals.cylinder.c1`.
     pub key: String,
     pub message: String,
-    /// What to do.
+    /// Advice on what to do.
     pub help: String,
 }
 
@@ -40,7 +40,7 @@ impl Flaw {
     }
 }
 
-/// The monitor that `settings` ask for, with the signals of `database`.
+/// The monitor for `settings`, with the signals of `database`.
 ///
 /// # Errors
 /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
@@ -52,25 +52,24 @@ pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign
     wirer.build()
 }
 
-/// The same whatever sample time model and tables are of: for who asks where the signals are, and
-/// judges nothing.
+/// The monitor for `settings`, whatever sample time its model and tables were made for: for callers
+/// that need the signals and judge nothing.
 ///
-/// # Errors
-/// As [`judging`], but for sample times.
+/// # Errors See [`judging`], except for sample times.
 pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     Wirer::new(settings, database, false).build()
 }
 
-/// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
-/// They are waited for until the deadline of a cycle, and are never missed.
+/// The monitor for `settings` that also reads the cylinders' pressures, for callers that learn from
+/// a recording. The monitor waits for the pressures until the deadline of a cycle, and never
+/// reports them missing.
 ///
-/// # Errors
-/// As [`unjudging`]; and pressures that are not in bar.
+/// # Errors See [`unjudging`]; also pressures that are not in bar.
 pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     Wirer::new(settings, database, true).build()
 }
 
-/// The first flaw of each key: a misspelt signal is one mistake, not one for each cylinder.
+/// The first flaw of each key: a misspelt signal is one mistake, and not one for each cylinder.
 fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
     let mut kept: Vec<Flaw> = Vec::new();
     for flaw in flaws {
@@ -301,7 +300,7 @@ impl<'a> Wirer<'a> {
         }
     }
 
-    /// Lengths are metres throughout; a signal in another unit would be wrong by its factor.
+    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit.
     fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
         let expected = match field {
             Field::Position(_) => "m",

@@ -1,4 +1,4 @@
-//! The scale of the gateway's own Fd_Estimate, as the DBC has it.
+//! The scale of the gateway's own Fd_Estimate, as given by the DBC.
 
 use super::{Flaw, Wirer};
 use tertius_core::alarm::frames::{ESTIMATE_LAYOUT, Encoder, EstimateScale, Scale};
@@ -7,25 +7,25 @@ use tertius_core::frame::{Frame, Kind};
 use tertius_core::time::Timestamp;
 use tertius_dbc::{LookupError, Message, Signal};
 
-/// Its name in a DBC.
+/// Name of the message in a DBC.
 const NAME: &str = "Fd_Estimate";
 
-/// The bytes of the gateway's frames.
+/// Length of the gateway's frames, bytes.
 const LENGTH: usize = 8;
 
-/// Where the scale is from: for messages.
+/// Source of the scale, for messages.
 enum Origin<'a> {
     Dbc {
         position: &'a Signal,
         sigma: &'a Signal,
     },
-    /// The DBC has no such message.
+    /// The gateway's default, since the DBC has no such message.
     Gateway,
 }
 
 impl<'a> Wirer<'a> {
-    /// The gateway's frames. Estimates that are sent have to fit their scale: a length of the stroke
-    /// that has no count would be sent as invalid for ever.
+    /// Encoder of the gateway's frames. Estimates that are sent have to fit their scale: a length
+    /// of the stroke without a count would always be sent as invalid.
     pub(super) fn encoder(&mut self) -> Option<Encoder> {
         let encoder = Encoder::new(self.settings.gateway.node);
         if encoder.is_none() {
@@ -76,7 +76,7 @@ impl<'a> Wirer<'a> {
         Ok((both, Origin::Dbc { position, sigma }))
     }
 
-    /// What has no place on the scale.
+    /// What does not fit the scale.
     fn misfits(&self, scale: EstimateScale, origin: &Origin<'_>) -> Vec<Flaw> {
         const HELP: &str = "give the DBC an Fd_Estimate with a factor, an offset and a range that have \
                             room for it, or send no estimates";
@@ -124,7 +124,8 @@ fn within(lengths: [f64; 2], range: Option<[f64; 2]>) -> [f64; 2] {
     range.map_or(lengths, |[low, high]| [least.max(low), most.min(high)])
 }
 
-/// Bits and checksum are the gateway's: a DBC that says otherwise would have others read nonsense.
+/// Refuses bits or a checksum other than the gateway's: with such a DBC other nodes would read
+/// nonsense.
 fn check_layout(message: &Message) -> Result<(), String> {
     if message.length != LENGTH {
         let Message { line, length, .. } = message;

@@ -6,8 +6,8 @@ use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference};
 
-/// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
-/// not covered.
+/// Least number of samples with which a cell of the stroke is covered, for a table that does not
+/// say how well its nodes are known.
 const LEAST_SAMPLES: u64 = 400;
 
 impl Wirer<'_> {

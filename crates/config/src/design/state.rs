@@ -8,8 +8,8 @@ use tertius_dbc::Signal;
 const STATES: [(&str, i64); 4] = [("safe", 0), ("settled", 1), ("neutral", 2), ("engaged", 3)];
 
 impl Wirer<'_> {
-    /// The numbers of the monitored states, `None` where FDE1 and FDE2 always judge, and of those in
-    /// which the rods stand on their stops.
+    /// Numbers of the monitored states (`None` where FDE1 and FDE2 always judge), and of the states
+    /// in which the rods stand on their stops.
     pub(super) fn connect_state(&mut self) -> (Option<Vec<i64>>, Vec<i64>) {
         let machine = &self.settings.machine;
         let Some(name) = &self.settings.signals.state else {

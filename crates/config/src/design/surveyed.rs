@@ -1,4 +1,4 @@
-//! What is not monitored, but read by who learns from a recording.
+//! Signals that are not monitored, but read by commands that learn from a recording.
 
 use super::Wirer;
 use crate::settings::CylinderSignals;
@@ -30,7 +30,7 @@ impl Wirer<'_> {
         }
     }
 
-    /// One signal for all cylinders: each has it among its own inputs, cycle by cycle.
+    /// Connects the supply pressure, one signal for all cylinders, as an input of each.
     fn connect_supply(&mut self, n: u8) {
         let Some(name) = self.settings.signals.supply.as_deref() else { return };
         let Some(found) = self.find("signals.supply", name) else { return };

@@ -1,9 +1,9 @@
-//! Models and tables that are of another sample time than the machine's.
+//! Models and tables made for another sample time than the machine's.
 
 use super::{Flaw, Wirer};
 use crate::settings::Cylinder;
 
-/// Sample times that differ by less are written differently, and are the same.
+/// Sample times that differ by less than this, s, are equal and only written differently.
 const SAME: f64 = 1e-9;
 
 /// Bits at the nominal rate in the shortest frame that CAN or CAN FD has: from the start of frame to
@@ -11,8 +11,8 @@ const SAME: f64 = 1e-9;
 const SHORTEST_FRAME_BITS: f64 = 30.0;
 
 impl Wirer<'_> {
-    /// θ and γ of (4-1), the weights of the Riccati equation and all that is fitted for the sequential
-    /// detector are of one sample time each. At another they would judge a machine that there is not.
+    /// Refuses θ and γ of (4-1), weights of the Riccati equation and tables for the sequential
+    /// detector that were made for another sample time, since they would describe another machine.
     pub(super) fn refuse_other_times(&mut self) {
         let settings = self.settings;
         for n in 1..=settings.machine.cylinders {
@@ -61,7 +61,8 @@ impl Wirer<'_> {
         self.flaws.push(Flaw::new(key, message, help));
     }
 
-    /// A cycle shorter than its own frames is a wrong sample time, or a wrong bit rate.
+    /// Refuses a cycle that is shorter than its own frames: the sample time or the bit rate is
+    /// wrong.
     pub(super) fn refuse_crowded_cycles(&mut self) {
         let (machine, bitrate) = (&self.settings.machine, self.settings.bus.bitrate);
         let lines = self.wiring.lines().iter().filter(|line| line.sync || line.cyclic).count();

@@ -1,5 +1,5 @@
-//! The sequential detectors: what all have in common, and what `tertius calibrate` has fitted for that
-//! of one cylinder.
+//! Keys of the sequential detectors: those that all detectors have in common, and those that
+//! `tertius calibrate` has fitted for one cylinder.
 
 use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;

@@ -1,4 +1,4 @@
-//! The virtual sensor of one cylinder: who is trusted, and what follows of it.
+//! The virtual sensor of one cylinder: selects trusted transducers and estimates the length.
 
 use super::carrier::{Carrier, Reserve};
 use super::dynamics::{Dynamics, Feed};
@@ -15,44 +15,44 @@ const MEMORY: u32 = 15_000;
 /// What of the largest difference is left after a second.
 const KEPT: f64 = 0.37;
 
-/// What a virtual sensor runs on.
+/// Parameters of a virtual sensor.
 #[derive(Clone, Debug)]
 pub struct Design {
     pub dynamics: Dynamics,
     pub scale: Scale,
-    /// s.
+    /// Sample time, s.
     pub sample_time: f64,
-    /// Readings until a transducer is taken for a reference.
+    /// Number of readings until a transducer can serve as a reference.
     pub settle: u32,
-    /// Cycles without a reading that a filter outlasts.
+    /// Most cycles without a reading over which a filter continues.
     pub max_gap: u32,
-    /// Healthy transducers differ by no more, m.
+    /// Largest difference of healthy transducers, m.
     pub difference: f64,
-    /// The largest σ of a valid estimate, m.
+    /// Largest σ of a valid estimate, m.
     pub bound: f64,
-    /// Valid lengths, both inclusive, m.
+    /// Range of valid lengths, inclusive, m.
     pub lengths: (f64, f64),
 }
 
-/// One cycle of a cylinder.
+/// Inputs of a cylinder in one cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Input {
-    /// The number of the cycle.
+    /// Number of the cycle.
     pub cycle: u64,
     /// Readings that passed the plausibility checks, m, each on its own scale.
     pub lengths: [Option<f64>; 2],
-    /// By C2 where it is measured, m/s.
+    /// Velocity by C2 where it is measured, m/s.
     pub velocity: Option<f64>,
-    /// u(k), m/s, as it was sent.
+    /// Command u(k), m/s, as sent.
     pub command: Option<f64>,
-    /// The rod follows the command: the platform's state is a monitored one, and the command is no
-    /// older than it may be.
+    /// Whether the rod follows the command: the platform is in a monitored state, and the command
+    /// is not stale.
     pub follows: bool,
-    /// Whom no finding blames.
+    /// Transducers that no finding blames.
     pub trusted: [bool; 2],
-    /// One of the two is blamed, and which is not known.
+    /// Whether one of the two is blamed, but it is not known which.
     pub undecided: bool,
-    /// The rod does not do what the command says.
+    /// Whether the rod does not follow the command.
     pub process: bool,
 }
 
@@ -62,7 +62,7 @@ impl Input {
     }
 }
 
-/// The sensor.
+/// The virtual sensor of one cylinder.
 #[derive(Clone, Debug)]
 pub struct VirtualSensor {
     design: Design,
@@ -71,14 +71,15 @@ pub struct VirtualSensor {
     feed: Feed,
     filters: [Filter; 2],
     growth: Growth,
-    /// Of the squared differences of healthy transducers, m².
+    /// Mean squared difference of healthy transducers, m².
     differences: Mean,
-    /// The newest difference, and the largest of about a second, m.
+    /// Newest difference, m.
     difference: f64,
+    /// Largest difference of about the last second, m.
     largest: f64,
     carrier: Option<Carrier>,
     reserve: Reserve,
-    /// Who was trusted, and read, in the cycle before.
+    /// Transducers that were trusted and had a reading in the previous cycle.
     relied_on: [bool; 2],
     cycle: u64,
 }
@@ -102,8 +103,8 @@ impl VirtualSensor {
         }
     }
 
-    /// Time jumped or frames were lost: where the rod is has to be told anew. What is known of
-    /// transducers and model stays.
+    /// Restarts the estimate after a time jump or lost frames. What is known of transducers and
+    /// model stays.
     pub fn interrupt(&mut self) {
         self.velocity.reset();
         self.feed.clear();
@@ -115,7 +116,7 @@ impl VirtualSensor {
         self.relied_on = [false; 2];
     }
 
-    /// Takes one cycle; `None` while nothing is known of the length.
+    /// Takes one cycle; returns `None` while nothing is known of the length.
     pub fn step(&mut self, input: &Input) -> Option<Estimate> {
         if input.cycle != self.cycle.wrapping_add(1) {
             self.interrupt();
@@ -161,7 +162,7 @@ impl VirtualSensor {
         Some(source)
     }
 
-    /// What the transducers of `source` say.
+    /// The estimate from the transducers of `source`.
     fn tell(&mut self, input: &Input, source: Source) -> Option<Estimate> {
         let [one, other] = &self.filters;
         let usual = self.differences.value();
@@ -194,7 +195,7 @@ impl VirtualSensor {
         Some(self.judged(x[0], variance, source, source == Source::Both || alone))
     }
 
-    /// What the command alone says.
+    /// The estimate from the command alone.
     fn carry(&mut self, input: &Input) -> Option<Estimate> {
         if !input.is_calm() {
             self.growth.recall();

@@ -1,4 +1,4 @@
-//! The short way of a frame's signals to the inputs of a cylinder.
+//! A short path for a frame's signals to the inputs of a cylinder.
 
 use super::wiring::{Target, Wire};
 use crate::decode::{Plain, SignalPlan};
@@ -6,35 +6,34 @@ use crate::frame::Frame;
 use crate::sample::{Field, Inputs, Transducer};
 use alloc::boxed::Box;
 
-/// The bytes of a word, of which all signals are read.
+/// Length of a word, from which all signals are read, bytes.
 const WORD: usize = 8;
 
-/// The signals of a page that all go to one cylinder, are all plain and lie within eight bytes, as nearly
-/// every message of a transducer or valve has them: which they are is settled once, and not asked of each
-/// frame.
+/// Signals of a page that all go to one cylinder, are all plain and lie within eight bytes, as in
+/// nearly every message of a transducer or valve. This is determined once, and not for each frame.
 #[derive(Clone, Debug)]
 pub struct Intake {
-    /// The index of the cylinder, from 0.
+    /// Cylinder index, from 0.
     cylinder: u8,
-    /// The byte with which the word begins.
+    /// Byte at which the word begins.
     at: u8,
-    /// Bytes that a payload must have to carry them all.
+    /// Length that a payload must have to carry all signals, bytes.
     needs: u8,
     taps: Box<[Tap]>,
-    /// [`Inputs::came`] of all of them.
+    /// Bits of all fields for [`Inputs::came`].
     bits: u16,
-    /// The alive counter.
+    /// Alive counter.
     counter: Option<Plain>,
 }
 
-/// A signal and where it goes: [`Inputs::count`]'s `place`.
+/// A signal and its destination: [`Inputs::count`]'s `place`.
 #[derive(Clone, Copy, Debug)]
 struct Tap {
     signal: Plain,
     place: u8,
 }
 
-/// An alive counter, and the readings that it counts, by the index of the cylinder.
+/// An alive counter, and the readings that it counts, by cylinder index.
 #[derive(Clone, Copy, Debug)]
 pub struct Counting<'a> {
     pub plan: &'a SignalPlan,
@@ -42,8 +41,8 @@ pub struct Counting<'a> {
 }
 
 impl Intake {
-    /// The short way of `wires`, the signals of one page, and of its alive counter where it has one; `None`
-    /// if there is none.
+    /// The short path of `wires`, the signals of one page, and of its alive counter where it has
+    /// one; `None` if there is no short path.
     pub fn of(wires: &[Wire], counting: Option<Counting<'_>>) -> Option<Self> {
         let Target::Cylinder(cylinder, _) = wires.first()?.target else { return None };
         let counters = counting.iter().map(|counting| counting.plan);
@@ -74,26 +73,26 @@ impl Intake {
         Some(Self { cylinder, at, needs, taps, bits, counter })
     }
 
-    /// The index of the cylinder, from 0.
+    /// Cylinder index, from 0.
     #[inline]
     pub fn cylinder(&self) -> usize {
         usize::from(self.cylinder)
     }
 
-    /// The word of a data frame that has all the signals; `None` if it is too short for one of them.
+    /// The word of a data frame that has all signals; `None` if it is too short for one of them.
     #[inline(always)]
     pub fn word(&self, frame: &Frame) -> Option<u64> {
         let bytes = frame.buffer().get(usize::from(self.at)..)?.first_chunk()?;
         (frame.length() >= usize::from(self.needs)).then_some(u64::from_le_bytes(*bytes))
     }
 
-    /// The alive counter, where there is one.
+    /// The alive counter's value, where there is one.
     #[inline(always)]
     pub fn counter(&self, word: u64) -> Option<u64> {
         self.counter.as_ref().map(|counter| counter.count(word) as u64)
     }
 
-    /// Puts the signals of a frame into `inputs`, and that their readings were counted.
+    /// Stores the signals of a frame in `inputs`, and notes that their readings were counted.
     #[inline(always)]
     pub fn fill(&self, word: u64, inputs: &mut Inputs) {
         for tap in &self.taps {
@@ -146,7 +145,7 @@ mod tests {
         Target::Cylinder(2, field)
     }
 
-    /// What the signals of `frame` make of inputs, one by one.
+    /// The inputs from the signals of `frame`, one by one.
     fn slowly(wires: &[Wire], frame: &Frame) -> Inputs {
         let mut inputs = Inputs::default();
         for wire in wires {

@@ -1,4 +1,4 @@
-//! What of a message comes together, and what came of it.
+//! Pages: signals of a message that come together, and the state of their arrival.
 
 use super::intake::{Counting, Intake};
 use super::wiring::{Line, Target, Wire};
@@ -11,31 +11,32 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A message as its frames are taken.
+/// A message as its frames are received.
 #[derive(Clone, Debug)]
 pub(super) struct Station {
-    /// It opens a cycle.
+    /// Whether the message opens a cycle.
     pub sync: bool,
     pub pages: Box<[Page]>,
 }
 
-/// Signals of a message that come together: carried by the same frames and counted by the same alive
-/// counter. A message without multiplexor is one page, if all of its signals share a counter.
+/// Signals of a message that come together: carried by the same frames and counted by the same
+/// alive counter. A message without a multiplexor is one page if all of its signals share a
+/// counter.
 #[derive(Clone, Debug)]
 pub(super) struct Page {
-    /// Carries a reading of a transducer.
+    /// Whether the page carries a reading of a transducer.
     pub reading: bool,
-    /// Belongs to a cycle; the platform's state does not.
+    /// Whether the page belongs to a cycle; the platform's state does not.
     pub cyclic: bool,
-    /// But for the counter.
+    /// Signals of the page except its counter.
     pub wires: Box<[Wire]>,
-    /// The short way of them.
+    /// Short path of the signals.
     pub intake: Option<Intake>,
     counter: Option<SignalPlan>,
-    /// Whose readings the counter counts.
+    /// Readings that the counter counts.
     pub counted: Box<[(u8, Transducer)]>,
     pub slot: Slot,
-    /// A signal that is where the page is; `None` where every frame carries it.
+    /// A signal in the same frames as the page; `None` where every frame carries the page.
     carried_with: Option<SignalPlan>,
 }
 
@@ -74,17 +75,17 @@ impl Station {
     }
 }
 
-/// A page while it is put together.
+/// A page that is being put together.
 struct Draft<'a> {
     cyclic: bool,
-    /// The wire that says which frames carry the page.
+    /// The signal that determines which frames carry the page.
     anchor: &'a Wire,
     counter: Option<&'a Wire>,
     wires: Vec<&'a Wire>,
 }
 
 impl Draft<'_> {
-    /// `sharing` pages have its counter.
+    /// The page; `sharing` pages have the same counter.
     fn page(&self, sharing: u64) -> Page {
         let counted = self.wires.iter().filter_map(|wire| match wire.target {
             Target::Cylinder(index, Field::Counter(transducer)) => Some((index, transducer)),
@@ -110,13 +111,13 @@ impl Draft<'_> {
 }
 
 impl Page {
-    /// Whether `frame` has this page; `None` if it is too short to tell.
+    /// Whether `frame` carries this page; `None` if it is too short to tell.
     #[inline]
     pub fn is_in(&self, frame: &Frame) -> Option<bool> {
         self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
     }
 
-    /// The alive counter in `frame`.
+    /// Value of the alive counter in `frame`.
     #[inline]
     pub fn count(&self, frame: &Frame) -> Option<u64> {
         match self.counter.as_ref()?.decode(frame) {

@@ -1,4 +1,4 @@
-//! Which signals of which messages go where.
+//! Subscriptions: the messages and signals that the monitor uses, and their destinations.
 
 use crate::decode::SignalPlan;
 use crate::frame::Id;
@@ -7,42 +7,42 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Where a decoded signal goes.
+/// Destination of a decoded signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// The platform's state.
+    /// State of the platform.
     State,
-    /// A field of the cylinder of this index (from 0).
+    /// Field of the cylinder with this index (from 0).
     Cylinder(u8, Field),
 }
 
-/// One signal on its way.
+/// A signal and its destination.
 #[derive(Clone, Debug)]
 pub struct Wire {
     pub plan: SignalPlan,
     pub target: Target,
 }
 
-/// A message that the monitor listens to.
+/// A message that the monitor uses.
 #[derive(Clone, Debug)]
 pub struct Line {
     pub id: Id,
-    /// It opens a cycle.
+    /// Whether the message opens a cycle.
     pub sync: bool,
-    /// It carries a reading of a transducer.
+    /// Whether the message carries a reading of a transducer.
     pub reading: bool,
-    /// It carries anything of a cylinder, and so belongs to a cycle.
+    /// Whether the message carries anything of a cylinder, and so belongs to a cycle.
     pub cyclic: bool,
     pub wires: Vec<Wire>,
 }
 
 impl Wire {
-    /// Whether it belongs to a cycle.
+    /// Whether the destination belongs to a cycle.
     pub fn is_cyclic(&self) -> bool {
         self.target != Target::State
     }
 
-    /// Whether it comes from a transducer.
+    /// Whether the signal comes from a transducer.
     pub fn is_reading(&self) -> bool {
         matches!(self.target, Target::Cylinder(_, field) if field.is_reading())
     }
@@ -51,7 +51,8 @@ impl Wire {
         matches!(self.target, Target::Cylinder(_, Field::Counter(_)))
     }
 
-    /// Whether its signal may be `target`'s, too: one status or counter for all readings in a frame.
+    /// Whether the signal may also be `target`'s: one status or counter for all readings in a
+    /// frame.
     pub fn shares_with(&self, target: Target) -> bool {
         use Field::{Counter, Status};
         let (Target::Cylinder(_, own), Target::Cylinder(_, other)) = (self.target, target) else {
@@ -62,7 +63,7 @@ impl Wire {
 }
 
 impl Target {
-    /// The index of the cylinder, and which transducer of it.
+    /// Cylinder index and transducer that the signal comes from.
     fn transducer(self) -> Option<(u8, Transducer)> {
         match self {
             Self::Cylinder(index, field) => field.transducer().map(|which| (index, which)),
@@ -72,7 +73,7 @@ impl Target {
 }
 
 impl Line {
-    /// The alive counter that counts what `wire` carries, if frames that carry that have it.
+    /// The alive counter that counts what `wire` carries, if the frames that carry it have one.
     pub fn counter_of(&self, wire: &Wire) -> Option<&Wire> {
         let own = wire.target.transducer()?;
         let counter =
@@ -80,8 +81,9 @@ impl Line {
         counter.filter(|counter| counter.plan.accompanies(&self.anchor_of(wire).plan))
     }
 
-    /// The wire whose frames are those in which `wire` matters: what is in every frame of the message,
-    /// or of several pages, belongs to the position of its transducer where that is in the same frame.
+    /// The signal whose frames are those in which `wire` matters. A signal in every frame of the
+    /// message, or on several pages, belongs to the position of its transducer where that is in the
+    /// same frame.
     pub fn anchor_of<'a>(&'a self, wire: &'a Wire) -> &'a Wire {
         let Some(own) = wire.target.transducer() else { return wire };
         let is_position = |one: &&Wire| {
@@ -100,7 +102,7 @@ impl Line {
         self.wires.iter().filter(same).any(is_position)
     }
 
-    /// Frames of the message that make a cycle complete, one for each page.
+    /// Number of frames of the message that make a cycle complete, one for each page.
     pub fn pages(&self) -> usize {
         let mut anchors: Vec<&Wire> = Vec::new();
         for wire in self.wires.iter().filter(|wire| wire.is_cyclic()) {
@@ -117,8 +119,7 @@ impl Line {
 
 const NO_LINE: u16 = u16::MAX;
 
-/// All messages that the monitor listens to, found by identifier without a search for standard
-/// ones.
+/// All messages that the monitor uses; standard identifiers are found without a search.
 #[derive(Clone, Debug)]
 pub struct Wiring {
     lines: Vec<Line>,
@@ -132,13 +133,13 @@ impl Wiring {
         Self { lines: Vec::new(), standard: vec![NO_LINE; identifiers].into(), extended: vec![] }
     }
 
-    /// The place of the message `id`, made if it is not there yet.
+    /// Index of the message `id`, which is added if it is new.
     pub fn line(&mut self, id: Id) -> &mut Line {
         let place = self.find(id).unwrap_or_else(|| self.add(id));
         &mut self.lines[place]
     }
 
-    /// The place of the message `id` among [`Self::lines`].
+    /// Index of the message `id` among [`Self::lines`].
     #[inline]
     pub fn find(&self, id: Id) -> Option<usize> {
         let place = if id.is_extended() {

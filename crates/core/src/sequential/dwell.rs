@@ -1,5 +1,5 @@
-//! The end stop as a reference: where the rods stand on their mechanical stop, a transducer's own
-//! reading repeats from dwell to dwell, and the one that moved is the one that drifted.
+//! Dwells: where the rods stand on their mechanical stop, a transducer's reading repeats from dwell
+//! to dwell, and the one that moved is the one that drifted.
 
 use crate::time::{Span, Timestamp};
 
@@ -9,12 +9,12 @@ const STILL: f64 = 1.5e-3;
 /// … and is read when it has rested for this long, s.
 const REST: f64 = 3.0;
 
-/// What one dwell read.
+/// Readings of one dwell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dwell {
-    /// When it was read.
+    /// Time of the readings.
     pub at: Timestamp,
-    /// The means of C1 and C2, m.
+    /// Means of C1 and C2, m.
     pub readings: [f64; 2],
 }
 
@@ -22,7 +22,7 @@ pub struct Dwell {
 #[derive(Clone, Debug)]
 pub struct Dwelling {
     rest: Span,
-    /// Since when the readings have stayed near the first of them.
+    /// Time since which the readings have stayed near the first of them, and these, m.
     since: Option<(Timestamp, [f64; 2])>,
     sums: [f64; 2],
     count: u32,
@@ -37,7 +37,7 @@ impl Default for Dwelling {
 
 impl Dwelling {
     /// Takes the readings of a cycle, m; `at_stop`: the platform is in a state in which the rods
-    /// stand on their stops. Gives each dwell once.
+    /// stand on their stops. Returns each dwell once.
     #[inline]
     pub fn step(
         &mut self,

@@ -1,4 +1,4 @@
-//! Of what kind a fault is, how large and since when, from the residuals since.
+//! Kind, size and onset of a fault, from the residuals since.
 
 use super::samples::{History, Newest};
 use crate::verdict::Fault;
@@ -18,23 +18,23 @@ const STEADY: f64 = 0.6;
 /// The mean square of the changes by the variance above which it is noise.
 const WILD: f64 = 1.0;
 
-/// A fault as its residuals show it.
+/// Shape of a fault in its residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     pub fault: Fault,
-    /// Of a step its height, of a ramp what it has come to, m, signed; of noise its root mean
-    /// square.
+    /// Size, m, signed: the height of a step, or the present value of a ramp; the root mean square
+    /// of a noise.
     pub size: f64,
-    /// Cycles ago.
+    /// Onset, cycles ago.
     pub onset: usize,
-    /// A sample before the onset is held: it was seen to begin.
+    /// Whether a sample before the onset is held, so that the beginning was seen.
     pub seen: bool,
-    /// What the better of step and ramp explains more than the other, nats.
+    /// Evidence of the better of step and ramp over the other, nats.
     pub advantage: f64,
 }
 
-/// The step or the ramp that explains the most, healthy samples having this `deviation`, m: of the newest
-/// ones, or of those in motion, which go back farther.
+/// The step or the ramp that explains the residuals best, where healthy samples have this standard
+/// `deviation`, m: of the newest ones, or of those in motion, which go back farther.
 pub fn shape(history: &History, deviation: f64) -> Shape {
     let (newest, recent) = fit(&history.all, deviation);
     let (moving, lasting) = fit(&history.moving, deviation);
@@ -73,16 +73,16 @@ fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
     (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
 }
 
-/// What some samples are.
+/// Appearance of some samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Looks {
-    /// Each another one, about no mean, with this root mean square, m.
+    /// Every sample differs, with no mean, and with this root mean square, m.
     Noisy(f64),
     Steady,
     Neither,
 }
 
-/// What the newest `span` samples are; `None` if there are not so many.
+/// Appearance of the newest `span` samples; `None` if there are not so many.
 pub fn looks(history: &History, span: usize) -> Option<Looks> {
     if span > history.all.held() {
         return None;
@@ -133,7 +133,7 @@ mod tests {
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
     }
 
-    /// As what a drift leaves of a baseline that began with it.
+    /// The residual that a drift leaves with a baseline that began with it.
     #[test]
     fn what_was_there_first_was_not_seen_to_begin() {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// Of a rod that rests now and then: two samples of three are in motion.
+    /// The residual of a rod that sometimes rests: two samples of three are in motion.
     #[test]
     fn an_onset_is_told_in_cycles() {
         let mut history = History::default();

@@ -1,14 +1,14 @@
-//! What a cycle is evidence of: the statistics take samples for independent ones.
+//! Independence of samples, which the statistics assume: dependent ones are thinned out.
 
 use super::motion::Motion;
 use super::samples::Sample;
 
-/// What a sample counts for.
+/// Weight of a sample as evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum News {
-    /// Nothing: it says what the one before has said.
+    /// None: it repeats the previous sample.
     Repeated,
-    /// The rod stands or nearly so: one sample says much of what the one before has said.
+    /// Reduced: the rod stands or nearly so, and one sample largely repeats the previous one.
     AtRest,
     InMotion,
 }
@@ -20,28 +20,29 @@ const ROUNDING: f64 = 1e-6;
 /// A residual that differs by less than this part of the healthy deviation is the same.
 const ALIKE: f64 = 0.5;
 
-/// Follows both readings and what they differ by.
+/// Follows both readings and their difference.
 ///
-/// Where a rod goes whole counts from cycle to cycle, each reading is rounded at the same place between
-/// two counts again and again, and the difference of both stays as it is for as long as the speed does.
-/// Such samples are no more evidence than one. They are known by both readings moving by what they have
-/// moved by in the cycle before; readings with a noise of a count or more hardly ever do. What is as far
-/// off as a wild sample, no rounding explains, and each sample of it counts.
+/// Where a rod moves by whole counts from cycle to cycle, each reading is repeatedly rounded at the
+/// same place between two counts, and the difference of both stays the same for as long as the
+/// speed does. Such samples are no more evidence than one. They are recognised by both readings
+/// moving by as much as in the previous cycle, which readings with a noise of a count or more
+/// hardly ever do. Rounding does not explain a difference as large as a wild sample's, so each such
+/// sample counts.
 #[derive(Clone, Debug)]
 pub struct Novelty {
     motion: Motion,
-    /// m.
+    /// Difference below which residuals are the same, m.
     alike: f64,
     farthest: f64,
-    /// The newest readings and their residual, m.
+    /// Newest readings and their residual, m.
     newest: Option<([f64; 2], f64)>,
-    /// What the readings moved by in the newest cycle, m.
+    /// Displacement of the readings in the newest cycle, m.
     moved: Option<[f64; 2]>,
 }
 
 impl Novelty {
-    /// For samples every `sample_time` seconds, of healthy residuals of this `deviation`, m, which
-    /// rounding alone has not beyond `farthest`, m, when they are weighed.
+    /// A filter for samples every `sample_time` seconds, of healthy residuals of this `deviation`,
+    /// m; rounding alone does not bring a weighted residual beyond `farthest`, m.
     pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
         Self {
             motion: Motion::new(sample_time),
@@ -57,7 +58,7 @@ impl Novelty {
         (self.newest, self.moved) = (None, None);
     }
 
-    /// Takes the readings of a cycle, m, and what they differ by.
+    /// Takes the readings of a cycle, m, and their difference.
     #[inline(always)]
     pub fn step(&mut self, lengths: [f64; 2], sample: Sample) -> News {
         match (self.motion.step(lengths), self.repeats(lengths, sample)) {
@@ -84,7 +85,7 @@ mod tests {
 
     const COUNT: f64 = 4e-4;
 
-    /// The news of a rod whose readings C1 and C2 are so many counts.
+    /// Weights of the samples of a rod whose readings C1 and C2 are given in counts.
     fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
         let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
@@ -125,7 +126,7 @@ mod tests {
         assert_eq!(news[23..], [News::Repeated; 17]);
     }
 
-    /// As a PLC sends them that has made metres of counts.
+    /// Readings as a PLC sends them that has converted counts to metres.
     #[test]
     fn readings_in_floats_repeat_as_those_in_counts_do() {
         let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);

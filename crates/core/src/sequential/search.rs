@@ -1,4 +1,4 @@
-//! The window with the most evidence, found without asking a rate function for each.
+//! Search for the window with the most evidence, which seldom evaluates a rate function.
 
 use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
@@ -19,20 +19,21 @@ const _: () = assert!(WIDTHS[FEW - 1] <= AT_REST && WIDTHS[FEW] > AT_REST);
 #[derive(Clone, Copy, Debug, Default)]
 struct Largest {
     peaks: [Peak; 2],
-    /// The root of the first one's nats.
+    /// Root of the largest nats.
     root: f64,
 }
 
-/// The largest evidence of a history, as it grows.
+/// The largest evidence of a growing history.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Search {
-    /// Samples since the wide windows were looked at, and what they had.
+    /// Number of samples since the wide windows were searched.
     age: u32,
+    /// Result of the newest search of the wide windows.
     wide: [Peak; 2],
 }
 
 impl Search {
-    /// The largest of both statistics with a sample more.
+    /// The largest of both statistics after another sample.
     #[inline]
     pub fn step(&mut self, scales: &Scales, history: &History, widest: usize) -> [Peak; 2] {
         let narrow = scales.narrow(history, widest);
@@ -45,8 +46,8 @@ impl Search {
 }
 
 impl Scales {
-    /// The same of the narrow windows alone, and of the wide ones alone: no rate function is asked for a
-    /// window whose bounds are not beyond what another one has.
+    /// The largest of both statistics among the narrow windows: the rate function of a window is
+    /// evaluated only if its bound exceeds the result of another one.
     fn narrow(&self, history: &History, widest: usize) -> [Peak; 2] {
         let (mut sums, mut largest) = ([0.0; VALUES], Largest::default());
         let (few, reach) = (history.few(), history.few().held().min(widest));
@@ -71,8 +72,8 @@ impl Scales {
         largest.peaks
     }
 
-    /// Goes on from the `sums` of the window before. The index is known to the compiler, which then makes
-    /// no loop of it.
+    /// Continues from the `sums` of the previous window. The index is a constant, so that the
+    /// compiler unrolls the loop.
     #[inline(always)]
     fn few<const INDEX: usize>(
         &self,
@@ -144,7 +145,7 @@ mod tests {
         Scales::new(rate(Of::Mean), rate(Of::Square), dependence, bands)
     }
 
-    /// As nobody fits them, but a file may have them.
+    /// Rates that no calibration gives, but a file may contain.
     fn odd(mean: &[f64], square: &[f64]) -> Scales {
         let [mean, square] = [mean, square].map(|values| Rate::new(3e-5, values));
         Scales::new(
@@ -155,7 +156,8 @@ mod tests {
         )
     }
 
-    /// Healthy, wild, displaced and noisy samples, at rest and in motion, and a lost bus.
+    /// Residuals: healthy, wild, displaced and noisy samples, at rest and in motion, and a lost
+    /// bus.
     fn residuals(count: usize) -> Vec<(Sample, News)> {
         let mut rng = random();
         let one = |k: usize| {
@@ -180,7 +182,8 @@ mod tests {
         (0..count).map(one).collect()
     }
 
-    /// The same windows, and the same nats to the last digit.
+    /// The search gives the same windows as the exhaustive one, and the same nats to the last
+    /// digit.
     #[test]
     fn no_window_is_overlooked() {
         let twice = [[1.7; WIDTHS.len()], [2.3; WIDTHS.len()]];

@@ -1,20 +1,20 @@
-//! How fast the rod moves, by C2.
+//! Velocity of the rod, by C2.
 
 /// How much of the newest difference of two readings counts: they move in counts.
 const GAIN: f64 = 0.35;
 
-/// The velocity as it is measured, or else by what the readings differ from one to the next.
+/// The measured velocity, or else one from the differences of successive readings.
 #[derive(Clone, Debug)]
 pub struct Velocity {
     sample_time: f64,
-    /// C2 of the cycle before, m.
+    /// C2 of the previous cycle, m.
     before: Option<f64>,
-    /// By differences, m/s.
+    /// Velocity by differences, m/s.
     derived: Option<f64>,
 }
 
 impl Velocity {
-    /// For samples every `sample_time` seconds.
+    /// A velocity for samples every `sample_time` seconds.
     pub const fn new(sample_time: f64) -> Self {
         Self { sample_time, before: None, derived: None }
     }

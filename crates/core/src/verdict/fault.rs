@@ -16,7 +16,7 @@ const EXPLAINED: f64 = 0.5;
 /// A ramp must explain this much more than a step, since one sample alone fits both.
 const RAMP_ADVANTAGE: f64 = 1.02;
 
-/// The kinds of Table 5-1 and of the plausibility checks.
+/// Kinds of faults of Table 5-1 and of the plausibility checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fault {
     #[default]
@@ -34,7 +34,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The name in files and reports.
+    /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Unclassified => "unclassified",
@@ -49,7 +49,7 @@ impl Fault {
     }
 }
 
-/// What a unit step, and a ramp of one unit a sample, on a reading leave in a residual.
+/// Responses of a residual to a unit step, and to a ramp of one unit a sample, on a reading.
 #[derive(Clone, Debug)]
 pub struct Signatures {
     step: [f64; WINDOW],
@@ -57,8 +57,8 @@ pub struct Signatures {
 }
 
 impl Signatures {
-    /// The signatures in the innovation of an observer: e(k+1) = (A − L C) e(k) − L f(k),
-    /// ν(k) = C e(k) + f(k), with the fault f on the position only.
+    /// The signatures in the innovation of an observer: e(k+1) = (A − L C) e(k) − L f(k), ν(k) = C
+    /// e(k) + f(k), with the fault f on the position only.
     pub fn of_innovation(design: &Design) -> Self {
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
@@ -82,8 +82,8 @@ impl Signatures {
 pub const DIFFERENCES: usize = 64;
 
 /// Names the fault in R3, m, oldest first. R3 shows a fault as it is, beside an offset that the
-/// calibration has left; so step and ramp are fitted with a free constant. What was there already a
-/// second ago for the most part crept up to its bound, too slowly for either.
+/// calibration has left, so step and ramp are fitted with a free constant. A fault most of which
+/// already existed a second ago has grown to its bound too slowly for either.
 pub fn classify_difference(differences: &[f64; DIFFERENCES]) -> Fault {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let before = mean(&differences[..DIFFERENCES - WINDOW]);
@@ -115,7 +115,7 @@ pub fn classify_difference(differences: &[f64; DIFFERENCES]) -> Fault {
     name(step, ramp, energy)
 }
 
-/// The kind of fault, by the energies that the best step and the best ramp explain of `energy`.
+/// The kind of fault, from the parts of `energy` that the best step and the best ramp explain.
 fn name(step: f64, ramp: f64, energy: f64) -> Fault {
     if step.max(ramp) < EXPLAINED * energy {
         Fault::Noise
@@ -126,8 +126,8 @@ fn name(step: f64, ramp: f64, energy: f64) -> Fault {
     }
 }
 
-/// The largest energy that `signature`, begun at any onset in the window and scaled at will,
-/// explains of `residuals`.
+/// The largest energy of `residuals` that `signature` explains, with any onset in the window and
+/// any scale.
 fn explained(signature: &[f64; WINDOW], residuals: &[f64; WINDOW]) -> f64 {
     (0..WINDOW)
         .map(|onset| {
@@ -168,7 +168,7 @@ mod tests {
     const NOISE: [f64; WINDOW] =
         [1., -1., 0., 1., 1., -1., 0., 0., -1., 1., 0., -1., -1., 1., 0., 1.];
 
-    /// A little of everything, from a sample's number.
+    /// A small pseudo-random number for a sample's number.
     fn small(k: usize) -> f64 {
         1e-4 * NOISE[(7 * k) % WINDOW]
     }

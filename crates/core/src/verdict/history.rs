@@ -1,6 +1,6 @@
 //! The newest residuals of one detector.
 
-/// A ring of the last `N` values; unfilled places read as zero.
+/// A ring of the last `N` values; places not yet filled read as zero.
 #[derive(Clone, Debug)]
 pub struct History<const N: usize> {
     values: [f64; N],

@@ -1,10 +1,10 @@
-//! What a recording holds that no healthy cylinder does, in words.
+//! What a recording contains that a healthy cylinder does not show, in words.
 
 use super::watch::{OwnLevel, Sight};
 use crate::extremes::{Asked, LARGEST_LEVEL};
 use std::fmt;
 
-/// Evidence that contradicts what theory says of a healthy cylinder.
+/// Evidence that contradicts the theory of a healthy cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contradiction {
     pub worst: Sight,

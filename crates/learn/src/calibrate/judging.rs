@@ -4,7 +4,7 @@ use super::{Bound, Calibrated, Calibration, Course, Cuts, LARGEST_BOUND, LEAST_B
 use crate::survey::{Origin, Recording};
 
 impl Calibration {
-    /// What `course` makes of the `recording` from `origin`.
+    /// The calibration of the `recording` by `course`, with its `origin`.
     ///
     /// # Errors
     /// The recording's own.
@@ -34,10 +34,9 @@ impl Calibration {
         })
     }
 
-    /// A bound that is no warning before the machine itself trips, at `critical` m, is none.
+    /// Refuses a bound that would not warn before the machine itself trips, at `critical` m.
     ///
-    /// # Errors
-    /// Why, in words: then nothing is written.
+    /// # Errors The reason, in words; nothing may be written then.
     pub fn usable(&self, critical: f64) -> Result<(), String> {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
@@ -56,14 +55,15 @@ impl Calibration {
         ))
     }
 
-    /// What was left out, as no healthy cylinder reads so.
+    /// Parts that were left out because no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
         let spans: Vec<_> =
             self.cylinders.iter().map(|cylinder| cylinder.left_out.clone()).collect();
         spans.into()
     }
 
-    /// The cylinders that have no calibration, or none for their sequential detector, and why.
+    /// Cylinders without a calibration, or without one for their sequential detector, and the
+    /// reasons.
     pub fn refusals(&self) -> Vec<(u8, String)> {
         let refused = self.cylinders.iter().filter_map(|cylinder| {
             let refusal = cylinder.result.as_ref().err().map(ToString::to_string);

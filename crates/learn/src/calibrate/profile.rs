@@ -1,4 +1,4 @@
-//! The reference of the sequential detector: what C1 − C2 is along the stroke, and how well that is known.
+//! The reference of the sequential detector: C1 − C2 along the stroke, and its accuracy.
 
 use super::division::{Division, Halves};
 use super::driving::Drives;
@@ -15,22 +15,23 @@ use tertius_core::sequential::samples::Sample;
 use tertius_core::sequential::velocity::Velocity;
 use tertius_core::sequential::{Noise, Reference};
 
-/// From node to node, m.
+/// Distance between nodes, m.
 const SPACING: f64 = 0.1;
 
-/// What a temperature may do to a difference within so many seconds, m.
+/// Largest change of a difference by temperature within [`WARMING_TIME`], m.
 const WARMING: f64 = 3e-4;
+/// Time within which the temperature may change a difference by [`WARMING`], s.
 const WARMING_TIME: f64 = 900.0;
 
-/// What one cylinder's detector starts from.
+/// Profile and drive of one cylinder's detector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     pub reference: Reference,
-    /// In motion, for each cell between two nodes.
+    /// Number of samples in motion, for each cell between two nodes.
     pub samples: Vec<u64>,
-    /// What the nodes' second differences are taken to be, m.
+    /// Assumed standard deviation of the nodes' second differences, m.
     pub bend: f64,
-    /// `None` where the commands were too few to fit.
+    /// Drive; `None` where there were too few commands to fit one.
     pub drive: Option<Drive>,
 }
 
@@ -48,7 +49,7 @@ struct Gathered {
     noise: Noise,
     first: f64,
     halves: [Equations; 2],
-    /// Which look is gathered, and the half that it teaches.
+    /// The look that is being gathered, and the half that is learnt from it.
     current: Option<(u64, usize)>,
     look: Look,
     samples: Vec<u64>,
@@ -58,8 +59,8 @@ struct Gathered {
 }
 
 impl Profiling {
-    /// Of cylinders with the reach `stroke`, m, sampled every `sample_time` seconds, on what teaches by
-    /// `division`.
+    /// A fit for cylinders with the reach `stroke`, m, sampled every `sample_time` seconds, on the
+    /// parts that `division` learns from.
     pub fn new<'a>(
         division: Division,
         stroke: [f64; 2],
@@ -86,8 +87,8 @@ impl Profiling {
         Self { division, cylinders }
     }
 
-    /// What came of the cylinder of `index` (from 0), and what each half alone has taught; `None` where
-    /// there was nothing to fit.
+    /// The profile of the cylinder of `index` (from 0), and the references of each half alone;
+    /// `None` where there was nothing to fit.
     pub fn result(&self, index: usize) -> Option<(Profile, Halves)> {
         self.cylinders[index].as_ref()?.result()
     }
@@ -143,7 +144,7 @@ impl Gathered {
         Some((Profile { reference, samples, bend, drive: self.drives.result() }, halves))
     }
 
-    /// Of C1 − C2, which the line is a part of.
+    /// The reference of C1 − C2, with the line as a part of it.
     fn reference(&self, solution: Solution) -> Reference {
         let Line { gain, offset } = self.line;
         let along = |i: usize| (gain - 1.0) * (self.first + SPACING * i as f64) + offset;

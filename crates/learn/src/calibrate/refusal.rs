@@ -1,4 +1,4 @@
-//! Why a cylinder's C2 is not calibrated, in words for the person who has to mend it.
+//! Why a cylinder's C2 is not calibrated, in words for the person who has to correct it.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! From estimates to what is told of a model.
+//! From estimates to the results for a model.
 
 use super::census::Census;
 use super::estimate::{Estimate, Estimator, OffsetRule};
@@ -10,7 +10,7 @@ use super::validate::{Candidate, Validator};
 use tertius_core::observe::model::Model;
 use tertius_core::observe::observer::Design;
 
-/// The observer's weights, and the cycles before it is believed.
+/// Weights of the observer, and the cycles before it judges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     pub q: [f64; 3],
@@ -18,7 +18,7 @@ pub struct Weights {
     pub settle: u32,
 }
 
-/// Estimators of the cylinders that `census` does not refuse; of the others, why.
+/// Estimators of the cylinders that `census` accepts; for the others, the reason.
 pub fn estimators(
     census: &Census,
     shaping: Shaping,
@@ -31,7 +31,7 @@ pub fn estimators(
     (Each(judged.iter().enumerate().map(estimator).collect()), judged)
 }
 
-/// What the estimators came to, cylinder by cylinder; not yet tried.
+/// Results of the estimators, cylinder by cylinder; not yet validated.
 pub fn cylinders(
     census: &Census,
     judged: Vec<Result<(), Refusal>>,

@@ -1,4 +1,5 @@
-//! What a recording has of each cylinder, and whether it can be what it is taken for.
+//! Census of each cylinder's data in a recording, and whether the signals can be what they are
+//! configured as.
 
 use super::moments::{Pair, Spread};
 use super::refusal::Refusal;
@@ -6,35 +7,36 @@ use super::shaper::Sources;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sample::Quality;
 
-/// A stroke used less than this says nothing: some fifty counts of a 16-bit transducer, mm.
+/// Least motion for an identification, mm: some fifty counts of a 16-bit transducer.
 const LEAST_MOTION: f64 = 5.0;
 
-/// Two signals that should be the same differ by more than noise beyond this factor.
+/// Factor of the noise beyond which two signals that should be equal differ.
 const SAME: f64 = 3.0;
 
-/// A command may be a speed, a voltage or a percentage; what is beyond this factor is none of them.
+/// Largest gain of a command, which may be a speed, a voltage or a percentage.
 const PLAUSIBLE_GAIN: f64 = 300.0;
 
-/// Bar. Hydraulics end at some hundred.
+/// Highest plausible pressure, bar; hydraulics end at some hundred.
 const HIGHEST_PRESSURE: f64 = 2000.0;
 
-/// Correlations of fewer cycles are not looked at.
+/// Fewest cycles of a correlation that is used.
 const ENOUGH: u64 = 250;
 
-/// What is configured.
+/// What the configuration says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Expectations {
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
     pub area_ratio: f64,
-    /// A velocity of C1, and a load pressure, are configured.
+    /// Whether a velocity of C1 is configured.
     pub velocity: bool,
+    /// Whether a load pressure is configured.
     pub pressure: bool,
-    /// a and b of (5-20) for each cylinder, where they are calibrated.
+    /// a and b of (5-20) for each cylinder, where it is calibrated.
     pub calibrations: Vec<Option<(f64, f64)>>,
 }
 
-/// The counts of one cylinder, of its monitored cycles but for `rows`.
+/// Counts of one cylinder, over its monitored cycles, except `rows`, which counts all.
 #[derive(Clone, Debug, Default)]
 pub struct Counted {
     pub rows: u64,
@@ -45,34 +47,35 @@ pub struct Counted {
     pub velocity: Spread,
     pub command: Spread,
     pub pressure: Spread,
-    /// C1 as it came, plausible or not.
+    /// C1 as received, plausible or not.
     pub raw: Spread,
-    /// The recorded velocity over the position's slope.
+    /// Recorded velocity over the position's slope.
     velocity_of_slope: Pair,
-    /// The position's slope over the command.
+    /// Slope of the position over the command.
     slope_of_command: Pair,
     /// C1 − (a C2 + b), and C2 − (a C1 + b).
     as_given: Spread,
     swapped: Spread,
-    /// The cycle before the newest, and the position before it.
+    /// Row of the previous cycle.
     last: Option<Row>,
+    /// Position before the previous cycle.
     before: Option<f64>,
 }
 
-/// Looks at every cylinder.
+/// The first pass, over every cylinder.
 #[derive(Clone, Debug)]
 pub struct Census {
     expected: Expectations,
     cylinders: Vec<Counted>,
-    /// Cycle, command and slope of each cylinder; correlated once the next cycle comes.
+    /// Cycle, command and slope of each cylinder, correlated when the next cycle comes.
     newest: Vec<Option<(u64, f64, f64)>>,
     cycle: u64,
-    /// Of the command of one cylinder with the slope of another, row by row.
+    /// Command of one cylinder with the slope of another, row by row.
     crossed: Vec<Pair>,
 }
 
 impl Census {
-    /// Of `count` cylinders.
+    /// A census of `count` cylinders.
     pub fn new(count: usize, expected: Expectations) -> Self {
         Self {
             expected,
@@ -87,8 +90,8 @@ impl Census {
         &self.cylinders
     }
 
-    /// Where velocity and load pressure of the cylinder of `index` (from 0) come from: recorded if
-    /// they are there in at least half of the cycles that have a position.
+    /// Sources of velocity and load pressure of the cylinder of `index` (from 0): the recorded
+    /// signals if at least half of the cycles with a position have them.
     pub fn sources(&self, index: usize) -> Sources {
         let counted = &self.cylinders[index];
         let half = counted.position.count / 2;
@@ -98,7 +101,7 @@ impl Census {
         }
     }
 
-    /// Whether the cylinder of `index` can be identified.
+    /// Checks whether the cylinder of `index` can be identified.
     ///
     /// # Errors
     /// What is wrong with its data.
@@ -116,7 +119,7 @@ impl Census {
         self.neighbours(index)
     }
 
-    /// What is worth knowing of a cylinder that can be identified.
+    /// Remarks on a cylinder that can be identified.
     pub fn remarks(&self, index: usize) -> Vec<String> {
         let (counted, sources) = (&self.cylinders[index], self.sources(index));
         let mut remarks = Vec::new();
@@ -173,13 +176,14 @@ impl Census {
         }
     }
 
-    /// Of the command of one cylinder with the motion of another.
+    /// Correlation of the command of one cylinder with the motion of another.
     fn correlation(&self, command: usize, motion: usize) -> f64 {
         let pair = &self.crossed[command * self.cylinders.len() + motion];
         pair.correlation().filter(|_| pair.count() >= ENOUGH).unwrap_or(0.0)
     }
 
-    /// Whose command the motion of the cylinder of `index` follows, if by far rather than its own.
+    /// The cylinder whose command the motion of the cylinder of `index` follows much more closely
+    /// than its own.
     fn stranger(&self, index: usize) -> Option<usize> {
         let with = |command: usize| self.correlation(command, index);
         let best = (0..self.cylinders.len()).max_by(|i, j| with(*i).total_cmp(&with(*j)))?;
@@ -187,7 +191,7 @@ impl Census {
         (best != index && with(best) > 0.5 && by_far).then_some(best)
     }
 
-    /// Whether the cylinder of `index` follows its own command.
+    /// Checks that the cylinder of `index` follows its own command.
     fn neighbours(&self, index: usize) -> Result<(), Refusal> {
         let Some(other) = self.stranger(index) else { return Ok(()) };
         // Neighbours move alike, one behind the other, and a motion is behind its command: so it may
@@ -224,7 +228,7 @@ impl Surveyor for Census {
 }
 
 impl Counted {
-    /// Counts a row; command and slope of the cycle before it, where they are known.
+    /// Counts a row; returns command and slope of the cycle before it, where they are known.
     fn take(&mut self, row: &Row, expected: &Expectations) -> Option<(f64, f64)> {
         self.rows += 1;
         if !row.monitored {
@@ -278,7 +282,7 @@ impl Counted {
         Ok(())
     }
 
-    /// What became of the readings of C1 that came.
+    /// What became of the readings of C1, in words.
     fn detail(&self) -> String {
         let of = |quality: Quality| self.implausible[quality as usize];
         let (low, high) = (self.raw.low, self.raw.high);
@@ -360,7 +364,7 @@ impl Counted {
     }
 }
 
-/// What a factor between two units may come from.
+/// A possible origin of a factor between two units.
 fn guess(factor: f64) -> String {
     if factor < 0.0 {
         return ": its sign is the other way round".to_owned();

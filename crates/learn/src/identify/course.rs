@@ -1,4 +1,4 @@
-//! An identification from beginning to end, on whatever can be read again and again.
+//! An identification from beginning to end, on a recording that can be read repeatedly.
 
 use super::assess::{self, Weights};
 use super::flow::{FlowFit, FlowSources, Scout};
@@ -9,21 +9,21 @@ use super::{Census, Expectations, OffsetRule, Outcome, Shaping};
 use crate::survey::{Origin, Recording, Window};
 use tertius_config::settings::Settings;
 
-/// What is asked of an identification.
+/// Options of an identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wishes {
-    /// Cycles of the centred moving average of velocity and load pressure; odd.
+    /// Width of the centred moving average of velocity and load pressure, cycles; odd.
     pub window: usize,
-    /// The part of the time at the end that is held back for validation, %.
+    /// Part of the time at the end that is held back for validation, %.
     pub held_back: u8,
-    /// The cylinder whose model is taken; `None`: that whose worst is the best.
+    /// Cylinder whose model is used for the machine; `None`: the one whose worst fit is the best.
     pub model_of: Option<u8>,
     pub offset: OffsetRule,
-    /// Flow and friction, too.
+    /// Whether flow and friction are identified, too, and with which supply.
     pub nonlinear: Option<Supply>,
 }
 
-/// Supply pressure, bar; `None`: as it was recorded.
+/// Supply pressure, bar; `None`: as recorded.
 pub type Supply = Option<f64>;
 
 impl Default for Wishes {
@@ -38,7 +38,7 @@ impl Default for Wishes {
     }
 }
 
-/// What an identification is made with.
+/// Inputs of an identification.
 #[derive(Clone, Copy, Debug)]
 pub struct Course<'a> {
     pub settings: &'a Settings,
@@ -52,8 +52,8 @@ const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF belo
                          led by the readings";
 
 impl Course<'_> {
-    /// Reads `recording` three times: what is in it, the fit, the validation; and twice more for what is
-    /// not linear.
+    /// Reads `recording` three times, for the census, the fit and the validation, and twice more
+    /// for the non-linear parts.
     ///
     /// # Errors
     /// The recording's own.
@@ -101,7 +101,7 @@ impl Course<'_> {
         Ok(outcome)
     }
 
-    /// The census of `window`, and what is to be said of values that could not be used.
+    /// The census of `window`, with remarks on values that could not be used.
     fn census<R: Recording>(
         &self,
         recording: &R,
@@ -129,7 +129,7 @@ impl Course<'_> {
         Ok((census, told))
     }
 
-    /// How far the spools go, then what they do.
+    /// Finds the reach of the spools, then flow and friction.
     fn nonlinear<R: Recording>(
         &self,
         recording: &R,
@@ -149,7 +149,7 @@ impl Course<'_> {
     }
 }
 
-/// What is to be said of the model that was taken.
+/// Remarks on the chosen model.
 fn doubts(outcome: &Outcome) -> Vec<String> {
     let Some(choice) = outcome.choice else { return Vec::new() };
     let mut doubts = Vec::new();
@@ -167,10 +167,10 @@ fn doubts(outcome: &Outcome) -> Vec<String> {
 }
 
 impl Outcome {
-    /// Whether the taken models, or each cylinder's own (`per_cylinder`), follow what they were tried on.
+    /// Checks that the chosen model, or each cylinder's own (`per_cylinder`), follows the data that
+    /// it was validated on.
     ///
-    /// # Errors
-    /// Which do not, in words: then none is written.
+    /// # Errors Those that do not, in words; no model may be written then.
     pub fn follows(&self, per_cylinder: bool) -> Result<(), String> {
         let Some(choice) = self.choice else { return Ok(()) };
         let of = |n: u8| if per_cylinder { n } else { choice.of };
@@ -196,7 +196,7 @@ impl Outcome {
         ))
     }
 
-    /// The cylinders that have no model, and why.
+    /// Cylinders without a model, and the reasons.
     pub fn refusals(&self) -> Vec<(u8, String)> {
         let refused = self.cylinders.iter().filter_map(|cylinder| {
             let refusal = cylinder.result.as_ref().err()?;

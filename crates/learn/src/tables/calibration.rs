@@ -6,15 +6,15 @@ use crate::extremes::HOURS_PER_YEAR;
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderSequential};
 
-/// What is rarer than the evidence by more than this is bounded by it, and not measured.
+/// Factor in rarity beyond which a rate is bounded by the evidence, and not measured.
 const FAR: f64 = 100.0;
 
-/// The cylinders that have a calibration, with what was fitted.
+/// The cylinders that have a calibration, with their fits.
 pub fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
     result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
 }
 
-/// What the number means, and how far it can be believed.
+/// Meaning of the bound, and its reliability.
 pub fn meaning(bound: &Bound) -> Vec<String> {
     let years = 1.0 / bound.per_year;
     let factor = years * HOURS_PER_YEAR / bound.hours;
@@ -44,7 +44,7 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     vec![asked, format!("{evidence}; the wanted rate is {factor:.1e} times beyond it; {beyond}")]
 }
 
-/// The tables, with what they were made from; `None` where no cylinder has a calibration.
+/// The tables, with their origin; `None` where no cylinder has a calibration.
 pub fn of(result: &Calibration, version: &str) -> Option<String> {
     fits(result).next()?;
     let Calibration { machine, inputs, timeline, .. } = result;

@@ -6,17 +6,17 @@ use crate::extremes::HOURS_PER_YEAR;
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
-/// The number of its cylinder and the name of its residual.
+/// Cylinder number and name of the detector's residual.
 pub fn name(detector: &Detector) -> [String; 2] {
     [detector.cylinder.to_string(), format!("R{}", detector.transducer + 1)]
 }
 
-/// In millimetres, or in metres where it is no threshold any more.
+/// A length in millimetres, or in metres where it is too large for a threshold.
 pub fn length(metres: f64) -> String {
     if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
 }
 
-/// What the numbers mean, and how far they can be believed.
+/// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
     let Thresholds { per_year, hours, .. } = result.thresholds;
     let count = result.detectors.len();
@@ -38,7 +38,7 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
     ]
 }
 
-/// What the level of the sequential detectors means, where `per_year` false alarms were wanted.
+/// Meaning of the level of the sequential detectors, where `per_year` false alarms were wanted.
 pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
     vec![format!(
         "level: reached {per_year} times a year, all cylinders together, by a tail of the largest \
@@ -51,7 +51,7 @@ pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
     )]
 }
 
-/// The tables, with what they were made from.
+/// The tables, with their origin.
 pub fn of(result: &Tuning, version: &str) -> String {
     let Tuning { machine, inputs, timeline, window, .. } = result;
     let parts = [("tuned on", *window)];

@@ -1,4 +1,4 @@
-//! What a fault of one reading leaves in the innovation.
+//! Response of the innovation to a fault of one reading.
 
 use nalgebra::Vector3;
 use tertius_core::observe::observer::Design;
@@ -22,12 +22,13 @@ pub fn respond(design: &Design, faults: impl IntoIterator<Item = f64>) -> Vec<f6
     faults.into_iter().map(one).collect()
 }
 
-/// Where between two readings an incipient fault may begin, parts of a cycle.
+/// Onsets of an incipient fault between two readings, parts of a cycle.
 const ONSETS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// The largest innovation, m, within `cycles` of the first reading after an incipient fault φ (1 − (1 + b)^−t)
-/// (5-18) has begun, (φ, b) being `fault`, φ in m and t in s: the mean over where in a cycle of `sample_time`
-/// seconds it begins, since an observer that follows sees it best where it begins with a reading.
+/// The largest innovation, m, within `cycles` of the first reading after an incipient fault φ (1 −
+/// (1 + b)^−t) (5-18) has begun, where `fault` is (φ, b), φ in m and t in s. It is averaged over
+/// the onset within a cycle of `sample_time` seconds, since an observer that follows sees the fault
+/// best when it begins with a reading.
 pub fn incipient(design: &Design, (size, b): (f64, f64), sample_time: f64, cycles: usize) -> f64 {
     let peak = |onset: f64| {
         let since = |k: usize| (k as f64 - onset).max(0.0) * sample_time;
@@ -49,7 +50,8 @@ mod tests {
     use super::*;
     use tertius_core::observe::model::Model;
 
-    /// The same as two observers side by side, one on a faulty reading.
+    /// The response is the difference of two observers side by side, one of which has a faulty
+    /// reading.
     #[test]
     fn a_response_is_what_two_observers_differ_by() {
         use tertius_core::observe::observer::{Measurement, Observer};

@@ -7,18 +7,18 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_core::observe::observer::Design;
 
-/// Found is what is found in this part of all places.
+/// Part of all places in which a fault has to be found.
 pub const FOUND: f64 = 0.95;
 
-/// Trials of noise.
+/// Number of noise trials.
 const TRIALS: u32 = 1000;
 
 /// The smallest step, m, up or down, that takes the residual of C1 (0) or C2 (1) of the cylinder of
 /// `index` beyond `threshold` within `horizon` cycles, its own among them, in [`FOUND`] of all places of the stored
 /// recording; `None` where there is none to try.
 ///
-/// A residual with a fault is the healthy one and the response to the fault: what is linear can be
-/// added. So every place has its own smallest step, and this is a quantile of them.
+/// Since everything is linear, a residual with a fault is the healthy one plus the response to the
+/// fault. Every place thus has its own smallest step, and this is a quantile of them.
 pub fn step(
     store: &Store,
     index: usize,

@@ -1,21 +1,21 @@
-//! Whether thresholds can be used, and what is to be said of them.
+//! Whether thresholds can be used, and remarks on them.
 
 use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
 use crate::calibrate::watch::{Level, Sight, Watch};
 use crate::extremes::{HOURS_PER_YEAR, Tail, per_second};
 use tertius_config::settings::Settings;
 
-/// A threshold is at most this part of the difference at which the machine itself trips, …
+/// Largest threshold, as a part of the difference at which the machine itself trips.
 const LARGEST: f64 = 0.1;
 
-/// … unless the recording itself shows what comes as often as is asked for, a little more or less.
+/// Factor within which a larger threshold is accepted after all, if the recording itself shows such
+/// residuals at the wanted rate.
 const SHOWN: f64 = 1.05;
 
 impl Tuning {
-    /// A threshold beyond reach, or of nothing, is none.
+    /// Refuses a threshold that is out of reach, or that was made from nothing.
     ///
-    /// # Errors
-    /// Why, in words: then nothing is written.
+    /// # Errors The reason, in words; nothing may be written then.
     pub fn usable(&self, settings: &Settings) -> Result<(), String> {
         let Thresholds { high, hours, per_year, .. } = self.thresholds;
         let [low_end, high_end] = settings.machine.stroke;
@@ -56,7 +56,7 @@ fn worst(tails: &[Tail]) -> f64 {
     tails.iter().map(|tail| tail.worst).fold(0.0, f64::max)
 }
 
-/// What to think of before these thresholds are used.
+/// Caveats of these thresholds.
 pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     let mut remarks = Vec::new();
     let heavy: Vec<&Detector> =
@@ -87,14 +87,14 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     remarks
 }
 
-/// How remarks begin on the evidence that a detector with a level of its own has seen, …
+/// Beginning of remarks on the evidence that a detector with a level of its own has seen.
 pub const OF_A_LEVEL: &str = "sequential detector of cylinder";
 
-/// … and how they end where it was beyond that.
+/// Ending of such remarks where the evidence exceeded the level.
 pub const WOULD_HAVE_WARNED: &str = "; it would have warned: is that healthy?";
 
-/// The level of the detectors that have none of their own, where the recording supports one, and what
-/// is to be said of all of them.
+/// The level of the detectors that have none of their own, where the recording supports one, and
+/// remarks on all detectors.
 pub(super) fn sequential(
     settings: &Settings,
     watch: &Watch,

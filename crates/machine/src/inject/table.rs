@@ -1,4 +1,4 @@
-//! Faults in a table: `cylinder,sensor,kind,t0,magnitude,parameter,t1`, a line each.
+//! Faults in a table: `cylinder,sensor,kind,t0,magnitude,parameter,t1`, one line each.
 
 use super::MAX_FAULTS;
 use super::fault::{Fault, SpecError, Words, find_kind};
@@ -6,14 +6,14 @@ use super::fault::{Fault, SpecError, Words, find_kind};
 /// The longest table, bytes.
 pub const MAX_TEXT: usize = 1 << 20;
 
-/// The columns, which a table's first line names in this order.
+/// Columns of a table, which its first line names in this order.
 pub const HEADER: [&str; 7] = ["cylinder", "sensor", "kind", "t0", "magnitude", "parameter", "t1"];
 
 /// Why a table is refused, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct TableError {
-    /// From 1.
+    /// Line number, counted from 1.
     pub line: usize,
     pub reason: Reason,
 }
@@ -35,7 +35,7 @@ pub enum Reason {
     TooLong,
 }
 
-/// Which column stands for the key that is wrong.
+/// The column of the key that is wrong.
 fn column(error: &SpecError) -> &'static str {
     let key = match error {
         SpecError::Missing { key, .. } | SpecError::Value { key, .. } => *key,

@@ -1,4 +1,4 @@
-//! Which messages the machine sends, in which order, and what is in them.
+//! Messages that the machine sends, their order and contents.
 
 use super::values::{Origin, Values};
 use crate::controller::Readings;
@@ -43,7 +43,7 @@ const UNNAMED: [(&str, Origin); 8] = [
     ("Plc_State.Counter", Origin::Counter),
 ];
 
-/// When in the cycle a message is sent.
+/// Time within the cycle at which a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// Right after Sync.
@@ -65,7 +65,7 @@ impl Origin {
     }
 }
 
-/// A message with the frame that is sent of it.
+/// A message with the frame that is sent for it.
 #[derive(Clone, Debug)]
 pub struct Planned {
     pub frame: Frame,
@@ -96,13 +96,13 @@ impl Planned {
         }
     }
 
-    /// What the transducer had before it rounded it for the signal of `plan`.
+    /// The transducer's length before it was rounded for the signal of `plan`.
     pub fn unrounded(&self, plan: &SignalPlan, values: &Values) -> Option<Unrounded> {
         let (_, origin) = self.fields.iter().find(|(known, _)| known == plan)?;
         values.unrounded(*origin)
     }
 
-    /// What the controller reads in `frame`, a frame of this message.
+    /// The readings that the controller takes from `frame`, a frame of this message.
     pub fn read_back(&self, frame: &Frame, readings: &mut Readings) {
         for (plan, origin) in &self.fields {
             let place = match origin {
@@ -122,7 +122,7 @@ impl Planned {
 pub struct Layout {
     pub messages: Vec<Planned>,
     pub values: Values,
-    /// Whether C1's speed is on the bus; otherwise the controller has it by a wire of its own.
+    /// Whether C1's speed is on the bus; otherwise the controller has its own wire for it.
     pub carries_speed: bool,
 }
 
@@ -130,8 +130,8 @@ impl Layout {
     /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
     /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
     ///
-    /// # Errors
-    /// If it is no hexapod, or a signal is not there or not where a controller could send it.
+    /// # Errors The machine is not a hexapod, or a signal is missing or is not where a controller
+    /// could send it.
     pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
         let cylinders = settings.machine.cylinders;
         if usize::from(cylinders) != CYLINDERS {
@@ -234,7 +234,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The planned message, made if it is new.
+    /// The planned message, which is created if it is new.
     fn message(&mut self, message: &Message, phase: Phase) -> Result<&mut Planned, LayoutError> {
         let known = self.messages.iter().position(|planned| planned.frame.id == message.id);
         let place = known.unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! What the weights came to.
+//! Figures of the weights.
 
 use super::trial::{RESIDUALS, STRETCH};
 use super::{FAULTS, Faulty, Job, Kind, Product, Quiet, Weighing};
@@ -10,25 +10,26 @@ use std::collections::BTreeMap;
 use tertius_learn::extremes::{HOURS_PER_YEAR, Maxima, Tail, common_level, per_second};
 use tertius_learn::tune::LEAST_HIGH;
 
-/// A day and a year of monitoring in false alarms a year: one an hour, one a day, one.
+/// Rates of false alarms for which thresholds are computed: one an hour, one a day, one a year.
 const RATES: [f64; 3] = [HOURS_PER_YEAR, HOURS_PER_YEAR / 24.0, 1.0];
 
-/// One set on one kind.
+/// Result of one set of weights on one kind of transducers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetResult {
-    /// Of the transducers.
+    /// Kind of the transducers.
     pub kind: &'static str,
-    /// The diagonals of Q and R.
+    /// Diagonal of Q.
     pub q: [f64; 3],
+    /// Diagonal of R.
     pub r: [f64; 2],
     /// Hours of a healthy machine.
     pub hours: f64,
-    /// Warnings of FDE1 and FDE2 in them with the thesis's δ_h, 1 mm.
+    /// Warnings of FDE1 and FDE2 in these hours with the thesis's δ_h, 1 mm.
     pub crossings: Rate,
-    /// δ_h for one false alarm an hour, a day and a year, m, by the tails of the largest of each block;
-    /// `None` where there is too little of them.
+    /// δ_h for one false alarm an hour, a day and a year, m, from the tails of the block maxima;
+    /// `None` where there are too few blocks.
     pub levels: Option<[f64; 3]>,
-    /// With the thesis's δ_h, and with that of one false alarm a day.
+    /// What is seen with the thesis's δ_h, and with that of one false alarm a day.
     pub seen: Vec<Seen>,
 }
 
@@ -43,12 +44,12 @@ pub struct Seen {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SeenFault {
     pub label: String,
-    /// How long it is watched, s; 0 is the faulty reading alone.
+    /// How long the fault is watched, s; 0 is the faulty reading alone.
     pub within: f64,
     pub found: Proportion,
 }
 
-/// Puts together what the jobs bring, in whatever order.
+/// Collects the results of the jobs, in any order.
 #[derive(Clone, Debug)]
 pub struct Gathering<'a> {
     weighing: &'a Weighing,
@@ -61,7 +62,7 @@ impl<'a> Gathering<'a> {
         Self { weighing, quiet: BTreeMap::new(), faulty: BTreeMap::new() }
     }
 
-    /// Takes what a job brought; each job once.
+    /// Takes the result of a job; each job once.
     pub fn take(&mut self, job: Job, product: Product) {
         match (job, product) {
             (Job::Quiet { kind, number }, Product::Quiet(quiet)) => {
@@ -75,7 +76,7 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    /// The result for every kind and set; `block`: of judged time, s.
+    /// The result for every kind and set; `block` is the length of a block of judged time, s.
     pub fn finish(&self, block: f64) -> Vec<SetResult> {
         let sets = || 0..self.weighing.sets.len();
         let kinds = self.weighing.kinds.iter();
@@ -118,7 +119,7 @@ impl<'a> Gathering<'a> {
     }
 }
 
-/// Of every residual over all machines; `None` where one has too little.
+/// Tails of every residual over all machines; `None` where one has too few blocks.
 fn tails(quiet: &[&Quiet], block: f64) -> Option<Vec<Tail>> {
     let tail = |index: usize| {
         // What comes in is the largest of a block already.

@@ -1,9 +1,10 @@
-//! Weights of the observers against each other, each with the threshold that belongs to it.
+//! Comparison of weights for the observers, each set with its own threshold.
 //!
-//! Every set of weights has its monitor, and all of them watch the same machines: hours without a fault
-//! say which δ_h a wanted rate of false alarms takes, and how often the thesis's is crossed; faults of
-//! section 5-4, how many of them are seen with it. Weights without their threshold are worth nothing, and
-//! what a calm sea says of them is not true in a rough one: the seas are tried in turn and judged together.
+//! Every set of weights has its monitor, and all of them watch the same machines: fault-free hours
+//! give the δ_h for a wanted rate of false alarms and show how often the thesis's is crossed; the
+//! faults of section 5-4 show how many are seen with each. Weights cannot be judged without their
+//! threshold, and a result from a calm sea does not hold in a rough one, so the seas are tried in
+//! turn and judged together.
 
 mod figures;
 mod trial;
@@ -25,8 +26,8 @@ use tertius_learn::tune::{LEAST_HIGH, Weights};
 use tertius_machine::inject::{Shape, Wanted};
 use tertius_machine::plant::CYLINDERS;
 
-/// Sets that are tried when the call names none: of the thesis's design, of fine and of coarse transducers,
-/// and one that is slow.
+/// Sets that are tried when the command line names none: of the thesis's design, of fine and of
+/// coarse transducers, and a slow one.
 pub const SETS: [Weights; 4] = [
     Weights { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2] },
     Weights { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0] },
@@ -34,11 +35,11 @@ pub const SETS: [Weights; 4] = [
     Weights { q: [1e-9, 1e-6, 100.0], r: [1e-8, 1e-2] },
 ];
 
-/// The most sets: each has its monitor on every machine.
+/// Most sets: each has its monitor on every machine.
 pub const MOST: usize = 32;
 
-/// The faults that are tried, and how long each is watched by the observer on its transducer, s: 0 is the
-/// faulty reading alone.
+/// Faults that are tried, and how long each is watched by the observer of its transducer, s: 0 is
+/// the faulty reading alone.
 pub const FAULTS: [(Shape, f64); 5] = [
     (Shape::Step { size: STEP }, 0.0),
     (Shape::Step { size: 1.25e-3 }, 0.0),
@@ -47,7 +48,7 @@ pub const FAULTS: [(Shape, f64); 5] = [
     (Shape::Noise { size: SIGMA }, 10.0),
 ];
 
-/// Streams of random numbers of their own, apart from all other jobs.
+/// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 5 << 40;
 const NUMBERS: u64 = 1 << 20;
 
@@ -83,7 +84,7 @@ impl Kind {
 pub struct Weighing {
     pub kinds: Vec<Kind>,
     pub sets: Vec<Weights>,
-    /// Significant wave height, m, and peak period, s; in turn.
+    /// Significant wave height, m, and peak period, s; the seas take turns.
     pub seas: Vec<[f64; 2]>,
     /// Faults of each kind, rounded up to whole machines.
     pub trials: u32,
@@ -95,7 +96,7 @@ pub struct Weighing {
 /// One simulated machine, which all sets watch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Job {
-    /// With the fault of that index of [`FAULTS`].
+    /// A machine with the fault of that index of [`FAULTS`].
     Faulty {
         kind: Kind,
         fault: usize,
@@ -107,7 +108,7 @@ pub enum Job {
     },
 }
 
-/// What a job brings, of each set.
+/// Result of a job, for each set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Product {
     Faulty(Vec<Faulty>),
@@ -115,7 +116,7 @@ pub enum Product {
 }
 
 impl Weighing {
-    /// The monitors of all sets, with the thesis's thresholds; all else is as `settings` have it.
+    /// The monitors of all sets, with the thesis's thresholds and otherwise as in `settings`.
     ///
     /// # Errors
     /// The flaws of the first set that has no observer.

@@ -20,7 +20,7 @@ pub const STRETCH: f64 = 600.0;
 /// Residuals of a machine: R1 and R2 of each cylinder.
 pub const RESIDUALS: usize = 2 * CYLINDERS;
 
-/// What one set's observers made of one healthy machine.
+/// What one set's observers saw of one healthy machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quiet {
     /// Warnings of FDE1 and FDE2 with the thesis's thresholds.
@@ -29,17 +29,17 @@ pub struct Quiet {
     pub blocks: [Vec<f64>; RESIDUALS],
 }
 
-/// The largest |R1| or |R2|, whichever is of the faulty transducer, while a fault was watched, of each
+/// Largest residual of the faulty transducer, |R1| or |R2|, while a fault was watched, for each
 /// cylinder, m; 0 where none was judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faulty(pub [f64; CYLINDERS]);
 
-/// Hears one monitor over a healthy machine.
+/// Listens to one monitor on a healthy machine.
 struct Listener {
     quiet: Quiet,
-    /// Cycles of a block.
+    /// Length of a block, cycles.
     block: u32,
-    /// Of the blocks that are not yet full: the largest, and its cycles.
+    /// Largest value and number of cycles of each block that is not yet full.
     open: [(f64, u32); RESIDUALS],
 }
 
@@ -90,7 +90,7 @@ impl Stand<'_> {
         }
     }
 
-    /// Watches the healthy machine of `seed` for a stretch of its time, by every set's monitor.
+    /// Watches the healthy machine of `seed` for one stretch with every set's monitor.
     pub(super) fn unseen(
         &self,
         kind: Kind,
@@ -113,8 +113,8 @@ impl Stand<'_> {
         Ok(watching.into_iter().map(|(_, listener)| listener.quiet).collect())
     }
 
-    /// Watches a machine with a fault on one transducer of each cylinder by every set's monitor: `watch`
-    /// seconds from its first reading.
+    /// Watches a machine with a fault on one transducer of each cylinder with every set's monitor,
+    /// for `watch` seconds from the first faulty reading.
     pub(super) fn seen(
         &self,
         kind: Kind,

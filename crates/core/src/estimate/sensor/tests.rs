@@ -6,7 +6,7 @@ use crate::sequential::drive::FEATURES;
 const TS: f64 = 0.02;
 const SETTLE: u32 = 50;
 
-/// A rod that goes nearly as fast as its command: 2 mm/s more, which no drive knows.
+/// A rod that moves slightly faster than its command: 2 mm/s more, which no drive knows.
 fn rod(cycle: u64) -> f64 {
     let t = TS * cycle as f64;
     -0.3 * (0.5 * t).cos() + 2e-3 * t.sin()
@@ -108,7 +108,7 @@ fn sound_transducers_are_both_used_and_c2_on_the_scale_of_c1() {
     assert!(estimate.valid && estimate.source == Source::C2 && is_close(&estimate, LEARNT + 500));
 }
 
-/// What C1 did for half a second before it was blamed is gone to the last bit.
+/// Readings of C1 in the half second before it was blamed leave no trace, to the last bit.
 #[test]
 fn what_a_transducer_did_before_it_was_blamed_is_dropped() {
     let (mut one, mut twin) = (learnt(), learnt());
@@ -145,7 +145,7 @@ fn undecided_is_half_of_the_difference_and_too_much_of_it_is_invalid() {
     }
 }
 
-/// A noise that crosses zero is not trusted in the moment in which it does.
+/// A noise is not trusted at the moment in which it crosses zero.
 #[test]
 fn while_it_is_undecided_the_largest_difference_of_a_second_counts() {
     let mut sensor = learnt();
@@ -208,8 +208,8 @@ fn the_command_alone_carries_on_until_its_measured_error_is_too_large() {
     assert!(!told(&mut learnt(), process(LEARNT)).valid, "the model itself is in doubt");
 }
 
-/// Both stood still, unnoticed for half a second, and then were blamed for it: where the rod was last
-/// said to be is as wrong as they are.
+/// Both transducers stood still, unnoticed for half a second, and were then blamed for it: the last
+/// estimate of the rod is as wrong as they are.
 #[test]
 fn blame_that_leaves_nobody_goes_back_to_before_it() {
     let mut sensor = learnt();
