@@ -54,7 +54,7 @@ fn judged(monitor: &Monitor) -> Vec<Option<Judgement>> {
 
 fn kept(monitor: &Monitor) -> Archive {
     let mut archive = Archive::new(NAME, 6);
-    monitor.bequeath(&mut archive);
+    monitor.save(&mut archive);
     archive
 }
 
@@ -66,7 +66,7 @@ fn a_drift_that_began_before_a_restart_is_blamed_after_it() {
     let text = kept(&before).to_text();
 
     let mut after = monitor();
-    after.inherit(&Archive::parse(text.as_bytes(), NAME, 6).expect("it was just written"));
+    after.restore(&Archive::parse(text.as_bytes(), NAME, 6).expect("it was just written"));
     assert_eq!(play(&mut after, 10..12).0.len(), 12);
     let judged = judged(&after);
     for (cylinder, judgement) in (1..).zip(&judged) {
@@ -338,7 +338,7 @@ fn a_cylinder_that_reads_nothing_keeps_what_it_had() {
     let scratch = Scratch::new();
     let file = scratch.write("kept.dwells", known.to_text());
     let mut keeper = keeper();
-    without.inherit(keeper.open(keep(NAME, Some(&file)), None));
+    without.restore(keeper.open(keep(NAME, Some(&file)), None));
     play(&mut without, 3..5);
     keeper.finish(&without);
     let text = scratch.read("kept.dwells");
@@ -354,7 +354,7 @@ fn a_file_that_can_not_be_set_aside_is_never_written_over() {
     (1..=8).for_each(|n| drop(scratch.write(&format!("kept.dwells.aside-{n}"), "older ones")));
     let mut gateway = monitor();
     let mut keeper = keeper();
-    gateway.inherit(keeper.open(keep(NAME, Some(&file)), None));
+    gateway.restore(keeper.open(keep(NAME, Some(&file)), None));
     play(&mut gateway, 0..4);
     keeper.dwelt();
     keeper.turned(&gateway);

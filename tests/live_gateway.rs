@@ -9,7 +9,7 @@ use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::live::gateway::{Gateway, Silent, Unsaid};
+use tertius::live::gateway::{Gateway, NotTold, Silent};
 use tertius::live::outbox::{Limits, Outbox};
 use tertius::monitor::Monitor;
 use tertius::time::{Span, Timestamp};
@@ -63,7 +63,7 @@ impl Bench {
         self.gateway.turn(&mut self.port, Duration::ZERO, &mut Silent).map(drop)
     }
 
-    fn stop(&mut self) -> Result<(), Unsaid> {
+    fn stop(&mut self) -> Result<(), NotTold> {
         self.gateway.stop(&mut self.port, Duration::ZERO, &mut Silent)
     }
 
@@ -268,7 +268,7 @@ fn the_last_words_are_within_the_share_however_much_went_before() {
         }
         bench.heard.clear();
         bench.listen(&mut ear);
-        assert!(bench.heard.is_empty(), "nothing follows the last words: {:?}", bench.heard);
+        assert!(bench.heard.is_empty(), "nothing follows the stopping status: {:?}", bench.heard);
     }
 }
 
@@ -278,11 +278,11 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     bench.run(&bus_traffic()[..2000], 1);
     let mut ear = bench.bus.open(&Identifiers::All, 64).expect("up");
     bench.bus.set_state(BusState::Jammed);
-    assert!(matches!(bench.stop(), Err(Unsaid::Full)));
+    assert!(matches!(bench.stop(), Err(NotTold::Full)));
     bench.heard.clear();
     bench.listen(&mut ear);
     assert!(bench.heard.is_empty());
-    // Once it moves again the last words are said, and once.
+    // Once it moves again the stopping status is sent, and once.
     bench.bus.set_state(BusState::Up);
     bench.stop().expect("the bus is up");
     bench.stop().expect("it was said");
@@ -294,9 +294,9 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     let mut driver = bench.bus.open_unrestricted(&Identifiers::All, 64).expect("up");
     driver.send_unrestricted(&error_frame(0x040)).expect("up");
     bench.turn().expect("the interface stays up");
-    assert!(matches!(bench.stop(), Err(Unsaid::BusOff)));
+    assert!(matches!(bench.stop(), Err(NotTold::BusOff)));
     bench.bus.set_state(BusState::Down);
-    assert!(matches!(bench.stop(), Err(Unsaid::BusOff | Unsaid::Port(_))));
+    assert!(matches!(bench.stop(), Err(NotTold::BusOff | NotTold::Port(_))));
 }
 
 /// What has the identifier `id`.

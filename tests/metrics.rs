@@ -18,7 +18,7 @@ use tertius::bus::socket::{ControllerState, LinkState};
 use tertius::bus::{Identifiers, Port};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::live::gateway::{Gateway, Journal};
-use tertius::live::supervisor::{self, Opener, Surroundings, Wish};
+use tertius::live::supervisor::{self, Opener, Request, Surroundings};
 use tertius::time::{Span, Timestamp};
 
 /// How long the gateway takes for its turn.
@@ -415,8 +415,8 @@ impl Journal for Flapping {
 }
 
 impl Surroundings for Flapping {
-    fn wish(&mut self) -> Wish {
-        if self.left == 0 { Wish::Stop } else { Wish::GoOn }
+    fn request(&mut self) -> Request {
+        if self.left == 0 { Request::Stop } else { Request::GoOn }
     }
 
     fn wait(&mut self, _: Duration) {
@@ -432,7 +432,7 @@ impl Surroundings for Flapping {
 
     fn lost(&mut self, _: &str) {}
 
-    fn unsaid(&mut self, reason: &str) {
+    fn not_told(&mut self, reason: &str) {
         assert_eq!((self.left, reason), (0, "the interface is not open"));
     }
 

@@ -16,7 +16,7 @@ use crate::error_frame::ControllerState;
 use crate::failure::Failure;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
-use crate::live::supervisor::{Opener, Surroundings, Wish};
+use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
 use crate::sequential::{Apart, Dwell};
@@ -125,8 +125,8 @@ impl Appliance {
     }
 
     /// Restores in `gateway` what was kept.
-    pub fn remind(&mut self, gateway: &mut Gateway, kept: Kept) {
-        gateway.inherit(self.keeper.open(kept, None));
+    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept) {
+        gateway.restore(self.keeper.open(kept, None));
     }
 
     /// Finishes after `gateway` has stopped.
@@ -201,13 +201,13 @@ impl Journal for Appliance {
 }
 
 impl Surroundings for Appliance {
-    fn wish(&mut self) -> Wish {
+    fn request(&mut self) -> Request {
         if self.stop.load(Ordering::Relaxed) {
-            Wish::Stop
+            Request::Stop
         } else if self.reload.swap(false, Ordering::Relaxed) {
-            Wish::Reload
+            Request::Reload
         } else {
-            Wish::GoOn
+            Request::GoOn
         }
     }
 
@@ -236,7 +236,7 @@ impl Surroundings for Appliance {
         tell(&[NotifyState::Status(reason)]);
     }
 
-    fn unsaid(&mut self, reason: &str) {
+    fn not_told(&mut self, reason: &str) {
         warn!("the bus was not told that the gateway stops: {reason}");
     }
 
@@ -256,7 +256,7 @@ impl Surroundings for Appliance {
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
             Ok(Prepared { mut gateway, opener, interface, listen, realtime: _, kept }) => {
-                gateway.inherit(self.keeper.open(kept, Some(before.monitor())));
+                gateway.restore(self.keeper.open(kept, Some(before.monitor())));
                 info!("the configuration was read again; everything is judged anew");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);

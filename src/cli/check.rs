@@ -6,7 +6,7 @@ use super::machine::Machine;
 use crate::config::Settings;
 use crate::config::settings::CylinderSignals;
 use crate::decode::Raw;
-use crate::monitor::wiring::{Line, Target};
+use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
 use clap::Args;
@@ -36,7 +36,7 @@ impl Check {
 
 fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
-    let lines = machine.design.wiring.lines();
+    let lines = machine.design.subscriptions.all();
     let mut text = format!(
         "{}: sound\n{}: {} messages, of which {} are listened to\n\n",
         machine.loaded.document.name(),
@@ -172,11 +172,13 @@ fn describe_model(model: &Model) -> String {
     format!("moduli of the poles {poles}; steady speed per commanded speed {gain}")
 }
 
-fn identifiers(n: u8, lines: &[Line]) -> String {
-    let of_cylinder = |line: &&Line| {
-        line.wires.iter().any(|wire| matches!(wire.target, Target::Cylinder(i, _) if i + 1 == n))
+fn identifiers(n: u8, lines: &[Subscription]) -> String {
+    let of_cylinder = |line: &&Subscription| {
+        line.signals
+            .iter()
+            .any(|signal| matches!(signal.target, Target::Cylinder(i, _) if i + 1 == n))
     };
-    let name = |line: &Line| match line.pages() {
+    let name = |line: &Subscription| match line.pages() {
         0 | 1 => format!("0x{}", line.id),
         pages => format!("0x{} ({pages} pages)", line.id),
     };

@@ -192,11 +192,11 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
 /// Tells a person at a terminal which step has begun.
 fn tell(step: Step) {
     if std::io::stderr().is_terminal() {
-        tell!("{}", words(step));
+        tell!("{}", progress(step));
     }
 }
 
-const fn words(step: Step) -> &'static str {
+const fn progress(step: Step) -> &'static str {
     match step {
         Step::Learn(Stage::Identify) => "identifying the model",
         Step::Learn(Stage::Calibrate) => "calibrating C2",

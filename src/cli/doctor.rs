@@ -91,12 +91,15 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
     let node = settings.gateway.node;
     let own = identifiers(node)
         .ok_or_else(|| Failure::Wrong(format!("gateway.node {node} is not a CANopen node")))?;
-    let messages = machine.design.wiring.lines().iter().map(|line| {
+    let messages = machine.design.subscriptions.all().iter().map(|line| {
         let message = machine.database.message_by_id(line.id);
         Message {
             id: line.id,
             name: message.map_or_else(|| line.id.to_string(), |message| message.name.clone()),
-            needs: { line.wires.iter() }.map(|wire| wire.plan.needed_length()).max().unwrap_or(0),
+            needs: { line.signals.iter() }
+                .map(|signal| signal.plan.needed_length())
+                .max()
+                .unwrap_or(0),
             sync: line.sync,
             reading: line.reading,
             cyclic: line.cyclic,

@@ -44,7 +44,7 @@ impl History {
     ///
     /// # Errors The file cannot be written; the previous one then remains.
     pub fn write(mut self, monitor: &Monitor) -> Result<(), Failure> {
-        monitor.bequeath(&mut self.archive);
+        monitor.save(&mut self.archive);
         let path = self.file.path().display().to_string();
         self.file.write(&self.archive).map_err(|error| Failure::writing(&path, &error))
     }

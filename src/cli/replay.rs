@@ -117,7 +117,7 @@ impl Replay {
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         if let Some(history) = &history {
-            monitor.inherit(history.archive());
+            monitor.restore(history.archive());
         }
         let duration = feed(&mut recording, &mut monitor, &mut output)?;
         if output.failed() {

@@ -55,7 +55,7 @@ impl Run {
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config, listen, interface.as_deref());
-        appliance.remind(&mut gateway, kept);
+        appliance.restore(&mut gateway, kept);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -84,7 +84,7 @@ pub fn gateway(machine: Machine) -> Gateway {
 
 /// Identifiers that the gateway of a machine receives.
 pub fn identifiers(machine: &Machine) -> Vec<Id> {
-    machine.design.wiring.lines().iter().map(|line| line.id).collect()
+    machine.design.subscriptions.all().iter().map(|line| line.id).collect()
 }
 
 /// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus

@@ -104,7 +104,7 @@ impl Extent {
         self.frames += 1;
         self.before += u64::from(at < self.timeline.first());
         let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        self.used += u64::from(data && design.wiring.find(frame.id).is_some());
+        self.used += u64::from(data && design.subscriptions.find(frame.id).is_some());
     }
 
     /// Remark on frames from before the first one, if there are any.
@@ -215,7 +215,7 @@ impl Surveyed {
     /// Whether the configuration uses this frame.
     pub fn reads(&self, frame: &Frame) -> bool {
         let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        data && self.design.wiring.find(frame.id).is_some()
+        data && self.design.subscriptions.find(frame.id).is_some()
     }
 
     /// Names of the recordings, for people.

@@ -59,7 +59,7 @@ pub struct Turn {
 
 /// Why the bus was not told that the gateway stops.
 #[derive(Debug, Error)]
-pub enum Unsaid {
+pub enum NotTold {
     #[error(transparent)]
     Port(#[from] PortError),
     #[error("the controller is bus-off")]
@@ -94,8 +94,8 @@ impl Gateway {
     }
 
     /// Restores the readings on the stops of an earlier gateway of the same machine.
-    pub fn inherit(&mut self, archive: &Archive) {
-        self.monitor.inherit(archive);
+    pub fn restore(&mut self, archive: &Archive) {
+        self.monitor.restore(archive);
     }
 
     pub const fn outbox(&self) -> &Outbox {
@@ -142,12 +142,12 @@ impl Gateway {
         port: &mut dyn Port,
         patience: Duration,
         journal: &mut impl Journal,
-    ) -> Result<(), Unsaid> {
-        let frame = self.monitor.last_words(self.now);
+    ) -> Result<(), NotTold> {
+        let frame = self.monitor.stopping_status(self.now);
         self.outbox.close(frame);
         for _ in 0..LAST_TRIES {
             if self.health.is_off() {
-                return Err(Unsaid::BusOff);
+                return Err(NotTold::BusOff);
             }
             self.send(port, journal)?;
             if self.outbox.waiting() == 0 {
@@ -158,7 +158,7 @@ impl Gateway {
                 _ = ErrorFrame::read(frame).map(|error| health.take(&error));
             })?;
         }
-        Err(Unsaid::Full)
+        Err(NotTold::Full)
     }
 
     fn receive(

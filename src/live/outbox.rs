@@ -35,12 +35,12 @@ impl Limits {
 
     /// Most frames that may be sent at once: every warning that can stand, the estimates of two
     /// cycles, a status and the stopping status.
-    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + LAST_WORDS;
+    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + STOPPING_STATUS;
 }
 
 /// Frames reserved among those that may be sent at once: the status of a gateway that stops is sent
 /// whatever went before it, and still keeps to the share.
-const LAST_WORDS: u32 = 1;
+const STOPPING_STATUS: u32 = 1;
 
 /// Counts of what became of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -138,10 +138,10 @@ impl Outbox {
 
     /// Takes the stopping status: waiting warnings still go before it where the rate limit allows
     /// it, and nothing follows it.
-    pub fn close(&mut self, last_words: OwnFrame) {
+    pub fn close(&mut self, stopping_status: OwnFrame) {
         self.counts.outdated += self.estimates.len() as u64;
         self.estimates.clear();
-        self.put(last_words);
+        self.put(stopping_status);
         self.closing = true;
     }
 
@@ -156,7 +156,7 @@ impl Outbox {
         let status = self.is_status_next();
         let reserve = match (urgent, status && self.closing) {
             (false, _) => self.reserve(),
-            (true, false) => f64::from(LAST_WORDS),
+            (true, false) => f64::from(STOPPING_STATUS),
             (true, true) => 0.0,
         };
         if self.credit < 1.0 + reserve {
@@ -173,7 +173,7 @@ impl Outbox {
     /// Number of frames that estimates leave of those that may be sent at once.
     fn reserve(&self) -> f64 {
         let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
-        others.max(f64::from(LAST_WORDS))
+        others.max(f64::from(STOPPING_STATUS))
     }
 
     /// Notes that the frame of the last [`Self::next`] was sent.
@@ -203,7 +203,7 @@ impl Outbox {
     }
 
     fn is_status_next(&self) -> bool {
-        let scarce = self.credit - f64::from(LAST_WORDS) < self.urgent() as f64;
+        let scarce = self.credit - f64::from(STOPPING_STATUS) < self.urgent() as f64;
         self.status.is_some() && (self.ahead == 0 || scarce)
     }
 
@@ -222,7 +222,7 @@ impl Outbox {
     fn drop_old(&mut self, now: Timestamp) {
         let age = self.limits.age;
         let old = |frame: &OwnFrame| now.since(frame.as_frame().timestamp) > age;
-        // The last words stay true.
+        // The stopping status stays true.
         if !self.closing && self.status.as_ref().is_some_and(old) {
             self.status = None;
             self.counts.too_old += 1;

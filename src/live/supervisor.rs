@@ -22,7 +22,7 @@ pub trait Opener {
 
 /// Request from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum Request {
     GoOn,
     /// Read the configuration again.
     Reload,
@@ -32,7 +32,7 @@ pub enum Wish {
 /// Everything outside of the data path that the supervisor depends on.
 pub trait Surroundings: Journal {
     /// The present request; asked after each turn.
-    fn wish(&mut self) -> Wish;
+    fn request(&mut self) -> Request;
     /// Waits at most for `time`, less if there is a request.
     fn wait(&mut self, time: Duration);
     /// Notes that a port is open.
@@ -40,14 +40,14 @@ pub trait Surroundings: Journal {
     /// Notes that the port is lost, or could not be opened. Called once for each new reason.
     fn lost(&mut self, reason: &str);
     /// Notes that the gateway stops, and that the bus was not told, for `reason`.
-    fn unsaid(&mut self, reason: &str);
+    fn not_told(&mut self, reason: &str);
     /// Notes that `port` was open and is lost, whether or not the reason is new.
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         _ = (gateway, port);
     }
     /// Notes a turn with a port that works: the proof of life.
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port);
-    /// Replaces `gateway` and the opener of its port, after [`Wish::Reload`]; `None` to continue as
+    /// Replaces `gateway` and the opener of its port, after [`Request::Reload`]; `None` to continue as
     /// before, because the new configuration is refused.
     fn reload(&mut self, gateway: &Gateway) -> Option<(Gateway, Box<dyn Opener>)>;
 }
@@ -78,17 +78,17 @@ pub fn run(
             }
             Err(reason) => back_off.lost(&reason, surroundings),
         }
-        match surroundings.wish() {
-            Wish::Stop => {
-                surroundings.unsaid("the interface is not open");
+        match surroundings.request() {
+            Request::Stop => {
+                surroundings.not_told("the interface is not open");
                 return gateway;
             }
-            Wish::Reload => {
+            Request::Reload => {
                 if let Some(reloaded) = surroundings.reload(&gateway) {
                     (gateway, opener) = reloaded;
                 }
             }
-            Wish::GoOn => surroundings.wait(back_off.next()),
+            Request::GoOn => surroundings.wait(back_off.next()),
         }
     }
 }
@@ -121,15 +121,15 @@ fn serve(
                 return End::Lost(error);
             }
         }
-        match surroundings.wish() {
-            Wish::GoOn => {}
-            Wish::Stop => {
+        match surroundings.request() {
+            Request::GoOn => {}
+            Request::Stop => {
                 if let Err(reason) = gateway.stop(port, FULL_PAUSE, surroundings) {
-                    surroundings.unsaid(&reason.to_string());
+                    surroundings.not_told(&reason.to_string());
                 }
                 return End::Stop;
             }
-            Wish::Reload => {
+            Request::Reload => {
                 if let Some((new_gateway, opener)) = surroundings.reload(gateway) {
                     return End::Reloaded(Box::new(new_gateway), opener);
                 }

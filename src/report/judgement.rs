@@ -92,7 +92,7 @@ impl Recorded<'_> {
 
 /// Identifiers that the configuration uses.
 fn identifiers(design: &MonitorDesign) -> String {
-    let ids: Vec<Id> = design.wiring.lines().iter().map(|line| line.id).collect();
+    let ids: Vec<Id> = design.subscriptions.all().iter().map(|line| line.id).collect();
     let shown = ids.iter().take(LISTED).map(ToString::to_string).collect::<Vec<_>>().join(", ");
     match ids.len().saturating_sub(LISTED) {
         0 => shown,

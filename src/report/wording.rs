@@ -104,11 +104,11 @@ pub fn warnings(summary: &Summary<'_>) -> String {
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
 pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     let finding = &episode.finding;
-    let first_fault = words(episode.first_fault.name());
+    let first_fault = spaced(episode.first_fault.name());
     let fault = match finding.gain() {
         Some(gain) => format!("{first_fault} → scale {:+.2} %", 100.0 * gain),
         None if episode.first_fault == finding.fault => first_fault,
-        None => format!("{first_fault} → {}", words(finding.fault.name())),
+        None => format!("{first_fault} → {}", spaced(finding.fault.name())),
     };
     let lasted = match episode.cleared {
         Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
@@ -140,7 +140,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         }
         Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
         Notice::Restart { at, cylinder, detector, reason } => {
-            let (label, reason) = (label(detector), words(restart_name(reason)));
+            let (label, reason) = (label(detector), spaced(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
         }
         Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
@@ -183,7 +183,7 @@ fn suspect(suspect: Suspect) -> &'static str {
     }
 }
 
-fn words(name: &str) -> String {
+fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 

@@ -34,7 +34,7 @@ pub struct Keeper {
     /// File that is written; `None` if it must not be.
     file: Option<HistoryFile>,
     /// Whether there is something not yet handed to the worker.
-    news: bool,
+    pending: bool,
     orders: Option<SyncSender<Order>>,
     worker: Option<JoinHandle<()>>,
     telemetry: Arc<Telemetry>,
@@ -56,7 +56,7 @@ impl Keeper {
             base: Archive::default(),
             limits: Limits { maintenance: f64::INFINITY, critical: f64::INFINITY },
             file: None,
-            news: false,
+            pending: false,
             orders: None,
             worker: None,
             telemetry: Arc::clone(telemetry),
@@ -82,7 +82,7 @@ impl Keeper {
         let Kept { machine, cylinders, limits, file } = kept;
         if let Some(monitor) = before {
             self.turned(monitor);
-            monitor.bequeath(&mut self.base);
+            monitor.save(&mut self.base);
         }
         let size = self.base.cylinders.len();
         let same = self.base.machine == machine && size == usize::from(cylinders);
@@ -97,7 +97,7 @@ impl Keeper {
             _ => Loaded::Nothing,
         };
         // What is in memory alone is to be written to the new file.
-        self.news = same && moved && matches!(loaded, Loaded::Nothing);
+        self.pending = same && moved && matches!(loaded, Loaded::Nothing);
         self.file = file.filter(|_| !matches!(loaded, Loaded::Unusable));
         self.limits = limits;
         match loaded {
@@ -112,13 +112,13 @@ impl Keeper {
 
     /// Notes that a rod was read on its stop.
     pub const fn dwelt(&mut self) {
-        self.news = true;
+        self.pending = true;
     }
 
     /// Hands the readings of a turn of the data path to the worker. In a turn without a dwell this
     /// is a comparison, in one with a dwell a copy of at most 30 kB; the machine stands still then.
     pub fn turned(&mut self, monitor: &Monitor) {
-        if std::mem::take(&mut self.news) {
+        if std::mem::take(&mut self.pending) {
             let order = self.snapshot(monitor);
             self.order(order);
         }
@@ -136,7 +136,7 @@ impl Keeper {
 
     fn snapshot(&self, monitor: &Monitor) -> Order {
         let mut archive = self.base.clone();
-        monitor.bequeath(&mut archive);
+        monitor.save(&mut archive);
         Order { archive, limits: self.limits, file: self.file.clone() }
     }
 

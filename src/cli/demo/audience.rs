@@ -5,7 +5,7 @@ use super::programme::{ACTS, CURTAIN, window};
 use super::scene::Scene;
 use super::score::Score;
 use super::screen::Screen;
-use super::{view, words};
+use super::{view, wording};
 use crate::bus::embedded::Endpoint;
 use crate::bus::{LogWriter, Port, append_log_line};
 use crate::cli::Failure;
@@ -16,7 +16,7 @@ use crate::cli::stage::{Record, Stage};
 use crate::cli::virtual_bus::NAME;
 use crate::frame::Frame;
 use crate::live::gateway::{Gateway, Journal};
-use crate::live::supervisor::{Opener, Surroundings, Wish};
+use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor;
 use crate::simulator::EPOCH;
 use std::io;
@@ -111,7 +111,7 @@ impl Audience {
                 if status != self.scene.status {
                     let line = candump(frame);
                     self.tell(|| {
-                        format!("{at:7.2} s  {}\n{:11}{line}", words::status(&status), "")
+                        format!("{at:7.2} s  {}\n{:11}{line}", wording::status(&status), "")
                     });
                     self.scene.status = status;
                 }
@@ -121,7 +121,7 @@ impl Audience {
                 self.scene.send(candump(frame) + "  Fd_Warning");
                 if self.score.take(at, &warning) {
                     let level = if warning.raised { &*warning.level } else { "clear" };
-                    let line = format!("{at:7.2} s {level:<6} {}", words::warning(&warning));
+                    let line = format!("{at:7.2} s {level:<6} {}", wording::warning(&warning));
                     self.tell(|| format!("{line}\n{:11}{}", "", candump(frame)));
                     self.scene.warn(line);
                 }
@@ -145,9 +145,9 @@ impl Journal for Audience {
 }
 
 impl Surroundings for Audience {
-    fn wish(&mut self) -> Wish {
+    fn request(&mut self) -> Request {
         let wanted = [&self.over, &self.interrupted].iter().any(|it| it.load(Ordering::Relaxed));
-        if wanted || self.failure.is_some() { Wish::Stop } else { Wish::GoOn }
+        if wanted || self.failure.is_some() { Request::Stop } else { Request::GoOn }
     }
 
     /// Does not wait, since the embedded bus always has room.
@@ -160,7 +160,7 @@ impl Surroundings for Audience {
     }
 
     /// Does nothing, since the embedded bus takes every frame.
-    fn unsaid(&mut self, _: &str) {}
+    fn not_told(&mut self, _: &str) {}
 
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {
         self.attend();

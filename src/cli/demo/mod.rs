@@ -7,7 +7,7 @@ mod scene;
 mod score;
 mod screen;
 mod view;
-mod words;
+mod wording;
 
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
@@ -75,7 +75,7 @@ impl Demo {
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(run::gateway(machine), opener, &mut audience);
-        // Its last words.
+        // Its stopping status.
         audience.attend();
         end(audience)
     }

@@ -2,7 +2,7 @@
 
 use super::listener::Warning;
 use super::programme::{ACTS, fault, window};
-use super::words;
+use super::wording;
 use std::collections::BTreeMap;
 
 /// Time after a fault's end in which a warning still counts for it, s: the end of a fault is a jump
@@ -97,7 +97,8 @@ impl Score {
                 (None, _) => row(act.title, "–", "", "", "not over"),
                 (Some(_), None) => row(act.title, "never", "", "", "NOT FOUND"),
                 (Some(right), Some(found)) => {
-                    let (found, whom) = (format!("{found:.3} s"), words::suspect(&outcome.suspect));
+                    let (found, whom) =
+                        (format!("{found:.3} s"), wording::suspect(&outcome.suspect));
                     row(act.title, &found, whom, &outcome.named, verdict(right))
                 }
             });

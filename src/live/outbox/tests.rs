@@ -190,7 +190,7 @@ fn every_place_at_once_goes_out_at_once() {
 }
 
 #[test]
-fn the_last_words_go_out_without_credit_and_are_the_last() {
+fn the_stopping_status_goes_out_without_credit_and_is_the_last() {
     let (mut outbox, mut encoder) = (outbox(), encoder());
     (0..4).for_each(|_| outbox.put(warning(&mut encoder, 0, 1)));
     while outbox.next(at(0)).is_some() {

@@ -11,7 +11,7 @@ use tertius_learn::calibrate;
 use tertius_learn::calibrate::{Calibration, Cuts};
 use tertius_learn::identify;
 use tertius_learn::identify::Outcome;
-use tertius_learn::identify::course::Wishes;
+use tertius_learn::identify::course::Options;
 use tertius_learn::survey::{Frames, Recording, Rows};
 use tertius_learn::tables;
 use tertius_learn::tune;
@@ -145,8 +145,8 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         taught.machine.clone_from(&settings.machine.name);
         // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
-        let (origin, wishes) = (self.task.origin, Wishes { held_back: 0, ..Wishes::default() });
-        let course = identify::course::Course { settings: &settings, origin, wishes };
+        let (origin, options) = (self.task.origin, Options { held_back: 0, ..Options::default() });
+        let course = identify::course::Course { settings: &settings, origin, options };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
         let learnt = tables::model::of(&outcome, self.task.version, false);

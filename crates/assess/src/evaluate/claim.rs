@@ -32,7 +32,7 @@ pub struct Judged {
 
 impl Claim {
     /// The claim in words.
-    pub fn words(self) -> String {
+    pub fn text(self) -> String {
         match self {
             Self::AtOnce => "found at once".to_owned(),
             Self::NotAlways => "not always found".to_owned(),
@@ -58,6 +58,6 @@ impl Claim {
             Self::NotAlways => found.count < found.of,
             Self::Never => found.count == 0,
         };
-        Judged { claim: self.words(), found, by_any, holds }
+        Judged { claim: self.text(), found, by_any, holds }
     }
 }

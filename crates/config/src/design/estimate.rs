@@ -1,12 +1,12 @@
 //! From settings to a virtual sensor.
 
-use super::Wirer;
+use super::Connector;
 use tertius_core::compare::Comparator;
 use tertius_core::estimate::{Design, Drive, Dynamics, Scale};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// The virtual sensor of cylinder `n`, with what its `sequential` detector was calibrated to, if it
     /// was; valid `lengths`, m.
     pub(super) fn estimate(

@@ -12,7 +12,7 @@ use tertius_core::alarm::frames;
 use tertius_core::compare::Comparator;
 use tertius_core::monitor::cylinder::CylinderDesign;
 use tertius_core::monitor::gate::Gate;
-use tertius_core::monitor::wiring::{Line, Target, Wire, Wiring};
+use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
 use tertius_core::observe::model::Model;
 use tertius_core::observe::observer::Design;
@@ -47,9 +47,9 @@ impl Flaw {
 /// that are the gateway's own, states without a number, weights without an observer gain, models
 /// and tables of another sample time, estimates that do not fit Fd_Estimate.
 pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    let mut wirer = Wirer::new(settings, database, false);
-    wirer.refuse_other_times();
-    wirer.build()
+    let mut connector = Connector::new(settings, database, false);
+    connector.refuse_other_times();
+    connector.build()
 }
 
 /// The monitor for `settings`, whatever sample time its model and tables were made for: for callers
@@ -57,7 +57,7 @@ pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign
 ///
 /// # Errors See [`judging`], except for sample times.
 pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    Wirer::new(settings, database, false).build()
+    Connector::new(settings, database, false).build()
 }
 
 /// The monitor for `settings` that also reads the cylinders' pressures, for callers that learn from
@@ -66,7 +66,7 @@ pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesi
 ///
 /// # Errors See [`unjudging`]; also pressures that are not in bar.
 pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    Wirer::new(settings, database, true).build()
+    Connector::new(settings, database, true).build()
 }
 
 /// The first flaw of each key: a misspelt signal is one mistake, and not one for each cylinder.
@@ -80,10 +80,10 @@ fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
     kept
 }
 
-struct Wirer<'a> {
+struct Connector<'a> {
     settings: &'a Settings,
     database: &'a Database,
-    wiring: Wiring,
+    subscriptions: Subscriptions,
     surveys: bool,
     flaws: Vec<Flaw>,
 }
@@ -94,9 +94,9 @@ struct Connected<'a> {
     signal: &'a Signal,
 }
 
-impl<'a> Wirer<'a> {
+impl<'a> Connector<'a> {
     fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
-        Self { settings, database, wiring: Wiring::new(), surveys, flaws: Vec::new() }
+        Self { settings, database, subscriptions: Subscriptions::new(), surveys, flaws: Vec::new() }
     }
 
     fn build(mut self) -> Result<MonitorDesign, Vec<Flaw>> {
@@ -110,7 +110,7 @@ impl<'a> Wirer<'a> {
         self.refuse_crowded_cycles();
         match self.encoder() {
             Some(encoder) if self.flaws.is_empty() => Ok(MonitorDesign {
-                wiring: self.wiring,
+                subscriptions: self.subscriptions,
                 timing: CycleTiming {
                     sample_time: Span::from_seconds(settings.machine.sample_time),
                     deadline: Span::from_seconds(settings.cycle_deadline()),
@@ -133,7 +133,7 @@ impl<'a> Wirer<'a> {
     fn connect_sync(&mut self) {
         let Some(name) = &self.settings.signals.sync else { return };
         match self.database.message(name) {
-            Ok(message) => self.wiring.line(message.id).sync = true,
+            Ok(message) => self.subscriptions.subscribe(message.id).sync = true,
             Err(error) => self.flaws.push(Flaw::new(
                 "signals.sync",
                 error,
@@ -193,8 +193,9 @@ impl<'a> Wirer<'a> {
 
     /// The fields of cylinder `n` that were connected, by [`Field::bit`].
     fn connected(&self, n: u8) -> u16 {
-        let wires = self.wiring.lines().iter().flat_map(|line| &line.wires);
-        let bits = wires.filter_map(|wire| match wire.target {
+        let signals =
+            self.subscriptions.all().iter().flat_map(|subscription| &subscription.signals);
+        let bits = signals.filter_map(|one| match one.target {
             Target::Cylinder(index, field) if index + 1 == n => Some(field.bit()),
             _ => None,
         });
@@ -278,11 +279,11 @@ impl<'a> Wirer<'a> {
         let found = self.find(&key, &name)?;
         self.refuse_unit(&key, &name, found.signal, field);
         self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
-        let line = self.wiring.line(found.message.id);
-        line.reading |= field.is_reading();
-        line.cyclic = true;
+        let subscription = self.subscriptions.subscribe(found.message.id);
+        subscription.reading |= field.is_reading();
+        subscription.cyclic = true;
         let target = Target::Cylinder(n - 1, field);
-        line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+        subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });
         Some(found)
     }
 
@@ -319,12 +320,15 @@ impl<'a> Wirer<'a> {
     }
 
     fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
-        let line = self.wiring.find(found.message.id).map(|place| &self.wiring.lines()[place]);
-        let used = |wire: &Wire| wire.plan == found.signal.plan && !wire.shares_with(target);
-        let alone = |line: &&Line| !line.has_position_of(target);
-        let taken = line.is_some_and(|line| {
-            line.wires.iter().any(used)
-                || alone(&line) && line.wires.iter().any(|wire| wire.plan == found.signal.plan)
+        let subscription =
+            self.subscriptions.find(found.message.id).map(|place| &self.subscriptions.all()[place]);
+        let used =
+            |one: &SubscribedSignal| one.plan == found.signal.plan && !one.shares_with(target);
+        let alone = |subscription: &&Subscription| !subscription.has_position_of(target);
+        let taken = subscription.is_some_and(|subscription| {
+            subscription.signals.iter().any(used)
+                || alone(&subscription)
+                    && subscription.signals.iter().any(|one| one.plan == found.signal.plan)
         });
         if taken {
             self.flaws.push(Flaw::new(
@@ -337,10 +341,12 @@ impl<'a> Wirer<'a> {
 
     fn refuse_own_identifiers(&mut self) {
         let Some(own) = frames::identifiers(self.settings.gateway.node) else { return };
-        for line in self.wiring.lines().iter().filter(|line| own.contains(&line.id)) {
+        for subscription in
+            self.subscriptions.all().iter().filter(|subscription| own.contains(&subscription.id))
+        {
             self.flaws.push(Flaw::new(
                 "gateway.node",
-                format!("identifier 0x{} is the gateway's own and also an input", line.id),
+                format!("identifier 0x{} is the gateway's own and also an input", subscription.id),
                 "choose a node whose identifiers nothing else on the bus sends",
             ));
         }

@@ -1,6 +1,6 @@
 //! The scale of the gateway's own Fd_Estimate, as given by the DBC.
 
-use super::{Flaw, Wirer};
+use super::{Connector, Flaw};
 use tertius_core::alarm::frames::{ESTIMATE_LAYOUT, Encoder, EstimateScale, Scale};
 use tertius_core::decode::Decoded;
 use tertius_core::frame::{Frame, Kind};
@@ -23,7 +23,7 @@ enum Origin<'a> {
     Gateway,
 }
 
-impl<'a> Wirer<'a> {
+impl<'a> Connector<'a> {
     /// Encoder of the gateway's frames. Estimates that are sent have to fit their scale: a length
     /// of the stroke without a count would always be sent as invalid.
     pub(super) fn encoder(&mut self) -> Option<Encoder> {

@@ -1,6 +1,6 @@
 //! From the fitted tables to a sequential detector.
 
-use super::{Flaw, Wirer};
+use super::{Connector, Flaw};
 use crate::settings::CylinderSequential;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
@@ -10,7 +10,7 @@ use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Rate, Reference
 /// say how well its nodes are known.
 const LEAST_SAMPLES: u64 = 400;
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
     pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
         let settings = self.settings;

@@ -1,11 +1,11 @@
 //! Signals that are not monitored, but read by commands that learn from a recording.
 
-use super::Wirer;
+use super::Connector;
 use crate::settings::CylinderSignals;
-use tertius_core::monitor::wiring::{Target, Wire};
+use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 use tertius_core::sample::{Field, Pressure};
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// Pressures and spool of cylinder `n`.
     pub(super) fn connect_surveyed(&mut self, n: u8, signals: &CylinderSignals) {
         self.connect_pressures(n, signals);
@@ -36,10 +36,10 @@ impl Wirer<'_> {
         let Some(found) = self.find("signals.supply", name) else { return };
         self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
         if self.surveys {
-            let line = self.wiring.line(found.message.id);
-            line.cyclic = true;
+            let subscription = self.subscriptions.subscribe(found.message.id);
+            subscription.cyclic = true;
             let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));
-            line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+            subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });
         }
     }
 

@@ -1,6 +1,6 @@
 //! Models and tables made for another sample time than the machine's.
 
-use super::{Flaw, Wirer};
+use super::{Connector, Flaw};
 use crate::settings::Cylinder;
 
 /// Sample times that differ by less than this, s, are equal and only written differently.
@@ -10,7 +10,7 @@ const SAME: f64 = 1e-9;
 /// the switch of the rate, and from the CRC delimiter to the space between frames.
 const SHORTEST_FRAME_BITS: f64 = 30.0;
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// Refuses θ and γ of (4-1), weights of the Riccati equation and tables for the sequential
     /// detector that were made for another sample time, since they would describe another machine.
     pub(super) fn refuse_other_times(&mut self) {
@@ -65,11 +65,16 @@ impl Wirer<'_> {
     /// wrong.
     pub(super) fn refuse_crowded_cycles(&mut self) {
         let (machine, bitrate) = (&self.settings.machine, self.settings.bus.bitrate);
-        let lines = self.wiring.lines().iter().filter(|line| line.sync || line.cyclic).count();
-        let least = lines as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
+        let frames = self
+            .subscriptions
+            .all()
+            .iter()
+            .filter(|message| message.sync || message.cyclic)
+            .count();
+        let least = frames as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
         if machine.sample_time < least {
             let message = format!(
-                "`machine.sample_time` is {:?}, but at {bitrate} bit/s the {lines} frames of a cycle \
+                "`machine.sample_time` is {:?}, but at {bitrate} bit/s the {frames} frames of a cycle \
                  take at least {least:.6} s",
                 machine.sample_time
             );

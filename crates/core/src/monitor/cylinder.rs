@@ -158,7 +158,7 @@ impl Cylinder {
             tally: Tally::default(),
             design,
         };
-        cylinder.inherit(&DwellHistory::default());
+        cylinder.restore(&DwellHistory::default());
         cylinder
     }
 
@@ -184,10 +184,10 @@ impl Cylinder {
     }
 
     /// Restores the dwells of an earlier monitor, if the cylinder has a detector that reads them.
-    pub fn inherit(&mut self, dwells: &DwellHistory) {
+    pub fn restore(&mut self, dwells: &DwellHistory) {
         if let Some(sequential) = &mut self.sequential {
             let Comparator { gain, offset } = self.design.comparator;
-            sequential.inherit(dwells.clone(), [gain, offset]);
+            sequential.restore(dwells.clone(), [gain, offset]);
         }
     }
 

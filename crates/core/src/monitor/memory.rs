@@ -6,14 +6,14 @@ use crate::time::Timestamp;
 
 impl Monitor {
     /// Restores the dwells of an earlier monitor of the same machine.
-    pub fn inherit(&mut self, archive: &Archive) {
+    pub fn restore(&mut self, archive: &Archive) {
         for (cylinder, dwells) in self.cylinders.iter_mut().zip(&archive.cylinders) {
-            cylinder.inherit(dwells);
+            cylinder.restore(dwells);
         }
     }
 
     /// Saves the dwells in `archive`. The dwells there of a cylinder without a detector stay.
-    pub fn bequeath(&self, archive: &mut Archive) {
+    pub fn save(&self, archive: &mut Archive) {
         for (n, sequential) in self.sequential() {
             if let Some(place) = archive.cylinders.get_mut(usize::from(n).wrapping_sub(1)) {
                 place.clone_from(sequential.dwells());

@@ -17,8 +17,8 @@ mod page;
 mod passage;
 mod sampling;
 pub mod sink;
+pub mod subscriptions;
 mod telling;
-pub mod wiring;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
@@ -37,12 +37,12 @@ use gate::{Gate, Opening};
 use page::{Page, Station};
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
-use wiring::{Target, Wiring};
+use subscriptions::{Subscriptions, Target};
 
 /// Everything a monitor is made from.
 #[derive(Clone, Debug)]
 pub struct MonitorDesign {
-    pub wiring: Wiring,
+    pub subscriptions: Subscriptions,
     pub timing: CycleTiming,
     /// Most missing cycles over which observers predict; a longer silence is reported as a gap.
     pub gap_cycles: u64,
@@ -62,8 +62,8 @@ const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
 /// The monitor of one machine.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    wiring: Wiring,
-    /// The messages of `wiring`, in its order.
+    subscriptions: Subscriptions,
+    /// The messages of `subscriptions`, in its order.
     stations: Vec<Station>,
     /// Whether any page keeps a frame.
     keeps: bool,
@@ -102,8 +102,8 @@ impl Monitor {
             Estimates::Told | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
         };
         Self {
-            stations: design.wiring.lines().iter().map(Station::new).collect(),
-            wiring: design.wiring,
+            stations: design.subscriptions.all().iter().map(Station::new).collect(),
+            subscriptions: design.subscriptions,
             keeps: false,
             clock: CycleClock::new(design.timing),
             gap_cycles: design.gap_cycles,
@@ -161,7 +161,7 @@ impl Monitor {
     /// frame, by less than a cycle, is taken now, but classified by its time stamp.
     pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
         let place = match frame.kind {
-            Kind::Data | Kind::Fd { .. } => self.wiring.find(frame.id),
+            Kind::Data | Kind::Fd { .. } => self.subscriptions.find(frame.id),
             Kind::Remote { .. } => None,
             Kind::Error => {
                 self.counts.errors += 1;
@@ -240,8 +240,8 @@ impl Monitor {
             }
         }
         let mut touched = 0_u8;
-        for wire in &page.wires {
-            let value = match wire.plan.decode(frame) {
+        for signal in &page.signals {
+            let value = match signal.plan.decode(frame) {
                 Decoded::Value(value) => value,
                 Decoded::Absent => continue,
                 Decoded::Short => {
@@ -249,7 +249,7 @@ impl Monitor {
                     continue;
                 }
             };
-            match wire.target {
+            match signal.target {
                 Target::State => gate.state(now, state_number(value)),
                 Target::Cylinder(index, field) => {
                     touched |= 1 << index;

@@ -1,7 +1,7 @@
 //! Pages: signals of a message that come together, and the state of their arrival.
 
 use super::intake::{Counting, Intake};
-use super::wiring::{Line, Target, Wire};
+use super::subscriptions::{SubscribedSignal, Subscription, Target};
 use crate::decode::{Decoded, SignalPlan};
 use crate::frame::Frame;
 use crate::sample::arrival::Slot;
@@ -29,7 +29,7 @@ pub(super) struct Page {
     /// Whether the page belongs to a cycle; the platform's state does not.
     pub cyclic: bool,
     /// Signals of the page except its counter.
-    pub wires: Box<[Wire]>,
+    pub signals: Box<[SubscribedSignal]>,
     /// Short path of the signals.
     pub intake: Option<Intake>,
     counter: Option<SignalPlan>,
@@ -41,23 +41,23 @@ pub(super) struct Page {
 }
 
 impl Station {
-    pub fn new(line: &Line) -> Self {
+    pub fn new(message: &Subscription) -> Self {
         let mut drafts: Vec<Draft<'_>> = Vec::new();
-        for wire in &line.wires {
-            let counter = line.counter_of(wire);
-            let anchor = line.anchor_of(wire);
+        for signal in &message.signals {
+            let counter = message.counter_of(signal);
+            let anchor = message.anchor_of(signal);
             let belongs = |draft: &&mut Draft<'_>| {
-                draft.cyclic == wire.is_cyclic()
-                    && draft.counter.map(|known| &known.plan) == counter.map(|wire| &wire.plan)
+                draft.cyclic == signal.is_cyclic()
+                    && draft.counter.map(|known| &known.plan) == counter.map(|signal| &signal.plan)
                     && draft.anchor.plan.is_on_page_of(&anchor.plan)
             };
             match drafts.iter_mut().find(belongs) {
-                Some(draft) => draft.wires.push(wire),
+                Some(draft) => draft.signals.push(signal),
                 None => drafts.push(Draft {
-                    cyclic: wire.is_cyclic(),
+                    cyclic: signal.is_cyclic(),
                     anchor,
                     counter,
-                    wires: vec![wire],
+                    signals: vec![signal],
                 }),
             }
         }
@@ -71,7 +71,7 @@ impl Station {
                 sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
-        Self { sync: line.sync, pages: pages.collect() }
+        Self { sync: message.sync, pages: pages.collect() }
     }
 }
 
@@ -79,29 +79,29 @@ impl Station {
 struct Draft<'a> {
     cyclic: bool,
     /// The signal that determines which frames carry the page.
-    anchor: &'a Wire,
-    counter: Option<&'a Wire>,
-    wires: Vec<&'a Wire>,
+    anchor: &'a SubscribedSignal,
+    counter: Option<&'a SubscribedSignal>,
+    signals: Vec<&'a SubscribedSignal>,
 }
 
 impl Draft<'_> {
     /// The page; `sharing` pages have the same counter.
     fn page(&self, sharing: u64) -> Page {
-        let counted = self.wires.iter().filter_map(|wire| match wire.target {
+        let counted = self.signals.iter().filter_map(|signal| match signal.target {
             Target::Cylinder(index, Field::Counter(transducer)) => Some((index, transducer)),
             _ => None,
         });
-        let others = self.wires.iter().filter(|wire| !wire.is_counter());
-        let wires: Box<[Wire]> = others.map(|wire| (*wire).clone()).collect();
+        let others = self.signals.iter().filter(|signal| !signal.is_counter());
+        let signals: Box<[SubscribedSignal]> = others.map(|signal| (*signal).clone()).collect();
         let counted: Box<[(u8, Transducer)]> = counted.collect();
-        let plan = self.counter.map(|wire| wire.plan.clone());
+        let plan = self.counter.map(|signal| signal.plan.clone());
         let counting = plan.as_ref().map(|plan| Counting { plan, counted: &counted });
         let alive = plan.as_ref().map(|plan| AliveCounter::new(plan.bits(), sharing));
         Page {
-            reading: self.wires.iter().any(|wire| wire.is_reading()),
+            reading: self.signals.iter().any(|signal| signal.is_reading()),
             cyclic: self.cyclic,
-            intake: Intake::of(&wires, counting),
-            wires,
+            intake: Intake::of(&signals, counting),
+            signals,
             counter: plan,
             counted,
             slot: Slot::new(alive),

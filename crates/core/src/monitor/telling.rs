@@ -16,7 +16,7 @@ impl Monitor {
     }
 
     /// The Fd_Status of a gateway that stops at `at`: every state is unknown from then on.
-    pub fn last_words(&mut self, at: Timestamp) -> OwnFrame {
+    pub fn stopping_status(&mut self, at: Timestamp) -> OwnFrame {
         let (level, active_warnings) = (self.register.level(), self.register.standing());
         let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
         self.encoder.status(at, &status)

@@ -84,10 +84,10 @@ impl Clipping {
 
 #[cfg(test)]
 mod tests {
-    use super::super::novelty::News;
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::{History, Sample};
     use super::super::statistic::{DEAD_BAND, INDEPENDENT, Scales};
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
@@ -118,7 +118,7 @@ mod tests {
         for k in 0..1500_usize {
             let healthy = if k % 2 == 0 { 0.5 * DEVIATION } else { -0.5 * DEVIATION };
             let residual = if wild.contains(&k) { size } else { healthy };
-            history.push(Sample::at_rest(residual), clip, News::InMotion);
+            history.push(Sample::at_rest(residual), clip, Independence::InMotion);
             let [mean, variance] = scales.peaks(&history, 1024);
             most = most.max(mean.nats).max(variance.nats);
         }

@@ -1,7 +1,7 @@
 //! Dependence of the samples in a window.
 //!
 //! A nat of evidence is a factor of e in rarity if the samples of a window are independent. Samples
-//! that repeat the previous one are left out ([`super::novelty`]). The dependence of the others,
+//! that repeat the previous one are left out ([`super::thinning`]). The dependence of the others,
 //! where readings move in coarse counts, is measured by how much the evidence of healthy windows of
 //! each width exceeds its rarity.
 //!
@@ -198,10 +198,10 @@ fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::rate::{Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::DEAD_BAND;
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
@@ -221,7 +221,7 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut rng);
             for _ in 0..hold {
                 magnitudes.add(DEVIATION * normal);
-                history.push(Sample::at_rest(DEVIATION * normal), &clip, News::InMotion);
+                history.push(Sample::at_rest(DEVIATION * normal), &clip, Independence::InMotion);
                 measuring.take(&history, &bands);
             }
         }
@@ -261,7 +261,7 @@ mod tests {
         let mut residuals = Fluctuating(ChaCha8Rng::seed_from_u64(8), 0, 0.0);
         let mut push = |history: &mut History| {
             let residual = residuals.next().expect("it never ends");
-            history.push(Sample::at_rest(residual), &clip, News::InMotion);
+            history.push(Sample::at_rest(residual), &clip, Independence::InMotion);
             residual
         };
         for _ in 0..45_000 {
@@ -288,7 +288,7 @@ mod tests {
         assert!((4.0..0.75 * Outliers::USUAL.least_level()).contains(&most), "{most}");
         // What stays is found within a second.
         for _ in 0..50 {
-            history.push(Sample::at_rest(5.0 * DEVIATION), &clip, News::InMotion);
+            history.push(Sample::at_rest(5.0 * DEVIATION), &clip, Independence::InMotion);
         }
         let [mean, _] = scales.peaks(&history, 1024);
         assert!(mean.nats > Outliers::USUAL.least_level(), "{mean:?}");

@@ -10,7 +10,6 @@ use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
 use super::noise::Noise;
-use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
 use super::rate::Rate;
 use super::reference::Reference;
@@ -20,6 +19,7 @@ use super::search::Search;
 use super::skew::Skew;
 use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
+use super::thinning::{Independence, Thinning};
 use super::velocity::Velocity;
 use super::wild::Outliers;
 use super::witness::Witness;
@@ -79,7 +79,7 @@ pub struct Sequential {
     baseline: Baseline,
     slow: Slow,
     loss: Loss,
-    novelty: Novelty,
+    thinning: Thinning,
     history: History,
     search: Search,
     /// Present estimate of the noise.
@@ -122,7 +122,7 @@ impl Sequential {
             baseline: Baseline::new(design.sample_time, design.deviation),
             slow: Slow::new(design.sample_time),
             loss: Loss::default(),
-            novelty: Novelty::new(design.sample_time, design.deviation, farthest),
+            thinning: Thinning::new(design.sample_time, design.deviation, farthest),
             scales,
             history: History::default(),
             search: Search::default(),
@@ -262,9 +262,10 @@ impl Sequential {
         let residual = residual - baseline;
         let doubt = doubt * doubt + of_baseline * of_baseline;
         let sample = Sample { residual, share: self.noise.share(velocity), doubt };
-        let news = self.novelty.step([c1, c2], sample);
-        self.witness.push(residual, if news == News::InMotion { velocity } else { 0.0 });
-        if news == News::InMotion {
+        let independence = self.thinning.step([c1, c2], sample);
+        self.witness
+            .push(residual, if independence == Independence::InMotion { velocity } else { 0.0 });
+        if independence == Independence::InMotion {
             if let Some(alarm) = &self.alarm {
                 self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual);
             }
@@ -274,7 +275,7 @@ impl Sequential {
             }
         }
         self.residual = Some(residual);
-        self.judge(input.at, sample, news);
+        self.judge(input.at, sample, independence);
     }
 
     /// Leaves a platform state, in which what was learnt does not apply to another one. An alarm
@@ -287,7 +288,7 @@ impl Sequential {
     /// Discards what was learnt of the motion.
     fn stop(&mut self) {
         self.forget();
-        self.novelty.reset();
+        self.thinning.reset();
         self.velocity.reset();
         self.witness.reset();
         self.peaks = [Peak::default(); 2];

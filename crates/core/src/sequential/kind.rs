@@ -75,7 +75,7 @@ fn fit<const N: usize>(samples: &Newest<N>, deviation: f64) -> (Shape, f64) {
 
 /// Appearance of some samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Looks {
+pub enum Appearance {
     /// Every sample differs, with no mean, and with this root mean square, m.
     Noisy(f64),
     Steady,
@@ -83,7 +83,7 @@ pub enum Looks {
 }
 
 /// Appearance of the newest `span` samples; `None` if there are not so many.
-pub fn looks(history: &History, span: usize) -> Option<Looks> {
+pub fn appearance(history: &History, span: usize) -> Option<Appearance> {
     if span > history.all.held() {
         return None;
     }
@@ -93,7 +93,7 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
     if mean * mean > STEADY * square {
-        return Some(Looks::Steady);
+        return Some(Appearance::Steady);
     }
     let mut before = None;
     let changes = newest().map(|value| {
@@ -104,21 +104,25 @@ pub fn looks(history: &History, span: usize) -> Option<Looks> {
     // Of white noise this is 2 (von Neumann), of what goes up and down slowly nearly 0.
     let wildness = changes.sum::<f64>() / (count * (square - mean * mean));
     let noisy = mean * mean < NOISY * square && wildness > WILD;
-    Some(if noisy { Looks::Noisy(libm::sqrt(square)) } else { Looks::Neither })
+    Some(if noisy { Appearance::Noisy(libm::sqrt(square)) } else { Appearance::Neither })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
-    use crate::sequential::novelty::News;
     use crate::sequential::samples::Sample;
+    use crate::sequential::thinning::Independence;
 
     fn history(residual: impl Fn(usize) -> f64) -> History {
         let mut history = History::default();
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(Sample::at_rest(healthy + residual(k)), &Clip::NONE, News::InMotion);
+            history.push(
+                Sample::at_rest(healthy + residual(k)),
+                &Clip::NONE,
+                Independence::InMotion,
+            );
         }
         history
     }
@@ -139,8 +143,9 @@ mod tests {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
             let mut history = History::default();
             let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
-            (0..40)
-                .for_each(|k| history.push(Sample::at_rest(fault(k)), &Clip::NONE, News::InMotion));
+            (0..40).for_each(|k| {
+                history.push(Sample::at_rest(fault(k)), &Clip::NONE, Independence::InMotion)
+            });
             let step = shape(&history, 5e-5);
             assert_eq!((step.onset, step.seen), (40 - begin, seen));
         }
@@ -152,9 +157,10 @@ mod tests {
         let mut history = History::default();
         for k in 0..600_usize {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };
+            let independence =
+                if k % 3 == 0 { Independence::AtRest } else { Independence::InMotion };
             let fault = if k < 450 { 0.0 } else { 5e-4 };
-            history.push(Sample::at_rest(healthy + fault), &Clip::NONE, news);
+            history.push(Sample::at_rest(healthy + fault), &Clip::NONE, independence);
         }
         let step = shape(&history, 5e-5);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 150));
@@ -163,11 +169,13 @@ mod tests {
     #[test]
     fn noise_has_no_mean() {
         let noisy = history(|k| if k % 2 == 0 { 4e-4 } else { -4e-4 });
-        let Some(Looks::Noisy(rms)) = looks(&noisy, 25) else { panic!("{:?}", looks(&noisy, 25)) };
+        let Some(Appearance::Noisy(rms)) = appearance(&noisy, 25) else {
+            panic!("{:?}", appearance(&noisy, 25))
+        };
         assert!((rms - 4e-4).abs() < 2e-5, "{rms}");
-        assert_eq!(looks(&history(|_| 4e-4), 25), Some(Looks::Steady));
-        assert_eq!(looks(&history(|_| 4e-4), 65), None);
+        assert_eq!(appearance(&history(|_| 4e-4), 25), Some(Appearance::Steady));
+        assert_eq!(appearance(&history(|_| 4e-4), 65), None);
         let wave = history(|k| 4e-4 * (k as f64 * 0.25).sin());
-        assert_eq!(looks(&wave, 50), Some(Looks::Neither));
+        assert_eq!(appearance(&wave, 50), Some(Appearance::Neither));
     }
 }

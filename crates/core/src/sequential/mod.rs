@@ -1,7 +1,7 @@
 //! Sequential detection beyond fixed thresholds, and location of the faulty transducer.
 //!
 //! ```text
-//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ noise, novelty ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
+//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ noise, thinning ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
 //!    └────→ pair (with u) ─ innovations ──────────────────────────────────────→ suspect, kind
 //! ```
 //!
@@ -29,7 +29,6 @@ pub mod history;
 pub mod kind;
 pub mod motion;
 pub mod noise;
-pub mod novelty;
 pub mod pair;
 pub mod rate;
 pub mod reference;
@@ -42,6 +41,7 @@ pub mod statistic;
 pub mod stops;
 mod student;
 pub mod tanh;
+pub mod thinning;
 pub mod trend;
 pub mod velocity;
 pub mod wild;

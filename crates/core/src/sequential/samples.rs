@@ -1,12 +1,12 @@
 //! The newest samples: all, the independent ones, and the independent ones in motion.
 
 use super::clip::Clip;
-use super::novelty::News;
 use super::statistic::DEAD_BAND;
+use super::thinning::Independence;
 use super::windows::{Few, Sums, VALUES};
 use alloc::boxed::Box;
 
-/// Up to this width a window takes every sample that is news; wider ones only those in motion, because
+/// Up to this width a window takes every independent sample; wider ones only those in motion, because
 /// at rest the count hardly changes and one sample says much of what the one before has said.
 pub const AT_REST: usize = 6;
 
@@ -108,11 +108,11 @@ pub struct History {
 impl History {
     /// Takes a sample, clipped by `clip`: a wild one must not count as a mean of many.
     #[inline(always)]
-    pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
+    pub fn push(&mut self, sample: Sample, clip: &Clip, independence: Independence) {
         let Sample { residual, share, doubt } = sample;
         self.all.push(residual);
         self.cycle += 1;
-        if news == News::Repeated {
+        if independence == Independence::Repeated {
             return;
         }
         let weighed = residual * share;
@@ -124,7 +124,7 @@ impl History {
         let values = |cycles: u64| [clipped, square, band, cycles as i64 as f64];
         self.few.push(values(self.cycle - self.said));
         self.said = self.cycle;
-        if news == News::InMotion {
+        if independence == Independence::InMotion {
             self.many.push(values(self.cycle - self.moved));
             self.moved = self.cycle;
             self.moving.push(residual);

@@ -116,10 +116,10 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT};
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::{RngExt, SeedableRng};
@@ -158,7 +158,7 @@ mod tests {
 
     /// Residuals: healthy, wild, displaced and noisy samples, at rest and in motion, and a lost
     /// bus.
-    fn residuals(count: usize) -> Vec<(Sample, News)> {
+    fn residuals(count: usize) -> Vec<(Sample, Independence)> {
         let mut rng = random();
         let one = |k: usize| {
             let normal: f64 = StandardNormal.sample(&mut rng);
@@ -170,14 +170,14 @@ mod tests {
                 (3, _) => (2.0 * normal).round() * DEVIATION,
                 _ => normal * DEVIATION,
             };
-            let news = match rng.random_range(0..10) {
-                0 => News::Repeated,
-                1 => News::AtRest,
-                _ => News::InMotion,
+            let independence = match rng.random_range(0..10) {
+                0 => Independence::Repeated,
+                1 => Independence::AtRest,
+                _ => Independence::InMotion,
             };
             // Every third place is not known for sure.
             let doubt = if k.is_multiple_of(3) { 1e-8 } else { 0.0 };
-            (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, news)
+            (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, independence)
         };
         (0..count).map(one).collect()
     }
@@ -199,11 +199,11 @@ mod tests {
         for (which, scales) in all.iter().enumerate() {
             let (clip, mut history) = (Clip::new(scales.bands()), History::default());
             let mut found = 0;
-            for (k, (sample, news)) in samples.iter().enumerate() {
+            for (k, (sample, independence)) in samples.iter().enumerate() {
                 if k == 4000 {
                     history.clear();
                 }
-                history.push(*sample, &clip, *news);
+                history.push(*sample, &clip, *independence);
                 for widest in [1, 6, 48, 1024] {
                     let narrow = scales.exhaustive(0..NARROW, &history, widest);
                     let wide = scales.exhaustive(NARROW..WIDTHS.len(), &history, widest);
@@ -222,7 +222,11 @@ mod tests {
         let (clip, mut search) = (Clip::new(scales.bands()), Search::default());
         let mut all: Vec<f64> = Vec::new();
         for k in 0..300_usize {
-            history.push(Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }), &clip, News::InMotion);
+            history.push(
+                Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }),
+                &clip,
+                Independence::InMotion,
+            );
             all.push(scales.peaks(&history, 1024)[0].nats);
             let [found, _] = search.step(&scales, &history, 1024);
             let before = all[k.saturating_sub(EVERY as usize - 1)];

@@ -24,7 +24,7 @@ pub(super) fn larger(one: Peak, other: Peak) -> Peak {
 /// 1: for the mean and for the mean square, for each of [`WIDTHS`] ([`super::dependence`]).
 pub type Dependence = [[f64; WIDTHS.len()]; 2];
 
-/// Every sample is news.
+/// Every sample is independent.
 pub const INDEPENDENT: Dependence = [[1.0; WIDTHS.len()]; 2];
 
 /// What is below this is no fault but a temperature or a bend that the calibration has left, m.
@@ -253,8 +253,8 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::samples::{AT_REST, Sample};
+    use super::super::thinning::Independence;
     use super::*;
 
     const DEVIATION: f64 = 1e-4;
@@ -280,15 +280,19 @@ mod tests {
         )
     }
 
-    fn after(residuals: impl IntoIterator<Item = f64>, news: News) -> [Peak; 2] {
-        weighed(residuals, 1.0, news)
+    fn after(residuals: impl IntoIterator<Item = f64>, independence: Independence) -> [Peak; 2] {
+        weighed(residuals, 1.0, independence)
     }
 
-    fn weighed(residuals: impl IntoIterator<Item = f64>, share: f64, news: News) -> [Peak; 2] {
+    fn weighed(
+        residuals: impl IntoIterator<Item = f64>,
+        share: f64,
+        independence: Independence,
+    ) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(scales.bands());
         for residual in residuals {
-            history.push(Sample { residual, share, doubt: 0.0 }, &clip, news);
+            history.push(Sample { residual, share, doubt: 0.0 }, &clip, independence);
         }
         scales.peaks(&history, 1024)
     }
@@ -298,11 +302,11 @@ mod tests {
     #[test]
     fn what_scatters_more_by_its_speed_proves_less() {
         let alternating = (0..200).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1)));
-        let [_, variance] = weighed(alternating.clone(), 0.5, News::InMotion);
+        let [_, variance] = weighed(alternating.clone(), 0.5, Independence::InMotion);
         assert_eq!(variance, Peak::default());
-        assert!(weighed(alternating, 1.0, News::InMotion)[1].nats > 20.0);
+        assert!(weighed(alternating, 1.0, Independence::InMotion)[1].nats > 20.0);
         for length in [1, 5, 20, 80, 300] {
-            let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
+            let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, Independence::InMotion);
             assert!(mean.nats < BY_DEAD_BAND, "{length}: {mean:?}");
         }
     }
@@ -315,7 +319,7 @@ mod tests {
             let (clip, mut most) = (Clip::new(scales.bands()), 0.0_f64);
             for _ in 0..length {
                 let doubt = doubt * doubt;
-                history.push(Sample { residual, share: 1.0, doubt }, &clip, News::InMotion);
+                history.push(Sample { residual, share: 1.0, doubt }, &clip, Independence::InMotion);
                 let [mean, square] = scales.peaks(&history, 1024);
                 most = most.max(mean.nats).max(square.nats);
             }
@@ -328,7 +332,7 @@ mod tests {
     #[test]
     fn a_step_has_the_window_that_it_fills() {
         let [mean, variance] =
-            after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), News::InMotion);
+            after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), Independence::InMotion);
         assert_eq!(mean.width, 12);
         // ε is 0.1 mm · 12/(12 + 8): 12 samples of 2.4 deviations.
         assert!((mean.nats - 12.0 * 2.4 * 2.4 / 2.0).abs() < 1e-9, "{mean:?}");
@@ -340,14 +344,14 @@ mod tests {
     #[test]
     fn one_wild_sample_is_no_mean_of_many() {
         let [mean, variance] =
-            after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), News::InMotion);
+            after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), Independence::InMotion);
         assert!(mean.nats < 1.0 && variance.nats < 5.0, "{mean:?} {variance:?}");
     }
 
     #[test]
     fn a_displacement_of_the_dead_band_is_no_evidence() {
         for length in [1, 5, 20, 80, 300, 2000] {
-            let [mean, variance] = after((0..length).map(|_| 1e-4), News::InMotion);
+            let [mean, variance] = after((0..length).map(|_| 1e-4), Independence::InMotion);
             assert!(mean.nats < BY_DEAD_BAND + 1e-9, "{length}: {mean:?}");
             assert_eq!(variance, Peak::default(), "{length}");
         }
@@ -371,7 +375,7 @@ mod tests {
         let most = |scales: Scales| {
             let (mut history, clip) = (History::default(), Clip::new(scales.bands()));
             let samples = tossed.clone().map(Sample::at_rest);
-            samples.for_each(|sample| history.push(sample, &clip, News::InMotion));
+            samples.for_each(|sample| history.push(sample, &clip, Independence::InMotion));
             scales.peaks(&history, 1024)[1].nats
         };
         let known = most(counted(1e-4, INDEPENDENT, [4e-4; 2]));
@@ -380,16 +384,16 @@ mod tests {
 
     #[test]
     fn at_rest_only_short_windows_count() {
-        let [mean, _] = after((0..100).map(|_| 3e-4), News::AtRest);
+        let [mean, _] = after((0..100).map(|_| 3e-4), Independence::AtRest);
         assert_eq!(mean.width, AT_REST);
-        let nothing = after((0..100).map(|_| 3e-4), News::Repeated);
+        let nothing = after((0..100).map(|_| 3e-4), Independence::Repeated);
         assert_eq!(nothing, [Peak::default(); 2]);
     }
 
     #[test]
     fn noise_of_twice_the_deviation_is_in_the_mean_square() {
         let [mean, variance] =
-            after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), News::InMotion);
+            after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), Independence::InMotion);
         assert!(mean.nats < 5.0, "{mean:?}");
         let s: f64 = 4.0 - 1.0;
         assert_eq!(variance.width, 64);

@@ -9,9 +9,9 @@ use super::smoothing::{Equations, Look, Solution};
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::drive::Drive;
 use tertius_core::sequential::noise::LEAST_TIMING;
-use tertius_core::sequential::novelty::{News, Novelty};
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::samples::Sample;
+use tertius_core::sequential::thinning::{Independence, Thinning};
 use tertius_core::sequential::velocity::Velocity;
 use tertius_core::sequential::{Noise, Reference};
 
@@ -54,7 +54,7 @@ struct Gathered {
     look: Look,
     samples: Vec<u64>,
     speed: Velocity,
-    novelty: Novelty,
+    thinning: Thinning,
     drives: Box<Drives>,
 }
 
@@ -80,7 +80,7 @@ impl Profiling {
             look: Look::new(cells),
             samples: vec![0; cells],
             speed: Velocity::new(sample_time),
-            novelty: Novelty::new(sample_time, deviation(fitted), f64::INFINITY),
+            thinning: Thinning::new(sample_time, deviation(fitted), f64::INFINITY),
             drives: Box::new(Drives::new(sample_time)),
         };
         let cylinders = fits.into_iter().map(|fitted| fitted.map(gathered)).collect();
@@ -105,7 +105,7 @@ impl Surveyor for Profiling {
     fn gap(&mut self, cylinder: u8) {
         if let Some(gathered) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
             gathered.speed.reset();
-            gathered.novelty.reset();
+            gathered.thinning.reset();
             gathered.drives.clear();
         }
     }
@@ -120,9 +120,9 @@ impl Gathered {
         let Some(((c1, c2), velocity)) = pair.zip(speed) else { return };
         let error = self.line.error(c2, c1);
         // At rest one reading says what the one before has said, however it was rounded.
-        let news = self.novelty.step([c1, c2], Sample::at_rest(error));
+        let independence = self.thinning.step([c1, c2], Sample::at_rest(error));
         let place = Reference::place(self.first, SPACING, self.samples.len() + 1, c2);
-        let Some(place) = place.filter(|_| news == News::InMotion) else { return };
+        let Some(place) = place.filter(|_| independence == Independence::InMotion) else { return };
         if let Some((_, half)) = self.current.replace(look).filter(|before| *before != look) {
             self.halves[half].take(&self.look);
             self.look.clear();

@@ -6,8 +6,8 @@ use super::line::Line;
 use super::trying::FAULTY;
 use crate::survey::Row;
 use tertius_core::sequential::baseline::{Baseline, Loss};
-use tertius_core::sequential::novelty::{News, Novelty};
 use tertius_core::sequential::samples::Sample;
+use tertius_core::sequential::thinning::{Independence, Thinning};
 use tertius_core::sequential::velocity::Velocity;
 
 /// Standard deviation that is assumed before it is known, m.
@@ -23,7 +23,7 @@ pub struct Residuals {
     velocity: Velocity,
     baseline: Baseline,
     loss: Loss,
-    novelty: Novelty,
+    thinning: Thinning,
 }
 
 /// Residual of one row.
@@ -37,13 +37,13 @@ pub struct Residual {
     pub beyond: Option<f64>,
     /// Variance of the residual due to the uncertainty of its reference, m².
     pub doubt: f64,
-    pub news: News,
+    pub independence: Independence,
 }
 
 impl Residual {
     /// Residual beyond the baseline, m, where it is evidence from a rod in motion.
     pub fn in_motion(&self) -> Option<f64> {
-        self.beyond.filter(|_| self.news == News::InMotion)
+        self.beyond.filter(|_| self.independence == Independence::InMotion)
     }
 }
 
@@ -66,14 +66,14 @@ impl Residuals {
             baseline: Baseline::new(sample_time, deviation),
             loss: Loss::default(),
             // How far healthy residuals go is what is being learnt.
-            novelty: Novelty::new(sample_time, deviation, f64::INFINITY),
+            thinning: Thinning::new(sample_time, deviation, f64::INFINITY),
         }
     }
 
     /// Reports that cycles are missing.
     pub fn interrupt(&mut self) {
         self.velocity.reset();
-        self.novelty.reset();
+        self.thinning.reset();
         self.loss.begin();
     }
 
@@ -98,9 +98,9 @@ impl Residuals {
         }
         let (baseline, of_baseline) = (self.baseline.value(), self.baseline.doubt());
         self.baseline.follow(residual, doubt);
-        let news = self.novelty.step([c1, c2], Sample::at_rest(residual));
+        let independence = self.thinning.step([c1, c2], Sample::at_rest(residual));
         let beyond = baseline.map(|baseline| residual - baseline);
         let doubt = doubt * doubt + of_baseline * of_baseline;
-        Some(Residual { lengths: [c1, c2], velocity, beyond, doubt, news })
+        Some(Residual { lengths: [c1, c2], velocity, beyond, doubt, independence })
     }
 }

@@ -238,7 +238,7 @@ impl Judged {
         let Some((residual, beyond)) = residual.zip(beyond) else { return };
         let share = self.noise.share(residual.velocity);
         let sample = Sample { residual: beyond, share, doubt: residual.doubt };
-        self.history.push(sample, &Clip::new(&self.bands), residual.news);
+        self.history.push(sample, &Clip::new(&self.bands), residual.independence);
         if residual.in_motion().is_some() {
             let weighed = sample.share * beyond;
             self.magnitudes.add(weighed);

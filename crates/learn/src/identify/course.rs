@@ -11,7 +11,7 @@ use tertius_config::settings::Settings;
 
 /// Options of an identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wishes {
+pub struct Options {
     /// Width of the centred moving average of velocity and load pressure, cycles; odd.
     pub window: usize,
     /// Part of the time at the end that is held back for validation, %.
@@ -26,7 +26,7 @@ pub struct Wishes {
 /// Supply pressure, bar; `None`: as recorded.
 pub type Supply = Option<f64>;
 
-impl Default for Wishes {
+impl Default for Options {
     fn default() -> Self {
         Self {
             window: 5,
@@ -43,7 +43,7 @@ impl Default for Wishes {
 pub struct Course<'a> {
     pub settings: &'a Settings,
     pub origin: &'a Origin,
-    pub wishes: Wishes,
+    pub options: Options,
 }
 
 const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
@@ -58,14 +58,14 @@ impl Course<'_> {
     /// # Errors
     /// The recording's own.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Outcome, R::Error> {
-        let Self { settings, origin, wishes } = *self;
-        let [fitted, validated] = match wishes.held_back {
+        let Self { settings, origin, options } = *self;
+        let [fitted, validated] = match options.held_back {
             0 => [origin.window; 2],
             part => origin.window.split(1.0 - f64::from(part) / 100.0),
         };
         let shaping = Shaping {
             sample_time: settings.machine.sample_time,
-            window: wishes.window,
+            window: options.window,
             area_ratio: settings.machine.area_ratio,
         };
         let observer = &settings.observer;
@@ -75,14 +75,16 @@ impl Course<'_> {
         let (mut estimators, judged) = assess::estimators(&census, shaping);
         recording.read(fitted, &mut estimators)?;
         let mut cylinders =
-            assess::cylinders(&census, judged, &estimators, wishes.offset, shaping, &weights);
+            assess::cylinders(&census, judged, &estimators, options.offset, shaping, &weights);
         let mut validators = assess::validators(&census, &cylinders, shaping, &weights);
         recording.read(validated, &mut validators)?;
         for (cylinder, validator) in cylinders.iter_mut().zip(validators.0) {
             cylinder.trials = validator.map(|validator| validator.finish());
         }
-        let nonlinear =
-            wishes.nonlinear.map(|supply| self.nonlinear(recording, fitted, supply)).transpose()?;
+        let nonlinear = options
+            .nonlinear
+            .map(|supply| self.nonlinear(recording, fitted, supply))
+            .transpose()?;
         let mut outcome = Outcome {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
@@ -95,7 +97,7 @@ impl Course<'_> {
             remarks: origin.remarks.iter().cloned().chain(bad).collect(),
             nonlinear,
         };
-        outcome.choice = outcome.choose(wishes.model_of);
+        outcome.choice = outcome.choose(options.model_of);
         let remarks = doubts(&outcome);
         outcome.remarks.extend(remarks);
         Ok(outcome)

@@ -92,13 +92,13 @@ impl Fault {
         let mut parts = text.split(',').map(str::trim);
         // `split` gives at least one part.
         let kind = find_kind(parts.next().unwrap_or_default())?;
-        let mut words = Words::new(kind);
+        let mut values = KeyValues::new(kind);
         for part in parts {
             let form = || SpecError::Form { given: part.to_owned() };
             let (key, value) = part.split_once('=').ok_or_else(form)?;
-            words.add(key.trim(), value.trim())?;
+            values.add(key.trim(), value.trim())?;
         }
-        words.fault()
+        values.fault()
     }
 }
 
@@ -111,12 +111,12 @@ pub(super) fn find_kind(given: &str) -> Result<&'static Kind, SpecError> {
 }
 
 /// The keys and values that were given for a kind.
-pub(super) struct Words<'a> {
+pub(super) struct KeyValues<'a> {
     kind: &'static Kind,
     given: Vec<(&'static str, &'a str)>,
 }
 
-impl<'a> Words<'a> {
+impl<'a> KeyValues<'a> {
     pub fn new(kind: &'static Kind) -> Self {
         Self { kind, given: Vec::new() }
     }

@@ -1,7 +1,7 @@
 //! Faults in a table: `cylinder,sensor,kind,t0,magnitude,parameter,t1`, one line each.
 
 use super::MAX_FAULTS;
-use super::fault::{Fault, SpecError, Words, find_kind};
+use super::fault::{Fault, KeyValues, SpecError, find_kind};
 
 /// The longest table, bytes.
 pub const MAX_TEXT: usize = 1 << 20;
@@ -86,10 +86,10 @@ fn fault(row: &str) -> Result<Fault, Reason> {
     };
     let spec = |error| Reason::Spec { error };
     let kind = find_kind(kind).map_err(spec)?;
-    let mut words = Words::new(kind);
+    let mut values = KeyValues::new(kind);
     let given = [("cylinder", cylinder), ("sensor", sensor), ("at", t0), ("until", t1)];
     for (key, value) in given.into_iter().filter(|(_, value)| !value.is_empty()) {
-        words.add(key, value).map_err(spec)?;
+        values.add(key, value).map_err(spec)?;
     }
     // Their keys are codes of which 0 is one, and no magnitudes.
     let is_code = matches!(kind.name, "out_of_range" | "broken_wire");
@@ -98,7 +98,7 @@ fn fault(row: &str) -> Result<Fault, Reason> {
     {
         match kind.keys.get(place).filter(|_| !is_code) {
             _ if value.is_empty() => {}
-            Some(key) => words.add(key.name, value).map_err(spec)?,
+            Some(key) => values.add(key.name, value).map_err(spec)?,
             None if value.parse() == Ok(0.0) => {}
             None => {
                 let given = excerpt(value);
@@ -106,7 +106,7 @@ fn fault(row: &str) -> Result<Fault, Reason> {
             }
         }
     }
-    words.fault().map_err(spec)
+    values.fault().map_err(spec)
 }
 
 fn excerpt(text: &str) -> String {

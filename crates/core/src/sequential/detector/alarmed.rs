@@ -2,11 +2,11 @@
 
 use super::Sequential;
 use crate::sequential::alarm::{Alarm, Cause};
-use crate::sequential::kind::{self, Looks};
-use crate::sequential::novelty::News;
+use crate::sequential::kind::{self, Appearance};
 use crate::sequential::pair::Form;
 use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
+use crate::sequential::thinning::Independence;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
@@ -58,11 +58,11 @@ const FOLLOWED: f64 = 5e-3;
 
 impl Sequential {
     /// By what this sample and those before it are evidence of.
-    pub(super) fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
-        if self.alarm.is_none() && news != News::Repeated {
+    pub(super) fn judge(&mut self, at: Timestamp, sample: Sample, independence: Independence) {
+        if self.alarm.is_none() && independence != Independence::Repeated {
             self.clipping.take(sample.residual * sample.share);
         }
-        self.history.push(sample, self.clipping.clip(), news);
+        self.history.push(sample, self.clipping.clip(), independence);
         let widest = self.alarm.map_or(WIDTHS[WIDTHS.len() - 1], |alarm| alarm.watched());
         self.peaks = self.search.step(&self.scales, &self.history, widest);
         let [mean, variance] = self.peaks;
@@ -83,8 +83,8 @@ impl Sequential {
     /// By the statistic that is beyond the level.
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
         let back = self.history.cycles(peak.width);
-        let (fault, size, cycles) = match kind::looks(&self.history, back) {
-            Some(Looks::Noisy(size)) => (Fault::Noise, size, back),
+        let (fault, size, cycles) = match kind::appearance(&self.history, back) {
+            Some(Appearance::Noisy(size)) => (Fault::Noise, size, back),
             _ => {
                 let shape = kind::shape(&self.history, self.design.deviation);
                 (shape.fault, shape.size, shape.onset)
@@ -135,14 +135,15 @@ impl Sequential {
     /// What it is, and whose, by what has been read since.
     fn look(&self, alarm: &mut Alarm) {
         let age = alarm.age as usize;
-        match kind::looks(&self.history, age.min(LONGEST)) {
+        match kind::appearance(&self.history, age.min(LONGEST)) {
             // A mean of many samples that stands out is no noise, however small it is beside them.
-            Some(Looks::Noisy(_)) if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
+            Some(Appearance::Noisy(_))
+                if alarm.cause == Cause::Mean && alarm.peak.width > LOCATED => {}
             // What healthy residuals do, too: the fault is over, or has left nothing to tell.
-            Some(Looks::Noisy(size)) if size < NOTABLE * self.design.deviation => {}
-            Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
-            Some(Looks::Steady) => self.tell_shape(alarm),
-            Some(Looks::Neither) | None => {}
+            Some(Appearance::Noisy(size)) if size < NOTABLE * self.design.deviation => {}
+            Some(Appearance::Noisy(size)) => self.tell_noise(alarm, size),
+            Some(Appearance::Steady) => self.tell_shape(alarm),
+            Some(Appearance::Neither) | None => {}
         }
     }
 

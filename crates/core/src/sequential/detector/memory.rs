@@ -11,7 +11,7 @@ impl Sequential {
 
     /// Restores the dwells of a detector of the same cylinder, in which C2 is corrected by
     /// `corrected`, a and b of (5-20).
-    pub fn inherit(&mut self, dwells: DwellHistory, corrected: [f64; 2]) {
+    pub fn restore(&mut self, dwells: DwellHistory, corrected: [f64; 2]) {
         self.dwells = dwells;
         let [one, two] = self.design.resolution;
         self.dwells.gauge(Gauging { count: one.max(two), corrected: Some(corrected) });

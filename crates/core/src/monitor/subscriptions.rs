@@ -18,14 +18,14 @@ pub enum Target {
 
 /// A signal and its destination.
 #[derive(Clone, Debug)]
-pub struct Wire {
+pub struct SubscribedSignal {
     pub plan: SignalPlan,
     pub target: Target,
 }
 
 /// A message that the monitor uses.
 #[derive(Clone, Debug)]
-pub struct Line {
+pub struct Subscription {
     pub id: Id,
     /// Whether the message opens a cycle.
     pub sync: bool,
@@ -33,10 +33,10 @@ pub struct Line {
     pub reading: bool,
     /// Whether the message carries anything of a cylinder, and so belongs to a cycle.
     pub cyclic: bool,
-    pub wires: Vec<Wire>,
+    pub signals: Vec<SubscribedSignal>,
 }
 
-impl Wire {
+impl SubscribedSignal {
     /// Whether the destination belongs to a cycle.
     pub fn is_cyclic(&self) -> bool {
         self.target != Target::State
@@ -72,74 +72,77 @@ impl Target {
     }
 }
 
-impl Line {
-    /// The alive counter that counts what `wire` carries, if the frames that carry it have one.
-    pub fn counter_of(&self, wire: &Wire) -> Option<&Wire> {
-        let own = wire.target.transducer()?;
-        let counter =
-            self.wires.iter().find(|one| one.is_counter() && one.target.transducer() == Some(own));
-        counter.filter(|counter| counter.plan.accompanies(&self.anchor_of(wire).plan))
+impl Subscription {
+    /// The alive counter that counts what `signal` carries, if the frames that carry it have one.
+    pub fn counter_of(&self, signal: &SubscribedSignal) -> Option<&SubscribedSignal> {
+        let own = signal.target.transducer()?;
+        let counter = self
+            .signals
+            .iter()
+            .find(|one| one.is_counter() && one.target.transducer() == Some(own));
+        counter.filter(|counter| counter.plan.accompanies(&self.anchor_of(signal).plan))
     }
 
-    /// The signal whose frames are those in which `wire` matters. A signal in every frame of the
+    /// The signal whose frames are those in which `signal` matters. A signal in every frame of the
     /// message, or on several pages, belongs to the position of its transducer where that is in the
     /// same frame.
-    pub fn anchor_of<'a>(&'a self, wire: &'a Wire) -> &'a Wire {
-        let Some(own) = wire.target.transducer() else { return wire };
-        let is_position = |one: &&Wire| {
+    pub fn anchor_of<'a>(&'a self, signal: &'a SubscribedSignal) -> &'a SubscribedSignal {
+        let Some(own) = signal.target.transducer() else { return signal };
+        let is_position = |one: &&SubscribedSignal| {
             matches!(one.target, Target::Cylinder(_, Field::Position(_)))
                 && one.target.transducer() == Some(own)
-                && wire.plan.accompanies(&one.plan)
+                && signal.plan.accompanies(&one.plan)
         };
-        self.wires.iter().find(is_position).unwrap_or(wire)
+        self.signals.iter().find(is_position).unwrap_or(signal)
     }
 
     /// Whether the message carries the position of the transducer of `target`.
     pub fn has_position_of(&self, target: Target) -> bool {
-        let is_position =
-            |wire: &Wire| matches!(wire.target, Target::Cylinder(_, Field::Position(_)));
-        let same = |wire: &&Wire| wire.target.transducer() == target.transducer();
-        self.wires.iter().filter(same).any(is_position)
+        let is_position = |signal: &SubscribedSignal| {
+            matches!(signal.target, Target::Cylinder(_, Field::Position(_)))
+        };
+        let same = |signal: &&SubscribedSignal| signal.target.transducer() == target.transducer();
+        self.signals.iter().filter(same).any(is_position)
     }
 
     /// Number of frames of the message that make a cycle complete, one for each page.
     pub fn pages(&self) -> usize {
-        let mut anchors: Vec<&Wire> = Vec::new();
-        for wire in self.wires.iter().filter(|wire| wire.is_cyclic()) {
-            let anchor = self.anchor_of(wire);
+        let mut anchors: Vec<&SubscribedSignal> = Vec::new();
+        for signal in self.signals.iter().filter(|signal| signal.is_cyclic()) {
+            let anchor = self.anchor_of(signal);
             if anchors.iter().all(|known| !known.plan.is_on_page_of(&anchor.plan)) {
                 anchors.push(anchor);
             }
         }
         // What every frame carries needs no frame of its own.
-        let paged = anchors.iter().filter(|wire| wire.plan.is_multiplexed()).count();
+        let paged = anchors.iter().filter(|signal| signal.plan.is_multiplexed()).count();
         if paged > 0 { paged } else { anchors.len() }
     }
 }
 
-const NO_LINE: u16 = u16::MAX;
+const NONE: u16 = u16::MAX;
 
 /// All messages that the monitor uses; standard identifiers are found without a search.
 #[derive(Clone, Debug)]
-pub struct Wiring {
-    lines: Vec<Line>,
+pub struct Subscriptions {
+    all: Vec<Subscription>,
     standard: Box<[u16]>,
     extended: Vec<(Id, u16)>,
 }
 
-impl Wiring {
+impl Subscriptions {
     pub fn new() -> Self {
         let identifiers = Id::STANDARD_MAX as usize + 1;
-        Self { lines: Vec::new(), standard: vec![NO_LINE; identifiers].into(), extended: vec![] }
+        Self { all: Vec::new(), standard: vec![NONE; identifiers].into(), extended: vec![] }
     }
 
     /// Index of the message `id`, which is added if it is new.
-    pub fn line(&mut self, id: Id) -> &mut Line {
+    pub fn subscribe(&mut self, id: Id) -> &mut Subscription {
         let place = self.find(id).unwrap_or_else(|| self.add(id));
-        &mut self.lines[place]
+        &mut self.all[place]
     }
 
-    /// Index of the message `id` among [`Self::lines`].
+    /// Index of the message `id` among [`Self::all`].
     #[inline]
     pub fn find(&self, id: Id) -> Option<usize> {
         let place = if id.is_extended() {
@@ -148,15 +151,15 @@ impl Wiring {
         } else {
             self.standard[id.value() as usize]
         };
-        (place != NO_LINE).then_some(usize::from(place))
+        (place != NONE).then_some(usize::from(place))
     }
 
-    pub fn lines(&self) -> &[Line] {
-        &self.lines
+    pub fn all(&self) -> &[Subscription] {
+        &self.all
     }
 
     fn add(&mut self, id: Id) -> usize {
-        let place = self.lines.len();
+        let place = self.all.len();
         // A configuration names at most some dozen messages, far fewer than a u16 counts.
         let short = place as u16;
         if id.is_extended() {
@@ -165,12 +168,18 @@ impl Wiring {
         } else {
             self.standard[id.value() as usize] = short;
         }
-        self.lines.push(Line { id, sync: false, reading: false, cyclic: false, wires: Vec::new() });
+        self.all.push(Subscription {
+            id,
+            sync: false,
+            reading: false,
+            cyclic: false,
+            signals: Vec::new(),
+        });
         place
     }
 }
 
-impl Default for Wiring {
+impl Default for Subscriptions {
     fn default() -> Self {
         Self::new()
     }

@@ -5,7 +5,7 @@ use super::samples::Sample;
 
 /// Weight of a sample as evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum News {
+pub enum Independence {
     /// None: it repeats the previous sample.
     Repeated,
     /// Reduced: the rod stands or nearly so, and one sample largely repeats the previous one.
@@ -29,7 +29,7 @@ const ALIKE: f64 = 0.5;
 /// hardly ever do. Rounding does not explain a difference as large as a wild sample's, so each such
 /// sample counts.
 #[derive(Clone, Debug)]
-pub struct Novelty {
+pub struct Thinning {
     motion: Motion,
     /// Difference below which residuals are the same, m.
     alike: f64,
@@ -40,7 +40,7 @@ pub struct Novelty {
     moved: Option<[f64; 2]>,
 }
 
-impl Novelty {
+impl Thinning {
     /// A filter for samples every `sample_time` seconds, of healthy residuals of this `deviation`,
     /// m; rounding alone does not bring a weighted residual beyond `farthest`, m.
     pub fn new(sample_time: f64, deviation: f64, farthest: f64) -> Self {
@@ -60,11 +60,11 @@ impl Novelty {
 
     /// Takes the readings of a cycle, m, and their difference.
     #[inline(always)]
-    pub fn step(&mut self, lengths: [f64; 2], sample: Sample) -> News {
+    pub fn step(&mut self, lengths: [f64; 2], sample: Sample) -> Independence {
         match (self.motion.step(lengths), self.repeats(lengths, sample)) {
-            (_, true) => News::Repeated,
-            (true, false) => News::InMotion,
-            (false, false) => News::AtRest,
+            (_, true) => Independence::Repeated,
+            (true, false) => Independence::InMotion,
+            (false, false) => Independence::AtRest,
         }
     }
 
@@ -86,13 +86,13 @@ mod tests {
     const COUNT: f64 = 4e-4;
 
     /// Weights of the samples of a rod whose readings C1 and C2 are given in counts.
-    fn news(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<News> {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+    fn independence(counts: impl IntoIterator<Item = [i32; 2]>) -> Vec<Independence> {
+        let mut thinning = Thinning::new(0.02, 2e-4, 1e-3);
         let read = |counts: [i32; 2]| counts.map(|count| COUNT * f64::from(count));
         counts
             .into_iter()
             .map(read)
-            .map(|read| novelty.step(read, Sample::at_rest(read[0] - read[1])))
+            .map(|read| thinning.step(read, Sample::at_rest(read[0] - read[1])))
             .collect()
     }
 
@@ -100,51 +100,71 @@ mod tests {
     fn the_same_counts_again_and_again_are_news_once() {
         // Two counts a cycle, C1 rounded up; then a cycle in which C2 is, too.
         let counts = (0..20).map(|k| [2 * k + 1, 2 * k]).chain((20..30).map(|k| [2 * k + 1; 2]));
-        let news = news(counts);
-        assert_eq!(news[..2], [News::AtRest; 2], "there is nothing to compare with");
-        assert_eq!(news[2..20], [News::Repeated; 18]);
-        assert_eq!(news[20..22], [News::InMotion; 2], "C2 went three counts, and then two again");
-        assert_eq!(news[22..], [News::Repeated; 8]);
+        let independence = independence(counts);
+        assert_eq!(
+            independence[..2],
+            [Independence::AtRest; 2],
+            "there is nothing to compare with"
+        );
+        assert_eq!(independence[2..20], [Independence::Repeated; 18]);
+        assert_eq!(
+            independence[20..22],
+            [Independence::InMotion; 2],
+            "C2 went three counts, and then two again"
+        );
+        assert_eq!(independence[22..], [Independence::Repeated; 8]);
     }
 
     #[test]
     fn readings_that_part_steadily_are_news() {
         // C1 is frozen: each cycle it is two counts more off.
-        assert!(news((0..30).map(|k| [0, 2 * k]))[11..].iter().all(|it| *it == News::InMotion));
+        assert!(
+            independence((0..30).map(|k| [0, 2 * k]))[11..]
+                .iter()
+                .all(|it| *it == Independence::InMotion)
+        );
     }
 
     #[test]
     fn what_no_rounding_explains_is_news_each_time() {
-        assert!(news((0..30).map(|k| [2 * k + 3, 2 * k])).iter().all(|it| *it != News::Repeated));
+        assert!(
+            independence((0..30).map(|k| [2 * k + 3, 2 * k]))
+                .iter()
+                .all(|it| *it != Independence::Repeated)
+        );
     }
 
     #[test]
     fn a_rod_that_stands_says_it_once() {
-        let news = news((0..40).map(|k| [i32::from(k > 20), 0]));
-        assert_eq!(news[2..21], [News::Repeated; 19]);
-        assert_eq!(news[21..23], [News::AtRest; 2]);
-        assert_eq!(news[23..], [News::Repeated; 17]);
+        let independence = independence((0..40).map(|k| [i32::from(k > 20), 0]));
+        assert_eq!(independence[2..21], [Independence::Repeated; 19]);
+        assert_eq!(independence[21..23], [Independence::AtRest; 2]);
+        assert_eq!(independence[23..], [Independence::Repeated; 17]);
     }
 
     /// Readings as a PLC sends them that has converted counts to metres.
     #[test]
     fn readings_in_floats_repeat_as_those_in_counts_do() {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
+        let mut thinning = Thinning::new(0.02, 2e-4, 1e-3);
         let float = |counts: i32| f64::from((COUNT * f64::from(counts)) as f32);
         let read = |k: i32| [float(2500 + 2 * k), float(2501 + 2 * k)];
-        let news = (0..30).map(|k| novelty.step(read(k), Sample::at_rest(read(k)[0] - read(k)[1])));
-        assert_eq!(news.filter(|news| *news == News::Repeated).count(), 28);
+        let independence =
+            (0..30).map(|k| thinning.step(read(k), Sample::at_rest(read(k)[0] - read(k)[1])));
+        assert_eq!(
+            independence.filter(|independence| *independence == Independence::Repeated).count(),
+            28
+        );
     }
 
     #[test]
     fn nothing_outlasts_a_reset() {
-        let mut novelty = Novelty::new(0.02, 2e-4, 1e-3);
-        (0..20).for_each(|_| _ = novelty.step([0.0; 2], Sample::at_rest(0.0)));
-        novelty.reset();
+        let mut thinning = Thinning::new(0.02, 2e-4, 1e-3);
+        (0..20).for_each(|_| _ = thinning.step([0.0; 2], Sample::at_rest(0.0)));
+        thinning.reset();
         assert_eq!(
-            [(); 3].map(|()| novelty.step([0.0; 2], Sample::at_rest(0.0)))[..2],
-            [News::AtRest; 2]
+            [(); 3].map(|()| thinning.step([0.0; 2], Sample::at_rest(0.0)))[..2],
+            [Independence::AtRest; 2]
         );
-        assert_eq!(novelty.step([0.0; 2], Sample::at_rest(0.0)), News::Repeated);
+        assert_eq!(thinning.step([0.0; 2], Sample::at_rest(0.0)), Independence::Repeated);
     }
 }
