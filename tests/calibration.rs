@@ -156,7 +156,10 @@ fn units_and_signals_that_are_wrong_are_named() {
 fn what_is_missing_is_named() {
     let told = |rows: &[Row]| gather(rows, 1).judge(0).expect_err("it is refused").to_string();
     assert!(told(&[]).contains("no frame of it"));
-    assert!(told(&rows(&points(400))).contains("400 cycles have both readings, of 500 at least"));
+    assert!(
+        told(&rows(&points(400)))
+            .contains("400 cycles have both readings, and at least 500 are needed")
+    );
     let mut without = rows(&points(5000));
     without.iter_mut().for_each(|row| row.c2 = None);
     assert!(told(&without).contains("C2 is missing in 5000 of 5000 cycles"));

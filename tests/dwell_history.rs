@@ -192,7 +192,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
     run(&config, &log, &[]);
     let whole = scratch.read("kept.dwells");
     for (n, (damaged, told)) in [
-        (whole[..whole.len() / 2].to_owned(), "it was changed or cut"),
+        (whole[..whole.len() / 2].to_owned(), "it was changed or truncated"),
         (whole.replacen("dwells 2", "dwells 3", 1), "a newer one wrote it"),
     ]
     .into_iter()
@@ -203,7 +203,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
         assert_eq!(scratch.read("kept.dwells"), damaged);
         let run = run(&config, &log, &[]);
         let aside = format!("kept.dwells.aside-{}", n + 1);
-        for word in [&file, told, &aside, "starts anew"] {
+        for word in [&file, told, &aside, "The history restarts"] {
             assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
         }
         assert_eq!(scratch.read(&aside), damaged);
@@ -230,7 +230,7 @@ fn the_reports_show_where_it_is_going() {
     let run = tertius(&["replay", &log, "--config", &config, "--report", &page], b"").ok();
     let page = scratch.read("page.html");
     for text in [&run.stdout, &page] {
-        assert!(text.contains("On the stops a drift is seen: C1 of cylinder 3."), "{text}");
+        assert!(text.contains("The stops show a drift: C1 of cylinder 3."), "{text}");
         assert_eq!(text.matches("no drift seen").count() % 11, 0, "of eleven transducers");
         assert!(text.contains("11.0 days") && text.contains("until 5 mm"), "{text}");
         assert!(text.contains("+1.9"), "{text}");
@@ -239,7 +239,10 @@ fn the_reports_show_where_it_is_going() {
     // Of two dwells nothing is claimed.
     let (_, log) = stage(&scratch, 0..2);
     let few = tertius(&["replay", &log, "--config", &config], b"").ok();
-    assert!(few.stdout.contains("too little was read") && few.stdout.contains("too few dwells"));
+    assert!(
+        few.stdout.contains("Too few readings on the stops")
+            && few.stdout.contains("too few dwells")
+    );
     let summary = replay(&[&log], &config, &[]).ok().summary();
     assert!(summary.get("trends").is_none(), "{summary}");
 }
@@ -259,7 +262,7 @@ fn a_history_that_would_harm_a_file_or_have_nothing_in_it_is_refused() {
     assert!(text.contains(&format!("end stops   read when safe or settled; {kept}")), "{text}");
     let text = scratch.read("machine.toml").replace("kept.dwells", "machine.toml");
     let config = scratch.write("machine.toml", text);
-    tertius(&["check", &config], b"").failed(2, &["`sequential.history` would be written over"]);
+    tertius(&["check", &config], b"").failed(2, &["`sequential.history` would overwrite"]);
 }
 
 fn keeper() -> Keeper {

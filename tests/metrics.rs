@@ -179,7 +179,7 @@ fn health_claims_nothing_without_evidence() {
     let closed = expect(&bench, 503, "down", "not open");
     assert_eq!((&closed["bus"], &closed["seconds_since_turn"]), (&"closed".into(), &().into()));
     bench.witness.recorder.opened();
-    expect(&bench, 503, "down", "has not begun");
+    expect(&bench, 503, "down", "has not started");
     bench.turn().expect("the bus is up");
     expect(&bench, 200, "unknown", "no frame of the machine yet");
     bench.run(&cycles(0..20), DELAY);
@@ -201,7 +201,7 @@ fn health_claims_nothing_without_evidence() {
     bench.hands.pass(Span::from_seconds(1.0));
     expect(&bench, 200, "ok", "");
     bench.hands.pass(Span::from_nanos(1));
-    let dead = expect(&bench, 503, "down", "stands still for 1.0 s");
+    let dead = expect(&bench, 503, "down", "has not turned for 1.0 s");
     assert_eq!(dead["mode"], serde_json::Value::Null);
 }
 

@@ -130,7 +130,7 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     let (log, config) = (plain(&log), plain(&config));
     let real = top().join("tests/recordings/e-type.toml");
     for (arguments, expected) in [
-        (&["--config", config] as &[&str], "where nobody speaks"),
+        (&["--config", config] as &[&str], "on which nothing else sends"),
         (&["--config", plain(&real), "--play", log], "bus.interface is \"can0\""),
         (&["--config", config, "--play", "no.log"], "cannot open the recording no.log"),
         (&["--config", config, "--play", log, "--speed", "0"], "or max"),

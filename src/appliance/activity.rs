@@ -45,7 +45,7 @@ impl Activity {
         self.jam.look(&counts);
         let outbox = gateway.outbox().counts();
         if let Some(frames) = self.too_old.by(outbox.too_old) {
-            warn!(frames, "frames were too old to send: the interface takes none, or too few");
+            warn!(frames, "frames were too old to send: the interface accepts none, or too few");
         }
         if let Some(frames) = self.crowded_out.by(outbox.crowded_out) {
             warn!(frames, "warnings gave way to newer ones: more than the bus share allows");
@@ -55,12 +55,12 @@ impl Activity {
     fn look_for_frames(&mut self, used: u64) {
         if used != self.used {
             if self.quiet {
-                info!("the machine speaks again after {:.1} s", self.since.elapsed().as_secs_f64());
+                info!("the machine sends again after {:.1} s", self.since.elapsed().as_secs_f64());
             }
             (self.used, self.since, self.quiet) = (used, Instant::now(), false);
         } else if !self.quiet && self.since.elapsed() >= QUIET {
             self.quiet = true;
-            warn!("no frame of the machine for a second: nothing is known of it");
+            warn!("no frame of the machine for a second: its state is unknown");
         }
     }
 }
@@ -79,7 +79,7 @@ impl Jam {
         if counts.sent != self.sent {
             if let (true, Some(since)) = (self.told, self.since) {
                 let seconds = since.elapsed().as_secs_f64();
-                info!("the interface takes frames again after {seconds:.1} s");
+                info!("the interface accepts frames again after {seconds:.1} s");
             }
             (self.since, self.told) = (None, false);
         } else if counts.refused > self.refused {
@@ -87,8 +87,8 @@ impl Jam {
             if !self.told && since.elapsed() >= QUIET {
                 self.told = true;
                 warn!(
-                    "the interface has taken no frame for a second: nobody acknowledges, or the \
-                     bus is full; what waits is dropped when it is too old"
+                    "the interface has accepted no frame for a second: nobody acknowledges, or the \
+                     bus is full; waiting frames are dropped when they are too old"
                 );
             }
         }

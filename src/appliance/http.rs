@@ -42,8 +42,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 const STACK_SIZE: usize = 512 * 1024;
 
 const OVERVIEW: &str = "tertius, the gateway's own state\n\
-                        /health   whether it does its work and what it knows, as JSON\n\
-                        /metrics  all that it counts, for Prometheus\n";
+                        /health   whether it works and what it knows, as JSON\n\
+                        /metrics  all of its counts, for Prometheus\n";
 
 /// A running server; it ends when this is dropped.
 #[derive(Debug)]

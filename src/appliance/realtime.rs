@@ -36,13 +36,13 @@ pub fn apply(wanted: Realtime) {
     if wanted.lock_memory {
         match lock_memory() {
             Ok(()) => info!("memory is locked"),
-            Err(refused) => warn!("{refused}; going on without"),
+            Err(refused) => warn!("{refused}; continuing without it"),
         }
     }
     if wanted.priority > 0 {
         match set_priority(wanted.priority) {
             Ok(()) => info!(priority = wanted.priority, "the data path runs in real time"),
-            Err(refused) => warn!("{refused}; going on without"),
+            Err(refused) => warn!("{refused}; continuing without it"),
         }
     }
 }

@@ -23,7 +23,7 @@ impl Site {
         }
         let Some(wanted) = listen else {
             *self = Self::default();
-            info!("no telemetry over HTTP any more");
+            info!("telemetry over HTTP is now off");
             return;
         };
         match Server::start(wanted, recorder) {
@@ -32,9 +32,9 @@ impl Site {
                 info!("telemetry: http://{address}/health and http://{address}/metrics");
                 if !address.ip().is_loopback() {
                     warn!(
-                        "{address} can be reached from other machines, and whoever reaches it may \
-                         read everything there; a loopback address keeps it on this one. Under systemd \
-                         IPAddressAllow= of the unit decides, too"
+                        "{address} can be reached from other machines, where everything can be \
+                         read; a loopback address restricts it to this one. Under systemd \
+                        IPAddressAllow= of the unit also applies"
                     );
                 }
                 *self = Self { listen, server: Some(server) };
@@ -57,7 +57,8 @@ impl Site {
 fn help(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::AddrInUse => {
-            "something listens there already. Several gateways on one box need a port each: change \
+            "something else listens there. Several gateways on one computer need a port each: \
+             change \
              `http.listen`, then reload"
         }
         ErrorKind::AddrNotAvailable => {

@@ -162,14 +162,14 @@ impl Journal for Appliance {
                 info!(seconds = length.as_seconds(), "cycles again after none");
             }
             Notice::TimeJump { by, .. } => {
-                warn!(seconds = by.as_seconds(), "time stamps jumped, everything starts anew");
+                warn!(seconds = by.as_seconds(), "time stamps jumped, everything restarts");
             }
             Notice::Interruption { .. } => {
-                warn!("the bus was lost, everything starts anew");
+                warn!("the bus was lost, everything restarts");
             }
             Notice::Restart { cylinder, detector, reason, .. } => {
                 let (detector, reason) = (detector.name(), restart_name(reason));
-                info!(cylinder, detector, reason, "observer starts anew");
+                info!(cylinder, detector, reason, "observer restarts");
             }
             Notice::Timing { apart: Some(Apart { mean, spread, .. }), .. } => {
                 warn!(skew = mean, jitter = spread, "C1 and C2 are not sampled together");
@@ -185,7 +185,8 @@ impl Journal for Appliance {
         let [transmit_errors, receive_errors] = health.counters.unwrap_or_default();
         match health.state {
             Some(ControllerState::BusOff) => warn!(
-                "the controller is bus-off: it hears and says nothing until it is restarted, by \
+                "the controller is bus-off: it receives and sends nothing until it is restarted, \
+                 by \
                  itself if restart-ms is set, else by `ip link set INTERFACE type can restart`"
             ),
             Some(ControllerState::Warning | ControllerState::Passive) => {
@@ -257,7 +258,7 @@ impl Surroundings for Appliance {
         match (self.prepare)() {
             Ok(Prepared { mut gateway, opener, interface, listen, realtime: _, kept }) => {
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
-                info!("the configuration was read again; everything is judged anew");
+                info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);
                 self.watch(interface.as_deref());
@@ -265,7 +266,7 @@ impl Surroundings for Appliance {
             }
             Err(failure) => {
                 self.recorder.refused();
-                warn!("the new configuration is refused, the old one goes on: {failure}");
+                warn!("the new configuration is refused, the old one stays in force: {failure}");
                 None
             }
         }

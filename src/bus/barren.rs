@@ -114,12 +114,12 @@ fn is_asc(head: &[u8]) -> bool {
 
 impl fmt::Display for Seems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let converted = "can_logconvert (of python-can) makes a candump log of it";
+        let converted = "can_logconvert (of python-can) converts it to a candump log";
         match self {
             Self::Empty => f.write_str("it is empty"),
-            Self::Asc => write!(f, "it seems to be a log of Vector's, in ASC; {converted}"),
-            Self::Blf => write!(f, "it seems to be a log of Vector's, in BLF; {converted}"),
-            Self::Trc => write!(f, "it seems to be a trace of PEAK's, in TRC; {converted}"),
+            Self::Asc => write!(f, "it seems to be a Vector log in ASC; {converted}"),
+            Self::Blf => write!(f, "it seems to be a Vector log in BLF; {converted}"),
+            Self::Trc => write!(f, "it seems to be a PEAK trace in TRC; {converted}"),
             Self::Mdf => write!(f, "it seems to be measurement data in MDF; {converted}"),
             Self::Pcap | Self::Pcapng => {
                 let name = if *self == Self::Pcap { "pcap" } else { "pcapng" };
@@ -135,8 +135,8 @@ impl fmt::Display for Seems {
             Self::Utf16 => f.write_str(
                 "it seems to be text in UTF-16; convert it with iconv -f utf-16 -t ascii",
             ),
-            Self::Text => f.write_str("it is text, but no recording of candump"),
-            Self::Binary => f.write_str("it is neither text nor a format that is known here"),
+            Self::Text => f.write_str("it is text, but not a candump recording"),
+            Self::Binary => f.write_str("it is neither text nor a known format"),
         }
     }
 }

@@ -155,7 +155,7 @@ impl Input {
             return format!("reading failed: {error}; the rest is lost");
         };
         if error.kind() == io::ErrorKind::UnexpectedEof {
-            format!("the {kind} data are cut off ({error}); what comes after is lost")
+            format!("the {kind} data are truncated ({error}); what comes after is lost")
         } else {
             format!("the {kind} data are corrupt ({error}); the rest is lost")
         }

@@ -48,8 +48,8 @@ pub enum SourceError {
         advice: String,
     },
     #[error(
-        "{place}: the recording has several interfaces, {found} up to here, and the configuration \
-         ({configured}) does not say which is meant; choose one with --interface"
+        "{place}: the recording has several interfaces, {found} up to here, and it is not clear \
+         from the configuration ({configured}) which is meant; choose one with --interface"
     )]
     Interfaces {
         /// File and line up to which was read.

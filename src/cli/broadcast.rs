@@ -5,6 +5,7 @@ use super::player::Pace;
 use crate::bus::socket::{Options, SocketPort, is_virtual};
 use crate::bus::{Identifiers, Port, PortError, Sent, Unrestricted, UnrestrictedPort};
 use crate::frame::Frame;
+use crate::report::{counted, times};
 use crate::time::Timestamp;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Arc;
@@ -57,9 +58,9 @@ impl Broadcast<Unrestricted<SocketPort>> {
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         if !real_bus && !is_virtual(name).map_err(|error| Failure::Failed(error.to_string()))? {
             return Err(Failure::Wrong(format!(
-                "{name} is no virtual interface (vcan or vxcan): a simulated machine would send \
-                 readings of transducers onto its bus, which a real machine there would take for \
-                 its own; on a test bench give --real-bus"
+                "{name} is not a virtual interface (vcan or vxcan): a simulated machine would send \
+                 transducer readings onto its bus, which a real machine there would take for its \
+                own; on a test bench give --real-bus"
             )));
         }
         let stop = Arc::new(AtomicBool::new(false));
@@ -88,7 +89,7 @@ impl<P: UnrestrictedPort> Broadcast<P> {
     /// Reports the counts of the frames that are not zero.
     pub fn report(&self) {
         let Counts { sent, late, anew, worst } = self.counts;
-        tell!("{sent} frames sent on {}", self.name);
+        tell!("{} sent on {}", counted(sent, "frame"), self.name);
         if late > 0 {
             tell!(
                 "  {late} more than {} ms late, at the worst {:.1} ms",
@@ -98,7 +99,8 @@ impl<P: UnrestrictedPort> Broadcast<P> {
         }
         if anew > 0 {
             tell!(
-                "  {anew} times more than {} ms behind; it went on from there",
+                "  {} more than {} ms behind; it continued from there",
+                times(anew),
                 BEHIND.as_millis()
             );
         }
@@ -139,7 +141,7 @@ impl<P: UnrestrictedPort> Broadcast<P> {
                 Ok(Sent::Full) if started.elapsed() < JAMMED => std::thread::sleep(RETRY),
                 Ok(Sent::Full) => {
                     return Err(Failure::Failed(format!(
-                        "{} takes no more frames: nobody on its bus acknowledges them; connect \
+                        "{} accepts no more frames: nobody on its bus acknowledges them; connect \
                          another node",
                         self.name
                     )));

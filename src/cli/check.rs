@@ -38,7 +38,7 @@ fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let lines = machine.design.subscriptions.all();
     let mut text = format!(
-        "{}: sound\n{}: {} messages, of which {} are listened to\n\n",
+        "{}: sound\n{}: {} messages, of which {} are used\n\n",
         machine.loaded.document.name(),
         machine.loaded.dbc_path.display(),
         machine.database.messages().len(),
@@ -106,7 +106,8 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
             if !signal.plan.is_float() && (lowest..=highest).contains(&length) {
                 doubts.push(format!(
                     "plausibility.broken_wire_codes: {code} is {length:.4} m of {name}, within its \
-                     range of {lowest} to {highest} m: a healthy reading there is called a broken wire"
+                     range of {lowest} to {highest} m: a healthy reading there would be taken for \
+                     a broken wire"
                 ));
             }
         }
@@ -130,7 +131,7 @@ fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
     (most > critical).then(|| {
         format!(
             "comparator.critical: C1 - C2 of a healthy cylinder {n} is {most:.4} m at {at} m, by a \
-             and b of (5-20), and beyond {critical} m: there it is always critical"
+             and b of (5-20), which exceeds {critical} m: there it is always critical"
         )
     })
 }

@@ -22,10 +22,10 @@ use std::path::{Path, PathBuf};
 /// configuration.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  tertius commission monday.log.zst tuesday.log.zst --config \
-                  config/e-type.toml --report commissioning.html\n\nThe configuration changes in its \
-                  place: comments and order stay, and the file as it was is kept beside it. What is not \
-                  fit for use is not written; then the exit code is 1, and the reasons are told.\n\n\
-                  Another day adds up with the days before where each says so:\n  tertius commission \
+                  config/e-type.toml --report commissioning.html\n\nThe configuration is changed \
+                  in place: comments and order stay, and a copy of the previous file is kept beside it. A \
+                  result that is not fit for use is not written; the exit code is then 1, and the reasons \
+                  are given.\n\nRecordings of several days add up if each call says so:\n  tertius commission \
                   wednesday.log.zst --config config/e-type.toml --update")]
 pub struct Commission {
     #[command(flatten)]
@@ -66,7 +66,7 @@ impl Commission {
         let surveyed = self.field.open()?;
         surveyed.damage().map_err(|damage| {
             Failure::Failed(format!(
-                "{damage}; nothing is learnt from what cannot be read as a whole"
+                "{damage}; nothing is learnt from a recording that cannot be read completely"
             ))
         })?;
         let [output, report] = self.claim(&surveyed)?;

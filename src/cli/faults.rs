@@ -3,6 +3,7 @@
 use super::Failure;
 use super::machine::Machine;
 use crate::inject::{Fault, MAX_FAULTS, Placed, Tally, place, table};
+use crate::report::counted;
 use clap::Args;
 use std::fs::File;
 use std::io::Read;
@@ -93,9 +94,10 @@ fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
 
 fn outcome(tally: Tally) -> String {
     if tally.frames == 0 && tally.absent == 0 {
-        return "nothing: none of its frames came in its time".to_owned();
+        return "nothing: none of its frames came during the fault".to_owned();
     }
-    let mut text = format!("{} of {} frames changed or lost", tally.altered, tally.frames);
+    let mut text =
+        format!("{} of {} changed or lost", tally.altered, counted(tally.frames, "frame"));
     if tally.clamped > 0 {
         text += &format!(", {} clamped to what the signal can hold", tally.clamped);
     }

@@ -21,7 +21,7 @@ impl History {
     /// of this machine.
     pub fn read(path: &Path, machine: &Machine) -> Result<Self, Failure> {
         if let Some(lack) = lack(machine) {
-            return Err(Failure::Wrong(format!("--history is of no use here: {lack}")));
+            return Err(Failure::Wrong(format!("--history cannot be used here: {lack}")));
         }
         let about = &machine.loaded.settings.machine;
         let file = HistoryFile::new(path.to_owned());
@@ -53,7 +53,10 @@ impl History {
 /// What the configuration lacks for reading on the stops.
 pub fn lack(machine: &Machine) -> Option<&'static str> {
     if machine.loaded.settings.sequential.stop_states.is_none() {
-        return Some("no `sequential.stop_states` say when the rods stand on their stops");
+        return Some(
+            "`sequential.stop_states`, which tell when the rods stand on their stops, are \
+            missing",
+        );
     }
     let calibrated = machine.design.cylinders.iter().any(|it| it.sequential.is_some());
     (!calibrated).then_some("no cylinder has the tables of `tertius calibrate` (`sequential`)")

@@ -11,6 +11,7 @@ use crate::bus::{
 };
 use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
+use crate::report::counted;
 use clap::Args;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -224,9 +225,14 @@ impl Newest {
 
 /// Reports the numbers of frames, on standard error, since the recording may be on standard output.
 fn report(read: u64, written: u64, statistics: &Statistics) {
-    tell!("{read} frames read, {written} written");
+    tell!("{} read, {written} written", counted(read, "frame"));
     if statistics.bad_lines > 0 {
-        tell!("{} lines were no frames and are left out", statistics.bad_lines);
+        let were = if statistics.bad_lines == 1 {
+            "was not a frame and is"
+        } else {
+            "were not frames and are"
+        };
+        tell!("{} {were} left out", counted(statistics.bad_lines, "line"));
         statistics.first_bad_lines.iter().for_each(|line| tell!("  {line}"));
     }
 }

@@ -43,7 +43,7 @@ impl LearntFile {
         let interrupted = read(&self.new_path()).ok().flatten().and_then(Result::ok);
         if let Some(learnt) = interrupted.filter(|learnt| agrees(learnt).is_ok()) {
             tell!(
-                "the last run was interrupted after {} had its tables; what it kept is taken up",
+                "the last run was interrupted after {} had its tables; its data are used",
                 self.0.with_extension("toml").display()
             );
             return Ok(Some(learnt));
@@ -54,8 +54,8 @@ impl LearntFile {
             Some(Ok(learnt)) => agrees(&learnt).map(|()| None).map_err(|broken| {
                 Failure::Wrong(format!(
                     "{} does not belong to this configuration: {broken}. What was learnt under other \
-                     tables is not mixed with these. Take the configuration as it was (the last one is \
-                     kept beside it), or begin anew with this recording (--update --fresh)",
+                     tables is not mixed with these. Restore the previous configuration (a copy is \
+                     kept beside it), or start again with this recording (--update --fresh)",
                     self.0.display()
                 ))
             }),
@@ -93,8 +93,8 @@ impl LearntFile {
     fn wrong(&self, refusal: &Refusal) -> Failure {
         let path = self.0.display();
         Failure::Wrong(format!(
-            "{path}: {refusal}. Nothing was changed; move it away, or, where it was damaged, begin anew \
-             with this recording (--update --fresh)"
+            "{path}: {refusal}. Nothing was changed; move it away, or, if it was damaged, start \
+             again with this recording (--update --fresh)"
         ))
     }
 }

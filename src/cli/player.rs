@@ -165,7 +165,7 @@ impl Player<Recording> {
         }
         let statistics = self.source.statistics();
         if let Some(line) = statistics.first_bad_lines.first() {
-            warn!(lines = statistics.bad_lines, "lines were no frames and are left out: {line}");
+            warn!(lines = statistics.bad_lines, "lines were not frames and are left out: {line}");
         }
         if let Some(failure) = self.failure.take() {
             return Err(failure);

@@ -5,6 +5,7 @@ use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Port, Unrestricted};
 use crate::inject::Injector;
 use crate::live::proxy::{self, Bench, Lane, LaneCounts, Limits, Open, Proxy, Side};
+use crate::report::counted;
 use crate::time::Span;
 use nix::net::if_::if_nametoindex;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
@@ -120,8 +121,8 @@ impl Interface {
         let name = &self.name;
         if error.kind() == io::ErrorKind::AddrInUse {
             return format!(
-                "another `tertius inject` has the interface {name}: two on one interface would pass \
-                 each other's frames round and round; end it, or give all faults to one"
+                "another `tertius inject` uses the interface {name}: two on one interface would \
+                 forward each other's frames endlessly; end it, or give all faults to one"
             );
         }
         format!("the interface {name} cannot be claimed for this proxy: {error}")
@@ -191,13 +192,14 @@ impl Bench<Socket> for Host<'_> {
 /// Reports the counts of the frames from `from` to `to` that are not zero.
 fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
     let LaneCounts { received, sent, changed, .. } = *lane.counts();
-    tell!("{from} to {to}: {received} frames received, {sent} sent, {changed} changed");
+    let frames = counted(received, "frame");
+    tell!("{from} to {to}: {frames} received, {sent} sent, {changed} changed");
     let counts = lane.counts();
     let waiting = lane.waiting() as u64;
     let refused = lane.rejection().unwrap_or_default();
     for (count, fate) in [
         (counts.lost, "lost to a fault".to_owned()),
-        (counts.too_old, "dropped as too old: more than --max-age on their way".to_owned()),
+        (counts.too_old, "dropped as too old: longer than --max-age on their way".to_owned()),
         (counts.crowded_out, format!("dropped as too many waited for {to}")),
         (counts.away, "dropped while an interface was away".to_owned()),
         (counts.rejected, format!("refused by {to}: {refused}")),

@@ -247,7 +247,7 @@ fn judgement(
 fn broken_off(output: Output) -> Result<(), Failure> {
     output.close().map_err(|failure| match failure {
         Failure::Failed(message) => Failure::Failed(format!(
-            "{message}; the replay was broken off there, and neither page nor summary is written"
+            "{message}; the replay stopped there, and neither page nor summary is written"
         )),
         other => other,
     })

@@ -126,7 +126,8 @@ impl Opener for Interface {
         // Error frames tell of what befalls the controller from now on, not of what has before.
         match LinkState::read(&self.name).ok().and_then(|link| link.state) {
             Some(ControllerState::BusOff) => Err(format!(
-                "the controller of {} is bus-off: it hears and says nothing until it is restarted",
+                "the controller of {} is bus-off: it receives and sends nothing until it is \
+                 restarted",
                 self.name
             )),
             _ => Ok(Box::new(port)),

@@ -114,7 +114,10 @@ impl Extent {
             return Ok(None);
         }
         let first = self.timeline.first();
-        let told = format!("{before} of {frames} frames are from before the first one, at {first}");
+        let told = format!(
+            "{before} of {frames} frames are earlier than the first one, at \
+            {first}"
+        );
         if before as f64 <= LARGEST_LOSS * frames as f64 {
             return Ok(Some(format!("{told}, and are left out")));
         }
@@ -132,8 +135,8 @@ impl Field {
     pub fn open(&self) -> Result<Surveyed, Failure> {
         if self.logs.iter().any(|log| log.as_os_str() == "-") {
             return Err(Failure::Wrong(
-                "-: the recording is read more than once, which standard input cannot be; name a \
-                 file"
+                "-: the recording is read more than once, which is impossible with standard input; \
+                 name a file"
                     .to_owned(),
             ));
         }
@@ -231,7 +234,7 @@ impl Surveyed {
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
         let bad = bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string));
         let reordered = self.reordered.then(|| {
-            "the recordings are read in the order of their time stamps, not as they are named"
+            "the recordings are read in the order of their time stamps, not in the order given"
                 .to_owned()
         });
         reordered.into_iter().chain(self.backwards.clone()).chain(bad).collect()
@@ -309,7 +312,7 @@ impl FromStr for Place {
     /// Parses `120`, `120s` or `25%`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected =
-            || format!("{text:?} is no time: expected seconds, like 120, or a part, like 25%");
+            || format!("{text:?} is not a time: expected seconds, like 120, or a part, like 25%");
         let (number, part) = match text.strip_suffix('%') {
             Some(number) => (number, true),
             None => (text.strip_suffix('s').unwrap_or(text), false),

@@ -131,7 +131,7 @@ pub fn replace(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
         Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;
     let kept = keep(path, before)?;
     written.map_or(Ok(()), |written| written.write(after))?;
-    tell!("{} has the tables; as it was it is {}", path.display(), kept.display());
+    tell!("{} now has the tables; the previous file is {}", path.display(), kept.display());
     Ok(())
 }
 
@@ -145,7 +145,7 @@ fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
     let free = (1..=KEPT).map(beside).find(|path| path.symlink_metadata().is_err());
     let Some(free) = free else {
         return Err(Failure::Wrong(format!(
-            "{} and {} others are kept beside it already; remove what is not needed",
+            "{} and {} others are already kept beside it; remove those that are not needed",
             beside(1).display(),
             KEPT - 1
         )));
@@ -173,6 +173,6 @@ pub fn publish(page: &str, output: Option<Claimed>, tables: Option<&str>) -> Res
 pub fn per_year(text: &str) -> Result<f64, String> {
     let sound = text.parse().ok().filter(|rate: &f64| rate.is_finite() && *rate > 0.0);
     sound.ok_or_else(|| {
-        "expected how many false alarms a year may bring, above 0; 8766 is one an hour".to_owned()
+        "expected a number of false alarms a year, above 0; 8766 is one an hour".to_owned()
     })
 }

@@ -75,7 +75,7 @@ impl Study {
         let novel = novel(&surveyed, &earlier)?;
         if novel.is_empty() {
             say(&format!(
-                "{} was learnt already: it is in {}, and nothing changes\n",
+                "{} was already learnt: it is in {}, and nothing changes\n",
                 surveyed.inputs(),
                 file.path().display()
             ))?;
@@ -97,10 +97,10 @@ impl Study {
         let judgement = judging.judgement(surveyed.window);
         if !judgement.refused.is_empty() {
             return Err(Failure::Failed(format!(
-                "by the tables of the earlier recordings {} is of no healthy machine; nothing was learnt \
-                 from it, and nothing was written:\n  {}\nMend it and record again, or leave that part \
-                 out (--from, --to); where the machine has become another one, begin anew (--update \
-                 --fresh)",
+                "by the tables of the earlier recordings, the machine in {} is not healthy; \
+                 nothing was learnt from it, and nothing was written:\n  {}\nRepair it and record \
+                again, or leave that part out (--from, --to); if the machine has changed, start \
+                again (--update --fresh)",
                 surveyed.inputs(),
                 judgement.refused.join("\n  ")
             )));
@@ -133,7 +133,8 @@ impl Study {
         };
         let places: Vec<String> = keeping.novel.iter().map(place).collect();
         let told = format!(
-            "times count through all that is kept, long pauses as a minute: this recording is at {}",
+            "times include all kept recordings, with long pauses as a minute: this recording is at \
+             {}",
             places.join(", ")
         );
         let remarks = [told].into_iter().chain(self.surveyed.remarks()).collect();
@@ -240,9 +241,9 @@ fn novel(surveyed: &Surveyed, earlier: &Learnt) -> Result<Vec<Part>, Failure> {
     for part in parting.finish() {
         let known = part.is_among(&earlier.parts).map_err(|Clash { part, known }| {
             Failure::Wrong(format!(
-                "the recording from {} to {} is of the same time as one that was learnt, from {} to {}, \
-                 and is not that one: cut otherwise, or recorded with a clock that was set? Leave out what \
-                 is known (--from, --to), or begin anew (--update --fresh)",
+                "the recording from {} to {} overlaps with one that was learnt, from {} to {}, but \
+                 differs from it: was it cut differently, or was the clock set? Leave out what \
+                 is known (--from, --to), or start again (--update --fresh)",
                 part.first, part.last, known.first, known.last
             ))
         })?;
@@ -258,7 +259,7 @@ fn holds(parts: &[Part], frame: &Frame) -> bool {
 }
 
 fn seals(config: &str, dbc: &[u8]) -> Result<Seals, Failure> {
-    let none = || Failure::Failed("the configuration cannot be sealed: it is no TOML".to_owned());
+    let none = || Failure::Failed("the configuration cannot be sealed: it is not TOML".to_owned());
     Seals::of(config, dbc).ok_or_else(none)
 }
 

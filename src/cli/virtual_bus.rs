@@ -68,11 +68,11 @@ pub fn wanted<S>(stage: Option<S>, interface: &str) -> Result<Option<S>, Failure
     match (stage, interface == NAME) {
         (Some(_), false) => Err(Failure::Wrong(format!(
             "--play is for the embedded bus, but bus.interface is {interface:?}; set it to \
-             {NAME:?}, or leave --play out and play on {interface} with canplayer"
+             {NAME:?}, or omit --play and play on {interface} with canplayer"
         ))),
         (None, true) => Err(Failure::Wrong(format!(
-            "bus.interface is {NAME:?}, the embedded bus, where nobody speaks; give a recording to \
-             be played on it (--play LOG), or name a CAN interface"
+            "bus.interface is {NAME:?}, the embedded bus, on which nothing else sends; give a \
+             recording to be played on it (--play LOG), or name a CAN interface"
         ))),
         (stage, _) => Ok(stage),
     }

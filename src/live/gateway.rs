@@ -64,7 +64,7 @@ pub enum NotTold {
     Port(#[from] PortError),
     #[error("the controller is bus-off")]
     BusOff,
-    #[error("the interface takes no frame: its queue is full, and nobody acknowledges")]
+    #[error("the interface accepts no frame: its queue is full, and nobody acknowledges")]
     Full,
 }
 

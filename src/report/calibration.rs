@@ -33,7 +33,7 @@ pub fn parts(result: &Calibration) -> String {
     let Calibration { fitted, tried, .. } = result;
     let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
     if fitted == tried {
-        return format!("fitted and tried on {from:.1} s to {to:.1} s, by blocks that alternate");
+        return format!("fitted and tried on {from:.1} s to {to:.1} s, by alternating blocks");
     }
     format!("fitted on {from:.1} s to {middle:.1} s, tried on {begin:.1} s to {to:.1} s")
 }
@@ -95,7 +95,8 @@ pub fn sequential(result: &Calibration) -> Section {
     }
     table.about(
         "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
-         (where it was tried), what a cycle differs by from the command's prediction, and the level",
+         (where it was tried), the deviation from the command's prediction in a cycle, and the \
+         level",
     )
 }
 
@@ -118,7 +119,7 @@ pub fn bound(result: &Calibration) -> String {
             four_digits(bound.level) * 1e3,
             meaning(bound).join("\n  ")
         ),
-        None => "no bound is proposed: there are less than 50 s of the second part (50 times \
+        None => "no bound is proposed: the second part has less than 50 s (50 times \
                  alarm.clear), or no cylinder has a calibration\n"
             .to_owned(),
     }

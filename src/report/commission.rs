@@ -24,7 +24,7 @@ pub fn page(result: &Commissioned) -> String {
             _ = write!(text, "\n{section}");
         }
     }
-    text += &listed("a longer recording would win", &wins(result));
+    text += &listed("a longer recording would add", &wins(result));
     text += &listed("to be known", &remarks(result));
     text
 }
@@ -42,9 +42,7 @@ pub fn origin(result: &Commissioned) -> String {
     let minutes = result.length / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
         let held = trial.held / 60.0;
-        format!(
-            "; the trial is of tables that were learnt without the {held:.1} min that it is made on"
-        )
+        format!("; the trial uses tables that were learnt without its own {held:.1} min")
     });
     format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
 }
@@ -107,7 +105,7 @@ pub fn trial(result: &Commissioned) -> Section {
         let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
         table.add_row([name(detector).to_owned(), count.to_string(), format!("{most:.0}"), judged]);
     }
-    table.about(format!("trial, {:.1} min held back: as it was recorded", trial.held / 60.0))
+    table.about(format!("trial on {:.1} min held back: as recorded", trial.held / 60.0))
 }
 
 /// Both ends with `digits` decimals, or one where they are the same.
@@ -146,8 +144,8 @@ pub fn faults(result: &Commissioned) -> Section {
         ]);
     }
     table.about(
-        "and with faults put into it, each transducer of each cylinder: how soon the first detector \
-         warns, and whether the right transducer is blamed",
+        "with faults put into each transducer of each cylinder: how soon the first detector warns, \
+         and whether it blames the right transducer",
     )
 }
 

@@ -27,9 +27,9 @@ pub fn section(result: &Calibration) -> Section {
         ]);
     }
     table.about(format!(
-        "where on the stroke the sequential detectors know what C1 − C2 is, to {:.1} mm; thin places are \
-         those where no better than to {:.1} mm, so that small faults take longer there; beyond, they say \
-         unknown; and by what the profile is taken to bend from node to node",
+        "where on the stroke the sequential detectors know C1 − C2 to {:.1} mm; in thin places it \
+         is known only to {:.1} mm, so that small faults take longer there; elsewhere their \
+        verdict is unknown; and the bend of the profile that is assumed from node to node",
         LARGEST_DOUBT * 1e3,
         DEAD_BAND * 1e3
     ))

@@ -85,13 +85,13 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         counts.cycles, counts.incomplete, counts.missing
     );
     for (count, what) in [
-        (counts.late, "frames that came when their cycle was decided"),
+        (counts.late, "frames that came after their cycle was decided"),
         (counts.repeated, "frames that came twice"),
         (counts.held, "frames that came before their cycle (they were kept for it)"),
-        (counts.bad_signals, "values that their frame was too short for, or not a number"),
-        (counts.backwards, "frames with a time stamp before the one before"),
-        (counts.time_jumps, "jumps of the time stamps (everything started anew)"),
-        (counts.interruptions, "× the bus was lost (everything started anew)"),
+        (counts.bad_signals, "values for which the frame was too short, or that are not a number"),
+        (counts.backwards, "frames with a time stamp earlier than the previous one"),
+        (counts.time_jumps, "jumps of the time stamps (everything restarted)"),
+        (counts.interruptions, "× the bus was lost (everything restarted)"),
         (statistics.error_frames, "error frames of the controller"),
         (statistics.remote_frames, "remote frames"),
         (statistics.other_interface_frames, "frames of other interfaces"),

@@ -135,8 +135,8 @@ pub fn cross_validation(outcome: &Outcome) -> Section {
 /// The model that was chosen, and why; empty where there is none.
 pub fn taken(outcome: &Outcome) -> String {
     let Some(choice) = outcome.choice else { return String::new() };
-    let why = if choice.asked { "as asked for" } else { "its worst is the best" };
-    format!("the model of cylinder {} is taken: {why}, {:.2} %\n", choice.of, choice.worst)
+    let why = if choice.asked { "as requested" } else { "its worst is the best" };
+    format!("the model of cylinder {} is chosen: {why}, {:.2} %\n", choice.of, choice.worst)
 }
 
 fn percent(score: &Score) -> String {
@@ -168,7 +168,8 @@ pub fn own_scores(outcome: &Outcome) -> Section {
         }
     }
     table.about(
-        "the taken model on every cylinder: simulated open loop, and predicted by the observer from \
+        "the chosen model on every cylinder: simulated open loop, and predicted by the observer \
+         from \
          one cycle to the next",
     )
 }

@@ -75,13 +75,14 @@ impl Recorded<'_> {
         let mut reasons = Vec::new();
         if *frames > 0 && other_interface_frames == frames {
             let found = self.statistics.interfaces_found();
-            reasons.push(format!("no frame is of {}; the recording has {found}", self.interfaces));
+            reasons
+                .push(format!("no frame is from {}; the recording has {found}", self.interfaces));
         } else if *frames > *other_interface_frames {
             let frames = frames - other_interface_frames;
             let listened = identifiers(self.design);
             reasons.push(format!(
-                "of {frames} frames none has an identifier of the configuration ({listened}): the \
-                 recording is of another machine, or the DBC is"
+                "none of the {frames} frames has an identifier of the configuration ({listened}): \
+                 the recording or the DBC belongs to another machine"
             ));
         }
         reasons.extend(damage.iter().map(ToString::to_string));
@@ -107,8 +108,8 @@ fn unjudged(counts: &Counts, tallies: &[Tally], missed: Option<&[String]>) -> Ve
     let implausible = sum(|tally| tally.implausible.iter().sum());
     if cycles == 0 {
         return vec![format!(
-            "of {} frames with an identifier of the configuration none opened a cycle: there is \
-             neither Sync nor a reading",
+            "none of the {} frames with an identifier of the configuration opened a cycle: there \
+             is neither Sync nor a reading",
             counts.used
         )];
     }

@@ -18,6 +18,8 @@ pub mod stops;
 pub mod tuning;
 mod wording;
 
+pub(crate) use wording::{counted, times};
+
 pub use episode::{Episode, Episodes};
 pub use estimates::EstimateTable;
 pub use judgement::Judgement;

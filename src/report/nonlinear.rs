@@ -19,8 +19,8 @@ pub fn sources(nonlinear: &Nonlinear) -> String {
     let opening = if sources.spool {
         "x is the recorded spool position, in its unit of the DBC".to_owned()
     } else {
-        "no spool position is configured (signals.cylinder.spool): x is the command u (m/s), so that \
-         the curve holds the machine's own look-up table and the valve's lag, too"
+        "no spool position is configured (signals.cylinder.spool): x is the command u (m/s), so \
+         that the curve also includes the machine's own look-up table and the valve's lag"
             .to_owned()
     };
     let supply = sources.supply.map_or("P_S as recorded".to_owned(), |bar| {
@@ -35,8 +35,8 @@ pub fn sources(nonlinear: &Nonlinear) -> String {
 
 fn heading(nonlinear: &Nonlinear) -> String {
     format!(
-        "\n{}? is not known: fewer than {FEWEST:.0} cycles speak of it; ± is a lower bound, the \
-         residuals are not white\n",
+        "\n{}? is not known: fewer than {FEWEST:.0} cycles determine it; ± is a lower bound, since \
+         the residuals are not white\n",
         sources(nonlinear)
     )
 }

@@ -136,9 +136,9 @@ impl<'a> Stops<'a> {
         };
         let drifting: Vec<String> = self.known().filter_map(drifts).collect();
         match (drifting.is_empty(), self.known().any(|stop| stop.judgement.is_some())) {
-            (false, _) => format!("On the stops a drift is seen: {}.", drifting.join(", ")),
-            (true, true) => "On the stops no drift is seen.".to_owned(),
-            (true, false) => "On the stops too little was read to tell a drift.".to_owned(),
+            (false, _) => format!("The stops show a drift: {}.", drifting.join(", ")),
+            (true, true) => "The stops show no drift.".to_owned(),
+            (true, false) => "Too few readings on the stops to detect a drift.".to_owned(),
         }
     }
 
@@ -249,7 +249,7 @@ mod tests {
         let (still, drifting) = (history(31, 0.0), history(31, -1e-4));
         let stops = Stops::new(vec![(2, &still), (3, &drifting)], LIMITS);
         assert_eq!(stops.columns()[5..], ["drift a month", "until 5 mm", "until 50 mm"]);
-        assert_eq!(stops.verdict(), "On the stops a drift is seen: C2 of cylinder 3.");
+        assert_eq!(stops.verdict(), "The stops show a drift: C2 of cylinder 3.");
         let rows = stops.rows();
         assert_eq!(rows.len(), 4);
         for row in &rows[..3] {
@@ -281,6 +281,6 @@ mod tests {
         assert_eq!(stops.lines(), []);
         assert_eq!(stops.rows()[0][..], ["2", "C1", "2", "–", "–", "–", "too few dwells", "–"]);
         assert_eq!(stops.rows().len(), 2);
-        assert!(stops.verdict().contains("too little was read"));
+        assert!(stops.verdict().contains("Too few readings on the stops"));
     }
 }

@@ -49,9 +49,9 @@ pub fn search(search: &Search) -> Section {
     }
     table.about(
         "weights: the criterion is the threshold at the wanted rate (by exponential tails) divided \
-         by what a step of 1 mm leaves in the residual within 0.1 s, or the incipient fault (5-18) of \
-         70 mm and b = 1, wherever in a cycle it begins, whichever is less; with 1 and below both are \
-         seen. Nine tenths of a step have to be over within alarm.coincidence",
+         by the residual of a step of 1 mm within 0.1 s, or of the incipient fault (5-18) of 70 mm \
+        and b = 1 averaged over its onset, whichever is less; at 1 and below both are seen. Nine \
+        tenths of a step have to be over within alarm.coincidence",
     )
 }
 

@@ -64,13 +64,19 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
 }
 
 /// Introduction to the rows of [`coverage_rows`].
-pub const COVERAGE: &str = "Sequential detectors: for how long they judged, and for how long they \
-     knew nothing: the platform in no monitored state, C1, C2 or the speed missing or implausible, the \
-     rod where the calibration has not been, the difference in this stretch of motion not yet learnt";
+pub const COVERAGE: &str = "Sequential detectors: how long they judged, and how long they could \
+    not because the platform was in no monitored state, C1, C2 or the speed was missing or \
+implausible, the rod was where the calibration has no data, or the difference in this stretch of \
+motion was not yet learnt";
 
 /// Number of times in words: once, or a number.
 pub fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
+}
+
+/// A count with its noun, whose plural ends with an s.
+pub fn counted(count: u64, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// A line about the counters; empty where none jumped.
@@ -88,7 +94,7 @@ pub fn warnings(summary: &Summary<'_>) -> String {
     let total: u64 = episodes.raised().iter().sum();
     match (total, summary.judgement.is_judged()) {
         (0, true) => return "No warnings.".to_owned(),
-        (0, false) => return "No warnings, as nothing was judged.".to_owned(),
+        (0, false) => return "No warnings, because nothing was judged.".to_owned(),
         _ => {}
     }
     let by_detector = Detector::ALL
@@ -141,7 +147,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
         Notice::Restart { at, cylinder, detector, reason } => {
             let (label, reason) = (label(detector), spaced(restart_name(reason)));
-            (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
+            (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))
         }
         Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
         Notice::Timing { at, apart: None } => {

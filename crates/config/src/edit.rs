@@ -188,7 +188,7 @@ nodes = [1.0]
     const TABLES: &str = "\
 # By tertius 9.9.9 calibrate, for a machine.
 # From a.log
-# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.
+# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.
 
 # what it means
 [comparator]

@@ -101,7 +101,7 @@ fn no_configuration(document: &Document, errors: &[toml::de::Error]) -> ConfigEr
         let first = errors.first().map(|error| not_toml(document, error));
         let place = first.as_ref().and_then(Problem::place).cloned();
         let reason = first.map_or_else(String::new, |first| format!(" ({})", first.message));
-        let message = format!("this is no configuration{reason}");
+        let message = format!("this is not a configuration{reason}");
         Problem { place, ..Problem::of_file(document.name(), message, help) }
     };
     document.refuse([problem]).expect("one problem is a refusal")

@@ -70,7 +70,7 @@ fn refuse_overwriting(
     let real = identity(history);
     let same = |input: &&&Path| real.is_some() && identity(input) == real;
     let Some(input) = inputs.iter().find(same) else { return Ok(()) };
-    let message = format!("`sequential.history` would be written over {}", input.display());
+    let message = format!("`sequential.history` would overwrite {}", input.display());
     let help = "name a file of its own, for example \"/var/lib/tertius/e-type.dwells\"";
     let problem = document.problem("sequential.history", message, help);
     Err(document.refuse([problem]).expect("one problem is a refusal"))

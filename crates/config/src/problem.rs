@@ -139,7 +139,7 @@ impl ConfigError {
         let plural = if count == 1 { "" } else { "s" };
         miette::Report::new(Refusal {
             headline: format!("{}: {count} problem{plural}", self.file),
-            rest: (self.more > 0).then(|| format!("{} more of them are not shown", self.more)),
+            rest: (self.more > 0).then(|| format!("{} more are not shown", self.more)),
             text: NamedSource::new(&self.file, self.text.to_string()),
             problems: self.problems.iter().map(|p| Labelled::new(p, &self.text)).collect(),
         })

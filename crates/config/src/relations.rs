@@ -219,7 +219,7 @@ impl Relations<'_> {
                 !twice,
                 &[&key],
                 format!("`{key}` is {n}, which has a [[cylinder]] table above already"),
-                "write all that cylinder has of its own into one table",
+                "write all overrides of that cylinder into one table",
             );
             if let Some(fitted) = &cylinder.sequential {
                 self.fitted(&format!("cylinder[{index}].sequential"), fitted);

@@ -98,7 +98,7 @@ fn check_message(draft: &Draft, own: &mut Vec<Finding>) {
             Severity::Warning,
             Concern::MessageLength,
             None,
-            format!("{length} bytes is no length of a CAN FD frame"),
+            format!("{length} bytes is not a length of a CAN FD frame"),
             "frames are padded to 12, 16, 20, 24, 32, 48 or 64 bytes",
         ));
     }

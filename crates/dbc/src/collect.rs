@@ -276,7 +276,7 @@ impl<'a> Gathered<'a> {
             let ranges = entry.mappings.iter().map(|m| (m.min_value, m.max_value)).collect();
             let multiplexor = entry.multiplexor_signal_name.clone();
             if signal.multiplex.replace(Multiplex { line, multiplexor, ranges }).is_some() {
-                twice = Some("two SG_MUL_VAL_ are about it");
+                twice = Some("two SG_MUL_VAL_ name it");
             }
         }
         if let Some(ValueDescription::Signal { value_descriptions, .. }) =

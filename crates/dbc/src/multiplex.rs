@@ -139,7 +139,7 @@ impl Resolver<'_> {
         };
         if !is_multiplexor(&self.draft.signals[multiplexor]) {
             return Err(error(
-                format!("SG_MUL_VAL_ names {}, which is no multiplexor", extended.multiplexor),
+                format!("SG_MUL_VAL_ names {}, which is not a multiplexor", extended.multiplexor),
                 "mark it M (or m0M, …), or correct the name",
             ));
         }

@@ -163,7 +163,7 @@ impl Splitter<'_> {
             message: None,
             signal: None,
             what: format!("unknown keyword {}", excerpt(word)),
-            remedy: "the statement is ignored; remove it if it is a slip",
+            remedy: "the statement is ignored; remove it if it is a mistake",
         });
     }
 

@@ -60,7 +60,8 @@ fn up(name: &str, interface: &Interface, link: &LinkState) -> Finding {
     }
     match &interface.port {
         Err(reason) if interface.no_can.is_none() => {
-            let found = format!("{name} ({kind}) is up, but cannot be listened to: {reason}");
+            let found =
+                format!("{name} ({kind}) is up, but no socket can be opened on it: {reason}");
             Finding::fail("interface", found, format!("look at `ip -details link show {name}`"))
         }
         _ => Finding::ok("interface", format!("{name} ({kind}) is up")),
@@ -94,7 +95,11 @@ fn bit_rate(name: &str, wanted: u32, link: &LinkState) -> Finding {
     let Some(rate) = link.bit_rate else {
         return match has_controller(link) {
             true => Finding::fail("bit rate", "none is set", set),
-            false => Finding::ok("bit rate", "none: a virtual interface is as fast as the box"),
+            false => Finding::ok(
+                "bit rate",
+                "none: a virtual interface is as fast as the \
+                computer",
+            ),
         };
     };
     let mut found = format!("{rate} bit/s");
@@ -116,7 +121,8 @@ fn restart(name: &str, link: &LinkState) -> Option<Finding> {
     Some(match link.restart_ms {
         Some(0) | None => Finding::warn(
             "restart",
-            "restart-ms is not set: after bus-off the controller stays away until somebody comes",
+            "restart-ms is not set: after bus-off the controller stays off until somebody restarts \
+             it",
             format!(
                 "`ip link set {name} type can restart-ms 100`, or RestartSec=100ms for networkd"
             ),
@@ -131,7 +137,7 @@ fn queue(name: &str, link: &LinkState) -> Option<Finding> {
         ..=LONG_QUEUE => Finding::ok("send queue", format!("{length} frames")),
         _ => Finding::warn(
             "send queue",
-            format!("{length} frames may wait in the kernel, and come out stale"),
+            format!("{length} frames may wait in the kernel, and are sent stale"),
             format!("`ip link set {name} txqueuelen 16`, or 80-can0.link for systemd"),
         ),
     })

@@ -28,7 +28,7 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
     match &facts.bus {
         Bus::Embedded => findings.push(Finding::ok(
             "interface",
-            "the embedded bus, inside the program: there is no interface to look at, and `tertius \
+            "the embedded bus, inside the program: there is no interface to check, and `tertius \
              run --play LOG` plays a recording on it",
         )),
         Bus::Socket(interface) => findings.extend(socket(wanted, interface, facts)),

@@ -40,7 +40,7 @@ fn stamps(receiving: &Receiving, interface: &Interface) -> Finding {
     let heard = interface.hearing.as_ref().is_some_and(|hearing| hearing.frames > 0);
     let found = match (receiving.stamps, heard) {
         (Stamps::Software, false) => {
-            "the kernel's (software), as far as can be said without a frame".to_owned()
+            "the kernel's (software), as far as known without a frame".to_owned()
         }
         (stamps, _) => stamps.to_string(),
     };

@@ -72,7 +72,7 @@ impl Keeper {
         let builder = std::thread::Builder::new().name("history".to_owned());
         match builder.spawn(move || worker::work(&ordered, &told)) {
             Ok(worker) => (self.orders, self.worker) = (Some(orders), Some(worker)),
-            Err(error) => warn!("what is read on the stops is kept in memory only: {error}"),
+            Err(error) => warn!("readings on the stops are kept in memory only: {error}"),
         }
     }
 
@@ -168,7 +168,7 @@ fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
     let refusal = match file.read(machine, cylinders) {
         Ok(Some(archive)) => {
             let dwells: usize = archive.cylinders.iter().map(|it| it.dwells().len()).sum();
-            info!(dwells, "goes on with the history of the stops in {path}");
+            info!(dwells, "continuing the history of the stops in {path}");
             return Loaded::Archive(archive);
         }
         Ok(None) => {
@@ -187,13 +187,13 @@ fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
     match file.set_aside() {
         Ok(aside) => {
             let aside = aside.display();
-            warn!("{path}: {refusal}. It was set aside as {aside}; the history starts anew");
+            warn!("{path}: {refusal}. It was set aside as {aside}; the history restarts");
             Loaded::Nothing
         }
         Err(error) => {
             warn!(
-                "{path}: {refusal}. It cannot be set aside ({error}) and stays as it is; the history \
-                 starts anew and is kept in memory only"
+                "{path}: {refusal}. It cannot be set aside ({error}) and stays as it is; the \
+                 history restarts and is kept in memory only"
             );
             Loaded::Unusable
         }

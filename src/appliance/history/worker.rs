@@ -53,7 +53,7 @@ fn save(
         }
         (Err(told), before) if before != Some(&told) => {
             warn!(
-                "the history of the stops cannot be written, {told}; it goes on in memory and is \
+                "the history of the stops cannot be written, {told}; it continues in memory and is \
                  tried again at the next stop"
             );
             *trouble = Some(told);

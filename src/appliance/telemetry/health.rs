@@ -111,9 +111,9 @@ impl Telemetry {
             return Some("the interface is not open; the log says why".to_owned());
         }
         match self.since_turn(now) {
-            None => Some("the data path has not begun".to_owned()),
+            None => Some("the data path has not started".to_owned()),
             Some(time) if time > EVIDENCE => {
-                Some(format!("the data path stands still for {:.1} s", time.as_secs_f64()))
+                Some(format!("the data path has not turned for {:.1} s", time.as_secs_f64()))
             }
             Some(_) => None,
         }

@@ -6,7 +6,7 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    #[error("there is no interface {interface}; `ip -br link` lists those that there are")]
+    #[error("there is no interface {interface}; `ip -br link` lists them")]
     NoInterface {
         /// Name as given by the caller.
         interface: String,
@@ -23,7 +23,7 @@ pub enum OpenError {
         /// Name as given by the caller.
         interface: String,
     },
-    #[error("this kernel has no CAN sockets: {error}; `modprobe can-raw` loads them where it can")]
+    #[error("this kernel has no CAN sockets: {error}; try `modprobe can-raw`")]
     NoCan {
         #[source]
         error: io::Error,

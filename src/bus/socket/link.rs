@@ -37,7 +37,7 @@ pub struct LinkState {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    #[error("there is no interface {interface}; `ip -br link` lists those that there are")]
+    #[error("there is no interface {interface}; `ip -br link` lists them")]
     NoInterface {
         /// Name as given by the caller.
         interface: String,

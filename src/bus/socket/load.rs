@@ -66,7 +66,7 @@ impl std::fmt::Display for BitRates {
         if let Some(data) = self.data {
             write!(f, " ({} kbit/s data)", f64::from(data) / 1e3)?;
         }
-        f.write_str(if self.assumed { ", assumed as the interface says none" } else { "" })
+        f.write_str(if self.assumed { ", assumed because the interface does not tell" } else { "" })
     }
 }
 

@@ -46,7 +46,7 @@ const PRELUDE: f64 = 6.0;
   tertius demo --speed max --record demo.log --force
   tertius replay demo.log --config config/e-type-simulated.toml
 
-On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as it goes.
+On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as possible.
 Exit code 1: a fault was not found as announced.")]
 pub struct Demo {
     /// Speed as a multiple of real time; max: as fast as possible [default: 1 on a terminal, else
@@ -140,9 +140,9 @@ impl Demo {
 }
 
 const INTRODUCTION: [&str; 4] = [
-    "Here run a simulated gangway, its CAN bus, and the gateway that listens to it.",
+    "This is a simulated gangway, its CAN bus, and the gateway that listens to it.",
     "Each of six cylinders has two position transducers, C1 and C2. R1 and R2 are",
-    "their readings less what an observer predicts, R3 is C1 less C2: the largest of",
+    "their readings minus an observer's prediction, R3 is C1 minus C2: the largest of",
     "a second. Five faults will come, one after the other. Ctrl-C ends it.",
 ];
 
@@ -170,10 +170,14 @@ fn end(mut audience: Audience) -> Result<(), Failure> {
     drop(screen);
     let stopped = interrupted.load(Ordering::Relaxed);
     if strangers > 0 {
-        return Err(Failure::Failed(format!("{strangers} frames on the bus are nobody's")));
+        return Err(Failure::Failed(format!("{strangers} frames on the bus are unknown")));
     }
     if right < over || !(stopped || over == ACTS.len()) {
-        return Err(Failure::Failed("it did not go as announced; see the table".to_owned()));
+        return Err(Failure::Failed(
+            "not everything was found as announced; see the \
+            table"
+                .to_owned(),
+        ));
     }
     Ok(())
 }

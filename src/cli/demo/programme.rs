@@ -31,19 +31,19 @@ pub const ACTS: [Act; 5] = [
     Act {
         spec: "drift,cylinder=2,sensor=c1,rate=0.001",
         title: "C1 of cylinder 2 drifts by 1 mm/s",
-        hint: "an observer follows a drift: only R3 grows, which one stays undecided",
+        hint: "observers follow a drift: only R3 grows, the suspect stays undecided",
         suspect: "undecided",
     },
     Act {
         spec: "freeze,cylinder=6,sensor=c2",
         title: "C2 of cylinder 6 freezes",
-        hint: "the command moves, the reading does not: that takes no model to see",
+        hint: "the command moves, the reading does not: no model is needed to see this",
         suspect: "c2",
     },
     Act {
         spec: "broken_wire,cylinder=4,sensor=c1",
         title: "the wire of C1 of cylinder 4 breaks",
-        hint: "a broken wire's code is no length, and no observer is given it",
+        hint: "the code of a broken wire is not a length, and no observer gets it",
         suspect: "c1",
     },
 ];

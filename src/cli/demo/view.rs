@@ -81,7 +81,7 @@ fn now(scene: &Scene) -> [String; 2] {
             let state = match (index, &*scene.platform) {
                 (0, "engaged") => "the platform is engaged, its observers settle",
                 (0, _) => "the platform comes up; this is played faster",
-                _ => "that is over, what it raised clears",
+                _ => "that is over, and its warnings clear",
             };
             [state.to_owned(), dim(&format!("in {left:.0} s: {}", ACTS[index].title))]
         }

@@ -122,8 +122,8 @@ fn curves(result: &GradeResult) -> Section {
         sheet.add_row(cells);
     }
     sheet.about(format!(
-        "median delay at equal rates of false alarms, each detector at the lowest level that has no \
-         more: {} transducers",
+        "median delay at equal rates of false alarms, each detector at the lowest level with no \
+         more false alarms: {} transducers",
         result.grade
     ))
 }

@@ -230,7 +230,7 @@ fn estimates(results: &[EstimateResult]) -> Section {
     }
     sheet.about(
         "the virtual sensor while it lasts: cycles with a valid estimate; errors against the rod on the \
-         scale of C1; errors of no more than two of the standard deviations that were told",
+         scale of C1; errors within two of the standard deviations given",
     )
 }
 

@@ -48,7 +48,7 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     let profiles: Vec<(Figure, String)> =
         profiles.filter_map(|(cylinder, profile)| coverage::figure(cylinder, profile)).collect();
     if !profiles.is_empty() {
-        page.heading("Where on the stroke the sequential detectors know what C1 − C2 is");
+        page.heading("Where on the stroke the sequential detectors know C1 − C2");
         page.figures(profiles.iter().map(|(figure, caption)| (figure, caption.as_str())));
     }
 }

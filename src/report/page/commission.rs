@@ -28,7 +28,7 @@ pub fn page(result: &Commissioned, differences: Option<&Differences>, configured
     }
     let wins = text::wins(result);
     if !result.coverage.is_empty() {
-        page.heading("What a longer recording would win");
+        page.heading("What a longer recording would add");
         page.lines(&capitalised_lines(&wins));
         page.figure(&strokes(result), "What the sequential detectors know of the strokes");
     }

@@ -69,8 +69,8 @@ fn over_time(page: &mut Page, recorded: &Recorded) {
     );
     if recorded.jumps > 0 {
         page.paragraph(&format!(
-            "The time stamps jumped {}. The figures go on there as if no time had passed, so \
-             that behind the first jump their time is not that of the table of warnings.",
+            "The time stamps jumped {}. The figures continue there as if no time had passed, so \
+             that after the first jump their time differs from that in the table of warnings.",
             wording::times(recorded.jumps)
         ));
     }

@@ -24,10 +24,11 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.heading("On the stops");
     page.paragraph(&stops.verdict());
     page.paragraph(
-        "Where the rods stand on their mechanical stops a reading repeats. What all cylinders do alike is \
-         the temperature, what both transducers of one do alike is its stop. A drift is told where the two \
-         have come apart beyond chance, of the one that has moved as soon as that is clear, and the time \
-         left with the earliest and the latest that the dwells allow.",
+        "Where the rods stand on their mechanical stops a reading repeats. A movement common to \
+         all cylinders is the temperature; one common to both transducers of a cylinder is its \
+        stop. A drift is reported where the two have come apart beyond chance, with the transducer \
+        that has moved as soon as that is clear, and with the expected, earliest and latest time \
+        left.",
     );
     page.table(&stops.columns(), &stops.rows());
     let figures: Vec<(Figure, String)> =

@@ -40,8 +40,8 @@ pub fn add(page: &mut Page, result: &Tuning) {
     page.section(&text::ladder(result));
     page.lines(text::sequential(result).trim());
     page.figure(&together(result), &format!(
-        "False alarms of all detectors together\nWhere the curve is above the grey line the recording \
-         speaks of it: it is {:.3} h long; beyond it is extrapolation",
+        "False alarms of all detectors together\nAbove the grey line the curve is supported by the \
+         recording, which is {:.3} h long; below it is extrapolated",
         result.thresholds.hours
     ));
     page.heading("Smallest faults");

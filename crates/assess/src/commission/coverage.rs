@@ -66,8 +66,9 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let bound = taught.calibration.as_ref().and_then(|it| it.bound);
     wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
         format!(
-            "R3's bound of {:.2} mm instead of the thesis's {:.1} mm is said of {:.0} times the evidence; \
-             it falls with more of it, to 1.2 times the largest difference at the least, {:.2} mm",
+            "R3's bound is {:.2} mm instead of the thesis's {:.1} mm because it is extrapolated to \
+             {:.0} times the evidence; with more evidence it falls, at best to 1.2 times the \
+            largest difference, {:.2} mm",
             bound.level * 1e3,
             LEAST_BOUND * 1e3,
             (HOURS_PER_YEAR / bound.per_year / bound.hours).ceil(),
@@ -77,8 +78,8 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let thresholds = taught.tuning.as_ref().map(|it| it.thresholds);
     wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
         format!(
-            "a δ_h of {:.2} mm instead of the thesis's {:.0} mm is said of {:.0} times the evidence; with more \
-             of it, it may fall",
+            "δ_h is {:.2} mm instead of the thesis's {:.0} mm because it is extrapolated to {:.0} \
+             times the evidence; with more evidence it may fall",
             it.high * 1e3,
             LEAST_HIGH * 1e3,
             (HOURS_PER_YEAR / it.per_year / it.hours).ceil()
@@ -122,8 +123,8 @@ fn levels(taught: &Taught) -> Option<String> {
         .collect();
     (!raised.is_empty()).then(|| {
         format!(
-            "levels above the least, {least:.1} nats, are what this recording asks for ({}); a longer one \
-             says more of it",
+            "this recording requires levels above the least, {least:.1} nats ({}); a longer one \
+             would tell more",
             raised.join(", ")
         )
     })

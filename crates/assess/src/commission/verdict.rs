@@ -72,7 +72,10 @@ impl Verdict {
             (None, _, trial) => {
                 advice.push(PARTLY.to_owned());
                 let finds = trial.map(finds).unwrap_or_default();
-                let sentence = format!("{name} is fit for use but for cylinder {machine}: {finds}");
+                let sentence = format!(
+                    "{name} is fit for use except for cylinder {machine}: \
+                    {finds}"
+                );
                 (Fitness::Partly(refused.clone()), sentence)
             }
         };
@@ -80,11 +83,12 @@ impl Verdict {
     }
 }
 
-const ADVICE: &str = "mend what is named above and record again; `tertius identify`, `calibrate` and \
+const ADVICE: &str = "correct what is named above and record again; `tertius identify`, \
+    `calibrate` and \
                       `tune` show what each step saw (--report)";
 
-const PARTLY: &str = "mend the cylinder and record again, or take the tables of the others \
-                      (--accept-refused): the refused one keeps what it has, and is watched by that";
+const PARTLY: &str = "repair the cylinder and record again, or accept the tables of the others \
+    (--accept-refused): the refused one keeps its present tables";
 
 /// What is missing when a stage has failed.
 const fn nothing(stage: Stage) -> &'static str {
@@ -108,9 +112,7 @@ fn untried(rehearsed: Option<&Taught>) -> (String, String) {
     let why = rehearsed.and_then(|it| it.failed.as_ref()).map_or_else(
         || "without a third of the recording there are no tables to try".to_owned(),
         |(stage, why)| {
-            format!(
-                "without the third that is held back for the trial, {stage} comes to nothing: {why}"
-            )
+            format!("without the third that is held back for the trial, {stage} fails: {why}")
         },
     );
     (why, "record for longer; a quarter of an hour at work is enough".to_owned())
@@ -131,14 +133,14 @@ fn wrongs(
             format!("{detector} of cylinder {cylinder} warns at {t:.1} s")
         }));
         advice.push(
-            "look there (`replay --report`): a fault, or readings that stand off now and then? Leave a \
-             fault out (--from, --to), or record again"
+            "look there (`replay --report`): is it a fault, or are readings off now and then? \
+             Leave a fault out (--from, --to), or record again"
                 .to_owned(),
         );
         let per_year = (heard as f64 / trial.held * 3600.0 * HOURS_PER_YEAR).ceil();
         if per_year <= MOST_PER_YEAR {
             advice.push(format!(
-                "if that is how the machine is, ask for as many false alarms as it makes \
+                "if the machine is like that, allow as many false alarms as it causes \
                  (--false-alarms-per-year {per_year:.0})"
             ));
         }
@@ -149,7 +151,7 @@ fn wrongs(
     let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
     blind.then(|| {
         advice.push(ADVICE.to_owned());
-        format!("of {} steps of 1 mm it finds {}", one.tried, one.delays.len())
+        format!("it finds only {1} of {0} steps of 1 mm", one.tried, one.delays.len())
     })
 }
 
@@ -257,7 +259,7 @@ mod tests {
         }
         let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
         assert_eq!(verdict.fitness, Fitness::Partly(vec![3]));
-        assert!(verdict.sentence.starts_with("It is fit for use but for cylinder 3: no false"));
+        assert!(verdict.sentence.starts_with("It is fit for use except for cylinder 3: no false"));
         assert_eq!(verdict.reasons.len(), 2);
         let mut short = taught();
         short.failed = Some((Stage::Tune, "too little".to_owned()));

@@ -49,7 +49,7 @@ impl Connector<'_> {
                 self.flaws.push(Flaw::new(
                     "cylinder.sequential",
                     format!("cylinder {n} has no filter of both readings: {error}"),
-                    "calibrate it anew",
+                    "calibrate it again",
                 ));
             })
             .ok()

@@ -39,14 +39,14 @@ impl Connector<'_> {
                 &format!("{}.sequential.sample_time", table.as_deref().unwrap_or("cylinder")),
                 fitted,
                 &format!("the table [cylinder.sequential] of cylinder {n}"),
-                "`tertius calibrate` takes this configuration as it is, and writes the table anew",
+                "`tertius calibrate` takes this configuration as it is, and writes the table again",
             );
         }
         self.refuse_time(
             "observer.sample_time",
             settings.observer.sample_time,
             "the table [observer]",
-            "leave the table out and run `tertius tune`, which writes it anew",
+            "leave the table out and run `tertius tune`, which writes it again",
         );
     }
 

@@ -43,7 +43,7 @@ pub struct Solution<const M: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RiccatiError {
     #[error(
-        "the model holds a number that is not finite or beyond {LARGEST:e}; identify it anew, or \
+        "the model holds a number that is not finite or beyond {LARGEST:e}; identify it again, or \
          correct theta"
     )]
     Model,

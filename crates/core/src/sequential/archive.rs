@@ -58,16 +58,17 @@ pub enum Refusal {
     #[error("line {line} is {found:?}, expected {expected}")]
     Line { line: usize, found: String, expected: String },
     #[error(
-        "line {line} begins the dwells of cylinder {cylinder}, which are none: expected {flaw}"
+        "line {line} begins the dwells of cylinder {cylinder}, which are not valid: expected {flaw}"
     )]
     Flaw { line: usize, cylinder: usize, flaw: Flaw },
     #[error(
-        "its last line is {found:?} where its content makes {expected:?}: it was changed or cut"
+        "its last line is {found:?}, but its content gives {expected:?}: it was changed or \
+         truncated"
     )]
     Changed { found: String, expected: String },
     #[error("it has version {0}, this program knows {VERSION}: a newer one wrote it")]
     Newer(u32),
-    #[error("it is that of the machine {found:?}, expected {expected:?}")]
+    #[error("it belongs to the machine {found:?}, expected {expected:?}")]
     Foreign { found: String, expected: String },
     #[error("it has cylinder {found}, the machine has {expected}")]
     Cylinders { found: usize, expected: usize },

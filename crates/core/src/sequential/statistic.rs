@@ -287,12 +287,12 @@ mod tests {
     fn weighed(
         residuals: impl IntoIterator<Item = f64>,
         share: f64,
-        independence: Independence,
+        of: Independence,
     ) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(scales.bands());
         for residual in residuals {
-            history.push(Sample { residual, share, doubt: 0.0 }, &clip, independence);
+            history.push(Sample { residual, share, doubt: 0.0 }, &clip, of);
         }
         scales.peaks(&history, 1024)
     }

@@ -85,8 +85,8 @@ impl Cuts {
         let places: Vec<String> = self.spans[index].iter().map(place).collect();
         (!places.is_empty()).then(|| {
             format!(
-                "no healthy cylinder reads what it did in {}, which was left out: look there for a \
-                 fault",
+                "no healthy cylinder has such readings as those of {}, which were left out: look \
+                 there for a fault",
                 places.join(", ")
             )
         })

@@ -18,8 +18,8 @@ impl Calibration {
         let own = cylinders.iter().any(|cylinder| cylinder.level.is_some());
         let configured = settings.sequential.level.filter(|_| own).map(|level| {
             format!(
-                "sequential.level of the configuration, {level} nats, goes before the level of each \
-                 cylinder; take it out"
+                "sequential.level of the configuration, {level} nats, takes precedence over the \
+                 level of each cylinder; remove it"
             )
         });
         Ok(Self {
@@ -41,10 +41,11 @@ impl Calibration {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
         Err(format!(
-            "for {} false alarms a year R3 would take a bound of {:.2} mm, and with more than {:.2} mm, a \
+            "for {} false alarms a year R3 would need a bound of {:.2} mm, and above {:.2} mm, a \
              tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
-             C2| beyond the line is {:.2} mm; with {:.2} mm, the thesis's, this recording speaks of about \
-             {:.0} a year (--false-alarms-per-year). Is it of a healthy machine? Look at C1 - C2 over time \
+             C2| beyond the line is {:.2} mm; with the thesis's {:.2} mm, this recording suggests \
+             about {:.0} a year (--false-alarms-per-year). Was the machine healthy? Look at C1 - \
+             C2 over time \
              (`replay --residuals`)",
             bound.per_year,
             bound.level * 1e3,

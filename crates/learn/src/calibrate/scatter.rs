@@ -189,8 +189,8 @@ impl Scattering {
             ("no tables for the sequential detector", format!("it takes {LEAST_SAMPLES}"))
         } else {
             let known = 100.0 / (2.0 * samples as f64).sqrt();
-            let then = format!("what they scatter by is known to {known:.1} %");
-            ("little for the sequential detector to go by", then)
+            let then = format!("their scatter is known to {known:.1} %");
+            ("too little for a reliable sequential detector", then)
         };
         Some(format!(
             "{told}: where one part has been, the other has {samples} samples in motion, and {then}; \

@@ -158,9 +158,9 @@ impl OwnLevel {
         let asked = self.asked.filter(|asked| asked.is_sound())?;
         asked.slower.map(|slope| {
             format!(
-                "large evidence is more frequent than theory has it (its tail falls by {slope:.2} a nat, \
-                 not by 1), as of readings that stand off for a fraction of a second now and then: at \
-                 {:.1} nats about {:.0} false alarms a year are to be reckoned with",
+                "large evidence is more frequent than in theory (its tail falls by {slope:.2} a \
+                 nat, not by 1), as when readings are sometimes off for a fraction of a second: at \
+                {:.1} nats expect about {:.0} false alarms a year",
                 asked.level(),
                 asked.per_year().ceil()
             )

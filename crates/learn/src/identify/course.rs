@@ -46,10 +46,9 @@ pub struct Course<'a> {
     pub options: Options,
 }
 
-const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
-                         the sum of all speeds, so what a dead band or a changing offset of the \
-                         command leaves over adds up; the monitor uses the prediction, which is \
-                         led by the readings";
+const RUNS_AWAY: &str = "simulated open loop, the chosen model runs away (VAF below 0 %): a \
+    position is the sum of all speeds, so errors from a dead band or a changing offset of the \
+command add up; the monitor uses the prediction, which follows the readings";
 
 impl Course<'_> {
     /// Reads `recording` three times, for the census, the fit and the validation, and twice more
@@ -126,7 +125,10 @@ impl Course<'_> {
         let mut census = Census::new(settings.machine.cylinders.into(), expected);
         let bad = recording.read_counted(window, &mut census)?.bad_signals;
         let told = (bad > 0).then(|| {
-            format!("{bad} values that their frame was too short for, or not a number (NaN)")
+            format!(
+                "{bad} values for which the frame was too short, or that were not a number \
+                (NaN)"
+            )
         });
         Ok((census, told))
     }
@@ -190,10 +192,11 @@ impl Outcome {
             return Ok(());
         }
         Err(format!(
-            "the model does not follow its command, and nothing is written: VAF on the data that was \
-             tried, {}; below 0 % a velocity is better told by its mean, below -100 % a position by \
-             chance. Is the command that of this cylinder and in m/s, was the machine healthy, is the \
-             part that was fitted like the one that was tried (--from, --to)?",
+            "the model does not follow its command, and nothing is written: VAF on the data of the \
+             trial, {}; below 0 % the mean predicts a velocity better, below -100 % chance \
+            predicts a position better. Does the command belong to this cylinder, is it in m/s, \
+            was the machine healthy, and is the part that was fitted like the one that was tried \
+            (--from, --to)?",
             strays.join("; ")
         ))
     }

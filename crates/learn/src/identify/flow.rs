@@ -83,7 +83,7 @@ pub enum NoFlow {
     NeverMonitored,
     #[error("{what} missing in {missing} of {rows} monitored cycles: {help}")]
     Missing { what: &'static str, missing: u64, rows: u64, help: &'static str },
-    #[error("the spool hardly goes that way: {rows} cycles, {least:.0} are the least")]
+    #[error("the spool hardly goes that way: {rows} cycles, and at least {least:.0} are needed")]
     TooFewRows { rows: u64, least: f64 },
     #[error(
         "the spool stays between membership functions {among} so that they cannot be told apart \

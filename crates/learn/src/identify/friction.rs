@@ -82,12 +82,12 @@ pub struct FrictionCurve {
 /// Why there is no curve, in words for people.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoFriction {
-    #[error("no load pressure and velocity are recorded together, from which (3-19) could be had")]
+    #[error("no load pressure and velocity, which (3-19) needs, are recorded together")]
     NoPressure,
     #[error(
         "the recording has {stretches} stretches of 2.5 s at constant velocity, with {out} speeds \
-         outwards and {back} inwards, of {SPEEDS} each at least: the friction curve (3-13) is not \
-         identified; it takes strokes at constant velocities, with the vessel at rest"
+         outwards and {back} inwards, and at least {SPEEDS} each are needed: the friction curve \
+        (3-13) is not identified; record strokes at constant velocities, with the vessel at rest"
     )]
     TooFew { stretches: usize, out: usize, back: usize },
     #[error(

@@ -45,7 +45,7 @@ pub enum Refusal {
     Foreign,
     #[error("it has version {0}, this program knows {VERSION}: a newer one wrote it")]
     Newer(u32),
-    #[error("its content is not that which was written: it was changed or cut")]
+    #[error("its content is not what was written: it was changed or truncated")]
     Changed,
     #[error("line {line} is {found:?}, expected {expected}")]
     Line { line: usize, found: String, expected: &'static str },

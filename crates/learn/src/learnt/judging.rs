@@ -193,12 +193,12 @@ impl Compared {
         } else if let Some(last) = seen.last().filter(|seen| seen.t > window.to - BLOCK) {
             let [from, _] = *places.last().unwrap_or(&[last.t; 2]);
             let (from, what) = (from.max(0.0), worst([from, f64::INFINITY]));
-            judgement.refused.push(format!(
-                "cylinder {n}: {what}; from {from:.0} s on, it is not over at the end"
-            ));
+            judgement
+                .refused
+                .push(format!("cylinder {n}: {what}, from {from:.0} s until after the end"));
         } else if let Some((from, off)) = self.off(&places) {
             judgement.refused.push(format!(
-                "cylinder {n}: C1 - C2 is {:.2} mm from what the tables say, from {from:.0} s on: a \
+                "cylinder {n}: C1 - C2 differs from the tables by {:.2} mm from {from:.0} s on: a \
                  transducer has drifted, or was replaced or adjusted",
                 off * 1e3
             ));
@@ -212,8 +212,8 @@ impl Compared {
         } else {
             for [from, to] in places {
                 judgement.left_out.push(format!(
-                    "cylinder {n}: {}; what it read from {:.0} to {to:.0} s is left out: look there for a \
-                     fault",
+                    "cylinder {n}: {}; its readings from {:.0} to {to:.0} s are left out: look \
+                     there for a fault",
                     worst([from, to]),
                     from.max(0.0)
                 ));

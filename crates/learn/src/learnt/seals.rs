@@ -24,15 +24,22 @@ pub struct Seals {
 /// What differs in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Broken {
-    #[error("[machine], [signals] or the DBC are not those that it was recorded with")]
+    #[error("[machine], [signals] or the DBC differ from those of the recording")]
     Readings,
     #[error(
-        "[model], or theta, gamma or command_offset of a cylinder, are not those that came of it"
+        "[model], or theta, gamma or command_offset of a cylinder, differ from those that were \
+         learnt"
     )]
     Model,
-    #[error("the weights of [observer] or the thresholds of [fde] are not those that came of it")]
+    #[error(
+        "the weights of [observer] or the thresholds of [fde] differ from those that were \
+        learnt"
+    )]
     Weights,
-    #[error("comparator.bound or the calibrations of [[cylinder]] are not those that came of it")]
+    #[error(
+        "comparator.bound or the calibrations of [[cylinder]] differ from those that were \
+        learnt"
+    )]
     Calibration,
 }
 

@@ -20,22 +20,22 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     let factor = years * HOURS_PER_YEAR / bound.hours;
     let tail = provenance::tail(bound.heavy);
     let asked = format!(
-        "exceeded {} times a year at most, all cylinders together, by {tail} tail of the largest |R3| of \
+        "exceeded at most {} a year, all cylinders together, by {tail} tail of the largest |R3| of \
          each second; at least 1.2 times the largest seen, {:.3} mm, and the thesis's {:.1} mm",
-        bound.per_year,
+        provenance::times(bound.per_year),
         bound.worst * 1e3,
         LEAST_BOUND * 1e3
     );
     let evidence = format!("evidence: {:.3} cylinder hours", bound.hours);
-    let beyond = "other temperatures, ranges and wear are not in it";
+    let beyond = "other temperatures, ranges and wear are not covered";
     if factor > FAR {
         // Of what was never seen in a time, less than three are in as much of it (95 %).
         let most = 3.0 * HOURS_PER_YEAR * bound.cylinders as f64 / bound.hours;
         return vec![
             asked,
             format!(
-                "{evidence}, none of it beyond the bound: that proves at most {} a year (95 %), and \
-                 what is said of one in {:.0} times as long is extrapolated; {beyond}",
+                "{evidence}, none of it beyond the bound: this proves at most {} a year (95 %), \
+                 and the bound is extrapolated to {:.0} times that time; {beyond}",
                 four_digits(most),
                 factor
             ),
@@ -61,7 +61,7 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
             _ = writeln!(text, "# cylinder {} has no sequential detector: {told}", cylinder.number);
         }
     }
-    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    text += "# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.\n";
     if let Some(bound) = &result.bound {
         text += "\n";
         for line in meaning(bound) {

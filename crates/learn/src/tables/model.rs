@@ -64,7 +64,7 @@ fn provenance(outcome: &Outcome, version: &str) -> String {
             _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
         }
     }
-    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    text += "# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.\n";
     text
 }
 

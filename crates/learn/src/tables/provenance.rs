@@ -25,6 +25,11 @@ pub fn heading(
     text
 }
 
+/// A number of times in words: once, or a number.
+pub fn times(count: f64) -> String {
+    if count == 1.0 { "once".to_owned() } else { format!("{count} times") }
+}
+
 /// Name of a tail.
 pub const fn tail(heavy: bool) -> &'static str {
     if heavy { "a generalised Pareto, beyond the evidence exponential," } else { "an exponential" }

@@ -19,10 +19,10 @@ pub fn length(metres: f64) -> String {
 /// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
     let Thresholds { per_year, hours, .. } = result.thresholds;
-    let count = result.detectors.len();
+    let (count, often) = (result.detectors.len(), provenance::times(per_year));
     vec![
         format!(
-            "high: {count} residuals together exceed it {per_year} times a year of monitoring at most; \
+            "high: {count} residuals together exceed it at most {often} in a year of monitoring; \
              one number for all, since their rates are added up; at least the thesis's {:.1} mm",
             LEAST_HIGH * 1e3
         ),
@@ -31,8 +31,8 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
             .to_owned(),
         format!(
             "evidence: {hours:.4} h for each residual; the wanted rate is {:.2e} times beyond it. \
-             What was not recorded (weather, load, temperature, wear) is not in it, residuals that \
-             go together count twice, and bursts at the border of two seconds, too",
+             What was not recorded (weather, load, temperature, wear) is not covered; residuals \
+             that coincide count twice, as do bursts at the border of two seconds",
             HOURS_PER_YEAR / per_year / hours
         ),
     ]
@@ -40,8 +40,9 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
 
 /// Meaning of the level of the sequential detectors, where `per_year` false alarms were wanted.
 pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
+    let often = provenance::times(per_year);
     vec![format!(
-        "level: reached {per_year} times a year, all cylinders together, by a tail of the largest \
+        "level: reached {often} a year, all cylinders together, by a tail of the largest \
          evidence of each ten seconds whose slope is one by theory, and at least 0.75 a nat; at least \
          the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {:.1e} times beyond \
          them",

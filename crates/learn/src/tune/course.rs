@@ -147,9 +147,9 @@ impl Course<'_> {
         let begun = Weights { q: observer.q, r: observer.r };
         let little = || {
             format!(
-                "in no cylinder there is enough to judge: at least {:.0} s in monitored states with \
-                 position and command are needed, without the times after longer gaps, in which the \
-                 observers settle",
+                "no cylinder has enough data to judge: at least {:.0} s in monitored states with \
+                 position and command are needed, not counting the times after longer gaps, in \
+                which the observers settle",
                 f64::from(criterion.block) * criterion.sample_time * LEAST_BLOCKS as f64
             )
         };
@@ -180,8 +180,9 @@ fn tails(detectors: &[Detector], block: u32, sample_time: f64) -> Result<Vec<Tai
     let tail = |detector: &Detector| {
         detector.tail.ok_or_else(|| {
             format!(
-                "C{} of cylinder {} was judged in {:.1} s only, of {least:.0} s at least: the \
-                 recording is too short, its readings or commands are missing, or the platform is \
+                "C{} of cylinder {} was judged for only {:.1} s, and at least {least:.0} s are \
+                 needed: the recording is too short, its readings or commands are missing, or the \
+                platform is \
                  in no monitored state",
                 detector.transducer + 1,
                 detector.cylinder,

@@ -20,9 +20,8 @@ impl Tuning {
         let Thresholds { high, hours, per_year, .. } = self.thresholds;
         let [low_end, high_end] = settings.machine.stroke;
         if high <= 0.0 {
-            return Err(
-                "the residuals are zero throughout: this is no recording of a machine".to_owned()
-            );
+            return Err("the residuals are zero throughout: this is not a recording of a machine"
+                .to_owned());
         }
         let critical = settings.comparator.critical;
         let farther = HOURS_PER_YEAR / per_year / hours;
@@ -35,10 +34,12 @@ impl Tuning {
             (rate / per_second(1.0)).ceil()
         };
         Err(format!(
-            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, a tenth of \
-         comparator.critical: the observers would hardly find what they are for. Record for longer than \
-         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the recording can \
-         speak of (--false-alarms-per-year): with {:.1} mm, the thesis's, it is about {:.0} a year, with \
+            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, \
+             a tenth of comparator.critical: the observers would hardly find any fault. Record for \
+            longer than \
+         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the \
+         recording supports (--false-alarms-per-year): with the thesis's {:.1} mm it is about \
+         {:.0} a year, with \
          {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
             high * 1e3,
             LARGEST * critical * 1e3,
@@ -72,7 +73,7 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     if result.thresholds.high >= critical {
         remarks.push(format!(
             "the threshold of {:.1} mm is not below comparator.critical, {:.1} mm, where the machine \
-             itself trips: FDE1 and FDE2 then only tell which transducer it was",
+             itself trips: FDE1 and FDE2 then only tell which transducer has failed",
             result.thresholds.high * 1e3,
             critical * 1e3
         ));
@@ -105,8 +106,8 @@ pub(super) fn sequential(
         let level = watch.level(per_year);
         let refused = level.filter(|level| !level.sound).map(|level| {
             format!(
-                "sequential detectors: {:.1} nats of evidence were seen, which no healthy machine has by \
-                 what it was calibrated to; no level is written: calibrate anew",
+                "sequential detectors: {:.1} nats of evidence were seen, which a healthy machine \
+                 would not have with these tables; no level is written: calibrate again",
                 level.worst
             )
         });

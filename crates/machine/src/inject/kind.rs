@@ -59,7 +59,7 @@ pub(super) const KINDS: [Kind; 11] = [
     Kind {
         name: "noise",
         alias: None,
-        what: "Type II: adds size × −1, 0 or 1, drawn anew each frame",
+        what: "Type II: adds size × −1, 0 or 1, drawn for each frame",
         keys: &[key("size", "m", Rule::Finite, None)],
     },
     Kind {

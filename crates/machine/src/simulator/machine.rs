@@ -17,7 +17,7 @@ use std::f64::consts::TAU;
 /// Why a machine cannot exist.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachineError {
-    #[error("the sea cannot be: {0}")]
+    #[error("the sea cannot exist: {0}")]
     Sea(#[from] SeaError),
     #[error(
         "a sea of {height} m and {period} s moves the cylinders by {stroke:.2} m within an hour, \

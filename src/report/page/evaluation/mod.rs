@@ -165,8 +165,9 @@ fn moved(result: &Evaluation) -> Option<(Figure, String)> {
             .shaped(Shape::Hairline),
         Curve::dots("a kind and size of fault", palette::VERMILION, points),
     ];
-    let panel = Panel::new(220, axis("rod off in the loop (mm)"), curves);
-    let title = "What the controller does with a faulty C1\nBeside the loop C1 reads off and the rod \
-                 goes on as before; in the loop C1 stays near its reference and the rod goes off.";
-    Some((Figure::single(HALF, axis("C1 off beside the loop (mm)"), panel), title.to_owned()))
+    let panel = Panel::new(220, axis("displacement of the rod in the loop (mm)"), curves);
+    let title = "What the controller does with a faulty C1\nBeside the loop C1's reading is off \
+        and the rod moves as before; in the loop C1 stays near its reference and the rod is \
+    displaced.";
+    Some((Figure::single(HALF, axis("error of C1 beside the loop (mm)"), panel), title.to_owned()))
 }
