@@ -281,14 +281,10 @@ mod tests {
     }
 
     fn after(residuals: impl IntoIterator<Item = f64>, independence: Independence) -> [Peak; 2] {
-        weighed(residuals, 1.0, independence)
+        weighed(residuals.into_iter(), 1.0, independence)
     }
 
-    fn weighed(
-        residuals: impl IntoIterator<Item = f64>,
-        share: f64,
-        of: Independence,
-    ) -> [Peak; 2] {
+    fn weighed(residuals: impl Iterator<Item = f64>, share: f64, of: Independence) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(scales.bands());
         for residual in residuals {
