@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
 use support::{Scratch, tertius};
-use tertius::appliance::doctor::facts::{Bus, Facts, Interface};
+use tertius::appliance::doctor::facts::{Bus, Facts, InterfaceFacts};
 use tertius::appliance::doctor::{Finding, Verdict, examine};
 use tertius::bus::Stamps;
 use tertius::bus::socket::ControllerState;
@@ -36,7 +36,7 @@ fn judged(facts: &Facts, subject: &str, verdict: Verdict, words: &[&str]) {
     }
 }
 
-fn changed(change: impl FnOnce(&mut Interface)) -> Facts {
+fn changed(change: impl FnOnce(&mut InterfaceFacts)) -> Facts {
     let mut facts = sound();
     let Bus::Socket(interface) = &mut facts.bus else { unreachable!("it is a socket") };
     change(interface);

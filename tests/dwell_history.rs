@@ -17,7 +17,7 @@ use tertius::config::design;
 use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
 use tertius::monitor::{Monitor, Sink};
-use tertius::sequential::{Archive, Blame, Dwell, Judgement, Limits, stops};
+use tertius::sequential::{Archive, Blame, DriftLimits, Dwell, Judgement, stops};
 use visits::{CONFIG, COUNT, DRIFTING, NAME, STEP, visits};
 
 #[derive(Default)]
@@ -273,7 +273,7 @@ fn keep(machine: &str, path: Option<&str>) -> Kept {
     Kept {
         machine: machine.to_owned(),
         cylinders: 6,
-        limits: Limits { maintenance: 5e-3, critical: 0.05 },
+        limits: DriftLimits { maintenance: 5e-3, critical: 0.05 },
         file: path.map(|path| HistoryFile::new(path.into())),
     }
 }

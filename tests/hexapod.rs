@@ -4,7 +4,7 @@ mod support;
 
 use nalgebra::{Rotation3, Unit, Vector3};
 use support::Seeded;
-use tertius::hexapod::{Geometry, Hexapod, KinematicsError, LEGS, Legs, Motion, Pose, Rate};
+use tertius::hexapod::{FrameMotion, Geometry, Hexapod, KinematicsError, LEGS, Legs, Pose, Rate};
 
 fn geometry() -> Geometry {
     Geometry {
@@ -171,8 +171,8 @@ fn velocities_are_the_differences_of_lengths_while_both_frames_move() {
         };
         let (ahead, behind) = (lengths(step), lengths(-step));
         let velocities = Legs::new(&hexapod, &base, &deck).velocities(
-            Motion { pose: &base, rate: &base_rate },
-            Motion { pose: &deck, rate: &deck_rate },
+            FrameMotion { pose: &base, rate: &base_rate },
+            FrameMotion { pose: &deck, rate: &deck_rate },
         );
         for leg in 0..LEGS {
             let slope = (ahead[leg] - behind[leg]) / (2.0 * step);

@@ -10,7 +10,7 @@ use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::live::gateway::{Gateway, NotTold, Silent};
-use tertius::live::outbox::{Limits, Outbox};
+use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Monitor;
 use tertius::time::{Span, Timestamp};
 
@@ -30,13 +30,13 @@ fn gateway() -> Gateway {
 
 /// A gateway that may take `share` of the bus.
 fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
     Gateway::new(monitor, outbox, Span::from_seconds(0.01))
@@ -260,7 +260,7 @@ fn the_last_words_are_within_the_share_however_much_went_before() {
         let newest = bench.heard.last().expect("it spoke");
         assert_eq!((newest.id.value(), mode(newest)), (0x1D1, 4), "{frames} frames at {share}");
         let seconds = newest.timestamp.since(traffic[0].timestamp).as_seconds();
-        let most = share * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
+        let most = share * 500_000.0 / 135.0 * seconds + f64::from(OutboxLimits::BURST);
         assert!(bench.heard.len() as f64 <= most, "{} of {most}", bench.heard.len());
         for _ in 0..40 {
             bench.clock.advance(Span::from_seconds(0.025));
@@ -338,7 +338,7 @@ fn estimates_take_nothing_from_warnings_and_statuses() {
         assert!(of(&bench.heard, id) == of(&plain.heard, id), "{id:x}");
     }
     let seconds = 400.0 * 0.02;
-    let most = 0.05 * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
+    let most = 0.05 * 500_000.0 / 135.0 * seconds + f64::from(OutboxLimits::BURST);
     assert!((bench.heard.len() as f64) < most, "{} of {most}", bench.heard.len());
     assert!(bench.gateway.outbox().counts().outdated > 500);
 }

@@ -36,7 +36,7 @@ use tracing::{info, warn};
 const SLICE: Duration = Duration::from_millis(50);
 
 /// Everything that is prepared from a configuration.
-pub struct Prepared {
+pub struct PreparedGateway {
     pub gateway: Gateway,
     /// Opens the interface.
     pub opener: Box<dyn Opener>,
@@ -50,7 +50,7 @@ pub struct Prepared {
     pub kept: Kept,
 }
 
-type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
+type Prepare = Box<dyn FnMut() -> Result<PreparedGateway, Failure>>;
 
 /// The surroundings of the gateway on a computer.
 pub struct Appliance {
@@ -256,7 +256,7 @@ impl Surroundings for Appliance {
 
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(Prepared { mut gateway, opener, interface, listen, realtime: _, kept }) => {
+            Ok(PreparedGateway { mut gateway, opener, interface, listen, realtime: _, kept }) => {
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();

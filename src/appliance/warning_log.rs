@@ -1,11 +1,11 @@
 //! Logs warnings.
 
 use crate::alarm::{State, Warning};
-use crate::live::outbox::Limits;
+use crate::live::outbox::OutboxLimits;
 use tracing::{info, warn};
 
 /// Most warnings that wait: as many as wait to be sent. Further ones are logged at once.
-const WAITING: usize = Limits::WAITING;
+const WAITING: usize = OutboxLimits::WAITING;
 
 /// Keeps the warnings of a turn until their frames have been sent, since the bus comes first.
 /// Writing a log line takes longer than everything that the monitor does with a frame, and wakes

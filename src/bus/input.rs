@@ -19,13 +19,13 @@ const COMPRESSED_PIECE: usize = 64 * 1024;
 const DECODED_PIECE: usize = 16 * 1024;
 
 /// An input that is not open yet.
-pub enum Place {
+pub enum InputPlace {
     StandardInput,
     File(PathBuf),
     Reader { name: String, reader: Box<dyn Read + Send> },
 }
 
-impl Place {
+impl InputPlace {
     /// The place of `path`; `-` is standard input.
     pub fn of(path: &Path) -> Self {
         if path.as_os_str() == "-" { Self::StandardInput } else { Self::File(path.to_owned()) }

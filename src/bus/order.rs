@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::time::Timestamp;
 
 use super::candump::{Extent, Line, blank_frame};
-use super::input::Place;
+use super::input::InputPlace;
 use super::selection::Interfaces;
 use super::source::SourceError;
 
@@ -19,11 +19,11 @@ const LISTED: usize = 16;
 /// examined, and time stamps with an origin of their own are ignored.
 ///
 /// # Errors The two recordings, and the right order.
-pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceError> {
+pub fn check(places: &[&InputPlace], interfaces: &Interfaces) -> Result<(), SourceError> {
     if places.len() < 2 {
         return Ok(());
     }
-    let begins = |place: &&Place| Some((place.name(), beginning(place, interfaces)?));
+    let begins = |place: &&InputPlace| Some((place.name(), beginning(place, interfaces)?));
     let mut known: Vec<(String, Timestamp)> = places.iter().filter_map(begins).collect();
     let Some(wrong) = known.windows(2).position(|pair| pair[1].1 < pair[0].1) else {
         return Ok(());
@@ -42,7 +42,8 @@ pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceErr
 /// `paths` in the order in which they begin, by their time stamps; unchanged where one of them has
 /// none. Files that cannot be opened are reported when they are read.
 pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
-    let begins = |path: &PathBuf| Some((beginning(&Place::of(path), interfaces)?, path.clone()));
+    let begins =
+        |path: &PathBuf| Some((beginning(&InputPlace::of(path), interfaces)?, path.clone()));
     match paths.iter().map(begins).collect::<Option<Vec<_>>>() {
         Some(mut known) => {
             known.sort_by_key(|(begin, _)| *begin);
@@ -53,8 +54,8 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
 }
 
 /// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
-fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
-    let Place::File(path) = place else { return None };
+fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
+    let InputPlace::File(path) = place else { return None };
     let text = first_bytes(path)?;
     let meant = match interfaces {
         Interfaces::All => None,
@@ -83,7 +84,7 @@ fn first_bytes(path: &Path) -> Option<Vec<u8>> {
     if !path.metadata().ok()?.is_file() {
         return None;
     }
-    let mut input = Place::File(path.to_owned()).open().ok()?;
+    let mut input = InputPlace::File(path.to_owned()).open().ok()?;
     let mut bytes = vec![0; PEEK];
     let mut length = 0;
     while length < PEEK {

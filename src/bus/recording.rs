@@ -8,8 +8,8 @@ use crate::frame::{Frame, Kind};
 
 use super::barren::{Barren, Seems};
 use super::buffer::{Buffer, Next};
-use super::candump::{Clock, Common, Known, Line, MAX_LINE, Reason, TimeStamps, blank_frame};
-use super::input::{Input, Place};
+use super::candump::{Common, Known, Line, MAX_LINE, Reason, StampClock, TimeStamps, blank_frame};
+use super::input::{Input, InputPlace};
 use super::order;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
@@ -38,13 +38,13 @@ pub struct Progress {
 /// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
 /// kilobytes of frames that wait until it is known whether their interface is meant.
 pub struct Recording {
-    places: VecDeque<Place>,
+    places: VecDeque<InputPlace>,
     input: Option<Input>,
     /// Whether the current input's end is missing, so that its last line may be incomplete.
     damaged: bool,
     buffer: Buffer,
     common: Common,
-    clock: Clock,
+    clock: StampClock,
     frame: Frame,
     selection: Selection,
     interfaces: Interfaces,
@@ -77,16 +77,16 @@ impl Recording {
     /// # Errors
     /// A file does not exist, may not be read or is a directory; files are not in the order of time.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
-        Self::new(paths.iter().map(|path| Place::of(path.as_ref())).collect(), options)
+        Self::new(paths.iter().map(|path| InputPlace::of(path.as_ref())).collect(), options)
     }
 
     /// A recording from any reader; `name` is its name in reports.
     pub fn from_reader(name: &str, reader: Box<dyn Read + Send>, options: Options) -> Self {
-        let place = Place::Reader { name: name.to_owned(), reader };
+        let place = InputPlace::Reader { name: name.to_owned(), reader };
         Self::over(VecDeque::from([place]), None, options)
     }
 
-    fn new(places: VecDeque<Place>, options: Options) -> Result<Self, SourceError> {
+    fn new(places: VecDeque<InputPlace>, options: Options) -> Result<Self, SourceError> {
         let mut total = Some(0);
         for place in &places {
             let size = place.check()?;
@@ -98,14 +98,14 @@ impl Recording {
         Ok(Self::over(places, total, options))
     }
 
-    fn over(places: VecDeque<Place>, total: Option<u64>, options: Options) -> Self {
+    fn over(places: VecDeque<InputPlace>, total: Option<u64>, options: Options) -> Self {
         Self {
             places,
             input: None,
             damaged: false,
             buffer: Buffer::new(),
             common: Common::new(),
-            clock: Clock::new(options.time_stamps),
+            clock: StampClock::new(options.time_stamps),
             frame: blank_frame(),
             selection: Selection::new(options.interfaces.clone()),
             interfaces: options.interfaces,

@@ -6,7 +6,7 @@ use super::learnt_file::Prepared;
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use super::update::{Study, Update};
-use crate::calibrate::{Calibration, Course};
+use crate::calibrate::{Calibration, CalibrationCourse};
 use crate::commission::holding::Without;
 use crate::config::design;
 use crate::report::calibration;
@@ -125,7 +125,8 @@ impl Calibrate {
             Some(percent) => all.split(1.0 - f64::from(percent) / 100.0),
             None => [all, all],
         };
-        let course = Course { settings, fitted, tried, per_year: self.false_alarms_per_year };
+        let course =
+            CalibrationCourse { settings, fitted, tried, per_year: self.false_alarms_per_year };
         let recording = Without { recording: study, blocks: None, cuts: &study.cuts };
         Calibration::of(&course, &recording, &study.origin())
     }

@@ -5,7 +5,7 @@ use super::files::{Claimed, Overwriting};
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use crate::config::design;
-use crate::identify::course::{Course, Options};
+use crate::identify::course::{IdentificationCourse, Options};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
 use crate::report::{identification, page};
@@ -104,7 +104,8 @@ impl Identify {
             &self.place,
         )?;
         let (settings, origin) = (&surveyed.machine.loaded.settings, &surveyed.origin());
-        let outcome = Course { settings, origin, options: self.options() }.run(&surveyed)?;
+        let outcome =
+            IdentificationCourse { settings, origin, options: self.options() }.run(&surveyed)?;
         let text = identification::page(&outcome);
         std::io::stdout()
             .write_all(text.as_bytes())

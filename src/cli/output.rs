@@ -7,7 +7,7 @@ use crate::bus::LogWriter;
 use crate::estimate::Estimate;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
-use crate::report::page::Recorder;
+use crate::report::page::PageRecorder;
 use crate::report::{Episodes, EstimateTable, ResidualTable, jsonl};
 use crate::time::Timestamp;
 use std::io::{self, BufWriter, Stdout, Write};
@@ -27,7 +27,7 @@ pub struct Output {
     pub episodes: Episodes,
     pub notices: Notices,
     /// Recorder for the page's figures, if a page is requested.
-    pub recorder: Option<Recorder>,
+    pub recorder: Option<PageRecorder>,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<ResidualTable<Writer>>,
     estimates: Option<EstimateTable<Writer>>,

@@ -4,7 +4,7 @@ use super::Failure;
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Port, Unrestricted};
 use crate::inject::Injector;
-use crate::live::proxy::{self, Bench, Lane, LaneCounts, Limits, Open, Proxy, Side};
+use crate::live::proxy::{self, Bench, Lane, LaneCounts, LaneLimits, Open, Proxy, Side};
 use crate::report::counted;
 use crate::time::Span;
 use nix::net::if_::if_nametoindex;
@@ -50,7 +50,7 @@ pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
         }
     }
     let age = Span::from_seconds(ends.max_age.as_secs_f64());
-    let mut proxy = Proxy::new(injector, Limits { waiting: WAITING, age });
+    let mut proxy = Proxy::new(injector, LaneLimits { waiting: WAITING, age });
     let mut sides = [Side::new(from.opener()), Side::new(to.opener())];
     let mut host = Host::new(ends)
         .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;

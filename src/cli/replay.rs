@@ -9,8 +9,8 @@ use super::progress::Bar;
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
-use crate::report::judgement::Recorded;
-use crate::report::page::{self, Recorder};
+use crate::report::judgement::RecordedFacts;
+use crate::report::page::{self, PageRecorder};
 use crate::report::{Judgement, Stops, Summary, estimates, jsonl, residuals};
 use crate::time::Span;
 use clap::{Args, ValueEnum};
@@ -56,8 +56,8 @@ pub struct Replay {
     #[command(flatten)]
     overwriting: Overwriting,
     /// The meaning of the time stamps of a console recording
-    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
-    time_stamps: Stamps,
+    #[arg(long, value_enum, default_value_t = StampOption::Auto)]
+    time_stamps: StampOption,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -67,7 +67,7 @@ enum Format {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Stamps {
+pub enum StampOption {
     /// Determined from the time stamps
     Auto,
     /// Time of day (candump -ta, -tA)
@@ -78,13 +78,13 @@ pub enum Stamps {
     Zero,
 }
 
-impl From<Stamps> for TimeStamps {
-    fn from(stamps: Stamps) -> Self {
+impl From<StampOption> for TimeStamps {
+    fn from(stamps: StampOption) -> Self {
         match stamps {
-            Stamps::Auto => Self::Auto,
-            Stamps::Absolute => Self::Absolute,
-            Stamps::Delta => Self::Delta,
-            Stamps::Zero => Self::Zero,
+            StampOption::Auto => Self::Auto,
+            StampOption::Absolute => Self::Absolute,
+            StampOption::Delta => Self::Delta,
+            StampOption::Zero => Self::Zero,
         }
     }
 }
@@ -108,7 +108,7 @@ impl Replay {
             [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
         )?;
-        output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
+        output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let mut design = machine.design.clone();
         if self.estimates.is_some() && design.estimates == Estimates::None {
             design.estimates = Estimates::Told;
@@ -236,7 +236,7 @@ fn judgement(
 ) -> Judgement {
     let (statistics, counts) = (recording.statistics(), monitor.counts());
     let (design, used) = (&machine.design, counts.used);
-    let recorded = Recorded { statistics, interfaces, design, used };
+    let recorded = RecordedFacts { statistics, interfaces, design, used };
     let states = machine.loaded.settings.machine.monitored_states.as_deref();
     let tallies = monitor.tallies().copied().collect::<Vec<_>>();
     Judgement::new(&recorded, counts, &tallies, states.filter(|_| !monitor.has_opened()))

@@ -7,12 +7,12 @@ use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
-use crate::appliance::surroundings::{Appliance, Prepared};
+use crate::appliance::surroundings::{Appliance, PreparedGateway};
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
-use crate::live::outbox::{Limits, Outbox};
+use crate::live::outbox::{Outbox, OutboxLimits};
 use crate::live::supervisor::{self, Opener};
 use crate::monitor::Monitor;
 use crate::time::Span;
@@ -47,7 +47,7 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let Prepared { mut gateway, opener, listen, interface, realtime, kept } =
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -69,13 +69,13 @@ impl Run {
 /// The gateway of a machine.
 pub fn gateway(machine: Machine) -> Gateway {
     let settings = &machine.loaded.settings;
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: usize::from(settings.machine.cylinders),
         age: Span::from_seconds(settings.gateway.max_age),
         bitrate: f64::from(settings.bus.bitrate),
         share: settings.gateway.bus_share,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
@@ -89,7 +89,7 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
 
 /// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus
 /// of `stage`.
-fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Failure> {
+fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
     let identifiers = identifiers(&machine);
@@ -105,7 +105,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Fa
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    Ok(Prepared { gateway: gateway(machine), opener, listen, interface, realtime, kept })
+    Ok(PreparedGateway { gateway: gateway(machine), opener, listen, interface, realtime, kept })
 }
 
 /// A SocketCAN interface by name.

@@ -9,7 +9,7 @@ use crate::bus::{
     Identifiers, LogWriter, Port, PortCounts, PortError, Received, Recording, Sent, Source, Stamps,
 };
 use crate::frame::{Frame, Id};
-use crate::live::outbox::Limits;
+use crate::live::outbox::OutboxLimits;
 use crate::live::supervisor::Opener;
 use crate::time::{Span, Timestamp};
 use std::cell::RefCell;
@@ -20,7 +20,7 @@ use std::time::Duration;
 
 /// Most frames that wait for a listener: two turns of the gateway, each with everything that it may
 /// send at once. The player lets the gateway have a turn after each frame.
-const CAPACITY: usize = 2 * (Limits::BURST as usize + 1);
+const CAPACITY: usize = 2 * (OutboxLimits::BURST as usize + 1);
 
 /// A file of frames in the format of `candump -l`.
 pub type Record = LogWriter<Writer>;

@@ -4,11 +4,11 @@
 use super::Failure;
 use super::machine::Machine;
 use super::progress::Bar;
-use super::replay::Stamps;
+use super::replay::StampOption;
 use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
-use crate::report::judgement::Recorded;
+use crate::report::judgement::RecordedFacts;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -36,8 +36,8 @@ pub struct Field {
     #[arg(long, value_name = "NAME")]
     pub interface: Option<String>,
     /// The meaning of the time stamps of a console recording
-    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
-    pub time_stamps: Stamps,
+    #[arg(long, value_enum, default_value_t = StampOption::Auto)]
+    pub time_stamps: StampOption,
 }
 
 /// A place in a recording, from the command line.
@@ -149,7 +149,7 @@ impl Field {
         let extent = Extent::of(&mut recording, &design)?;
         let statistics = recording.statistics().clone();
         let (interfaces, used) = (&options.interfaces, extent.used);
-        let recorded = Recorded { statistics: &statistics, interfaces, design: &design, used };
+        let recorded = RecordedFacts { statistics: &statistics, interfaces, design: &design, used };
         let nothing = recorded.nothing();
         if extent.timeline.ends().is_none() || !nothing.is_empty() {
             let reasons = nothing.join("; ");

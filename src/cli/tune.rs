@@ -8,7 +8,7 @@ use super::tables::{self, InPlace};
 use crate::config::design;
 use crate::report::{page, tuning};
 use crate::tables as learnt;
-use crate::tune::course::{Course, SIGMA, Untuned};
+use crate::tune::course::{SIGMA, TuningCourse, Untuned};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -61,7 +61,7 @@ impl Tune {
         let [output, report] =
             tables::claim("tune", outputs, self.overwriting, &self.field, &surveyed, &self.place)?;
         let settings = &surveyed.machine.loaded.settings;
-        let course = Course {
+        let course = TuningCourse {
             settings,
             design: &surveyed.machine.design,
             origin: &surveyed.origin(),

@@ -10,7 +10,7 @@ use std::collections::VecDeque;
 
 /// Limits of the outbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct OutboxLimits {
     /// Most warnings that wait; the oldest gives way.
     pub waiting: usize,
     /// Most estimates that wait, one for each cylinder; the oldest gives way.
@@ -28,7 +28,7 @@ pub struct Limits {
 /// Most warnings that can stand at once on the largest machine.
 const STANDING: usize = PLACES * MAX_CYLINDERS;
 
-impl Limits {
+impl OutboxLimits {
     /// Most warnings that wait: two for each that can stand, as where one is raised and cleared
     /// before the first could be sent.
     pub const WAITING: usize = 2 * STANDING;
@@ -65,7 +65,7 @@ pub struct OutboxCounts {
 /// ([`Self::close`]).
 #[derive(Clone, Debug)]
 pub struct Outbox {
-    limits: Limits,
+    limits: OutboxLimits,
     status_id: Id,
     status: Option<OwnFrame>,
     warnings: VecDeque<OwnFrame>,
@@ -82,7 +82,7 @@ pub struct Outbox {
 
 impl Outbox {
     /// An empty outbox; frames with the identifier `status_id` are statuses.
-    pub fn new(limits: Limits, status_id: Id) -> Self {
+    pub fn new(limits: OutboxLimits, status_id: Id) -> Self {
         Self {
             limits,
             status_id,

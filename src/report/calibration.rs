@@ -2,7 +2,7 @@
 
 use super::coverage;
 use super::sheet::{Section, Sheet};
-use crate::calibrate::{Calibration, Tried};
+use crate::calibrate::{Calibration, TriedBand};
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::provenance::four_digits;
@@ -61,7 +61,7 @@ pub fn bands(result: &Calibration) -> Section {
         let Some(tried) = cylinder.tried.as_ref().filter(|tried| tried.after.count > 0) else {
             continue;
         };
-        let Tried { before, after, .. } = tried;
+        let TriedBand { before, after, .. } = tried;
         table.add_row([
             cylinder.number.to_string(),
             format!("{:.3} to {:.3} mm", before.low * 1e3, before.high * 1e3),
@@ -100,7 +100,7 @@ pub fn sequential(result: &Calibration) -> Section {
     )
 }
 
-fn faulty(tried: &Tried) -> String {
+fn faulty(tried: &TriedBand) -> String {
     match tried.faulty {
         0 => format!("none beyond {:.2} mm", tried.limit() * 1e3),
         some => format!(

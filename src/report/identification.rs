@@ -3,7 +3,7 @@
 use super::sheet::{Section, Sheet};
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
-use crate::identify::validate::Score;
+use crate::identify::validate::SignalScore;
 use std::fmt::Write as _;
 
 /// The page.
@@ -139,7 +139,7 @@ pub fn taken(outcome: &Outcome) -> String {
     format!("the model of cylinder {} is chosen: {why}, {:.2} %\n", choice.of, choice.worst)
 }
 
-fn percent(score: &Score) -> String {
+fn percent(score: &SignalScore) -> String {
     format!("{:.2}", score.vaf())
 }
 

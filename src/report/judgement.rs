@@ -11,7 +11,7 @@ const LISTED: usize = 6;
 
 /// Facts about a recording that has been read.
 #[derive(Clone, Copy, Debug)]
-pub struct Recorded<'a> {
+pub struct RecordedFacts<'a> {
     pub statistics: &'a Statistics,
     /// The requested interface.
     pub interfaces: &'a Interfaces,
@@ -31,7 +31,7 @@ impl Judgement {
     /// and detector; `missed` are the monitored states by name, if the platform was in none of
     /// them.
     pub fn new(
-        recorded: &Recorded<'_>,
+        recorded: &RecordedFacts<'_>,
         counts: &Counts,
         tallies: &[Tally],
         missed: Option<&[String]>,
@@ -65,7 +65,7 @@ impl Judgement {
     }
 }
 
-impl Recorded<'_> {
+impl RecordedFacts<'_> {
     /// Why the recording has nothing of this machine; empty where it has.
     pub fn nothing(&self) -> Vec<String> {
         if self.used > 0 {

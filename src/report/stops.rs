@@ -1,13 +1,13 @@
 //! Readings on the mechanical stops and their trends, in numbers and words.
 
-use crate::sequential::{Blame, DwellHistory, Forecast, Judgement, Limits, Trend, stops};
+use crate::sequential::{Blame, DriftLimits, DwellHistory, Forecast, Judgement, Trend, stops};
 use serde::Serialize;
 
 /// Histories of the cylinders that have one, and their common limits.
 #[derive(Clone, Debug)]
 pub struct Stops<'a> {
     pub stops: Vec<Stop<'a>>,
-    pub limits: Limits,
+    pub limits: DriftLimits,
 }
 
 /// Readings on the stop of one cylinder.
@@ -75,7 +75,7 @@ impl Stop<'_> {
 
 impl<'a> Stops<'a> {
     /// Judges `histories`, which have the numbers of their cylinders, of one machine.
-    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: Limits) -> Self {
+    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: DriftLimits) -> Self {
         let judged = stops::judge(histories.iter().map(|(_, history)| *history));
         let stop = |((cylinder, history), judgement)| Stop { cylinder, history, judgement };
         Self { stops: histories.into_iter().zip(judged).map(stop).collect(), limits }
@@ -91,14 +91,14 @@ impl<'a> Stops<'a> {
     }
 
     pub fn columns(&self) -> Vec<String> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let limits = [maintenance, critical].map(|limit| format!("until {}", millimetres(limit)));
         COLUMNS.map(str::to_owned).into_iter().chain(limits).collect()
     }
 
     /// A row for each transducer that was read on its stop.
     pub fn rows(&self) -> Vec<Vec<String>> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let mut rows = Vec::new();
         for stop in self.known() {
             for (which, trend) in stop.trends().into_iter().enumerate() {
@@ -144,7 +144,7 @@ impl<'a> Stops<'a> {
 
     /// Rows for scripts; a transducer with too few dwells is left out.
     pub fn lines(&self) -> Vec<TrendLine> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let line = |stop: &Stop<'_>, which: usize, trend: Trend| TrendLine {
             cylinder: stop.cylinder,
             transducer: ["c1", "c2"][which],
@@ -231,7 +231,7 @@ mod tests {
     use crate::sequential::Dwell;
     use crate::time::Timestamp;
 
-    const LIMITS: Limits = Limits { maintenance: 5e-3, critical: 0.05 };
+    const LIMITS: DriftLimits = DriftLimits { maintenance: 5e-3, critical: 0.05 };
 
     /// A history with one dwell a day; C2 drifts by `drift` in a day, m.
     fn history(days: i64, drift: f64) -> DwellHistory {

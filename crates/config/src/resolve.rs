@@ -4,7 +4,7 @@ use super::settings::{
     Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
 };
 use tertius_core::decode::Raw;
-use tertius_core::sequential::{self, Limits};
+use tertius_core::sequential::{self, DriftLimits};
 use tertius_dbc::Signal;
 
 /// Least level, nats, however many false alarms are allowed: weaker evidence is never enough.
@@ -113,11 +113,11 @@ impl Settings {
     }
 
     /// Limits of how far a reading on the stop may move.
-    pub fn drift_limits(&self) -> Limits {
+    pub fn drift_limits(&self) -> DriftLimits {
         let critical = self.comparator.critical;
         // As it is reached, nine times the time that it took is left, and each detector works as ever.
         let maintenance = self.sequential.maintenance.unwrap_or(critical / 10.0);
-        Limits { maintenance, critical }
+        DriftLimits { maintenance, critical }
     }
 
     fn own(&self, n: u8) -> Option<&Cylinder> {

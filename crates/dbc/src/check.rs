@@ -9,7 +9,7 @@ use super::finding::{Concern, Finding, Findings, Severity};
 use super::message::{Message, Signal};
 use super::multiplex::{Routes, disjoint, is_float, is_multiplexor, is_signed};
 use super::parse_error::ParseError;
-use tertius_core::decode::{Field, Form, Gate, NoField, SignalPlan};
+use tertius_core::decode::{BitField, MultiplexGate, NoField, NumberForm, SignalPlan};
 use tertius_core::frame::{Id, MAX_DATA};
 
 /// Steps that the search for overlaps may take in one DBC: less than a second, and more than an
@@ -29,7 +29,7 @@ pub(super) fn compile(
     let mut own = Vec::new();
     let id = message_id(draft, &mut own);
     check_message(draft, &mut own);
-    let fields: Vec<Option<Field>> =
+    let fields: Vec<Option<BitField>> =
         draft.signals.iter().map(|signal| check_signal(draft, signal, &mut own)).collect();
     let mut routes = Routes::resolve(draft);
     own.append(&mut routes.findings);
@@ -118,7 +118,7 @@ fn check_message(draft: &Draft, own: &mut Vec<Finding>) {
     }
 }
 
-fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
+fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<BitField> {
     let parsed = &signal.parsed;
     let mut note = |severity, concern, what: String, remedy| {
         own.push(draft.finding(severity, concern, Some(signal), what, remedy));
@@ -153,7 +153,7 @@ fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> 
 
 /// The signal's bits, if they are valid; errors where they are not a float's or lie outside the
 /// message.
-fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
+fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<BitField> {
     let parsed = &signal.parsed;
     let mut error = |concern, what: String, remedy| {
         own.push(draft.finding(Severity::Error, concern, Some(signal), what, remedy));
@@ -181,7 +181,7 @@ fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> O
         );
     };
     let motorola = parsed.byte_order == ByteOrder::BigEndian;
-    match Field::new(parsed.start_bit, parsed.size, motorola, is_signed(signal)) {
+    match BitField::new(parsed.start_bit, parsed.size, motorola, is_signed(signal)) {
         Ok(field) => {
             if field.needs() as u64 > draft.length {
                 outside(format!("it ends in byte {}, counted from 1", field.needs()));
@@ -204,7 +204,7 @@ fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> O
 /// overlap cannot be told from a mistake that takes two redundant readings from one place.
 fn check_overlaps(
     draft: &Draft,
-    fields: &[Option<Field>],
+    fields: &[Option<BitField>],
     routes: &Routes,
     own: &mut Vec<Finding>,
     steps: &mut u64,
@@ -259,18 +259,21 @@ fn number(value: NumericValue) -> f64 {
 }
 
 /// The signal `at`; its message has no error.
-fn signal(draft: &Draft, at: usize, fields: &[Field], routes: &Routes) -> Signal {
+fn signal(draft: &Draft, at: usize, fields: &[BitField], routes: &Routes) -> Signal {
     let source = &draft.signals[at];
     let parsed = &source.parsed;
     let form = match (is_float(source), parsed.size) {
-        (false, 64) if !is_signed(source) => Form::Unsigned64,
-        (false, _) => Form::Integer,
-        (true, 32) => Form::Float32,
-        (true, _) => Form::Float64,
+        (false, 64) if !is_signed(source) => NumberForm::Unsigned64,
+        (false, _) => NumberForm::Integer,
+        (true, 32) => NumberForm::Float32,
+        (true, _) => NumberForm::Float64,
     };
-    let mut gates: Vec<Gate> = routes
+    let mut gates: Vec<MultiplexGate> = routes
         .way(at)
-        .map(|route| Gate { field: fields[route.multiplexor], ranges: route.ranges.clone() })
+        .map(|route| MultiplexGate {
+            field: fields[route.multiplexor],
+            ranges: route.ranges.clone(),
+        })
         .collect();
     gates.reverse();
     let range = [number(parsed.min), number(parsed.max)];

@@ -60,12 +60,12 @@ pub struct Message {
 pub enum Bus {
     /// The embedded bus, `interface = "virtual"`.
     Embedded,
-    Socket(Box<Interface>),
+    Socket(Box<InterfaceFacts>),
 }
 
 /// A SocketCAN interface.
 #[derive(Clone, Debug)]
-pub struct Interface {
+pub struct InterfaceFacts {
     /// Why the kernel has no CAN sockets, if it has none.
     pub no_can: Option<String>,
     /// State of the interface in the kernel, or why it is not known.
@@ -95,7 +95,7 @@ pub struct Receiving {
 #[derive(Clone, Debug)]
 pub struct Host {
     pub rights: Rights,
-    pub clock: Clock,
+    pub clock: ClockFacts,
     pub service: Service,
     /// Address at which the gateway serves HTTP, and why it could not, if so; `None` if HTTP is
     /// off.
@@ -121,7 +121,7 @@ pub struct Rights {
 
 /// The system's clock.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Clock {
+pub struct ClockFacts {
     /// Whether it is synchronised; `None` if this could not be determined.
     pub synchronised: Option<bool>,
     /// Step of the clock against one that nobody sets.

@@ -1,6 +1,8 @@
 //! Collects the facts. Listens and reads; sends and changes nothing.
 
-use super::facts::{Bus, Clock, Facts, Host, Interface, Receiving, Rights, Service, Wanted};
+use super::facts::{
+    Bus, ClockFacts, Facts, Host, InterfaceFacts, Receiving, Rights, Service, Wanted,
+};
 use super::hearing::Hearing;
 use super::load::Rates;
 use super::process::gateway_config;
@@ -44,11 +46,11 @@ pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: 
     Facts { wanted, bus, host: Host { rights, clock, service: service(), http } }
 }
 
-fn interface(wanted: &Wanted, listen: Duration) -> Interface {
+fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
     let name = &wanted.interface;
     let link = LinkState::read(name);
     let kind = fs::read_to_string(format!("/sys/class/net/{name}/type")).ok();
-    let mut found = Interface {
+    let mut found = InterfaceFacts {
         no_can: None,
         is_can: kind.map(|kind| kind.trim() == CAN),
         port: Err(String::new()),
@@ -125,14 +127,14 @@ fn gateway(config: &Path) -> Option<u32> {
     })
 }
 
-fn clock(monotonic: Instant, system: SystemTime) -> Clock {
+fn clock(monotonic: Instant, system: SystemTime) -> ClockFacts {
     let watched = monotonic.elapsed();
     let signed = |time: Duration| Span::from_seconds(time.as_secs_f64()).as_nanos();
     let passed = match SystemTime::now().duration_since(system) {
         Ok(ahead) => signed(ahead),
         Err(back) => -signed(back.duration()),
     };
-    Clock {
+    ClockFacts {
         synchronised: synchronised(),
         step: Span::from_nanos(passed.saturating_sub(signed(watched))),
         watched: watched.as_secs_f64(),

@@ -28,14 +28,14 @@ pub struct Hearing {
     pub errors: Errors,
     /// Sequence of the gateway's own status frames, which shows how many senders there are.
     pub status: Sequence,
-    heard: BTreeMap<Id, Heard>,
+    heard: BTreeMap<Id, HeardMessage>,
     rates: Rates,
     status_id: Id,
 }
 
 /// Statistics of one identifier.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heard {
+pub struct HeardMessage {
     pub count: u64,
     /// Length of the shortest frame, bytes.
     pub shortest: usize,
@@ -128,12 +128,12 @@ impl Hearing {
         if let Some(heard) = self.heard.get_mut(&frame.id) {
             heard.count(frame);
         } else if self.heard.len() < MOST {
-            self.heard.insert(frame.id, Heard::new(frame));
+            self.heard.insert(frame.id, HeardMessage::new(frame));
         }
     }
 
     /// Statistics of an identifier, if it was heard.
-    pub fn of(&self, id: Id) -> Option<&Heard> {
+    pub fn of(&self, id: Id) -> Option<&HeardMessage> {
         self.heard.get(&id)
     }
 
@@ -148,7 +148,7 @@ impl Hearing {
     }
 }
 
-impl Heard {
+impl HeardMessage {
     fn new(frame: &Frame) -> Self {
         Self {
             count: 1,

@@ -1,6 +1,6 @@
 //! Checks of the computer apart from the bus: rights, clock, HTTP, service.
 
-use super::facts::{Clock, Host, Rights, Service, Wanted};
+use super::facts::{ClockFacts, Host, Rights, Service, Wanted};
 use super::finding::Finding;
 use std::net::SocketAddr;
 
@@ -80,7 +80,7 @@ fn memory(wanted: &Wanted, rights: &Rights) -> Option<Finding> {
     })
 }
 
-fn clock(clock: &Clock) -> Vec<Finding> {
+fn clock(clock: &ClockFacts) -> Vec<Finding> {
     let subject = "clock";
     let keep = "enable systemd-timesyncd, chrony or PTP: warnings and recordings are compared by \
                 time";

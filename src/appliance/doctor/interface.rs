@@ -1,13 +1,13 @@
 //! Checks of the interface and its controller.
 
-use super::facts::{Interface, Wanted};
+use super::facts::{InterfaceFacts, Wanted};
 use super::finding::Finding;
 use crate::bus::socket::{ControllerState, LinkState};
 
 /// Longest send queue: more frames would burst out stale when a bus returns.
 const LONG_QUEUE: u32 = 50;
 
-pub(super) fn judge(wanted: &Wanted, interface: &Interface) -> Vec<Finding> {
+pub(super) fn judge(wanted: &Wanted, interface: &InterfaceFacts) -> Vec<Finding> {
     let name = &wanted.interface;
     let mut findings = Vec::new();
     match &interface.no_can {
@@ -52,7 +52,7 @@ fn has_controller(link: &LinkState) -> bool {
     link.state.is_some()
 }
 
-fn up(name: &str, interface: &Interface, link: &LinkState) -> Finding {
+fn up(name: &str, interface: &InterfaceFacts, link: &LinkState) -> Finding {
     let kind = if has_controller(link) { "CAN" } else { "virtual CAN" };
     if !link.up {
         let advice = format!("`ip link set {name} up`, or 80-can0.network for systemd-networkd");

@@ -17,7 +17,7 @@ mod traffic;
 pub use facts::Facts;
 pub use finding::{Finding, Verdict};
 
-use facts::{Bus, Interface, Wanted};
+use facts::{Bus, InterfaceFacts, Wanted};
 
 /// Judges the facts; one finding for each subject.
 pub fn examine(facts: &Facts) -> Vec<Finding> {
@@ -37,7 +37,7 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
     findings
 }
 
-fn socket(wanted: &Wanted, interface: &Interface, facts: &Facts) -> Vec<Finding> {
+fn socket(wanted: &Wanted, interface: &InterfaceFacts, facts: &Facts) -> Vec<Finding> {
     let mut findings = interface::judge(wanted, interface);
     findings.extend(receiving::judge(interface, &facts.host.rights));
     if let Some(hearing) = &interface.hearing {

@@ -4,7 +4,7 @@ use super::file::{HistoryFile, ReadError};
 use super::worker::{self, Order};
 use crate::appliance::telemetry::Telemetry;
 use crate::monitor::Monitor;
-use crate::sequential::{Archive, Limits};
+use crate::sequential::{Archive, DriftLimits};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
@@ -20,7 +20,7 @@ pub struct Kept {
     /// Name of the machine.
     pub machine: String,
     pub cylinders: u8,
-    pub limits: Limits,
+    pub limits: DriftLimits,
     /// File of the history; `None`: in memory only.
     pub file: Option<HistoryFile>,
 }
@@ -30,7 +30,7 @@ pub struct Kept {
 pub struct Keeper {
     /// Archive as it was read; for cylinders that are no longer read it is all there is.
     base: Archive,
-    limits: Limits,
+    limits: DriftLimits,
     /// File that is written; `None` if it must not be.
     file: Option<HistoryFile>,
     /// Whether there is something not yet handed to the worker.
@@ -54,7 +54,7 @@ impl Keeper {
     pub fn new(telemetry: &Arc<Telemetry>) -> Self {
         let mut keeper = Self {
             base: Archive::default(),
-            limits: Limits { maintenance: f64::INFINITY, critical: f64::INFINITY },
+            limits: DriftLimits { maintenance: f64::INFINITY, critical: f64::INFINITY },
             file: None,
             pending: false,
             orders: None,

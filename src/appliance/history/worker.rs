@@ -3,7 +3,7 @@
 use super::file::HistoryFile;
 use crate::appliance::realtime;
 use crate::appliance::telemetry::Telemetry;
-use crate::sequential::{Archive, Limits};
+use crate::sequential::{Archive, DriftLimits};
 use std::sync::mpsc::Receiver;
 use tracing::{info, warn};
 
@@ -11,7 +11,7 @@ use tracing::{info, warn};
 #[derive(Debug)]
 pub(super) struct Order {
     pub archive: Archive,
-    pub limits: Limits,
+    pub limits: DriftLimits,
     /// File to write; `None` where the readings are only reported.
     pub file: Option<HistoryFile>,
 }

@@ -6,14 +6,14 @@ use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
-use crate::live::outbox::{Limits, OutboxCounts};
+use crate::live::outbox::{OutboxCounts, OutboxLimits};
 use crate::monitor::{Counts, Record};
 use crate::time::Timestamp;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Most warnings whose frame may still wait to be sent.
-const ON_THEIR_WAY: usize = Limits::WAITING;
+const ON_THEIR_WAY: usize = OutboxLimits::WAITING;
 
 /// Writes to a [`Telemetry`]. Each has exactly one recorder, since its totals allow only one
 /// writer.

@@ -3,7 +3,7 @@
 use super::Telemetry;
 use super::cell::Gauge;
 use super::exposition::TRANSDUCERS;
-use crate::sequential::{Archive, DwellHistory, Judgement, Limits, stops};
+use crate::sequential::{Archive, DriftLimits, DwellHistory, Judgement, stops};
 use serde::Serialize;
 
 /// Telemetry of one cylinder on its stop.
@@ -46,7 +46,7 @@ pub struct Drifting {
 }
 
 impl Stop {
-    fn set(&self, history: Option<&DwellHistory>, judged: Option<Judgement>, limits: Limits) {
+    fn set(&self, history: Option<&DwellHistory>, judged: Option<Judgement>, limits: DriftLimits) {
         self.dwells.set(history.map(|history| history.dwells().len() as f64));
         for (which, reading) in self.readings.iter().enumerate() {
             let trend = history.and_then(|history| history.trend(which));
@@ -65,7 +65,7 @@ impl Stop {
 
 impl Telemetry {
     /// Takes the readings on the stops.
-    pub fn stops(&self, archive: &Archive, limits: Limits) {
+    pub fn stops(&self, archive: &Archive, limits: DriftLimits) {
         let judged = stops::judge(&archive.cylinders);
         for (i, cylinder) in self.cylinders.iter().enumerate() {
             cylinder.stop.set(archive.cylinders.get(i), judged.get(i).copied().flatten(), limits);
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_drift_is_told_and_with_few_dwells_nothing_is() {
-        let limits = Limits { maintenance: 5e-3, critical: 0.05 };
+        let limits = DriftLimits { maintenance: 5e-3, critical: 0.05 };
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
         telemetry.used.store(2, std::sync::atomic::Ordering::Relaxed);
         telemetry.stops(&archive(2), limits);

@@ -40,14 +40,14 @@ enum Meaning {
 
 /// Converts the time stamps of one input to instants.
 #[derive(Debug)]
-pub struct Clock {
+pub struct StampClock {
     option: TimeStamps,
     meaning: Meaning,
     /// Sum of the deltas, ns.
     elapsed: i64,
 }
 
-impl Clock {
+impl StampClock {
     pub fn new(option: TimeStamps) -> Self {
         let meaning = match option {
             TimeStamps::Auto => Meaning::Undecided(Vote::default()),

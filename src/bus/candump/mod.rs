@@ -13,7 +13,7 @@ mod reason;
 mod stamp;
 mod token;
 
-pub(super) use clock::Clock;
+pub(super) use clock::StampClock;
 pub use clock::TimeStamps;
 pub(super) use common::{Common, Known};
 pub(super) use line::Line;

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 /// Limits of a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub struct LaneLimits {
     /// Most frames that wait; the oldest gives way.
     pub waiting: usize,
     /// Age at which a frame is dropped instead of being sent late.
@@ -40,7 +40,7 @@ pub struct LaneCounts {
 /// Frames that wait, in order.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    limits: Limits,
+    limits: LaneLimits,
     waiting: VecDeque<Frame>,
     /// Present time, on the clock of the time stamps.
     now: Timestamp,
@@ -49,7 +49,7 @@ pub struct Lane {
 }
 
 impl Lane {
-    pub fn new(limits: Limits) -> Self {
+    pub fn new(limits: LaneLimits) -> Self {
         Self {
             limits,
             waiting: VecDeque::with_capacity(limits.waiting),

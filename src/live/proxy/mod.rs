@@ -12,7 +12,7 @@ use crate::bus::{Port, PortError, UnrestrictedPort};
 use crate::frame::{Frame, Kind};
 use crate::inject::Injector;
 pub use keeper::{Bench, run};
-pub use lane::{Lane, LaneCounts, Limits};
+pub use lane::{Lane, LaneCounts, LaneLimits};
 pub use side::{Open, Side};
 use std::time::Duration;
 
@@ -30,7 +30,7 @@ pub struct Proxy {
 pub type Outcome = Result<usize, PortError>;
 
 impl Proxy {
-    pub fn new(injector: Injector, limits: Limits) -> Self {
+    pub fn new(injector: Injector, limits: LaneLimits) -> Self {
         Self { injector, begun: false, there: Lane::new(limits), back: Lane::new(limits) }
     }
 

@@ -7,7 +7,7 @@ use super::differences::{Difference, Differences};
 use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::palette;
-use crate::calibrate::{Calibration, CylinderCalibration, Tried};
+use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
 use crate::tables::provenance::four_digits;
@@ -112,7 +112,7 @@ fn bound(result: &Calibration) -> Option<f64> {
 
 /// A scale for everything except faulty samples, with both bounds around the corrected values.
 fn scale(
-    tried: Option<&Tried>,
+    tried: Option<&TriedBand>,
     curve: &Curve,
     which: usize,
     bound: Option<f64>,
@@ -120,7 +120,7 @@ fn scale(
 ) -> Axis {
     let seen = tried.filter(|tried| tried.after.count > 0);
     let mut values: Vec<f64> = match seen {
-        Some(Tried { before, after, .. }) => {
+        Some(TriedBand { before, after, .. }) => {
             let spread = [before, after][which];
             // Room for what the first part had and the second had not.
             let room = 0.25 * spread.range();

@@ -3,7 +3,7 @@
 //! plotters draws in whole units; there are two of them to a CSS pixel, so that curves are smooth.
 
 use super::axis::Axis;
-use super::figure::{Curve, Figure, Mark, Panel, Shape};
+use super::figure::{Curve, Figure, FigureMark, Panel, Shape};
 use super::html::escaped;
 use super::palette::{GREY, INK};
 use plotters::chart::ChartContext;
@@ -120,7 +120,7 @@ fn draw_mesh(chart: &mut Chart, x: &Axis, panel: &Panel, last: bool) -> Drawn {
 }
 
 /// Draws a translucent line behind the curves, with a flag above the plot that no curve hides.
-fn draw_mark(chart: &mut Chart, screen: &Area, panel: &Panel, mark: &Mark) -> Drawn {
+fn draw_mark(chart: &mut Chart, screen: &Area, panel: &Panel, mark: &FigureMark) -> Drawn {
     let ends = [(mark.at, panel.y.low()), (mark.at, panel.y.high())];
     let line = PathElement::new(ends.to_vec(), mark.colour.mix(0.5).stroke_width(3));
     chart.plotting_area().draw(&line)?;

@@ -36,7 +36,7 @@ pub struct Level {
 
 /// A vertical line behind the curves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub struct FigureMark {
     pub name: String,
     pub colour: RGBColor,
     pub at: f64,
@@ -61,7 +61,7 @@ pub struct Panel {
     /// Levels, horizontal lines along the x axis.
     pub levels: Vec<Level>,
     /// Vertical lines.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<FigureMark>,
     /// Shaded bands along the x axis.
     pub bands: Vec<Band>,
 }

@@ -27,4 +27,4 @@ pub mod zoom;
 
 pub use differences::Differences;
 pub use html::Page;
-pub use recorder::Recorder;
+pub use recorder::PageRecorder;

@@ -53,7 +53,7 @@ struct Axis {
 
 /// Takes the monitor's output.
 #[derive(Clone, Debug)]
-pub struct Recorder {
+pub struct PageRecorder {
     axis: Axis,
     cylinders: Vec<Gathered>,
     zooms: Zooms,
@@ -96,7 +96,7 @@ impl Axis {
     }
 }
 
-impl Recorder {
+impl PageRecorder {
     /// A recorder for a monitor of `design`.
     pub fn new(design: &MonitorDesign) -> Self {
         let sample_time = design.timing.sample_time.as_seconds();

@@ -1,7 +1,7 @@
 //! The page of a replay.
 
 use super::axis::Axis;
-use super::figure::{Band, Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
+use super::figure::{Band, Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::palette;
 use super::recorder::{Bounds, Gathered, Raised, Recorded};
 use super::zoom::Zoom;
@@ -127,7 +127,8 @@ fn residual(
     };
     panel.marks.extend(recorded.raised.iter().filter(shows).map(mark));
     for (name, places) in [("time jump", &recorded.jumped_at), ("bus lost", &recorded.lost_at)] {
-        let broken = |at: &f64| Mark { name: name.to_owned(), colour: palette::GREY, at: *at };
+        let broken =
+            |at: &f64| FigureMark { name: name.to_owned(), colour: palette::GREY, at: *at };
         panel.marks.extend(places.iter().map(broken));
     }
     if i < 2 {
@@ -165,8 +166,8 @@ fn place(detector: Detector) -> Option<usize> {
     }
 }
 
-fn mark(raised: &Raised) -> Mark {
-    Mark {
+fn mark(raised: &Raised) -> FigureMark {
+    FigureMark {
         name: format!("warning, {}", raised.level.name()),
         colour: palette::level(raised.level),
         at: raised.t,
@@ -330,7 +331,7 @@ fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
     // The same names as the levels of the panels above.
     let levels =
         thresholds(Panel::new(0, Axis::linear("", 0.0, 1.0), Vec::new()), i, bounds).levels;
-    let upright = |Level { name, colour, value }| Mark { name, colour, at: value };
+    let upright = |Level { name, colour, value }| FigureMark { name, colour, at: value };
     panel.marks = levels.into_iter().map(upright).collect();
     let x = Axis::linear(&format!("{} (mm)", RESIDUALS[i]), -reach, reach).with_ticks(7);
     let mut caption = format!("{}: {} values", RESIDUALS[i], all.count());

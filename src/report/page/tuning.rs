@@ -1,7 +1,7 @@
 //! The page of a tuning.
 
 use super::axis::Axis;
-use super::figure::{Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
+use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
 use crate::extremes::{Tail, per_second};
@@ -62,11 +62,11 @@ fn show(page: &mut Page, figures: &[Captioned]) {
 }
 
 /// Thresholds as vertical lines on `x`; δ_h as it is written.
-fn thresholds(result: &Tuning, x: &Axis) -> Vec<Mark> {
+fn thresholds(result: &Tuning, x: &Axis) -> Vec<FigureMark> {
     let mark = |name: &str, colour, value: f64| {
         let beyond = if 1e3 * value > x.high() { ", beyond the scale" } else { "" };
         let name = format!("{name}: {}{beyond}", length(value));
-        Mark { name, colour, at: 1e3 * value }
+        FigureMark { name, colour, at: 1e3 * value }
     };
     let thresholds = &result.thresholds;
     vec![

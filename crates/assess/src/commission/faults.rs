@@ -8,7 +8,7 @@ use tertius_machine::inject::{Fault, Shape, Wanted, Window};
 
 /// Kind of fault that a trial puts on each transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum FaultKind {
     /// Type I (5-15), m.
     Step(f64),
     /// Type II (5-17), m.
@@ -18,12 +18,12 @@ pub enum Kind {
 }
 
 /// Faults that are tried. Noise is 2σ of section 5-4-3, eight counts.
-pub const KINDS: [Kind; 5] = [
-    Kind::Step(5e-4),
-    Kind::Step(1e-3),
-    Kind::Noise(8.68e-4),
-    Kind::Drift(1e-4),
-    Kind::Drift(1e-5),
+pub const KINDS: [FaultKind; 5] = [
+    FaultKind::Step(5e-4),
+    FaultKind::Step(1e-3),
+    FaultKind::Noise(8.68e-4),
+    FaultKind::Drift(1e-4),
+    FaultKind::Drift(1e-5),
 ];
 
 /// Faults of each kind for each transducer.
@@ -32,7 +32,7 @@ const EACH: usize = 2;
 /// Golden section: offsets by multiples of it are spread evenly, however many are taken.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-impl Kind {
+impl FaultKind {
     /// How long the monitor is watched after the fault, s.
     pub const fn watch(self) -> f64 {
         match self {
@@ -51,7 +51,7 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for FaultKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Step(size) => write!(f, "step of {} mm", size * 1e3),
@@ -64,7 +64,7 @@ impl fmt::Display for Kind {
 /// A fault that is to be tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub transducer: Suspect,

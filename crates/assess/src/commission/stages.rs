@@ -146,7 +146,8 @@ impl<F: Frames> Lesson<'_, F> {
         taught.machine.clone_from(&settings.machine.name);
         // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
         let (origin, options) = (self.task.origin, Options { held_back: 0, ..Options::default() });
-        let course = identify::course::Course { settings: &settings, origin, options };
+        let course =
+            identify::course::IdentificationCourse { settings: &settings, origin, options };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
         let learnt = tables::model::of(&outcome, self.task.version, false);
@@ -166,7 +167,8 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, .. } = *self.task;
         let all = origin.window;
-        let course = calibrate::Course { settings: &settings, fitted: all, tried: all, per_year };
+        let course =
+            calibrate::CalibrationCourse { settings: &settings, fitted: all, tried: all, per_year };
         let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
             .map_err(Stopped::Recording)?;
         taught.refuse(Stage::Calibrate, result.refusals());
@@ -184,7 +186,7 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, database, .. } = *self.task;
         design::judging(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
-        let course = tune::course::Course {
+        let course = tune::course::TuningCourse {
             settings: &settings,
             design: &design,
             origin,

@@ -6,7 +6,7 @@
 //! faults do not disturb each other and nothing has to recover from one.
 
 use super::Task;
-use super::faults::{self, Kind, Planned};
+use super::faults::{self, FaultKind, Planned};
 use super::holding::Blocks;
 use super::stages::{Taught, told};
 use crate::evaluate::{Blame, Outcome};
@@ -38,7 +38,7 @@ pub struct FalseAlarm {
 /// What became of the faults of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindResult {
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// Faults that were begun: nothing was wrong at that place before.
     pub tried: usize,
     /// Faults that could not be placed, because the sequential detector knew nothing there or a
@@ -172,7 +172,7 @@ struct Trying<'a> {
     waiting: Vec<(Planned, Injector)>,
     attempts: Vec<Attempt>,
     /// Outcomes of the faults that have ended; `None` for those that could not be placed.
-    entries: Vec<(Kind, Option<Outcome>)>,
+    entries: Vec<(FaultKind, Option<Outcome>)>,
 }
 
 impl Trying<'_> {
@@ -283,7 +283,7 @@ impl Trying<'_> {
     }
 }
 
-fn result(kind: Kind, entries: &[(Kind, Option<Outcome>)]) -> KindResult {
+fn result(kind: FaultKind, entries: &[(FaultKind, Option<Outcome>)]) -> KindResult {
     let own: Vec<_> = entries.iter().filter(|(of, _)| *of == kind).map(|(_, it)| it).collect();
     let outcomes: Vec<&Outcome> = own.iter().filter_map(|it| it.as_ref()).collect();
     let delay = |outcome: &Outcome| {

@@ -1,6 +1,6 @@
 //! Whether the configuration is fit for use, in a sentence.
 
-use super::faults::Kind;
+use super::faults::FaultKind;
 use super::stages::{Refused, Stage, Taught};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
@@ -147,7 +147,7 @@ fn wrongs(
         let held = trial.held / 60.0;
         return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
     }
-    let one = trial.kinds.iter().find(|it| it.kind == Kind::Step(1e-3))?;
+    let one = trial.kinds.iter().find(|it| it.kind == FaultKind::Step(1e-3))?;
     let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
     blind.then(|| {
         advice.push(ADVICE.to_owned());
@@ -216,7 +216,7 @@ mod tests {
     /// A trial of 300 s in which `found` of twelve steps of 1 mm were found.
     fn trial(found: usize) -> Trial {
         let one = KindResult {
-            kind: Kind::Step(1e-3),
+            kind: FaultKind::Step(1e-3),
             tried: 12,
             unplaced: 0,
             delays: vec![0.04; found],

@@ -80,8 +80,8 @@ pub struct Gathering<'a> {
     sample_time: f64,
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
-    contest: Option<contest::Gathering<'a>>,
-    weights: Option<weights::Gathering<'a>>,
+    contest: Option<contest::ContestGathering<'a>>,
+    weights: Option<weights::WeightsGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -100,8 +100,8 @@ impl<'a> Gathering<'a> {
             sample_time,
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
-            contest: plan.contest.as_ref().map(contest::Gathering::new),
-            weights: plan.weighing.as_ref().map(weights::Gathering::new),
+            contest: plan.contest.as_ref().map(contest::ContestGathering::new),
+            weights: plan.weighing.as_ref().map(weights::WeightsGathering::new),
             estimates: BTreeMap::new(),
         }
     }

@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
-use super::weights::{self, Kind, Weighing};
+use super::weights::{self, TransducerKind, Weighing};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_learn::tune::Weights;
@@ -68,9 +68,9 @@ pub enum Job {
     /// A fault-free stretch of a cell.
     Healthy { cell: usize, number: u32 },
     /// A job of the contest.
-    Contest(contest::Job),
+    Contest(contest::ContestJob),
     /// A job of the weights.
-    Weights(weights::Job),
+    Weights(weights::WeightsJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -80,8 +80,8 @@ pub enum Job {
 pub enum Product {
     Trial(Vec<Outcome>),
     Healthy(Box<Healthy>),
-    Contest(contest::Product),
-    Weights(weights::Product),
+    Contest(contest::ContestProduct),
+    Weights(weights::WeightsProduct),
     Estimate(Errors),
 }
 
@@ -130,7 +130,7 @@ impl Plan {
             Contest::new(seed, &extent.seas, extent.trials, hours)
         });
         let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
-            kinds: Kind::ALL.to_vec(),
+            kinds: TransducerKind::ALL.to_vec(),
             sets: extent.weights.clone(),
             seas: extent.seas.clone(),
             trials: extent.trials,

@@ -24,7 +24,7 @@ const AT_LAST: f64 = 1.0;
 
 /// A fault that is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tried {
+pub struct TriedFault {
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
     /// The faulty transducer, C1 or C2.
@@ -39,7 +39,7 @@ pub struct Tried {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Try {
     pub seed: u64,
-    pub faults: Vec<Tried>,
+    pub faults: Vec<TriedFault>,
 }
 
 impl Try {
@@ -55,7 +55,7 @@ impl Try {
                 let at = settle + LEAD + SPREAD * rng.random::<f64>();
                 let second = rng.random::<bool>() && !alone;
                 let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
-                Tried {
+                TriedFault {
                     cylinder: index as u8 + 1,
                     transducer: if second { Suspect::C2 } else { Suspect::C1 },
                     wanted: row.wanted.map(|wanted| signed(wanted, sign)),
@@ -202,7 +202,7 @@ impl Followed {
     /// Compares the machine with the same one without the fault.
     fn twin(
         &mut self,
-        fault: &Tried,
+        fault: &TriedFault,
         simulator: &Simulator,
         twin: &Simulator,
         listener: &Listener,

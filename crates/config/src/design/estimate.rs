@@ -2,7 +2,7 @@
 
 use super::Connector;
 use tertius_core::compare::Comparator;
-use tertius_core::estimate::{Design, Drive, Dynamics, Scale};
+use tertius_core::estimate::{Drive, Dynamics, LengthScale, SensorDesign};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
@@ -14,7 +14,7 @@ impl Connector<'_> {
         n: u8,
         sequential: Option<&sequential::Design>,
         lengths: (f64, f64),
-    ) -> Design {
+    ) -> SensorDesign {
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
         let (gain, offset) = settings.comparator_of(n);
@@ -28,9 +28,9 @@ impl Connector<'_> {
                 Dynamics::model(&model, settings.command_offset_of(n), q, r, sample_time)
             }
         };
-        Design {
+        SensorDesign {
             dynamics,
-            scale: Scale {
+            scale: LengthScale {
                 comparator: Comparator { gain, offset },
                 reference: sequential.map(|design| design.reference.clone()),
             },

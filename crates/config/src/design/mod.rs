@@ -15,9 +15,9 @@ use tertius_core::monitor::gate::Gate;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::sample::cycle::CycleTiming;
-use tertius_core::sample::plausibility::Limits;
+use tertius_core::sample::plausibility::PlausibilityLimits;
 use tertius_core::sample::{Field, Transducer};
 use tertius_core::time::Span;
 use tertius_core::verdict::fault::Signatures;
@@ -202,7 +202,12 @@ impl<'a> Connector<'a> {
         bits.fold(0, |all, bit| all | bit)
     }
 
-    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Limits {
+    fn connect_transducer(
+        &mut self,
+        n: u8,
+        which: Transducer,
+        name: Option<&str>,
+    ) -> PlausibilityLimits {
         let signals = &self.settings.signals.cylinder;
         let (prefix, velocity, status, counter) = match which {
             Transducer::C1 => ("c1", &signals.c1_velocity, &signals.c1_status, &signals.c1_counter),
@@ -218,7 +223,7 @@ impl<'a> Connector<'a> {
         self.limits(position)
     }
 
-    fn limits(&self, position: Option<Connected<'_>>) -> Limits {
+    fn limits(&self, position: Option<Connected<'_>>) -> PlausibilityLimits {
         let plausibility = &self.settings.plausibility;
         let signal = position.map(|Connected { signal, .. }| signal);
         let [lowest, highest] =
@@ -229,7 +234,7 @@ impl<'a> Connector<'a> {
         // begins is not taken for one that stands still; yet where commands are in another unit it is
         // no length, and healthy readings are never apart by more than the bound of R3.
         let way = 0.5 * plausibility.frozen_speed * plausibility.frozen;
-        Limits {
+        PlausibilityLimits {
             stale: self.settings.cycles(plausibility.stale).max(1),
             broken_wire_codes: signal.map_or(Vec::new(), |it| self.settings.broken_wire_codes(it)),
             status_mask: plausibility.status_mask,
@@ -241,14 +246,14 @@ impl<'a> Connector<'a> {
         }
     }
 
-    fn observers(&mut self, n: u8) -> Option<[Design; 2]> {
+    fn observers(&mut self, n: u8) -> Option<[ObserverDesign; 2]> {
         let settings = self.settings;
         let (theta, gamma) = settings.model_of(n);
         let model = Model::new(settings.machine.sample_time, theta, gamma);
         let signals = &settings.signals.cylinder;
         let velocities = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
         let [first, second] = velocities.map(|velocity| {
-            let design = Design::new(
+            let design = ObserverDesign::new(
                 &model,
                 settings.observer.q,
                 settings.observer.r,

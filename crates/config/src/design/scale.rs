@@ -1,7 +1,7 @@
 //! The scale of the gateway's own Fd_Estimate, as given by the DBC.
 
 use super::{Connector, Flaw};
-use tertius_core::alarm::frames::{ESTIMATE_LAYOUT, Encoder, EstimateScale, Scale};
+use tertius_core::alarm::frames::{CountScale, ESTIMATE_LAYOUT, Encoder, EstimateScale};
 use tertius_core::decode::Decoded;
 use tertius_core::frame::{Frame, Kind};
 use tertius_core::time::Timestamp;
@@ -70,8 +70,10 @@ impl<'a> Connector<'a> {
                 return Err(flaw(format!("{found}, expected \"m\"")));
             }
         }
-        let scale =
-            |signal: &Signal| Scale { factor: signal.plan.factor(), offset: signal.plan.offset() };
+        let scale = |signal: &Signal| CountScale {
+            factor: signal.plan.factor(),
+            offset: signal.plan.offset(),
+        };
         let both = EstimateScale { position: scale(position), sigma: scale(sigma) };
         Ok((both, Origin::Dbc { position, sigma }))
     }

@@ -63,14 +63,14 @@ pub const ESTIMATE_LAYOUT: [(&str, u32, u32); 6] = [
 
 /// A scale of counts: value = count × factor + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct CountScale {
     /// Length of one count, m.
     pub factor: f64,
     /// Length of count 0, m.
     pub offset: f64,
 }
 
-impl Scale {
+impl CountScale {
     /// The count of `metres`, not yet rounded.
     fn counts(self, metres: f64) -> f64 {
         (metres - self.offset) * self.factor.recip()
@@ -84,16 +84,16 @@ impl Scale {
 /// Scales of Fd_Estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateScale {
-    pub position: Scale,
-    pub sigma: Scale,
+    pub position: CountScale,
+    pub sigma: CountScale,
 }
 
 impl Default for EstimateScale {
     /// Lengths in counts of the default machine's transducers (5-3), σ in micrometres.
     fn default() -> Self {
         Self {
-            position: Scale { factor: 3.0 / 27_648.0, offset: -1.5 },
-            sigma: Scale { factor: 1e-6, offset: 0.0 },
+            position: CountScale { factor: 3.0 / 27_648.0, offset: -1.5 },
+            sigma: CountScale { factor: 1e-6, offset: 0.0 },
         }
     }
 }

@@ -10,7 +10,7 @@ const LAST_WIDE_LOAD: usize = MAX_DATA - 16;
 
 /// Up to 64 bits of a payload: the eight bytes to load, and how to extract the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Field {
+pub struct BitField {
     /// Mask with as many ones as the field has bits.
     mask: u64,
     /// Sign bit at the field's own width; 0 for unsigned fields, so that `(x ^ sign) - sign`
@@ -34,7 +34,7 @@ pub struct Field {
 /// A field within eight bytes that have already been loaded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WordField {
-    /// Mask as in [`Field`].
+    /// Mask as in [`BitField`].
     mask: u64,
     sign: u64,
     shift: u8,
@@ -42,7 +42,7 @@ pub(super) struct WordField {
 }
 
 impl WordField {
-    /// The signed number as [`Field::integer`] gives it, where `word` has the first of the eight
+    /// The signed number as [`BitField::integer`] gives it, where `word` has the first of the eight
     /// bytes lowest.
     #[inline(always)]
     pub fn integer(&self, word: u64) -> i64 {
@@ -62,7 +62,7 @@ pub enum NoField {
     Beyond,
 }
 
-impl Field {
+impl BitField {
     /// The field of `length` bits at `start`, counted as a DBC file does: Intel fields by their
     /// lowest bit, Motorola fields by their highest, both 8 · byte + significance.
     pub fn new(start: u64, length: u64, motorola: bool, signed: bool) -> Result<Self, NoField> {
@@ -224,7 +224,8 @@ mod tests {
         for motorola in [false, true] {
             for start in 0..512_usize {
                 for length in 1..=64_usize {
-                    let Ok(field) = Field::new(start as u64, length as u64, motorola, false) else {
+                    let Ok(field) = BitField::new(start as u64, length as u64, motorola, false)
+                    else {
                         continue;
                     };
                     fields += 1;
@@ -243,10 +244,10 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_no_field() {
-        assert_eq!(Field::new(0, 0, false, false), Err(NoField::Length));
-        assert_eq!(Field::new(0, 65, true, false), Err(NoField::Length));
-        assert_eq!(Field::new(511, 2, false, false), Err(NoField::Beyond));
-        assert_eq!(Field::new(504, 2, true, false), Err(NoField::Beyond));
-        assert_eq!(Field::new(u64::MAX, 64, true, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(0, 0, false, false), Err(NoField::Length));
+        assert_eq!(BitField::new(0, 65, true, false), Err(NoField::Length));
+        assert_eq!(BitField::new(511, 2, false, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(504, 2, true, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(u64::MAX, 64, true, false), Err(NoField::Beyond));
     }
 }

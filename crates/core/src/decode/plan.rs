@@ -1,13 +1,13 @@
 //! A signal compiled for reading from and writing to frames.
 
-use super::field::{Field, WordField};
+use super::field::{BitField, WordField};
 use super::value::{Decoded, Inserted, Raw, Value};
 use crate::frame::{Frame, Kind, MAX_DATA};
 use alloc::boxed::Box;
 
 /// How a field's bits represent a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub enum NumberForm {
     /// An integer that fits an i64: it is converted to a double at half the cost of a u64.
     Integer,
     /// An unsigned integer of 64 bits.
@@ -18,14 +18,14 @@ pub enum Form {
 
 /// A multiplexor on the way to a signal, and the values that select the signal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gate {
+pub struct MultiplexGate {
     /// Bits of the multiplexor.
-    pub field: Field,
+    pub field: BitField,
     /// Numbers that select the signal, as ascending inclusive ranges.
     pub ranges: Box<[(u64, u64)]>,
 }
 
-impl Gate {
+impl MultiplexGate {
     fn selects(&self, payload: &[u8; MAX_DATA]) -> bool {
         // A negative number becomes a huge one: only a range of all numbers has it.
         let number = self.field.integer(payload) as u64;
@@ -39,10 +39,10 @@ impl Gate {
 pub struct SignalPlan {
     factor: f64,
     offset: f64,
-    field: Field,
-    form: Form,
+    field: BitField,
+    form: NumberForm,
     /// Multiplexors, outermost first; empty where the signal is always present.
-    gates: Box<[Gate]>,
+    gates: Box<[MultiplexGate]>,
 }
 
 /// A plain signal, as given by [`SignalPlan::plain`]: an integer that fits an i64, present in every
@@ -73,7 +73,13 @@ impl Plain {
 impl SignalPlan {
     /// The signal in `field`, which a frame carries if each of `gates` selects it; its number is
     /// raw · `factor` + `offset`.
-    pub fn new(field: Field, form: Form, factor: f64, offset: f64, gates: Box<[Gate]>) -> Self {
+    pub fn new(
+        field: BitField,
+        form: NumberForm,
+        factor: f64,
+        offset: f64,
+        gates: Box<[MultiplexGate]>,
+    ) -> Self {
         Self { factor, offset, field, form, gates }
     }
 
@@ -82,7 +88,7 @@ impl SignalPlan {
     pub fn plain(&self, at: usize) -> Option<Plain> {
         let Self { factor, offset, field, form, .. } = *self;
         let largest = libm::ldexp(1.0, field.length() as i32) * factor.abs() + offset.abs();
-        let plain = form == Form::Integer && self.gates.is_empty() && largest.is_finite();
+        let plain = form == NumberForm::Integer && self.gates.is_empty() && largest.is_finite();
         Some(Plain { factor, offset, field: field.within(at).filter(|_| plain)? })
     }
 
@@ -118,7 +124,7 @@ impl SignalPlan {
 
     #[inline(always)]
     fn read(&self, payload: &[u8; MAX_DATA]) -> Value {
-        if self.form != Form::Integer {
+        if self.form != NumberForm::Integer {
             return self.read_uncommon(payload);
         }
         let integer = self.field.integer(payload);
@@ -131,9 +137,9 @@ impl SignalPlan {
     fn read_uncommon(&self, payload: &[u8; MAX_DATA]) -> Value {
         let bits = self.field.bits(payload);
         let raw = match self.form {
-            Form::Integer | Form::Unsigned64 => Raw::Unsigned(bits),
-            Form::Float32 => Raw::Float(f64::from(f32::from_bits(bits as u32))),
-            Form::Float64 => Raw::Float(f64::from_bits(bits)),
+            NumberForm::Integer | NumberForm::Unsigned64 => Raw::Unsigned(bits),
+            NumberForm::Float32 => Raw::Float(f64::from(f32::from_bits(bits as u32))),
+            NumberForm::Float64 => Raw::Float(f64::from_bits(bits)),
         };
         Value { raw, physical: self.physical(raw) }
     }
@@ -159,12 +165,12 @@ impl SignalPlan {
     /// nearest double.
     pub fn insert(&self, raw: Raw, payload: &mut [u8; MAX_DATA]) -> Inserted {
         match self.form {
-            Form::Integer | Form::Unsigned64 => self.insert_integer(raw, payload),
-            Form::Float64 => {
+            NumberForm::Integer | NumberForm::Unsigned64 => self.insert_integer(raw, payload),
+            NumberForm::Float64 => {
                 self.field.set_bits(raw.as_f64().to_bits(), payload);
                 Inserted::Whole
             }
-            Form::Float32 => self.insert_float32(raw.as_f64(), payload),
+            NumberForm::Float32 => self.insert_float32(raw.as_f64(), payload),
         }
     }
 
@@ -229,7 +235,7 @@ impl SignalPlan {
     }
 
     pub fn is_float(&self) -> bool {
-        matches!(self.form, Form::Float32 | Form::Float64)
+        matches!(self.form, NumberForm::Float32 | NumberForm::Float64)
     }
 
     /// Whether a multiplexor decides if a frame carries the signal.
@@ -249,7 +255,7 @@ impl SignalPlan {
 
     /// Whether every frame that carries `other`, a signal of the same message, carries this one, too.
     pub fn accompanies(&self, other: &Self) -> bool {
-        let within = |inner: &Gate, outer: &Gate| {
+        let within = |inner: &MultiplexGate, outer: &MultiplexGate| {
             inner.field == outer.field
                 && inner.ranges.iter().all(|&(from, to)| {
                     outer.ranges.iter().any(|&(low, high)| low <= from && to <= high)

@@ -30,8 +30,8 @@ pub mod scale;
 pub mod sensor;
 
 pub use dynamics::{Drive, Dynamics};
-pub use scale::Scale;
-pub use sensor::{Design, Input, VirtualSensor};
+pub use scale::LengthScale;
+pub use sensor::{SensorDesign, SensorInput, VirtualSensor};
 
 /// Source of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

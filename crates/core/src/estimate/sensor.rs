@@ -5,7 +5,7 @@ use super::dynamics::{Dynamics, Feed};
 use super::filter::Filter;
 use super::growth::Growth;
 use super::mean::Mean;
-use super::scale::Scale;
+use super::scale::LengthScale;
 use super::{Estimate, Source};
 use crate::sequential::velocity::Velocity;
 
@@ -17,9 +17,9 @@ const KEPT: f64 = 0.37;
 
 /// Parameters of a virtual sensor.
 #[derive(Clone, Debug)]
-pub struct Design {
+pub struct SensorDesign {
     pub dynamics: Dynamics,
-    pub scale: Scale,
+    pub scale: LengthScale,
     /// Sample time, s.
     pub sample_time: f64,
     /// Number of readings until a transducer can serve as a reference.
@@ -36,7 +36,7 @@ pub struct Design {
 
 /// Inputs of a cylinder in one cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Input {
+pub struct SensorInput {
     /// Number of the cycle.
     pub cycle: u64,
     /// Readings that passed the plausibility checks, m, each on its own scale.
@@ -56,7 +56,7 @@ pub struct Input {
     pub process: bool,
 }
 
-impl Input {
+impl SensorInput {
     const fn is_calm(&self) -> bool {
         self.trusted[0] && self.trusted[1] && !self.undecided && !self.process
     }
@@ -65,7 +65,7 @@ impl Input {
 /// The virtual sensor of one cylinder.
 #[derive(Clone, Debug)]
 pub struct VirtualSensor {
-    design: Design,
+    design: SensorDesign,
     fade: f64,
     velocity: Velocity,
     feed: Feed,
@@ -85,7 +85,7 @@ pub struct VirtualSensor {
 }
 
 impl VirtualSensor {
-    pub fn new(design: Design) -> Self {
+    pub fn new(design: SensorDesign) -> Self {
         Self {
             fade: libm::pow(KEPT, design.sample_time),
             velocity: Velocity::new(design.sample_time),
@@ -117,12 +117,12 @@ impl VirtualSensor {
     }
 
     /// Takes one cycle; returns `None` while nothing is known of the length.
-    pub fn step(&mut self, input: &Input) -> Option<Estimate> {
+    pub fn step(&mut self, input: &SensorInput) -> Option<Estimate> {
         if input.cycle != self.cycle.wrapping_add(1) {
             self.interrupt();
         }
         self.cycle = input.cycle;
-        let Design { dynamics, scale, max_gap, .. } = &self.design;
+        let SensorDesign { dynamics, scale, max_gap, .. } = &self.design;
         let lengths = scale.apply(&mut self.velocity, input.lengths, input.velocity);
         for (filter, length) in self.filters.iter_mut().zip(lengths) {
             filter.correct(dynamics, length, *max_gap, input.is_calm());
@@ -138,7 +138,7 @@ impl VirtualSensor {
     }
 
     /// The transducers that are trusted and have been read for long enough, if one was read now.
-    fn choose(&mut self, input: &Input) -> Option<Source> {
+    fn choose(&mut self, input: &SensorInput) -> Option<Source> {
         let settled = |i: usize| self.filters[i].evidence()[0] >= self.design.settle;
         let used = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_running() && settled(i));
         let fresh = |i: usize| used[i] && self.filters[i].is_fresh();
@@ -163,7 +163,7 @@ impl VirtualSensor {
     }
 
     /// The estimate from the transducers of `source`.
-    fn tell(&mut self, input: &Input, source: Source) -> Option<Estimate> {
+    fn tell(&mut self, input: &SensorInput, source: Source) -> Option<Estimate> {
         let [one, other] = &self.filters;
         let usual = self.differences.value();
         let now = if input.undecided { self.largest } else { self.difference };
@@ -196,7 +196,7 @@ impl VirtualSensor {
     }
 
     /// The estimate from the command alone.
-    fn carry(&mut self, input: &Input) -> Option<Estimate> {
+    fn carry(&mut self, input: &SensorInput) -> Option<Estimate> {
         if !input.is_calm() {
             self.growth.recall();
         }
@@ -217,7 +217,7 @@ impl VirtualSensor {
         Estimate { position, sigma, source, valid }
     }
 
-    fn predict(&mut self, input: &Input) {
+    fn predict(&mut self, input: &SensorInput) {
         let Self { design, feed, filters, growth, carrier, reserve, .. } = self;
         // The commands are taken where the rod does not follow them, too, to be known when it does.
         let part = feed.step(&design.dynamics, input.command).filter(|_| input.follows);

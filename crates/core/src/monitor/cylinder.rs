@@ -14,9 +14,9 @@ use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
-use crate::sample::motion::Motion;
-use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
+use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
+use crate::sample::motion::ReadingMotion;
+use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Coverage, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
@@ -37,19 +37,19 @@ pub struct CylinderDesign {
     /// where they are read, which never make a cycle incomplete.
     pub awaited: u16,
     /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
-    pub limits: [Limits; 2],
+    pub limits: [PlausibilityLimits; 2],
     /// Command at which the cylinder rests, m/s.
     pub command_offset: f64,
     /// Cycles without a command after which it is stale.
     pub command_stale: u32,
     /// Command speed beyond which it moves the cylinder, m/s.
     pub moving_speed: f64,
-    pub observers: [Design; 2],
+    pub observers: [ObserverDesign; 2],
     pub comparator: Comparator,
     pub bank: BankDesign,
     /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
-    pub estimate: estimate::Design,
+    pub estimate: estimate::SensorDesign,
     /// Measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
@@ -108,7 +108,7 @@ pub struct Cylinder {
     /// Whether the cylinder is still to be evaluated in the open cycle.
     pub pending: bool,
     plausibility: [Plausibility; 2],
-    motions: [Motion; 2],
+    motions: [ReadingMotion; 2],
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,
@@ -136,7 +136,7 @@ impl Cylinder {
             inputs: Inputs::default(),
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
-            motions: [Motion::default(); 2],
+            motions: [ReadingMotion::default(); 2],
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),

@@ -106,18 +106,18 @@ impl Intake {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decode::{Decoded, Field as Bits, Form, Gate};
+    use crate::decode::{BitField, Decoded, MultiplexGate, NumberForm};
     use crate::frame::{Id, Kind};
     use crate::sample::Field::{self, Command, Position, Status, Velocity};
     use crate::sample::Transducer::{C1, C2};
     use crate::time::Timestamp;
 
-    fn field(start: u64, length: u64, motorola: bool, signed: bool) -> Bits {
-        Bits::new(start, length, motorola, signed).expect("it is within a frame")
+    fn field(start: u64, length: u64, motorola: bool, signed: bool) -> BitField {
+        BitField::new(start, length, motorola, signed).expect("it is within a frame")
     }
 
-    fn whole(field: Bits, factor: f64, offset: f64) -> SignalPlan {
-        SignalPlan::new(field, Form::Integer, factor, offset, Box::new([]))
+    fn whole(field: BitField, factor: f64, offset: f64) -> SignalPlan {
+        SignalPlan::new(field, NumberForm::Integer, factor, offset, Box::new([]))
     }
 
     /// The signals of a message whose signals are all plain.
@@ -133,8 +133,8 @@ mod tests {
 
     /// A signal on a page of its message.
     fn paged() -> SignalPlan {
-        let gate = Gate { field: field(0, 8, false, false), ranges: Box::new([(1, 1)]) };
-        SignalPlan::new(field(8, 16, false, false), Form::Integer, 1.0, 0.0, Box::new([gate]))
+        let gate = MultiplexGate { field: field(0, 8, false, false), ranges: Box::new([(1, 1)]) };
+        SignalPlan::new(field(8, 16, false, false), NumberForm::Integer, 1.0, 0.0, Box::new([gate]))
     }
 
     fn subscribed(signal: &str, target: Target) -> SubscribedSignal {
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn what_has_to_be_asked_has_no_short_way() {
         let float =
-            SignalPlan::new(field(0, 32, false, true), Form::Float32, 1.0, 0.0, Box::new([]));
+            SignalPlan::new(field(0, 32, false, true), NumberForm::Float32, 1.0, 0.0, Box::new([]));
         let huge = whole(field(0, 16, false, true), 1e308, 0.0);
         let wide = whole(field(9, 64, false, false), 1.0, 0.0);
         for plan in [paged(), float, huge, wide] {

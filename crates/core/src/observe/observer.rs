@@ -6,7 +6,7 @@ use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
 
 /// Fixed parameters of one observer: the model (4-1) and the gain of (5-4).
 #[derive(Clone, Debug)]
-pub struct Design {
+pub struct ObserverDesign {
     /// State matrix A, 3 × 3, states `[l, l̇, P_L]` in m, m/s, bar.
     pub a: Matrix3<f64>,
     /// Input matrix B, 3 × 1, input l̇_ctrl in m/s.
@@ -19,7 +19,7 @@ pub struct Design {
     pub max_gap: u32,
 }
 
-impl Design {
+impl ObserverDesign {
     /// The observer of `model` with the diagonal weights `q` and `r` (5-6), which reads position
     /// and, if `velocity`, velocity.
     ///
@@ -58,7 +58,7 @@ impl Design {
     }
 }
 
-/// Part of the first effect, see [`Design::recovery`].
+/// Part of the first effect, see [`ObserverDesign::recovery`].
 const SHOWN: f64 = 0.1;
 
 /// A reading that passed the plausibility checks.
@@ -80,7 +80,7 @@ pub struct Innovation {
     /// Whether the observer has followed for long enough for the residual to be judged.
     pub settled: bool,
     /// Whether nothing that the prediction depends on was missing: neither a command nor a reading
-    /// of the last cycles ([`Design::recovery`]). Otherwise the residual is that of a longer
+    /// of the last cycles ([`ObserverDesign::recovery`]). Otherwise the residual is that of a longer
     /// prediction, for which the thresholds were not made.
     pub whole: bool,
 }
@@ -101,7 +101,7 @@ pub enum Restart {
 /// An observer with its state.
 #[derive(Clone, Debug)]
 pub struct Observer {
-    design: Design,
+    design: ObserverDesign,
     x: [f64; 3],
     /// Last known command, m/s.
     u: f64,
@@ -115,7 +115,7 @@ pub struct Observer {
 }
 
 impl Observer {
-    pub fn new(design: Design) -> Self {
+    pub fn new(design: ObserverDesign) -> Self {
         Self {
             recovery: design.recovery(),
             recovering: 0,
@@ -196,7 +196,7 @@ impl Observer {
     /// x ← A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
     #[inline(always)]
     fn predict(&mut self, innovation: [f64; 2]) {
-        let Design { a, b, l, .. } = &self.design;
+        let ObserverDesign { a, b, l, .. } = &self.design;
         let (x, v) = (self.x, innovation);
         self.x = core::array::from_fn(|i| {
             let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];

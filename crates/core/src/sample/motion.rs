@@ -8,7 +8,7 @@ const STEEPEST: f64 = 2.0;
 
 /// Newest steps of a reading.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Motion {
+pub struct ReadingMotion {
     last: Option<f64>,
     /// Newest reading, m.
     newest: f64,
@@ -18,7 +18,7 @@ pub struct Motion {
     steps: u32,
 }
 
-impl Motion {
+impl ReadingMotion {
     /// Takes the reading of a cycle, m; `None` where there is none.
     pub fn follow(&mut self, position: Option<f64>) {
         let Some(position) = position else {
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     fn after(positions: &[f64]) -> bool {
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         positions.iter().for_each(|position| motion.follow(Some(*position)));
         motion.goes_on()
     }
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn what_was_before_a_gap_is_no_motion() {
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         for position in [Some(0.0), Some(1.0), Some(2.0), None, Some(3.0), Some(4.0)] {
             motion.follow(position);
         }

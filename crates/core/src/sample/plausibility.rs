@@ -1,13 +1,13 @@
 //! Plausibility checks of a reading, in a fixed order: stale, broken wire, out of range, frozen.
 
-use super::motion::Motion;
+use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
 use alloc::vec::Vec;
 
 /// Limits of plausible readings.
 #[derive(Clone, Debug)]
-pub struct Limits {
+pub struct PlausibilityLimits {
     /// Cycles without a new reading after which it is stale.
     pub stale: u32,
     /// Raw codes of a broken wire.
@@ -24,9 +24,8 @@ pub struct Limits {
     pub travel: f64,
 }
 
-/// Factor on [`Limits::frozen`] where no other transducer can tell: where a slow stroke turns, friction
-/// holds the rod still for a while. The command must also have moved in both directions, since a stop
-/// holds a rod against one only.
+/// Factor on [`PlausibilityLimits::frozen`] where no other transducer can tell: friction holds the rod
+/// where a slow stroke turns. The command must have moved both ways: a stop holds against one only.
 const UNWITNESSED: u32 = 5;
 
 /// Direction in which a command moves the cylinder.
@@ -41,13 +40,13 @@ pub enum Push {
 pub struct Other {
     /// Position, m.
     pub position: f64,
-    /// Whether it is in motion, see [`Motion::goes_on`].
+    /// Whether it is in motion, see [`ReadingMotion::goes_on`].
     pub goes_on: bool,
 }
 
 impl Other {
     /// The other transducer at `position`, m, whose `motion` was followed up to it.
-    pub fn new(position: f64, motion: &Motion) -> Self {
+    pub fn new(position: f64, motion: &ReadingMotion) -> Self {
         Self { position, goes_on: motion.goes_on() }
     }
 }
@@ -102,8 +101,8 @@ impl Stillness {
 /// The plausibility of one transducer's readings.
 #[derive(Clone, Debug)]
 pub struct Plausibility {
-    limits: Limits,
-    /// Lowest and highest of [`Limits::broken_wire_codes`]: most readings are outside both.
+    limits: PlausibilityLimits,
+    /// Extremes of [`PlausibilityLimits::broken_wire_codes`]: most readings are outside both.
     broken_wire: (i64, i64),
     missing: u32,
     last: Option<f64>,
@@ -116,7 +115,7 @@ pub struct Plausibility {
 
 impl Plausibility {
     /// Checks with these `limits`.
-    pub fn new(limits: Limits) -> Self {
+    pub fn new(limits: PlausibilityLimits) -> Self {
         let broken = || limits.broken_wire_codes.iter().copied();
         Self {
             broken_wire: broken().min().zip(broken().max()).unwrap_or((i64::MAX, i64::MIN)),
@@ -238,8 +237,8 @@ impl Plausibility {
 mod tests {
     use super::*;
 
-    fn limits() -> Limits {
-        Limits {
+    fn limits() -> PlausibilityLimits {
+        PlausibilityLimits {
             stale: 3,
             broken_wire_codes: vec![32767],
             status_mask: 0b01,
@@ -277,8 +276,9 @@ mod tests {
 
     #[test]
     fn only_the_codes_of_a_broken_wire_are_one() {
-        let codes = vec![32767, 0, 500];
-        let mut checks = Plausibility::new(Limits { broken_wire_codes: codes, ..limits() });
+        let broken_wire_codes = vec![32767, 0, 500];
+        let limits = PlausibilityLimits { broken_wire_codes, ..limits() };
+        let mut checks = Plausibility::new(limits);
         let broken = [0, 100, 500, 501, 32767].map(|code| {
             let reading = Reading { code: Some(code), ..reading(0.0) };
             checks.judge(Some(&reading), STILL) == Quality::BrokenWire
@@ -318,7 +318,7 @@ mod tests {
         push: impl Fn(u64) -> Option<Push>,
     ) -> Option<u64> {
         let mut checks = Plausibility::new(limits());
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         let judge = |cycle: &u64| {
             motion.follow(other(*cycle));
             let other = other(*cycle).map(|position| Other::new(position, &motion));

@@ -63,7 +63,7 @@ pub use reference::Reference;
 pub use sampling::{Apart, Sampling};
 pub use scale::Scale;
 pub use stops::{Blame, Judgement};
-pub use trend::{Forecast, Limits, Trend};
+pub use trend::{DriftLimits, Forecast, Trend};
 pub use witness::Claim;
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`

@@ -36,7 +36,7 @@ pub struct Forecast {
 
 /// Limits of the move of a reading, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct DriftLimits {
     /// Move at which the transducer is due for maintenance.
     pub maintenance: f64,
     /// Move at which the machine itself trips, if the other transducer has not moved.

@@ -3,8 +3,8 @@
 
 use super::Verdict;
 use super::fault::{DIFFERENCES, Fault, Signatures, WINDOW, classify_difference};
-use super::history::History;
-use super::suspect::{self, Seen, Suspect};
+use super::history::ResidualHistory;
+use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use crate::time::{Span, Timestamp};
 
@@ -50,8 +50,8 @@ pub struct Bank {
     triggers: [Trigger; 3],
     verdicts: [Verdict; 3],
     newest: [f64; 3],
-    observed: [History<WINDOW>; 2],
-    difference: History<DIFFERENCES>,
+    observed: [ResidualHistory<WINDOW>; 2],
+    difference: ResidualHistory<DIFFERENCES>,
     found: [Option<Found>; 3],
     /// Whether any FDE has found a fault.
     any_found: bool,
@@ -75,8 +75,8 @@ impl Bank {
             triggers: [observer.clone(), observer, Trigger::new(design.difference)],
             verdicts: [Verdict::Unknown; 3],
             newest: [0.0; 3],
-            observed: [History::default(), History::default()],
-            difference: History::default(),
+            observed: [ResidualHistory::default(), ResidualHistory::default()],
+            difference: ResidualHistory::default(),
             found: [None; 3],
             any_found: false,
             signatures: design.signatures.clone(),
@@ -112,7 +112,7 @@ impl Bank {
             found.suspect = Suspect::Undecided;
         }
         self.triggers.iter_mut().for_each(Trigger::interrupt);
-        self.observed.iter_mut().for_each(History::clear);
+        self.observed.iter_mut().for_each(ResidualHistory::clear);
         self.difference.clear();
         self.verdicts = [Verdict::Unknown; 3];
     }
@@ -162,7 +162,7 @@ impl Bank {
     }
 
     fn suspect(&self, i: usize, own: Raise) -> Suspect {
-        let [fde1, fde2, fde3] = core::array::from_fn(|i| Seen {
+        let [fde1, fde2, fde3] = core::array::from_fn(|i| FdeState {
             verdict: self.verdicts[i],
             raised: self.triggers[i].raised(),
         });
@@ -188,7 +188,7 @@ mod tests {
     fn bank() -> Bank {
         let clear = Span::from_seconds(1.0);
         let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
-        let design = || crate::observe::observer::Design {
+        let design = || crate::observe::observer::ObserverDesign {
             a: nalgebra::Matrix3::identity(),
             b: nalgebra::Vector3::zeros(),
             l: nalgebra::Matrix3x2::zeros(),

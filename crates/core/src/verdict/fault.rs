@@ -4,7 +4,7 @@
 //! newest residuals are compared with both signatures at every onset within the window; the one
 //! that explains most of their energy names the fault, and what neither explains is noise.
 
-use crate::observe::observer::Design;
+use crate::observe::observer::ObserverDesign;
 use nalgebra::{Vector2, Vector3};
 
 /// Residuals that a classification looks at: 0.32 s at 50 Hz.
@@ -59,7 +59,7 @@ pub struct Signatures {
 impl Signatures {
     /// The signatures in the innovation of an observer: e(k+1) = (A − L C) e(k) − L f(k), ν(k) = C
     /// e(k) + f(k), with the fault f on the position only.
-    pub fn of_innovation(design: &Design) -> Self {
+    pub fn of_innovation(design: &ObserverDesign) -> Self {
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
             core::array::from_fn(|k| {
@@ -147,7 +147,7 @@ mod tests {
     use nalgebra::{Matrix3, Matrix3x2};
 
     fn observer() -> Signatures {
-        Signatures::of_innovation(&Design {
+        Signatures::of_innovation(&ObserverDesign {
             a: Matrix3::new(1., 0.02, 0., -0.0101, 0.8769, -1.6891e-5, 0., -10.7104, 0.9977),
             b: Vector3::new(0., 0.0926, 6.5427),
             l: Matrix3x2::new(1.70226778, 1.94488386e-3, 32.0305, 0.0840157, -9612.37466, -20.917),

@@ -28,7 +28,7 @@ impl Suspect {
 
 /// State of one FDE in the pattern.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct FdeState {
     pub verdict: Verdict,
     pub raised: Option<Raise>,
 }
@@ -43,8 +43,8 @@ pub struct Seen {
 pub fn of_observer(
     transducer: Suspect,
     own: Raise,
-    other: Seen,
-    difference: Seen,
+    other: FdeState,
+    difference: FdeState,
     coincidence: Span,
 ) -> Suspect {
     let same_onset = |raise: Raise| within(raise.at.since(own.at), coincidence);
@@ -60,20 +60,20 @@ pub fn of_observer(
 }
 
 /// Whether `own` was the only observer raised when FDE3 was.
-fn was_alone(own: Raise, other: Seen, difference: Raise) -> bool {
+fn was_alone(own: Raise, other: FdeState, difference: Raise) -> bool {
     own.at <= difference.at && other.raised.is_none_or(|raise| raise.at > difference.at)
 }
 
 /// The suspect of FDE3's warning `own`: the transducer whose observer, and only whose, exceeded its
 /// threshold when FDE3 was raised, or soon after; otherwise undecided, since C1 − Ĉ2 alone has no
 /// side.
-pub fn of_difference(own: Raise, fde1: Seen, fde2: Seen, coincidence: Span) -> Suspect {
-    let before = |seen: Seen| {
+pub fn of_difference(own: Raise, fde1: FdeState, fde2: FdeState, coincidence: Span) -> Suspect {
+    let before = |seen: FdeState| {
         seen.raised.is_some_and(|raise| {
             raise.at <= own.at && own.at.since(raise.last_exceeded) <= coincidence
         })
     };
-    let after = |seen: Seen| {
+    let after = |seen: FdeState| {
         seen.raised.is_some_and(|raise| raise.at > own.at && raise.at.since(own.at) <= coincidence)
     };
     match (before(fde1), before(fde2), after(fde1), after(fde2)) {
@@ -98,12 +98,12 @@ mod tests {
         Raise { at: Timestamp::from_nanos(at), last_exceeded: Timestamp::from_nanos(last_exceeded) }
     }
 
-    fn faulty(at: i64, last: i64) -> Seen {
-        Seen { verdict: Verdict::Faulty, raised: Some(raise(at, last)) }
+    fn faulty(at: i64, last: i64) -> FdeState {
+        FdeState { verdict: Verdict::Faulty, raised: Some(raise(at, last)) }
     }
 
-    const HEALTHY: Seen = Seen { verdict: Verdict::Healthy, raised: None };
-    const UNKNOWN: Seen = Seen { verdict: Verdict::Unknown, raised: None };
+    const HEALTHY: FdeState = FdeState { verdict: Verdict::Healthy, raised: None };
+    const UNKNOWN: FdeState = FdeState { verdict: Verdict::Unknown, raised: None };
 
     #[test]
     fn the_pattern_of_figure_5_17() {

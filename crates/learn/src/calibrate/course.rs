@@ -3,8 +3,8 @@
 use super::cutting::{Cuts, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
-    Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
-    Profiling, Refusal, Scatter, Scattering, Spreading, Trying,
+    Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
+    Halves, Profile, Profiling, Scatter, Scattering, Spreading, Trying,
 };
 use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
@@ -14,7 +14,7 @@ use tertius_core::sequential::wild::Outliers;
 
 /// Inputs of a calibration.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct CalibrationCourse<'a> {
     pub settings: &'a Settings,
     /// Part of the recording that is fitted; where it equals `tried`, its blocks alternate
     /// ([`Division`]).
@@ -25,7 +25,7 @@ pub struct Course<'a> {
     pub per_year: f64,
 }
 
-/// Result of a [`Course`].
+/// Result of a [`CalibrationCourse`].
 #[derive(Clone, Debug)]
 pub struct Calibrated {
     /// Results of all configured cylinders, from cylinder 1.
@@ -40,7 +40,7 @@ type Profiles = Vec<Option<(Profile, Halves)>>;
 /// What was learnt of each cylinder.
 struct Taught {
     gathering: Gathering,
-    results: Vec<Result<super::Fitted, Refusal>>,
+    results: Vec<Result<super::Fitted, CalibrationRefusal>>,
     profiles: Profiles,
     scattering: Scattering,
     trying: Trying,
@@ -48,7 +48,7 @@ struct Taught {
     levels: Vec<Option<OwnLevel>>,
 }
 
-impl Course<'_> {
+impl CalibrationCourse<'_> {
     /// Reads `recording` six times: for a census, the line, the profile along the stroke, the
     /// validation, the scatter, and the resulting detectors. If a few minutes of it contradict the
     /// detectors, they are cut out and all readings are repeated.
@@ -119,7 +119,7 @@ impl Course<'_> {
         &self,
         recording: &R,
         cuts: &Cuts,
-        results: &[Result<super::Fitted, Refusal>],
+        results: &[Result<super::Fitted, CalibrationRefusal>],
     ) -> Result<Profiles, R::Error> {
         let machine = &self.settings.machine;
         let fits = results.iter().map(|result| result.as_ref().ok());
@@ -135,7 +135,7 @@ impl Course<'_> {
         &self,
         recording: &R,
         cuts: &Cuts,
-    ) -> Result<(Gathering, Vec<Result<super::Fitted, Refusal>>), R::Error> {
+    ) -> Result<(Gathering, Vec<Result<super::Fitted, CalibrationRefusal>>), R::Error> {
         let settings = self.settings;
         let [low, high] = settings.machine.stroke;
         let configured = |n| {
@@ -147,13 +147,19 @@ impl Course<'_> {
         recording.read(self.fitted, cuts.around(&mut gathering))?;
         let second = settings.signals.cylinder.c2.is_some();
         let judge = |n: u8| {
-            if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
+            if second {
+                gathering.judge(usize::from(n) - 1)
+            } else {
+                Err(CalibrationRefusal::NoSecond)
+            }
         };
         let lines: Vec<_> = numbers.map(judge).collect();
         let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
         recording.read(self.fitted, cuts.around(&mut fitting))?;
         let results = lines.into_iter().enumerate().map(|(i, line)| {
-            fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
+            fitting
+                .result(i)
+                .unwrap_or_else(|| Err(line.err().unwrap_or(CalibrationRefusal::Absent)))
         });
         let results = results.collect();
         Ok((gathering, results))
@@ -239,7 +245,7 @@ impl Course<'_> {
 
 /// Everything learnt of one cylinder.
 type Learnt = (
-    ((u8, Result<super::Fitted, Refusal>), Option<super::Tried>),
+    ((u8, Result<super::Fitted, CalibrationRefusal>), Option<super::TriedBand>),
     (Option<(Profile, Scatter)>, Option<OwnLevel>),
 );
 

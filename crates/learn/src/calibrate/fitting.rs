@@ -1,7 +1,7 @@
 //! The least squares of (5-20).
 
 use super::line::{Line, Robust};
-use super::refusal::Refusal;
+use super::refusal::CalibrationRefusal;
 use super::roughness::Roughness;
 use crate::identify::qr::Triangle;
 use crate::survey::{Row, Surveyor};
@@ -68,7 +68,7 @@ impl Fitting {
     ///
     /// # Errors
     /// Too many samples are far from the line.
-    pub fn result(&self, index: usize) -> Option<Result<Fitted, Refusal>> {
+    pub fn result(&self, index: usize) -> Option<Result<Fitted, CalibrationRefusal>> {
         self.cylinders[index].as_ref().map(Regressed::result)
     }
 }
@@ -99,10 +99,10 @@ impl Regressed {
         }
     }
 
-    fn result(&self) -> Result<Fitted, Refusal> {
+    fn result(&self) -> Result<Fitted, CalibrationRefusal> {
         let Self { limit, trimmed, .. } = *self;
         let rows = self.triangle.rows() + trimmed;
-        let no_line = Refusal::NotALine { trimmed, rows, limit_mm: 1e3 * limit };
+        let no_line = CalibrationRefusal::NotALine { trimmed, rows, limit_mm: 1e3 * limit };
         if trimmed as f64 > MOST_TRIMMED * rows as f64 {
             return Err(no_line);
         }

@@ -1,7 +1,7 @@
 //! The readings of both transducers in a recording, and the line near which they lie.
 
 use super::line::Robust;
-use super::refusal::Refusal;
+use super::refusal::CalibrationRefusal;
 use super::resolution::Resolution;
 use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
@@ -79,12 +79,12 @@ impl Gathering {
     ///
     /// # Errors
     /// What is wrong with its data.
-    pub fn judge(&self, index: usize) -> Result<Robust, Refusal> {
+    pub fn judge(&self, index: usize) -> Result<Robust, CalibrationRefusal> {
         let gathered = &self.cylinders[index];
         gathered.presence()?;
         let rows = gathered.points.seen();
         if rows < LEAST_ROWS {
-            return Err(Refusal::TooFewRows { rows, least: LEAST_ROWS });
+            return Err(CalibrationRefusal::TooFewRows { rows, least: LEAST_ROWS });
         }
         let range_mm = 1e3 * gathered.range();
         let least_mm = 1e3 * LEAST_MOTION * self.stroke;
@@ -95,11 +95,11 @@ impl Gathering {
             unit(line.gain)?;
         }
         if range_mm < least_mm {
-            return Err(Refusal::HardlyMoves { range_mm, least_mm });
+            return Err(CalibrationRefusal::HardlyMoves { range_mm, least_mm });
         }
         self.partners(index)?;
         self.sides(index)?;
-        robust.ok_or(Refusal::HardlyMoves { range_mm, least_mm })
+        robust.ok_or(CalibrationRefusal::HardlyMoves { range_mm, least_mm })
     }
 
     /// Remarks on what cannot be determined of a cylinder that can be calibrated.
@@ -132,27 +132,27 @@ impl Gathering {
 
     /// Checks that C1 of the cylinder of `index` moves with its own C2, and names the cylinder
     /// whose C2 it moves with.
-    fn partners(&self, index: usize) -> Result<(), Refusal> {
+    fn partners(&self, index: usize) -> Result<(), CalibrationRefusal> {
         let count = self.count();
         let with = |j: usize| self.correlation(index, j);
         let own = with(index);
         let best = (0..count).max_by(|i, j| with(*i).total_cmp(&with(*j))).unwrap_or(index);
         // The unexplained part, 1 − ρ², of the right one is smaller by far.
         if best != index && with(best) > LEAST_CORRELATION && 1.0 - with(best) < 0.1 * (1.0 - own) {
-            return Err(Refusal::SwappedCylinders {
+            return Err(CalibrationRefusal::SwappedCylinders {
                 other: best as u8 + 1,
                 with_other: with(best),
                 with_own: own,
             });
         }
         if own < LEAST_CORRELATION {
-            return Err(Refusal::Unrelated { correlation: own });
+            return Err(CalibrationRefusal::Unrelated { correlation: own });
         }
         Ok(())
     }
 
     /// Checks against an earlier calibration whether C1 is where C2 was.
-    fn sides(&self, index: usize) -> Result<(), Refusal> {
+    fn sides(&self, index: usize) -> Result<(), CalibrationRefusal> {
         let Some((a, b)) = self.configured[index] else { return Ok(()) };
         let points = self.cylinders[index].points.samples();
         let middle = |errors: &dyn Fn(f64, f64) -> f64| {
@@ -165,7 +165,7 @@ impl Gathering {
         let as_given_mm = 1e3 * middle(&|c2, c1| c1 - (a * c2 + b));
         let swapped_mm = 1e3 * middle(&|c2, c1| c2 - (a * c1 + b));
         if swapped_mm < 0.5 * as_given_mm && as_given_mm - swapped_mm > 0.5 {
-            return Err(Refusal::SwappedTransducers { as_given_mm, swapped_mm });
+            return Err(CalibrationRefusal::SwappedTransducers { as_given_mm, swapped_mm });
         }
         Ok(())
     }
@@ -212,19 +212,24 @@ impl Gathered {
         Noise::of_rounding([0, 1].map(|which: usize| self.resolutions[which].count()))
     }
 
-    fn presence(&self) -> Result<(), Refusal> {
+    fn presence(&self) -> Result<(), CalibrationRefusal> {
         if self.rows == 0 {
-            return Err(Refusal::Absent);
+            return Err(CalibrationRefusal::Absent);
         }
         for (i, signal) in ["C1", "C2"].into_iter().enumerate() {
             let missing = self.rows - self.good[i].count;
             if missing > self.rows / 2 {
                 let detail = self.detail(i);
-                return Err(Refusal::Missing { signal, missing, rows: self.rows, detail });
+                return Err(CalibrationRefusal::Missing {
+                    signal,
+                    missing,
+                    rows: self.rows,
+                    detail,
+                });
             }
             if self.good[i].range() <= 0.0 {
                 let (value, rows) = (self.good[i].mean, self.good[i].count);
-                return Err(Refusal::Constant { signal, value, rows });
+                return Err(CalibrationRefusal::Constant { signal, value, rows });
             }
         }
         Ok(())
@@ -269,7 +274,7 @@ impl Gathered {
 }
 
 /// Checks the gain: two transducers of one stroke have about the same.
-fn unit(gain: f64) -> Result<(), Refusal> {
+fn unit(gain: f64) -> Result<(), CalibrationRefusal> {
     if (0.5..=2.0).contains(&gain) {
         return Ok(());
     }
@@ -283,5 +288,5 @@ fn unit(gain: f64) -> Result<(), Refusal> {
     } else {
         String::new()
     };
-    Err(Refusal::Unit { gain, guess })
+    Err(CalibrationRefusal::Unit { gain, guess })
 }

@@ -1,6 +1,6 @@
 //! Whether a calibration can be used.
 
-use super::{Bound, Calibrated, Calibration, Course, Cuts, LARGEST_BOUND, LEAST_BOUND};
+use super::{Bound, Calibrated, Calibration, CalibrationCourse, Cuts, LARGEST_BOUND, LEAST_BOUND};
 use crate::survey::{Origin, Recording};
 
 impl Calibration {
@@ -9,7 +9,7 @@ impl Calibration {
     /// # Errors
     /// The recording's own.
     pub fn of<R: Recording>(
-        course: &Course,
+        course: &CalibrationCourse,
         recording: &R,
         origin: &Origin,
     ) -> Result<Self, R::Error> {

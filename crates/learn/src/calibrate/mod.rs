@@ -2,7 +2,7 @@
 //! of R3 on another, as in Figures 5-14 and 5-15. The two parts may also be alternating blocks
 //! ([`Division`]).
 //!
-//! A [`Course`] reads the recording several times, in bounded memory. [`Gathering`] checks the data
+//! A [`CalibrationCourse`] reads the recording several times, in bounded memory. [`Gathering`] checks the data
 //! and finds a line that a few faulty samples do not move, on samples thinned to a bounded number.
 //! [`Fitting`] is the least squares of all samples near that line, and [`Trying`] finds the band.
 //! For the sequential detector [`Profiling`] fits, in another pass, the difference along the
@@ -32,7 +32,7 @@ mod trying;
 pub mod watch;
 
 pub use crate::survey::Recording;
-pub use course::{Calibrated, Course};
+pub use course::{Calibrated, CalibrationCourse};
 pub use cutting::{Cuts, Cutting};
 pub(crate) use cutting::{are_few, places};
 pub use division::{Division, Halves};
@@ -41,10 +41,10 @@ pub use fitting::{Fitted, Fitting};
 pub use gathering::Gathering;
 pub use line::{Line, Robust};
 pub use profile::{Profile, Profiling};
-pub use refusal::Refusal;
+pub use refusal::CalibrationRefusal;
 pub use scatter::{Scatter, Scattering};
-pub use spreading::{Spread, Spreading};
-pub use trying::{Tried, Trying};
+pub use spreading::{ResidualSpread, Spreading};
+pub use trying::{TriedBand, Trying};
 
 use crate::survey::{Timeline, Window};
 
@@ -72,9 +72,9 @@ pub struct CylinderCalibration {
     /// Sample time of the readings, s.
     pub sample_time: f64,
     pub number: u8,
-    pub result: Result<Fitted, Refusal>,
+    pub result: Result<Fitted, CalibrationRefusal>,
     /// Validation on the second part; `None` without a fit.
-    pub tried: Option<Tried>,
+    pub tried: Option<TriedBand>,
     /// Tables of the sequential detector; `None` where there were not enough data, or the recording
     /// contradicts them.
     pub sequential: Option<(Profile, Scatter)>,

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum Refusal {
+pub enum CalibrationRefusal {
     #[error(
         "no frame of it is in this part of the recording; check the cylinder's number and {{n}} in \
          [signals.cylinder], and that its transducers were on the bus"

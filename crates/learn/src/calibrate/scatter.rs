@@ -5,7 +5,7 @@ use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::profile::Profile;
 use super::residuals::{Residuals, deviation};
-use super::spreading::Spread;
+use super::spreading::ResidualSpread;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::clip::Clip;
 use tertius_core::sequential::dependence::Measuring;
@@ -43,7 +43,7 @@ pub struct Scatter {
     /// Standard deviation of the residual at any speed, m, without wild samples.
     pub deviation: f64,
     /// Growth of the scatter with the speed, and the resolution of the readings.
-    pub spread: Spread,
+    pub spread: ResidualSpread,
     /// Standard deviation of the difference of both readings from the command's prediction, m: the
     /// sum of the innovations, each with half the weight, times √2. `None` without a drive that
     /// predicts.
@@ -100,7 +100,7 @@ pub struct Scattering {
 #[derive(Clone, Debug)]
 struct Judged {
     residuals: Residuals,
-    spread: Spread,
+    spread: ResidualSpread,
     noise: Noise,
     bands: Bands,
     pair: Option<Pair>,
@@ -124,13 +124,13 @@ impl Scattering {
         sample_time: f64,
         outliers: Outliers,
         division: Division,
-        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), Spread)>>,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), ResidualSpread)>>,
     ) -> Self {
-        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
+        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), ResidualSpread)| {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
             let design = |drive| PairDesign::new(drive, sample_time, deviation, 0.0).ok();
-            let Spread { noise, resolution } = spread;
+            let ResidualSpread { noise, resolution } = spread;
             Judged {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
                 spread,

@@ -34,7 +34,7 @@ const BY_MEDIAN: f64 = 1.4826;
 
 /// Scatter of a cylinder's residuals, and the resolution of its readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct ResidualSpread {
     pub noise: Noise,
     /// Resolutions of C1 and of C2, m; 0 where not known.
     pub resolution: [f64; 2],
@@ -71,7 +71,7 @@ impl Spreading {
     }
 
     /// The spread of the cylinder of `index` (from 0); `None` without data.
-    pub fn result(&self, index: usize) -> Option<Spread> {
+    pub fn result(&self, index: usize) -> Option<ResidualSpread> {
         self.cylinders[index].as_ref()?.result()
     }
 }
@@ -114,7 +114,7 @@ impl Spreads {
         }
     }
 
-    fn result(&self) -> Option<Spread> {
+    fn result(&self) -> Option<ResidualSpread> {
         let resolution = [0, 1].map(|which: usize| self.resolutions[which].count());
         let counts = WILD_COUNTS * 0.5 * (resolution[0] + resolution[1]);
         let first =
@@ -124,7 +124,7 @@ impl Spreads {
             noise = self.fit(|square, _| FAR * noise.variance(square.sqrt()).sqrt())?;
         }
         let rest = noise.rest.max(Noise::of_rounding(resolution));
-        (rest > 0.0).then_some(Spread { noise: Noise { rest, ..noise }, resolution })
+        (rest > 0.0).then_some(ResidualSpread { noise: Noise { rest, ..noise }, resolution })
     }
 
     /// The line of the mean squares over v², for magnitudes within a limit, m, that depends on v²

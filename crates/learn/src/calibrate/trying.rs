@@ -15,7 +15,7 @@ const MARGIN: f64 = 1.2;
 
 /// Differences of C1 and C2 of one cylinder.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct TriedBand {
     line: Line,
     limit: f64,
     /// C1 − C2 as measured (Figure 5-14), without faulty samples, m.
@@ -33,13 +33,13 @@ pub struct Tried {
 /// The third pass.
 #[derive(Clone, Debug)]
 pub struct Trying {
-    cylinders: Vec<Option<Tried>>,
+    cylinders: Vec<Option<TriedBand>>,
 }
 
 impl Trying {
     /// A pass over these calibrations; `block` is the number of cycles that count as one warning.
     pub fn new<'a>(fits: impl IntoIterator<Item = Option<&'a Fitted>>, block: u32) -> Self {
-        let tried = |fitted: &Fitted| Tried {
+        let tried = |fitted: &Fitted| TriedBand {
             line: fitted.line,
             limit: FAULTY * fitted.limit,
             before: Spread::default(),
@@ -62,7 +62,7 @@ impl Trying {
         healthy: impl Fn(usize) -> bool,
     ) -> Option<Bound> {
         let own = self.cylinders.iter().enumerate().filter(|(index, _)| healthy(*index));
-        let own: Vec<&Tried> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
+        let own: Vec<&TriedBand> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
         let tried = || own.iter();
         let tails: Option<Vec<Tail>> =
             tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
@@ -81,7 +81,7 @@ impl Trying {
         })
     }
 
-    pub fn into_cylinders(self) -> Vec<Option<Tried>> {
+    pub fn into_cylinders(self) -> Vec<Option<TriedBand>> {
         self.cylinders
     }
 }
@@ -99,7 +99,7 @@ impl Surveyor for Trying {
     }
 }
 
-impl Tried {
+impl TriedBand {
     fn take(&mut self, c1: f64, c2: f64) {
         let error = self.line.error(c2, c1);
         if error.abs() > self.limit {

@@ -2,7 +2,7 @@
 //! configured as.
 
 use super::moments::{Pair, Spread};
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::Sources;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sample::Quality;
@@ -105,7 +105,7 @@ impl Census {
     ///
     /// # Errors
     /// What is wrong with its data.
-    pub fn judge(&self, index: usize) -> Result<(), Refusal> {
+    pub fn judge(&self, index: usize) -> Result<(), IdentificationRefusal> {
         let counted = &self.cylinders[index];
         let sources = self.sources(index);
         counted.presence()?;
@@ -113,7 +113,7 @@ impl Census {
         counted.units(sources)?;
         let range_mm = counted.position.range() * 1e3;
         if range_mm < LEAST_MOTION {
-            return Err(Refusal::HardlyMoves { range_mm, least_mm: LEAST_MOTION });
+            return Err(IdentificationRefusal::HardlyMoves { range_mm, least_mm: LEAST_MOTION });
         }
         counted.transducers()?;
         self.neighbours(index)
@@ -192,7 +192,7 @@ impl Census {
     }
 
     /// Checks that the cylinder of `index` follows its own command.
-    fn neighbours(&self, index: usize) -> Result<(), Refusal> {
+    fn neighbours(&self, index: usize) -> Result<(), IdentificationRefusal> {
         let Some(other) = self.stranger(index) else { return Ok(()) };
         // Neighbours move alike, one behind the other, and a motion is behind its command: so it may
         // be nearest to the command of the cylinder behind. Where commands are swapped the other one,
@@ -201,7 +201,7 @@ impl Census {
         if way.by_ref().take(self.cylinders.len()).all(|at| at != index) {
             return Ok(());
         }
-        Err(Refusal::SwappedCylinders {
+        Err(IdentificationRefusal::SwappedCylinders {
             other: other as u8 + 1,
             with_other: self.correlation(other, index),
             with_own: self.correlation(index, index),
@@ -263,20 +263,20 @@ impl Counted {
         Some((middle.u?, slope))
     }
 
-    fn presence(&self) -> Result<(), Refusal> {
+    fn presence(&self) -> Result<(), IdentificationRefusal> {
         let rows = self.monitored;
         if self.rows == 0 {
-            return Err(Refusal::Absent);
+            return Err(IdentificationRefusal::Absent);
         }
         if rows == 0 {
-            return Err(Refusal::NeverMonitored { rows: self.rows });
+            return Err(IdentificationRefusal::NeverMonitored { rows: self.rows });
         }
         let signals = [("the position C1", &self.position), ("the command", &self.command)];
         for (signal, spread) in signals {
             let missing = rows - spread.count;
             if missing > rows / 2 {
                 let detail = if signal == "the command" { String::new() } else { self.detail() };
-                return Err(Refusal::Missing { signal, missing, rows, detail });
+                return Err(IdentificationRefusal::Missing { signal, missing, rows, detail });
             }
         }
         Ok(())
@@ -307,7 +307,7 @@ impl Counted {
         if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) }
     }
 
-    fn excitation(&self, sources: Sources) -> Result<(), Refusal> {
+    fn excitation(&self, sources: Sources) -> Result<(), IdentificationRefusal> {
         let signals = [
             (true, "the command", &self.command, "m/s"),
             (true, "the position C1", &self.position, "m"),
@@ -317,13 +317,13 @@ impl Counted {
         for (used, signal, spread, unit) in signals {
             if used && spread.range() <= 0.0 {
                 let (value, rows) = (spread.mean, spread.count);
-                return Err(Refusal::Constant { signal, value, unit, rows });
+                return Err(IdentificationRefusal::Constant { signal, value, unit, rows });
             }
         }
         Ok(())
     }
 
-    fn units(&self, sources: Sources) -> Result<(), Refusal> {
+    fn units(&self, sources: Sources) -> Result<(), IdentificationRefusal> {
         let enough = |pair: &Pair| pair.count() >= ENOUGH;
         let together = |pair: &Pair| pair.correlation().unwrap_or(0.0);
         let pair = &self.velocity_of_slope;
@@ -335,7 +335,12 @@ impl Counted {
             let same = (1.0 / SAME..SAME).contains(&factor);
             if together(pair).abs() > 0.3 && !same {
                 let (signal, reference) = ("the velocity of C1", "the position's slope");
-                return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+                return Err(IdentificationRefusal::Unit {
+                    signal,
+                    reference,
+                    factor,
+                    guess: guess(factor),
+                });
             }
         }
         let pair = &self.slope_of_command;
@@ -346,19 +351,24 @@ impl Counted {
         {
             let factor = 1.0 / gain;
             let (signal, reference) = ("the command", "the motion that follows it");
-            return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+            return Err(IdentificationRefusal::Unit {
+                signal,
+                reference,
+                factor,
+                guess: guess(factor),
+            });
         }
         if sources.pressure && self.pressure.largest > HIGHEST_PRESSURE {
-            return Err(Refusal::PressureUnit { largest: self.pressure.largest });
+            return Err(IdentificationRefusal::PressureUnit { largest: self.pressure.largest });
         }
         Ok(())
     }
 
-    fn transducers(&self) -> Result<(), Refusal> {
+    fn transducers(&self) -> Result<(), IdentificationRefusal> {
         let (as_given_mm, swapped_mm) = (self.as_given.rms() * 1e3, self.swapped.rms() * 1e3);
         let enough = self.as_given.count >= ENOUGH;
         if enough && swapped_mm < 0.5 * as_given_mm && as_given_mm - swapped_mm > 0.5 {
-            return Err(Refusal::SwappedTransducers { as_given_mm, swapped_mm });
+            return Err(IdentificationRefusal::SwappedTransducers { as_given_mm, swapped_mm });
         }
         Ok(())
     }

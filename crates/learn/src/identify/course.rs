@@ -1,6 +1,6 @@
 //! An identification from beginning to end, on a recording that can be read repeatedly.
 
-use super::assess::{self, Weights};
+use super::assess::{self, ObserverWeights};
 use super::flow::{FlowFit, FlowSources, Scout};
 use super::friction::Stretches;
 use super::nonlinear::Nonlinear;
@@ -40,7 +40,7 @@ impl Default for Options {
 
 /// Inputs of an identification.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct IdentificationCourse<'a> {
     pub settings: &'a Settings,
     pub origin: &'a Origin,
     pub options: Options,
@@ -50,7 +50,7 @@ const RUNS_AWAY: &str = "simulated open loop, the chosen model runs away (VAF be
     position is the sum of all speeds, so errors from a dead band or a changing offset of the \
 command add up; the monitor uses the prediction, which follows the readings";
 
-impl Course<'_> {
+impl IdentificationCourse<'_> {
     /// Reads `recording` three times, for the census, the fit and the validation, and twice more
     /// for the non-linear parts.
     ///
@@ -69,7 +69,7 @@ impl Course<'_> {
         };
         let observer = &settings.observer;
         let settle = (observer.settle / settings.machine.sample_time).round() as u32;
-        let weights = Weights { q: observer.q, r: observer.r, settle };
+        let weights = ObserverWeights { q: observer.q, r: observer.r, settle };
         let (census, bad) = self.census(recording, fitted)?;
         let (mut estimators, judged) = assess::estimators(&census, shaping);
         recording.read(fitted, &mut estimators)?;

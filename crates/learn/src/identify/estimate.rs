@@ -2,7 +2,7 @@
 
 use super::moments::Spread;
 use super::qr::{LARGEST_CONDITION, NoRegression, Regression, Triangle};
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::{Sample, Shaper};
 use nalgebra::{Matrix2, Vector2};
 use tertius_core::observe::model::Model;
@@ -108,7 +108,7 @@ impl Estimator {
     ///
     /// # Errors Too few rows, signals that cannot be told apart, or a command at rest outside the
     /// recorded commands.
-    pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, Refusal> {
+    pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, IdentificationRefusal> {
         let plain = || self.fit(false);
         let estimate = match rule {
             OffsetRule::Never => plain()?,
@@ -123,10 +123,14 @@ impl Estimator {
             && !(self.command.low..=self.command.high).contains(&offset)
         {
             let Spread { low, high, .. } = self.command;
-            return Err(Refusal::RestNeverCommanded { offset, low, high });
+            return Err(IdentificationRefusal::RestNeverCommanded { offset, low, high });
         }
         let numbers = estimate.theta.iter().chain(&estimate.gamma).chain(&estimate.command_offset);
-        if numbers.copied().all(f64::is_finite) { Ok(estimate) } else { Err(Refusal::NotFinite) }
+        if numbers.copied().all(f64::is_finite) {
+            Ok(estimate)
+        } else {
+            Err(IdentificationRefusal::NotFinite)
+        }
     }
 
     fn is_worthwhile(&self, estimate: &Estimate) -> bool {
@@ -138,7 +142,7 @@ impl Estimator {
         significant && offset.abs() > WORTHWHILE * deviation
     }
 
-    fn fit(&self, constant: bool) -> Result<Estimate, Refusal> {
+    fn fit(&self, constant: bool) -> Result<Estimate, IdentificationRefusal> {
         let columns = |first: usize| -> Vec<usize> {
             (first..=CONSTANT)
                 .filter(|column| match *column {
@@ -163,16 +167,21 @@ impl Estimator {
         columns: &[usize],
         target: usize,
         equation: &'static str,
-    ) -> Result<Regression, Refusal> {
+    ) -> Result<Regression, IdentificationRefusal> {
         if self.triangle.rows() < FEWEST_ROWS {
-            return Err(Refusal::TooFewRows { rows: self.triangle.rows(), least: FEWEST_ROWS });
+            return Err(IdentificationRefusal::TooFewRows {
+                rows: self.triangle.rows(),
+                least: FEWEST_ROWS,
+            });
         }
         self.triangle.solve(columns, target).map_err(|reason| match reason {
-            NoRegression::TooFewRows { rows } => Refusal::TooFewRows { rows, least: FEWEST_ROWS },
+            NoRegression::TooFewRows { rows } => {
+                IdentificationRefusal::TooFewRows { rows, least: FEWEST_ROWS }
+            }
             NoRegression::Collinear { condition, among } => {
                 let names: Vec<&str> = among.iter().map(|place| NAMES[columns[*place]]).collect();
                 let (among, most) = (names.join(" and "), LARGEST_CONDITION);
-                Refusal::Collinear { equation, among, condition, most }
+                IdentificationRefusal::Collinear { equation, among, condition, most }
             }
         })
     }

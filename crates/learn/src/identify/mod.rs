@@ -34,7 +34,7 @@ pub mod validate;
 pub use census::{Census, Expectations};
 pub use estimate::{Estimate, Estimator, OffsetRule};
 pub use outcome::Outcome;
-pub use refusal::Refusal;
+pub use refusal::IdentificationRefusal;
 pub use shaper::{Sample, Shaper, Shaping, Sources};
 pub use stages::Each;
 pub use validate::{Candidate, Validator};

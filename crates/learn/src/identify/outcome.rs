@@ -2,9 +2,9 @@
 
 use super::estimate::Estimate;
 use super::nonlinear::Nonlinear;
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::{Shaping, Sources};
-use super::validate::{Fit, Trials, Tried};
+use super::validate::{Fit, Trials, TriedModel};
 use crate::survey::{Timeline, Window};
 use nalgebra::{Complex, Matrix3, SVD};
 use tertius_core::observe::model::{Model, POSITION};
@@ -35,7 +35,7 @@ pub struct Outcome {
 pub struct CylinderOutcome {
     pub number: u8,
     pub sources: Sources,
-    pub result: Result<Identified, Refusal>,
+    pub result: Result<Identified, IdentificationRefusal>,
     /// Results of every model on this cylinder; `None` where none could be tried.
     pub trials: Option<Trials>,
     pub remarks: Vec<String>,
@@ -100,7 +100,7 @@ impl Outcome {
         self.tried(of, on).map(|tried| &tried.simulated)
     }
 
-    pub fn tried(&self, of: u8, on: u8) -> Option<&Tried> {
+    pub fn tried(&self, of: u8, on: u8) -> Option<&TriedModel> {
         let cylinder = self.cylinders.iter().find(|cylinder| cylinder.number == on)?;
         cylinder.trials.as_ref()?.tried.iter().find(|tried| tried.of == of)
     }

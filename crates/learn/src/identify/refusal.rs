@@ -4,7 +4,7 @@ use thiserror::Error;
 
 /// What is wrong with the data of one cylinder.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum Refusal {
+pub enum IdentificationRefusal {
     #[error(
         "no frame of it is in the recording; check the cylinder's number and {{n}} in \
          [signals.cylinder], and that its transducers were on the bus"

@@ -6,7 +6,7 @@ use super::shaper::{Sample, Shaper};
 use crate::survey::Row;
 use nalgebra::{Vector2, Vector3};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
 /// Number of samples kept for figures: a minute at 50 Hz.
 pub const EXCERPT: usize = 3000;
@@ -20,12 +20,12 @@ pub struct Candidate {
     /// Load pressure at rest of that cylinder, bar.
     pub pressure_offset: f64,
     /// Observer of the model, where it has one.
-    pub observer: Option<Design>,
+    pub observer: Option<ObserverDesign>,
 }
 
 /// Accuracy with which one signal is reproduced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Score {
+pub struct SignalScore {
     measured: Spread,
     error: Spread,
 }
@@ -34,12 +34,12 @@ pub struct Score {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
     /// Accuracy of the position, m.
-    pub position: Score,
+    pub position: SignalScore,
     /// Accuracy of the velocity, m/s.
-    pub velocity: Score,
+    pub velocity: SignalScore,
 }
 
-impl Score {
+impl SignalScore {
     fn add(&mut self, measured: f64, predicted: f64) {
         self.measured.add(measured);
         self.error.add(measured - predicted);
@@ -104,7 +104,7 @@ pub struct Validator {
 
 /// Result of one model on one cylinder.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tried {
+pub struct TriedModel {
     /// Cylinder that the model was identified on.
     pub of: u8,
     /// Open-loop accuracy: from the first sample on by the commands alone.
@@ -118,7 +118,7 @@ pub struct Tried {
 /// Results of a cylinder's validation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trials {
-    pub tried: Vec<Tried>,
+    pub tried: Vec<TriedModel>,
     /// Number of times a simulation started: once, and after each gap.
     pub starts: u64,
     /// Beginning of the signals, with the cylinder's own model.
@@ -183,7 +183,7 @@ impl Validator {
     }
 
     pub fn finish(self) -> Trials {
-        let tried = |trial: Trial| Tried {
+        let tried = |trial: Trial| TriedModel {
             of: trial.candidate.of,
             simulated: trial.simulated,
             predicted: trial.predicted,
@@ -207,7 +207,9 @@ impl Trial {
         self.simulated.position.add(sample.l, self.free[0]);
         self.simulated.velocity.add(sample.v, self.free[1]);
         self.free = model.a * self.free + model.b * input;
-        let Some(Design { a, b, l, settle, .. }) = observer else { return (simulated, None) };
+        let Some(ObserverDesign { a, b, l, settle, .. }) = observer else {
+            return (simulated, None);
+        };
         let predicted = [self.led[0], self.led[1]];
         let velocity = sample.raw_v.unwrap_or(sample.v);
         let errors = Vector2::new(sample.l - self.led[0], velocity - self.led[1]);

@@ -32,7 +32,7 @@ pub const SIGMA: f64 = 4.34e-4;
 
 /// Inputs of a tuning.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct TuningCourse<'a> {
     pub settings: &'a Settings,
     /// Monitor design of `settings`, whose sequential detectors are also tried.
     pub design: &'a MonitorDesign,
@@ -56,7 +56,7 @@ pub enum Untuned<E> {
     TooLittle(String),
 }
 
-impl Course<'_> {
+impl TuningCourse<'_> {
     /// Reads `recording` twice: stretches for the search, and everything for the thresholds.
     ///
     /// # Errors The recording's own, or a recording with too little data.

@@ -4,7 +4,7 @@ use super::response;
 use super::store::Store;
 use super::{CylinderModel, Weights, designs};
 use crate::extremes::{Maxima, Tail, common_level};
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
 /// Requirements for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,7 +89,7 @@ impl Criterion {
         store: &Store,
         index: usize,
         transducer: usize,
-        design: &Design,
+        design: &ObserverDesign,
     ) -> Option<Tail> {
         let mut maxima = Maxima::new(self.block);
         for stretch in store.stretches(index) {

@@ -6,7 +6,7 @@ use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
 use crate::survey::{Row, Surveyor};
-use tertius_core::observe::observer::{Design, Observer, Restart};
+use tertius_core::observe::observer::{Observer, ObserverDesign, Restart};
 
 /// The residuals of one observer.
 #[derive(Clone, Debug)]
@@ -50,8 +50,8 @@ pub struct Evidence {
 impl Evidence {
     /// A pass with observers by `designs`; `block` is the number of cycles that count as one
     /// warning.
-    pub fn new(cylinders: &[CylinderModel], designs: &[[Design; 2]], block: u32) -> Self {
-        let witnesses = |(cylinder, designs): (&CylinderModel, &[Design; 2])| {
+    pub fn new(cylinders: &[CylinderModel], designs: &[[ObserverDesign; 2]], block: u32) -> Self {
+        let witnesses = |(cylinder, designs): (&CylinderModel, &[ObserverDesign; 2])| {
             let witness = |i: usize| {
                 cylinder.transducers[i].then(|| Witness {
                     observer: Observer::new(designs[i].clone()),

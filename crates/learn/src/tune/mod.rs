@@ -31,7 +31,7 @@ pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
 use crate::survey::{Timeline, Window};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::observe::riccati::RiccatiError;
 
 /// What is known of one cylinder.
@@ -66,11 +66,11 @@ pub fn designs(
     cylinders: &[CylinderModel],
     weights: Weights,
     settle: u32,
-) -> Result<Vec<[Design; 2]>, (u8, RiccatiError)> {
+) -> Result<Vec<[ObserverDesign; 2]>, (u8, RiccatiError)> {
     let one = |cylinder: &CylinderModel| {
         let of = |velocity| {
             let Weights { q, r } = weights;
-            Design::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
+            ObserverDesign::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
                 .map_err(|error| (cylinder.number, error))
         };
         let [first, second] = cylinder.velocities;

@@ -5,7 +5,7 @@ use super::store::Store;
 use crate::extremes::Sketch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
 /// Part of all places in which a fault has to be found.
 pub const FOUND: f64 = 0.95;
@@ -23,7 +23,7 @@ pub fn step(
     store: &Store,
     index: usize,
     transducer: usize,
-    design: &Design,
+    design: &ObserverDesign,
     threshold: f64,
     horizon: usize,
 ) -> Option<f64> {
@@ -49,7 +49,7 @@ pub fn step(
 /// The smallest amplitude, m, of noise as in (5-17), an amplitude times −1, 0 or 1 in every cycle, that
 /// takes a residual of zero beyond `threshold` within `horizon` cycles in [`FOUND`] of many trials; `None` if
 /// none does.
-pub fn noise(design: &Design, threshold: f64, horizon: usize) -> Option<f64> {
+pub fn noise(design: &ObserverDesign, threshold: f64, horizon: usize) -> Option<f64> {
     // The same trials every time: the result is a number, not a matter of luck.
     let mut random = ChaCha8Rng::seed_from_u64(517);
     let mut peaks: Vec<f64> = (0..TRIALS)

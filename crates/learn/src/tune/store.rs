@@ -4,7 +4,7 @@ use super::CylinderModel;
 use super::pause::Pause;
 use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
-use tertius_core::observe::observer::{Design, Innovation, Measurement, Observer};
+use tertius_core::observe::observer::{Innovation, Measurement, Observer, ObserverDesign};
 
 /// Length of a stretch, cycles: half a minute at 50 Hz, so that settling is a small part of it.
 const LENGTH: usize = 1500;
@@ -96,7 +96,7 @@ impl Store {
     /// The residuals of one stretch by `design`, as they are judged.
     pub fn residuals<'a>(
         stretch: &'a [Cycle],
-        design: &Design,
+        design: &ObserverDesign,
         transducer: usize,
     ) -> impl Iterator<Item = Option<f64>> + 'a {
         let mut observer = Observer::new(design.clone());

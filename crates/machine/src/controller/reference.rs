@@ -1,7 +1,7 @@
 //! Reference lengths and velocities: the reference generator of Figure 2-3.
 
 use super::limit::soft;
-use crate::hexapod::{Hexapod, LEGS, Legs, Motion, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, LEGS, Legs, Pose, Rate};
 
 /// Reference motion of the cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +26,7 @@ impl Reference {
         let mut lengths = legs.strokes(hexapod);
         let still = Rate::default();
         let mut speeds =
-            legs.velocities(Motion { pose, rate }, Motion { pose: &deck, rate: &still });
+            legs.velocities(FrameMotion { pose, rate }, FrameMotion { pose: &deck, rate: &still });
         for (length, speed) in lengths.iter_mut().zip(&mut speeds) {
             (*length, *speed) = soft(*length, *speed, limit);
         }

@@ -37,7 +37,7 @@ impl Legs {
     /// Velocities ℓ̇ᵢ of the cylinders while base and deck move, m/s, (A-13). Each motion
     /// turns its own arms, so this equals (A-14)'s J(ẋ − ẋₛ) only where both frames have the same
     /// origin.
-    pub fn velocities(&self, base: Motion<'_>, top: Motion<'_>) -> [f64; LEGS] {
+    pub fn velocities(&self, base: FrameMotion<'_>, top: FrameMotion<'_>) -> [f64; LEGS] {
         let apart = top.rate.translation - base.rate.translation;
         let (base_spin, top_spin) = (base.spin(), top.spin());
         std::array::from_fn(|leg| {
@@ -63,12 +63,12 @@ impl Legs {
 
 /// A moving frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'a> {
+pub struct FrameMotion<'a> {
     pub pose: &'a Pose,
     pub rate: &'a Rate,
 }
 
-impl Motion<'_> {
+impl FrameMotion<'_> {
     fn spin(&self) -> Vector3<f64> {
         self.pose.angular_velocity(self.rate)
     }

@@ -15,7 +15,7 @@ mod pose;
 
 pub use forward::{MAX_ITERATIONS, Solution};
 pub use geometry::{Geometry, Hexapod};
-pub use inverse::{Legs, Motion};
+pub use inverse::{FrameMotion, Legs};
 pub use pose::{Pose, Rate};
 
 /// Legs of a hexapod.

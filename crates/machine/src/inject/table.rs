@@ -12,7 +12,7 @@ pub const HEADER: [&str; 7] = ["cylinder", "sensor", "kind", "t0", "magnitude", 
 /// Why a table is refused, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
-pub struct TableError {
+pub struct FaultTableError {
     /// Line number, counted from 1.
     pub line: usize,
     pub reason: Reason,
@@ -57,23 +57,23 @@ fn column(error: &SpecError) -> &'static str {
 ///
 /// # Errors
 /// The first thing wrong with it.
-pub fn parse(text: &str) -> Result<Vec<(usize, Fault)>, TableError> {
+pub fn parse(text: &str) -> Result<Vec<(usize, Fault)>, FaultTableError> {
     if text.len() > MAX_TEXT {
-        return Err(TableError { line: 1, reason: Reason::TooLong });
+        return Err(FaultTableError { line: 1, reason: Reason::TooLong });
     }
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines().map(str::trim));
     let mut lines = lines.by_ref().filter(|(_, line)| !(line.is_empty() || line.starts_with('#')));
     let (line, header) = lines.next().unwrap_or((1, ""));
     if !header.split(',').map(str::trim).eq(HEADER) {
-        return Err(TableError { line, reason: Reason::Header { found: excerpt(header) } });
+        return Err(FaultTableError { line, reason: Reason::Header { found: excerpt(header) } });
     }
     let mut faults = Vec::new();
     for (line, row) in lines {
         if faults.len() == MAX_FAULTS {
-            return Err(TableError { line, reason: Reason::TooMany });
+            return Err(FaultTableError { line, reason: Reason::TooMany });
         }
-        let fault = fault(row).map_err(|reason| TableError { line, reason })?;
+        let fault = fault(row).map_err(|reason| FaultTableError { line, reason })?;
         faults.push((line, fault));
     }
     Ok(faults)

@@ -45,7 +45,7 @@ const UNNAMED: [(&str, Origin); 8] = [
 
 /// Time within the cycle at which a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum SendPhase {
     /// Right after Sync.
     Sampled,
     /// When the controller has its answer.
@@ -53,14 +53,14 @@ pub enum Phase {
 }
 
 impl Origin {
-    fn phase(self) -> Phase {
+    fn phase(self) -> SendPhase {
         match self {
             Self::Command(_)
             | Self::Spool(_)
             | Self::Bottom(_)
             | Self::Rod(_)
-            | Self::LoadPressure(_) => Phase::Commanded,
-            _ => Phase::Sampled,
+            | Self::LoadPressure(_) => SendPhase::Commanded,
+            _ => SendPhase::Sampled,
         }
     }
 }
@@ -69,7 +69,7 @@ impl Origin {
 #[derive(Clone, Debug)]
 pub struct Planned {
     pub frame: Frame,
-    pub phase: Phase,
+    pub phase: SendPhase,
     fields: Vec<(SignalPlan, Origin)>,
 }
 
@@ -142,7 +142,7 @@ impl Layout {
             builder.sync(name)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Sampled)?;
+            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Sampled)?;
         }
         for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin != Origin::Counter) {
             builder.unnamed(name, *origin)?;
@@ -154,7 +154,7 @@ impl Layout {
             builder.unnamed(name, *origin)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Commanded)?;
+            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Commanded)?;
             builder.unnamed(
                 &CylinderSignals::of_cylinder("Cyl{n}_Valve.SpoolPosition", cylinder + 1),
                 Origin::Spool(usize::from(cylinder)),
@@ -193,7 +193,7 @@ impl Builder<'_> {
         let lookup = |error| LayoutError::Lookup { key: "signals.sync".to_owned(), error };
         let message = self.database.message(name).map_err(lookup)?;
         let counter = message.signal("Counter").filter(|signal| !signal.plan.is_multiplexed());
-        let planned = self.message(message, Phase::Sampled)?;
+        let planned = self.message(message, SendPhase::Sampled)?;
         planned.fields.extend(counter.map(|signal| (signal.plan.clone(), Origin::Counter)));
         Ok(())
     }
@@ -203,7 +203,7 @@ impl Builder<'_> {
         &mut self,
         signals: &CylinderSignals,
         cylinder: u8,
-        phase: Phase,
+        phase: SendPhase,
     ) -> Result<(), LayoutError> {
         for (key, pattern) in signals.named() {
             let origin = origin(key, usize::from(cylinder));
@@ -235,7 +235,11 @@ impl Builder<'_> {
     }
 
     /// The planned message, which is created if it is new.
-    fn message(&mut self, message: &Message, phase: Phase) -> Result<&mut Planned, LayoutError> {
+    fn message(
+        &mut self,
+        message: &Message,
+        phase: SendPhase,
+    ) -> Result<&mut Planned, LayoutError> {
         let known = self.messages.iter().position(|planned| planned.frame.id == message.id);
         let place = known.unwrap_or_else(|| {
             let kind = if message.length > 8 { Kind::Fd { flags: 0 } } else { Kind::Data };

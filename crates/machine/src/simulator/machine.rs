@@ -4,7 +4,7 @@ use super::Options;
 use super::disturbance::{Disturbance, Misread};
 use super::tables::{Gangway, SensorTable, Tables};
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
-use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, Rate};
 use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
@@ -295,8 +295,8 @@ fn refuse_rough(
             // Strokes are to small motions what their velocities are to rates.
             let stroke = |pose: &Pose| {
                 let rate = Rate { translation: pose.translation, attitude: pose.attitude };
-                let base = Moving { pose: &calm, rate: &rate };
-                legs.velocities(base, Moving { pose: &deck, rate: &still })[leg]
+                let base = FrameMotion { pose: &calm, rate: &rate };
+                legs.velocities(base, FrameMotion { pose: &deck, rate: &still })[leg]
             };
             sea.deviation(stroke) * (2.0 * waves.ln()).sqrt()
         })

@@ -30,7 +30,7 @@ use crate::controller::{Readings, State};
 use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
-use layout::{Layout, Phase};
+use layout::{Layout, SendPhase};
 use tertius_config::settings::Settings;
 use tertius_core::decode::SignalPlan;
 use tertius_core::frame::Frame;
@@ -162,16 +162,16 @@ impl Simulator {
                 self.readings.speeds[leg] = sample.transducers[leg][0].speed;
             }
         }
-        self.send(Phase::Sampled, sink);
+        self.send(SendPhase::Sampled, sink);
         let commands = self.machine.command(&self.readings);
         self.layout.values.commanded(&commands);
         self.arrivals.answer();
-        self.send(Phase::Commanded, sink);
+        self.send(SendPhase::Commanded, sink);
         self.machine.advance();
         self.cycle += 1;
     }
 
-    fn send(&mut self, phase: Phase, sink: &mut impl FnMut(&Frame)) {
+    fn send(&mut self, phase: SendPhase, sink: &mut impl FnMut(&Frame)) {
         let Self { layout, arrivals, injector, readings, in_loop, .. } = self;
         for message in layout.messages.iter_mut().filter(|message| message.phase == phase) {
             message.fill(&layout.values);

@@ -1,7 +1,7 @@
 //! What the fault-free hours show: false alarms, and how large the evidence gets.
 
 use super::ladder::{LEVELS, Rival};
-use super::quiet::{BLOCK, Quiet};
+use super::quiet::{BLOCK, QuietHours};
 use crate::evaluate::outcome::DETECTORS;
 use crate::evaluate::rate::Rate;
 use serde::Serialize;
@@ -61,7 +61,7 @@ pub struct Hours {
 }
 
 impl Adding {
-    pub(super) fn add(&mut self, quiet: &Quiet) {
+    pub(super) fn add(&mut self, quiet: &QuietHours) {
         self.samples += quiet.samples;
         self.squares += quiet.squares;
         for (mine, more) in self.raises.iter_mut().zip(quiet.raises) {

@@ -18,7 +18,7 @@ mod trial;
 pub use figures::{Point, RowFigures};
 pub use hours::Hours;
 pub use ladder::{LEVELS, Ladder, Rival};
-pub use quiet::Quiet;
+pub use quiet::QuietHours;
 pub use row::{Course, rows};
 pub use trial::Entry;
 
@@ -61,7 +61,7 @@ pub struct Contest {
 
 /// One simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Job {
+pub enum ContestJob {
     /// The machine of this number in a row.
     Faulty { row: usize, number: u32 },
     /// A stretch without faults.
@@ -70,9 +70,9 @@ pub enum Job {
 
 /// Result of a job.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Product {
+pub enum ContestProduct {
     Faulty(Vec<Entry>),
-    Quiet(Box<Quiet>),
+    Quiet(Box<QuietHours>),
 }
 
 impl Contest {
@@ -89,14 +89,14 @@ impl Contest {
     }
 
     /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<ContestJob> {
         let stretches = (self.hours * 3600.0 / quiet::STRETCH).ceil() as u32;
-        let quiet = self
-            .grades
-            .iter()
-            .flat_map(|grade| (0..stretches).map(|number| Job::Quiet { grade: *grade, number }));
-        let faulty = (0..self.rows.len())
-            .flat_map(|row| (0..self.machines()).map(move |number| Job::Faulty { row, number }));
+        let quiet = self.grades.iter().flat_map(|grade| {
+            (0..stretches).map(|number| ContestJob::Quiet { grade: *grade, number })
+        });
+        let faulty = (0..self.rows.len()).flat_map(|row| {
+            (0..self.machines()).map(move |number| ContestJob::Faulty { row, number })
+        });
         quiet.chain(faulty).collect()
     }
 
@@ -104,16 +104,16 @@ impl Contest {
     ///
     /// # Errors
     /// If the stand has no such machine.
-    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+    pub fn run(&self, stand: &Stand, job: ContestJob) -> Result<ContestProduct, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
         Ok(match job {
-            Job::Faulty { row: index, number } => {
+            ContestJob::Faulty { row: index, number } => {
                 let (row, course) = &self.rows[index];
                 let learnt = stand.learnt(row.cell.grade)?;
                 let mut rng = self.random(1 + index as u64, number);
                 let one = |begin: f64, rng: &mut ChaCha8Rng| few(row, number, begin, rng);
                 let settle = stand.settings.observer.settle;
-                Product::Faulty(match course {
+                ContestProduct::Faulty(match course {
                     Course::Engaged => {
                         let one = one(settle + LEAD, &mut rng);
                         stand.contest(learnt, &one, sea(number), row.watch)?
@@ -124,10 +124,14 @@ impl Contest {
                     }
                 })
             }
-            Job::Quiet { grade, number } => {
+            ContestJob::Quiet { grade, number } => {
                 // Not of the grades: both have the same seas and machines.
                 let seed = self.random(0, number).random();
-                Product::Quiet(Box::new(stand.quiet(stand.learnt(grade)?, sea(number), seed)?))
+                ContestProduct::Quiet(Box::new(stand.quiet(
+                    stand.learnt(grade)?,
+                    sea(number),
+                    seed,
+                )?))
             }
         })
     }
@@ -171,29 +175,29 @@ pub struct GradeResult {
 
 /// Collects the results of the jobs, in any order.
 #[derive(Clone, Debug)]
-pub struct Gathering<'a> {
+pub struct ContestGathering<'a> {
     contest: &'a Contest,
     entries: Vec<BTreeMap<u32, Vec<Entry>>>,
     hours: BTreeMap<Grade, hours::Adding>,
 }
 
-impl<'a> Gathering<'a> {
+impl<'a> ContestGathering<'a> {
     pub fn new(contest: &'a Contest) -> Self {
         let entries = vec![BTreeMap::new(); contest.rows.len()];
         Self { contest, entries, hours: BTreeMap::new() }
     }
 
     /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: Job, product: Product) {
+    pub fn take(&mut self, job: ContestJob, product: ContestProduct) {
         match (job, product) {
-            (Job::Faulty { row, number }, Product::Faulty(entries)) => {
+            (ContestJob::Faulty { row, number }, ContestProduct::Faulty(entries)) => {
                 self.entries[row].insert(number, entries);
             }
-            (Job::Quiet { grade, .. }, Product::Quiet(quiet)) => {
+            (ContestJob::Quiet { grade, .. }, ContestProduct::Quiet(quiet)) => {
                 self.hours.entry(grade).or_default().add(&quiet);
             }
             // A job brings what it is.
-            (Job::Faulty { .. } | Job::Quiet { .. }, _) => {}
+            (ContestJob::Faulty { .. } | ContestJob::Quiet { .. }, _) => {}
         }
     }
 

@@ -22,7 +22,7 @@ const RIVALS: usize = Rival::ALL.len();
 
 /// What the detectors saw of one healthy machine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quiet {
+pub struct QuietHours {
     /// Warnings of each detector.
     pub raises: [u64; DETECTORS],
     /// Cycles of cylinders that the sequential detectors judged.
@@ -43,7 +43,7 @@ struct Open {
 }
 
 struct Watching {
-    quiet: Quiet,
+    quiet: QuietHours,
     open: [[Open; RIVALS]; CYLINDERS],
     block: u64,
     records: Vec<Record>,
@@ -93,7 +93,7 @@ impl Watching {
     }
 }
 
-impl Quiet {
+impl QuietHours {
     fn new() -> Self {
         Self {
             raises: [0; DETECTORS],
@@ -117,12 +117,17 @@ impl Stand<'_> {
     ///
     /// # Errors
     /// If there is no such machine.
-    pub fn quiet(&self, learnt: &Learnt, sea: [f64; 2], seed: u64) -> Result<Quiet, StandError> {
+    pub fn quiet(
+        &self,
+        learnt: &Learnt,
+        sea: [f64; 2],
+        seed: u64,
+    ) -> Result<QuietHours, StandError> {
         let options = Options { seed, sea: Some(sea), ..Options::default() };
         let mut simulator = self.steady(learnt.grade, &options)?;
         let mut monitor = Monitor::new(learnt.design.clone());
         let mut watching = Watching {
-            quiet: Quiet::new(),
+            quiet: QuietHours::new(),
             open: Default::default(),
             block: self.cycles(BLOCK),
             records: Vec::new(),

@@ -35,10 +35,10 @@ const CREEPS: [f64; 2] = [2.5e-5, 1e-4];
 const WATCH: f64 = 10.0;
 
 /// A row: a fault, and how it is tried.
-pub type Tried = (Row, Course);
+pub type TriedRow = (Row, Course);
 
 /// The rows for transducers of `grade`, in the seas of the plan by turns.
-pub fn rows(grade: Grade, seas: &[[f64; 2]]) -> Vec<Tried> {
+pub fn rows(grade: Grade, seas: &[[f64; 2]]) -> Vec<TriedRow> {
     let open = Row {
         study: Study::Contest,
         cell: Cell { grade, sea: seas.first().copied().unwrap_or_default() },
@@ -49,7 +49,7 @@ pub fn rows(grade: Grade, seas: &[[f64; 2]]) -> Vec<Tried> {
         stream: 0,
     };
     let of = |shape, watch| Row { wanted: Some(Wanted::Shape(shape)), watch, ..open };
-    let mut rows: Vec<Tried> = Vec::new();
+    let mut rows: Vec<TriedRow> = Vec::new();
     let mut engaged = |row| rows.push((row, Course::Engaged));
     STEPS.into_iter().for_each(|size| engaged(of(Shape::Step { size }, WATCH)));
     for sigmas in NOISES {

@@ -4,7 +4,7 @@ use super::ladder::{Ladder, Rival};
 use crate::evaluate::learning::Learnt;
 use crate::evaluate::outcome::{Blame, Outcome};
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::{Tried, Try};
+use crate::evaluate::trial::{TriedFault, Try};
 use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::sequential::{Input, Sequential};
@@ -74,7 +74,7 @@ pub(super) fn values(record: &Record, detector: &Sequential) -> [Option<f64>; Ri
 
 /// A fault that is being followed.
 struct Followed<'a> {
-    fault: &'a Tried,
+    fault: &'a TriedFault,
     /// The Sync at which the first faulty reading was sampled.
     onset: Option<Timestamp>,
     ladder: Ladder,
@@ -143,7 +143,7 @@ impl Stand<'_> {
 }
 
 impl<'a> Followed<'a> {
-    fn new(fault: &'a Tried) -> Self {
+    fn new(fault: &'a TriedFault) -> Self {
         Self { fault, onset: None, ladder: Ladder::default() }
     }
 }

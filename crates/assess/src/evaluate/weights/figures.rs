@@ -1,7 +1,7 @@
 //! Figures of the weights.
 
 use super::trial::{RESIDUALS, STRETCH};
-use super::{FAULTS, Faulty, Job, Kind, Product, Quiet, Weighing};
+use super::{FAULTS, Faulty, QuietMachine, TransducerKind, Weighing, WeightsJob, WeightsProduct};
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
 use crate::evaluate::row::label;
@@ -51,28 +51,28 @@ pub struct SeenFault {
 
 /// Collects the results of the jobs, in any order.
 #[derive(Clone, Debug)]
-pub struct Gathering<'a> {
+pub struct WeightsGathering<'a> {
     weighing: &'a Weighing,
-    quiet: BTreeMap<(Kind, u32), Vec<Quiet>>,
-    faulty: BTreeMap<(Kind, usize, u32), Vec<Faulty>>,
+    quiet: BTreeMap<(TransducerKind, u32), Vec<QuietMachine>>,
+    faulty: BTreeMap<(TransducerKind, usize, u32), Vec<Faulty>>,
 }
 
-impl<'a> Gathering<'a> {
+impl<'a> WeightsGathering<'a> {
     pub const fn new(weighing: &'a Weighing) -> Self {
         Self { weighing, quiet: BTreeMap::new(), faulty: BTreeMap::new() }
     }
 
     /// Takes the result of a job; each job once.
-    pub fn take(&mut self, job: Job, product: Product) {
+    pub fn take(&mut self, job: WeightsJob, product: WeightsProduct) {
         match (job, product) {
-            (Job::Quiet { kind, number }, Product::Quiet(quiet)) => {
+            (WeightsJob::Quiet { kind, number }, WeightsProduct::Quiet(quiet)) => {
                 self.quiet.insert((kind, number), quiet);
             }
-            (Job::Faulty { kind, fault, number }, Product::Faulty(faulty)) => {
+            (WeightsJob::Faulty { kind, fault, number }, WeightsProduct::Faulty(faulty)) => {
                 self.faulty.insert((kind, fault, number), faulty);
             }
             // A job brings what it is.
-            (Job::Quiet { .. } | Job::Faulty { .. }, _) => {}
+            (WeightsJob::Quiet { .. } | WeightsJob::Faulty { .. }, _) => {}
         }
     }
 
@@ -83,8 +83,8 @@ impl<'a> Gathering<'a> {
         kinds.flat_map(|kind| sets().map(move |set| self.result(*kind, set, block))).collect()
     }
 
-    fn result(&self, kind: Kind, set: usize, block: f64) -> SetResult {
-        let quiet: Vec<&Quiet> = self
+    fn result(&self, kind: TransducerKind, set: usize, block: f64) -> SetResult {
+        let quiet: Vec<&QuietMachine> = self
             .quiet
             .iter()
             .filter(|((of, _), _)| *of == kind)
@@ -106,7 +106,7 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    fn seen(&self, kind: Kind, set: usize, high: f64) -> Seen {
+    fn seen(&self, kind: TransducerKind, set: usize, high: f64) -> Seen {
         let fault = |(index, (shape, within)): (usize, &_)| {
             let own =
                 self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
@@ -120,7 +120,7 @@ impl<'a> Gathering<'a> {
 }
 
 /// Tails of every residual over all machines; `None` where one has too few blocks.
-fn tails(quiet: &[&Quiet], block: f64) -> Option<Vec<Tail>> {
+fn tails(quiet: &[&QuietMachine], block: f64) -> Option<Vec<Tail>> {
     let tail = |index: usize| {
         // What comes in is the largest of a block already.
         let mut maxima = Maxima::new(1);

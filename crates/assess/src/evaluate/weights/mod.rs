@@ -9,8 +9,8 @@
 mod figures;
 mod trial;
 
-pub use figures::{Gathering, Seen, SetResult};
-pub use trial::{Faulty, Quiet};
+pub use figures::{Seen, SetResult, WeightsGathering};
+pub use trial::{Faulty, QuietMachine};
 
 use super::grade::Grade;
 use super::row::SIGMA;
@@ -54,13 +54,13 @@ const NUMBERS: u64 = 1 << 20;
 
 /// Transducers, and whether their readings are off for a while now and then, as in Figure 5-9.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum TransducerKind {
     Steady,
     Fluctuating,
     Coarse,
 }
 
-impl Kind {
+impl TransducerKind {
     pub const ALL: [Self; 3] = [Self::Steady, Self::Fluctuating, Self::Coarse];
 
     pub const fn name(self) -> &'static str {
@@ -82,7 +82,7 @@ impl Kind {
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighing {
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<TransducerKind>,
     pub sets: Vec<Weights>,
     /// Significant wave height, m, and peak period, s; the seas take turns.
     pub seas: Vec<[f64; 2]>,
@@ -95,24 +95,24 @@ pub struct Weighing {
 
 /// One simulated machine, which all sets watch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Job {
+pub enum WeightsJob {
     /// A machine with the fault of that index of [`FAULTS`].
     Faulty {
-        kind: Kind,
+        kind: TransducerKind,
         fault: usize,
         number: u32,
     },
     Quiet {
-        kind: Kind,
+        kind: TransducerKind,
         number: u32,
     },
 }
 
 /// Result of a job, for each set.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Product {
+pub enum WeightsProduct {
     Faulty(Vec<Faulty>),
-    Quiet(Vec<Quiet>),
+    Quiet(Vec<QuietMachine>),
 }
 
 impl Weighing {
@@ -135,15 +135,15 @@ impl Weighing {
     }
 
     /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<WeightsJob> {
         let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
         let machines = self.trials.div_ceil(CYLINDERS as u32);
         let kinds = || self.kinds.iter().copied();
-        let quiet =
-            kinds().flat_map(|kind| (0..stretches).map(move |number| Job::Quiet { kind, number }));
+        let quiet = kinds()
+            .flat_map(|kind| (0..stretches).map(move |number| WeightsJob::Quiet { kind, number }));
         let faulty = kinds().flat_map(|kind| {
             (0..FAULTS.len()).flat_map(move |fault| {
-                (0..machines).map(move |number| Job::Faulty { kind, fault, number })
+                (0..machines).map(move |number| WeightsJob::Faulty { kind, fault, number })
             })
         });
         quiet.chain(faulty).collect()
@@ -153,20 +153,20 @@ impl Weighing {
     ///
     /// # Errors
     /// If the stand has no such machine.
-    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+    pub fn run(&self, stand: &Stand, job: WeightsJob) -> Result<WeightsProduct, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
         // The same machines and times of faults for every kind.
         Ok(match job {
-            Job::Faulty { kind, fault, number } => {
+            WeightsJob::Faulty { kind, fault, number } => {
                 let mut rng = self.random(1 + fault as u64, number);
                 let (shape, watch) = FAULTS[fault];
                 let wanted = Wanted::Shape(shape);
                 let faults = stand.seen(kind, sea(number), wanted, watch, &mut rng)?;
-                Product::Faulty(faults)
+                WeightsProduct::Faulty(faults)
             }
-            Job::Quiet { kind, number } => {
+            WeightsJob::Quiet { kind, number } => {
                 let seed = self.random(0, number).random();
-                Product::Quiet(stand.unseen(kind, sea(number), seed)?)
+                WeightsProduct::Quiet(stand.unseen(kind, sea(number), seed)?)
             }
         })
     }

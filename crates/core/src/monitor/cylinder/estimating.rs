@@ -2,7 +2,7 @@
 
 use super::{Cylinder, Evaluation};
 use crate::alarm::Finding;
-use crate::estimate::{Estimate, Input, VirtualSensor};
+use crate::estimate::{Estimate, SensorInput, VirtualSensor};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::Measurement;
 use crate::verdict::Suspect;
@@ -28,7 +28,7 @@ impl Cylinder {
         let blames = |suspect| found.iter().flatten().any(|it: &Finding| it.suspect == suspect);
         let trusted = [!blames(Suspect::C1), !blames(Suspect::C2)];
         let live = self.command_missing < self.design.command_stale;
-        let input = Input {
+        let input = SensorInput {
             cycle: now.cycle,
             lengths: good.map(|reading| reading.map(|reading| reading.position)),
             velocity: good[1].and_then(|reading| reading.velocity),
