@@ -203,7 +203,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
         assert_eq!(scratch.read("kept.dwells"), damaged);
         let run = run(&config, &log, &[]);
         let aside = format!("kept.dwells.aside-{}", n + 1);
-        for word in [&file, told, &aside, "The history restarts"] {
+        for word in [&file, told, &aside, "the history restarts"] {
             assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
         }
         assert_eq!(scratch.read(&aside), damaged);

@@ -232,7 +232,7 @@ fn a_recording_without_anything_for_this_machine() {
     let reason = "frames has an identifier of the configuration (080, 1C1, ";
     assert_not_judged(&scratch, &other, E_TYPE, &[], reason);
     let log = scratch.write("good.log", excerpt());
-    let reason = "no frame is of can9; the recording has can0 (5500 frames)";
+    let reason = "no frame is from can9; the recording has can0 (5500 frames)";
     assert_not_judged(&scratch, &log, E_TYPE, &["--interface", "can9"], reason);
 
     let run = replay(&[&scratch.write("none.log", "")], E_TYPE, &[]).failed(1, &[]);
@@ -287,7 +287,7 @@ fn nothing_is_learnt_from_nothing() {
         };
         run(&blf, &[]).failed(1, &["nothing was judged", "trace.blf: no frame", "in BLF"]);
         run(&other, &[]).failed(1, &["frames has an identifier of the configuration (080, "]);
-        let words = ["no frame is of can9; the recording has can0 (5500 frames)"];
+        let words = ["no frame is from can9; the recording has can0 (5500 frames)"];
         run(&log, &["--interface", "can9"]).failed(1, &words);
     }
 }

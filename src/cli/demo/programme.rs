@@ -37,7 +37,7 @@ pub const ACTS: [Act; 5] = [
     Act {
         spec: "freeze,cylinder=6,sensor=c2",
         title: "C2 of cylinder 6 freezes",
-        hint: "the command moves, the reading does not: no model is needed to see this",
+        hint: "the command moves, the reading does not: this needs no model to see",
         suspect: "c2",
     },
     Act {

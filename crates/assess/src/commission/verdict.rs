@@ -265,7 +265,7 @@ mod tests {
         short.failed = Some((Stage::Tune, "too little".to_owned()));
         let untried = Verdict::of(&taught(), Some(&short), None);
         assert_eq!(untried.fitness, Fitness::Unfit);
-        assert!(untried.reasons[0].ends_with("tune comes to nothing: too little"));
+        assert!(untried.reasons[0].ends_with("tune fails: too little"));
         assert_eq!(Verdict::of(&short, None, None).fitness, Fitness::Unfit);
     }
 }
