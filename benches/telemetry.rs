@@ -11,7 +11,7 @@ use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use tertius::frame::{Frame, Id};
 use tertius::live::gateway::{Gateway, Journal, Silent};
-use tertius::live::outbox::{Limits, Outbox};
+use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{Cycle, monitor};
@@ -74,13 +74,13 @@ impl Journal for Told {
 }
 
 fn gateway() -> Gateway {
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share: 0.05,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let status = Id::standard(0x1D1).expect("eleven bits");
     Gateway::new(monitor(), Outbox::new(limits, status), Span::from_seconds(0.01))

@@ -13,7 +13,7 @@ use tertius::frame::Frame;
 use tertius::monitor::{Monitor, Sink};
 use tertius::time::Timestamp;
 
-/// Sends what the monitor has to send, and prints its warnings.
+/// Sends the monitor's frames and prints its warnings.
 struct Bus<C>(C);
 
 impl<C: Can> Sink for Bus<C> {

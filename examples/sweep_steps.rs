@@ -1,4 +1,5 @@
-//! Sizes of Type I steps against what is said of them: thousands of seeded tries a size.
+//! Type I steps of various sizes against the monitor's response: thousands of seeded tries for each
+//! size.
 //!
 //! `cargo run --release --example sweep_steps -- 2000 20` plays 2000 tries a size with seed 20.
 

@@ -1,4 +1,4 @@
-//! Why a command did not do what it was asked.
+//! Why a command failed.
 
 use crate::bus::SourceError;
 use crate::config::ConfigError;
@@ -6,8 +6,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-/// Tells a person a line on standard error. Where that cannot be written there is nobody to tell, which
-/// is no reason to end.
+/// Writes a line for a person to standard error. If that cannot be written nobody is there to read
+/// it, which is no reason to end.
 macro_rules! tell {
     ($($argument:tt)*) => {{
         use std::io::Write as _;
@@ -15,16 +15,17 @@ macro_rules! tell {
     }};
 }
 
-/// A failure with its exit code: 1 it failed, 2 the call or a file of the user's is wrong.
+/// A failure with its exit code: 1 if the command failed, 2 if the call or a file of the user's is
+/// wrong.
 #[derive(Debug)]
 pub enum Failure {
     /// The configuration is refused.
     Config(Box<ConfigError>),
     /// The call or a file of the user's is wrong.
     Wrong(String),
-    /// It failed.
+    /// The command failed.
     Failed(String),
-    /// Whoever reads the output has enough.
+    /// The reader of the output has closed it.
     OutputClosed,
 }
 
@@ -45,8 +46,8 @@ impl Failure {
         Self::Failed(format!("{what} cannot be written: {error}"))
     }
 
-    /// As [`Self::writing`], of a file: that nobody reads a pipe any more is a failure, too, since what
-    /// else was asked for is not done.
+    /// A file that could not be written, and why. A closed pipe is a failure, too, since the rest
+    /// of the request is not done.
     pub fn writing_file(what: &str, error: &io::Error) -> Self {
         Self::Failed(format!("{what} cannot be written: {error}"))
     }
@@ -57,12 +58,12 @@ impl Failure {
         Self::Failed(told.collect::<Vec<_>>().join("\ntertius: "))
     }
 
-    /// A file for output that cannot be made.
+    /// An output file that cannot be created.
     pub fn creating(path: &Path, error: &io::Error) -> Self {
         Self::Wrong(format!("{} cannot be created: {error}", path.display()))
     }
 
-    /// Tells a person, on standard error.
+    /// Writes the message to standard error.
     pub fn report(&self) {
         match self {
             Self::Config(error) => tell!("{:?}", error.report()),

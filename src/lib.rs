@@ -1,8 +1,8 @@
 //! Tertius: a third vote for redundant position transducers on the cylinders of
 //! motion-compensated gangways.
 //!
-//! This package is the program; its crates, below `crates/`, are passed on here room by room. The way of the
-//! data, one room each:
+//! This package is the program. It re-exports the modules of its crates, which are below `crates/`.
+//! The path of the data, one module each:
 //!
 //! ```text
 //! bus ─ frames ─→ decode ─ values ─→ sample ─ cycles ─→ observe ─┐ R1, R2
@@ -10,44 +10,44 @@
 //!  └───── the gateway's own frames ───── alarm ←──── verdict ←───┘
 //! ```
 //!
-//! - [`bus`]: where frames come from and go to: candump recordings, SocketCAN, a bus inside the
-//!   program. The only room that knows files of frames and sockets.
+//! - [`bus`]: sources and destinations of frames: candump recordings, SocketCAN, a bus inside the
+//!   program. Only this module knows files of frames and sockets.
 //! - [`decode`]: bit plans, from frames to values. [`dbc`]: a DBC, checked and compiled to them.
-//! - [`sample`]: which readings belong to one cycle, and whether they are plausible.
+//! - [`sample`]: groups readings into cycles and checks whether they are plausible.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
-//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
+//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples together, which
 //!   transducer it is, and the end stop as a reference, whose history outlives the program.
-//! - [`estimate`]: the virtual third sensor: each cylinder's length with its standard deviation, of the
+//! - [`estimate`]: the virtual third sensor: each cylinder's length with its standard deviation, from the
 //!   transducers that nobody blames and of the command.
-//! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
-//! - [`monitor`]: the rooms above, from `decode` to `alarm`, as one machine: frames in, records,
+//! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
+//! - [`monitor`]: the modules above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
-//! - [`live`]: the monitor on a port: what waits to be sent, what befalls the bus, and going on after
-//!   it; the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the box
+//! - [`live`]: the monitor on a port: frames that wait to be sent, the state of the bus, and recovery;
+//!   the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the computer
 //!   around it: signals, the service manager, the log, the history of the stops on disk, its health
 //!   and metrics over HTTP.
-//! - [`inject`]: faults put into frames, to see that they are found.
-//! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it. [`identify`]: the
+//! - [`inject`]: puts faults into frames, to test whether they are found.
+//! - [`survey`]: the readings of a recording, cycle by cycle, for learning. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
-//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: how large a healthy
-//!   residual gets, and how seldom. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
+//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: extremes of healthy
+//!   residuals. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
-//!   back, and whether the machine can be watched by it. [`tables`]: what was learnt, as text that the
-//!   configuration reads. [`learnt`]: what is kept of healthy recordings, so that those of several days
+//!   back, and a verdict on whether the result is fit for use. [`tables`]: what was learnt, as text that the
+//!   configuration reads. [`learnt`]: frames kept of healthy recordings, so that those of several days
 //!   add up.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
-//!   part. [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
-//! - [`evaluate`]: what the monitor is worth: Monte Carlo on the simulator.
+//!   part. [`simulator`]: the whole machine, which sends frames. The monitor uses none of these.
+//! - [`evaluate`]: assessment of the monitor by Monte Carlo on the simulator.
 //! - [`config`]: the one table per machine, and the design of a monitor that follows from it and from the
-//!   DBC. [`report`]: what people and scripts read: text, lines of JSON, pages of HTML with figures.
-//!   [`cli`]: the commands. [`failure`]: why one of them did not do what it was asked.
+//!   DBC. [`report`]: output for people and scripts: text, lines of JSON, pages of HTML with figures.
+//!   [`cli`]: the commands. [`failure`]: why a command failed.
 //!
-//! Everything from `decode` to `monitor` is one crate, `tertius_core`, without std: time comes with the
-//! frames as integers of nanoseconds ([`time`]), and there is no clock, socket, file, thread or global. That
-//! is why a replay says what the gateway said. Deliberately absent: any action on the machine. Tertius
-//! advises; the machine's own safety system acts.
+//! Everything from `decode` to `monitor` is one crate, `tertius_core`, without std: time comes with
+//! the frames as integers of nanoseconds ([`time`]), and there is no clock, socket, file, thread or
+//! global. Therefore a replay agrees with the gateway. Tertius deliberately does not act on the
+//! machine: it advises, and the machine's own safety system acts.
 //!
 //! Three features leave rooms out when they are off, and all of them are on by default: `cli` has the commands, the
 //! program and what surrounds the gateway in it; `http` has health and metrics ([`appliance::http`],

@@ -1,4 +1,4 @@
-//! What a commissioned machine says of faults and of hours without one, in seas that taught it nothing.
+//! Trials of a commissioned machine, with faults and without, in seas that it did not learn from.
 
 use crate::line::Faults;
 use crate::plan::Task;
@@ -18,10 +18,11 @@ use tertius::verdict::Suspect;
 /// Significant wave height, m, and peak period, s.
 const SEAS: [[f64; 2]; 4] = [[2.0, 7.5], [1.6, 7.0], [2.3, 8.5], [1.8, 9.0]];
 
-/// From when the observers have settled until a fault begins, s.
+/// Time from when the observers have settled until a fault begins, s.
 const LEAD: f64 = 37.0;
 
-/// Cylinders of a machine that have their fault at once: what half of them show is none of theirs.
+/// Cylinders of a machine that have a fault at once: a change that half of the cylinders share
+/// counts as no cylinder's own.
 const AT_ONCE: usize = 2;
 
 pub struct Watched<'a> {
@@ -31,7 +32,7 @@ pub struct Watched<'a> {
     pub design: &'a MonitorDesign,
 }
 
-/// Shapes by name, and how long they are watched, s.
+/// Shapes by name, and how long each is watched, s.
 fn kinds(coarse: bool) -> [(&'static str, Shape, f64); 6] {
     let step = |size: f64| Shape::Step { size };
     let smallest = if coarse {
@@ -145,7 +146,7 @@ impl Watched<'_> {
         faults.iter().zip(onsets).map(outcome).collect()
     }
 
-    /// Warnings of each detector in so many hours without a fault, an hour for each sea at the most.
+    /// Warnings of each detector in this many fault-free hours, with at most an hour for each sea.
     pub fn false_alarms(&self, task: &Task, hours: f64) -> Vec<(String, u64)> {
         let Self { tables, settings, database, design } = *self;
         let mut rng = ChaCha8Rng::seed_from_u64(task.seed);

@@ -1,4 +1,4 @@
-//! What is written of one commissioning.
+//! The record of one commissioning.
 
 use crate::plan::{Mishap, Spoilt};
 use serde::{Deserialize, Serialize};
@@ -31,14 +31,14 @@ pub struct Line {
     pub high_mm: Option<f64>,
     /// Parts of the strokes that are known.
     pub seen: Vec<f64>,
-    /// What `check` would say of the configuration; none: it is sound.
+    /// Objection of `check` to the configuration; none: it is sound.
     pub flaw: Option<String>,
     pub faults: Vec<Faults>,
-    /// Fault-free.
+    /// Fault-free hours.
     pub hours: f64,
-    /// Of each detector in these hours.
+    /// Number of false alarms of each detector in these hours.
     pub false_alarms: Vec<(String, u64)>,
-    /// CPU time of the simulation, the commissioning, and of what was held out, s.
+    /// CPU time of the simulation, of the commissioning, and of the held-out trials, s.
     pub cpu_s: [f64; 3],
 }
 
@@ -47,9 +47,9 @@ pub struct Line {
 pub struct Faults {
     pub kind: String,
     pub tried: u64,
-    /// A warning stood already.
+    /// Faults that began while a warning stood.
     pub spoilt: u64,
-    /// Of each that was found, s.
+    /// Delay of each fault that was found, s.
     pub delays_s: Vec<f64>,
     pub right: u64,
     pub undecided: u64,

@@ -14,10 +14,10 @@ const RIPPLE: f64 = 2.5e-4;
 /// How much later than Sync a transducer samples at the most, s.
 const SKEW: f64 = 5e-4;
 
-/// What the temperature does at the most, m.
+/// Largest effect of the temperature, m.
 const WARMING: f64 = 1e-4;
 
-/// The machine of `task`, its own in every census of the same seed.
+/// The machine of `task`, different in every task but the same for the same seed.
 pub fn draw(harsh: &Tables, task: &Task) -> Tables {
     let mut rng = ChaCha8Rng::seed_from_u64(task.seed);
     rng.set_stream(1 + task.machine as u64);
@@ -49,7 +49,7 @@ pub fn draw(harsh: &Tables, task: &Task) -> Tables {
     tables
 }
 
-/// The same with what befalls its recording.
+/// `tables` with the disturbances of the recording of `task`.
 pub fn befallen(tables: &Tables, task: &Task) -> Tables {
     let mut tables = *tables;
     if task.mishap == Mishap::Spikes {

@@ -1,5 +1,5 @@
-//! A census of commissionings: many simulated machines, recordings and mishaps, each commissioned by the
-//! program's own room, and then watched by what it was given. See scripts/census.
+//! A census of commissionings: many simulated machines, recordings and mishaps, each commissioned
+//! by the program itself and then watched with the resulting configuration. See scripts/census.
 
 mod held_out;
 mod line;
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What is asked for.
+/// Options of the census.
 struct Asked {
     commissionings: usize,
     seed: u64,
@@ -30,7 +30,7 @@ struct Asked {
     longest: f64,
     /// Fault-free hours for each commissioning.
     hours: f64,
-    /// Faults of each kind for each commissioning.
+    /// Number of faults of each kind for each commissioning.
     faults: usize,
 }
 
@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether nothing fell short.
+/// Runs the census; returns whether everything met the targets.
 fn run() -> Result<bool, String> {
     let asked = Asked::read(std::env::args().skip(1))?;
     if !asked.summary_only {

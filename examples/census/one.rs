@@ -1,4 +1,4 @@
-//! One commissioning from the machine to what is written of it.
+//! One commissioning, from the machine to its record.
 
 use crate::held_out::Watched;
 use crate::line::Line;
@@ -18,9 +18,10 @@ use tertius::simulator::Tables;
 use tertius::survey::{self, Origin, Timeline};
 use tertius::time::Span;
 
-/// What all commissionings have in common.
+/// Inputs that all commissionings share.
 pub struct World {
-    /// Of fine and of coarse transducers, as they are and with the statement that there are no spikes.
+    /// Configurations of fine and of coarse transducers, without and with the statement that there
+    /// are no spikes.
     configurations: [[Configuration; 2]; 2],
     database: Database,
     harsh: Tables,
@@ -34,8 +35,9 @@ struct Configuration {
 
 const NAMES: [&str; 2] = ["config/e-type.toml", "config/e-type-coarse.toml"];
 
-/// Where the statement goes, and with it.
+/// Text that precedes the statement, and the text with it.
 const TABLE: &str = "false_alarms_per_year = 1.0";
+/// Text with the statement.
 const FREE: &str = "outlier_share = 0.001\nfalse_alarms_per_year = 1.0";
 
 impl World {
@@ -66,14 +68,14 @@ impl World {
     }
 }
 
-/// CPU time of this thread, s; zero where the system does not tell.
+/// CPU time of this thread, s; zero where the system does not provide it.
 fn cpu() -> f64 {
     let text = fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanos = text.split_whitespace().next().and_then(|word| word.parse::<f64>().ok());
     nanos.unwrap_or(0.0) / 1e9
 }
 
-/// The fault in the recording, from when until when, s, and of which cylinder.
+/// The fault in the recording: its cylinder, its beginning and end, s, and its shape.
 fn spoilt(task: &Task) -> Option<(u8, [f64; 2], Shape)> {
     let cylinder = (task.number % 6) as u8 + 1;
     // In the first file.
@@ -98,7 +100,7 @@ fn placed(task: &Task, world: &World) -> Vec<Placed> {
     fault.into_iter().collect()
 }
 
-/// Records, commissions, and watches for `hours` and through so many faults of each kind.
+/// Records, commissions, and watches for `hours` and through `faults` faults of each kind.
 pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line {
     let World { database, harsh, .. } = world;
     let Configuration { name, text, settings } = world.configuration(task);
@@ -146,7 +148,7 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     line
 }
 
-/// As `check` would judge.
+/// The monitor as `check` would judge it.
 fn monitor(
     name: &str,
     text: &str,

@@ -1,20 +1,21 @@
-//! Which commissionings there are.
+//! The commissionings of a census.
 
 use serde::{Deserialize, Serialize};
 
-/// Machines, half of them fine and half coarse.
+/// Number of machines, half of them fine and half coarse.
 pub const MACHINES: usize = 24;
 
-/// s.
+/// Lengths of the recordings, s.
 const LENGTHS: [f64; 3] = [900.0, 3600.0, 10_800.0];
 
-/// One more commissioning with a fault in its recording for so many sound ones.
+/// One more commissioning with a fault in its recording for each group of this many sound ones.
 const ONE_FAULTY_FOR: usize = 8;
 
-/// One machine in so many of a grade has a configuration that states that its bus has no spikes, as it has none.
+/// One machine of this many in a grade has a configuration which states that its bus has no spikes,
+/// which is true of it.
 const FREE_OF: usize = 4;
 
-/// What befalls a recording and is no fault of a transducer.
+/// A mishap in a recording that is no fault of a transducer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mishap {
@@ -60,13 +61,13 @@ const SPOILT: [Spoilt; 4] = [Spoilt::Step, Spoilt::Noise, Spoilt::Jump, Spoilt::
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
     pub number: usize,
-    /// Of the census.
+    /// Seed of the census.
     pub seed: u64,
-    /// From 0.
+    /// Machine index, from 0.
     pub machine: usize,
-    /// Of the recording, s.
+    /// Length of the recording, s.
     pub length: f64,
-    /// The same for both orders of the same files.
+    /// Number of the pair: both orders of the same files share it.
     pub pair: usize,
     pub calm_first: bool,
     pub mishap: Mishap,
@@ -88,8 +89,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// So many sound commissionings, both orders of the same files beside each other, and some with a
-    /// fault; no recording longer than `longest`, s.
+    /// The given number of sound commissionings, with both orders of the same files next to each
+    /// other, and some with a fault; no recording is longer than `longest`, s.
     pub fn new(commissionings: usize, seed: u64, longest: f64) -> Self {
         let lengths: Vec<f64> = LENGTHS.into_iter().filter(|it| *it <= longest).collect();
         let lengths = if lengths.is_empty() { vec![longest] } else { lengths };

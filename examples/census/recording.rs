@@ -15,17 +15,16 @@ use tertius::time::{Span, Timestamp};
 const CALM: [f64; 2] = [1.2, 6.5];
 const ROUGH: [f64; 2] = [2.5, 8.0];
 
-/// Between the two files, s.
+/// Pause between the two files, s.
 const PAUSE: f64 = 30.0;
 
-/// The machine is asked to rest in this part of the file of the calm sea, in either order, and to go on a
-/// minute later.
+/// Start of the rest within the second half of the file of the calm sea, as a part, and its duration, s.
 const REST: [f64; 2] = [0.6, 60.0];
 
-/// A cycle is lost with this probability.
+/// Probability that a cycle is lost.
 const LOST: f64 = 0.005;
 
-/// A frame in 24 bytes.
+/// A frame stored in 24 bytes.
 #[derive(Clone, Copy, Debug)]
 struct Kept {
     at: Timestamp,
@@ -40,7 +39,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Two files, one of each sea, in the order of `task`; `faults` in the first of them.
+    /// Two files, one of each sea, in the order of `task`; the first contains `faults`.
     pub fn record(
         task: &Task,
         tables: &Tables,
@@ -94,7 +93,7 @@ impl Memory {
     }
 }
 
-/// By chance, and the same cycles in either order.
+/// Whether a cycle is lost: at random, but the same cycles in either order.
 fn is_lost(seed: u64, cycle: u64) -> bool {
     let mut z = seed.wrapping_add(cycle).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

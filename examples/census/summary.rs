@@ -1,4 +1,4 @@
-//! What the census says, against what was asked for.
+//! Summary of the census against its targets.
 
 use crate::line::{Faults, Line};
 use crate::plan::{Mishap, Spoilt};
@@ -11,7 +11,7 @@ const HOURS_PER_YEAR: f64 = 8766.0;
 /// False alarms that a year may bring: of R1 and R2, of R3, and of the sequential detectors.
 const BUDGET: f64 = 3.0;
 
-/// A figure with what was asked for.
+/// A figure and its target.
 struct Judged {
     what: String,
     found: String,
@@ -19,7 +19,7 @@ struct Judged {
     good: bool,
 }
 
-/// The tables, and whether nothing fell short.
+/// The tables, and whether every target was met.
 pub fn of(lines: &[Line]) -> (String, bool) {
     let (sound, faulty): (Vec<&Line>, Vec<&Line>) =
         lines.iter().partition(|line| line.spoilt.is_none());
@@ -56,7 +56,7 @@ const fn grade(coarse: bool) -> &'static str {
     if coarse { "coarse" } else { "fine" }
 }
 
-/// By grade, length and mishap: how many were fit, and the numbers that came out.
+/// Table by grade, length and mishap: how many were fit, and the resulting numbers.
 fn cells(sound: &[&Line]) -> String {
     let mut cells: BTreeMap<(bool, u64, Mishap), Vec<&Line>> = BTreeMap::new();
     for line in sound {
@@ -102,7 +102,7 @@ fn refusals(sound: &[&Line]) -> String {
     text
 }
 
-/// What became of recordings with a fault in them.
+/// Table of what became of recordings with a fault.
 fn spoilt(faulty: &[&Line]) -> String {
     if faulty.is_empty() {
         return String::new();
@@ -154,7 +154,8 @@ fn gathered(fit: &[&Line]) -> BTreeMap<(bool, String), Faults> {
 }
 
 impl Faults {
-    /// Of all that were tried, s; infinite where fewer were found.
+    /// Delay within which `part` of all faults that were tried is found, s; infinite where fewer
+    /// were found.
     fn quantile(&self, part: f64) -> f64 {
         let place = (part * self.tried as f64).ceil() as usize;
         self.delays_s.get(place.saturating_sub(1)).copied().unwrap_or(f64::INFINITY)
@@ -197,7 +198,7 @@ fn share_fit(sound: &[&Line]) -> Judged {
     }
 }
 
-/// Nothing is written that `check` or common sense refuses.
+/// Checks that no written configuration is refused by `check` or by common sense.
 fn unusable(lines: &[Line]) -> Judged {
     let written = lines.iter().filter(|line| line.fitness == "fit");
     let bad = |line: &&Line| {
@@ -242,7 +243,7 @@ fn numbers(fit: &[&Line]) -> Vec<Judged> {
     ]
 }
 
-/// Both orders of the same files.
+/// Compares both orders of the same files.
 fn orders(fit: &[&Line]) -> Judged {
     let mut pairs: BTreeMap<usize, Vec<&Line>> = BTreeMap::new();
     fit.iter().for_each(|line| pairs.entry(line.pair).or_default().push(line));
@@ -275,7 +276,7 @@ fn orders(fit: &[&Line]) -> Judged {
     }
 }
 
-/// How soon, and who is blamed.
+/// Delays, and suspects blamed.
 fn delays(fit: &[&Line]) -> Vec<Judged> {
     let all = gathered(fit);
     let (free, usual): (Vec<&Line>, Vec<&Line>) = fit.iter().partition(|line| line.stated_free);
@@ -319,7 +320,7 @@ fn delays(fit: &[&Line]) -> Vec<Judged> {
     judged
 }
 
-/// All false alarms together, against what the budget promises.
+/// All false alarms together, against the budget.
 fn alarms(fit: &[&Line]) -> Judged {
     let hours: f64 = fit.iter().map(|line| line.hours).sum();
     let mut by: BTreeMap<&str, u64> = BTreeMap::new();

@@ -1,17 +1,17 @@
-//! What is said of a bus that falls quiet, speaks again, comes too fast or takes nothing.
+//! Log lines about a bus that falls quiet, resumes, delivers frames too fast or accepts none.
 
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
-/// Without a frame of the machine for this long the bus is quiet.
+/// Time without a frame of the machine after which the bus is quiet.
 const QUIET: Duration = Duration::from_secs(1);
 
-/// What goes on is said again after this long at the earliest.
+/// Least interval at which a persisting condition is logged again.
 const AGAIN: Duration = Duration::from_secs(60);
 
-/// Tells once when the bus becomes quiet and once when it speaks again, and of frames lost.
+/// Reports once when the bus becomes quiet and once when it resumes, and reports lost frames.
 #[derive(Debug)]
 pub(super) struct Activity {
     used: u64,
@@ -45,7 +45,7 @@ impl Activity {
         self.jam.look(&counts);
         let outbox = gateway.outbox().counts();
         if let Some(frames) = self.too_old.by(outbox.too_old) {
-            warn!(frames, "frames were too old to send: the interface takes none, or too few");
+            warn!(frames, "frames were too old to send: the interface accepts none, or too few");
         }
         if let Some(frames) = self.crowded_out.by(outbox.crowded_out) {
             warn!(frames, "warnings gave way to newer ones: more than the bus share allows");
@@ -55,17 +55,17 @@ impl Activity {
     fn look_for_frames(&mut self, used: u64) {
         if used != self.used {
             if self.quiet {
-                info!("the machine speaks again after {:.1} s", self.since.elapsed().as_secs_f64());
+                info!("the machine sends again after {:.1} s", self.since.elapsed().as_secs_f64());
             }
             (self.used, self.since, self.quiet) = (used, Instant::now(), false);
         } else if !self.quiet && self.since.elapsed() >= QUIET {
             self.quiet = true;
-            warn!("no frame of the machine for a second: nothing is known of it");
+            warn!("no frame of the machine for a second: its state is unknown");
         }
     }
 }
 
-/// An interface that takes nothing: nobody acknowledges, or the bus is full.
+/// An interface that accepts no frames: nobody acknowledges them, or the bus is full.
 #[derive(Clone, Copy, Debug, Default)]
 struct Jam {
     sent: u64,
@@ -79,7 +79,7 @@ impl Jam {
         if counts.sent != self.sent {
             if let (true, Some(since)) = (self.told, self.since) {
                 let seconds = since.elapsed().as_secs_f64();
-                info!("the interface takes frames again after {seconds:.1} s");
+                info!("the interface accepts frames again after {seconds:.1} s");
             }
             (self.since, self.told) = (None, false);
         } else if counts.refused > self.refused {
@@ -87,8 +87,8 @@ impl Jam {
             if !self.told && since.elapsed() >= QUIET {
                 self.told = true;
                 warn!(
-                    "the interface has taken no frame for a second: nobody acknowledges, or the \
-                     bus is full; what waits is dropped when it is too old"
+                    "the interface has accepted no frame for a second: nobody acknowledges, or the \
+                     bus is full; waiting frames are dropped when they are too old"
                 );
             }
         }
@@ -96,7 +96,7 @@ impl Jam {
     }
 }
 
-/// A count that is told of when it has grown, at once and then now and again.
+/// A count whose growth is logged, at once and then from time to time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Growth {
     told: u64,
@@ -104,7 +104,7 @@ struct Growth {
 }
 
 impl Growth {
-    /// By how much `count` has grown since it was told of, if that is to be told now.
+    /// Growth of `count` since it was last logged, if it is to be logged now.
     fn by(&mut self, count: u64) -> Option<u64> {
         if count == self.told {
             return None;

@@ -1,7 +1,6 @@
 //! The gateway's telemetry over HTTP, on a thread of its own.
 //!
-//! It only reads what the data path has stored, so whatever its clients do, the data path does not
-//! wait for it.
+//! It only reads what the data path has stored, so the data path never waits for its clients.
 
 use super::realtime;
 use super::telemetry::clock::Clock;
@@ -26,25 +25,25 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
 use tokio::task::AbortHandle;
 
-/// Connections at once at most; the oldest one gives way. An honest one lasts for milliseconds.
+/// Most connections at once; the oldest one gives way. An honest one lasts for milliseconds.
 const CONNECTIONS: usize = 16;
 
-/// From the opening of a connection to the last byte of its answer.
+/// Time limit from the opening of a connection to the last byte of its answer.
 const TIME_LIMIT: Duration = Duration::from_secs(5);
 
-/// Request line and headers together, bytes; the least that the parser works with.
+/// Most bytes of request line and headers together; the least that the parser works with.
 const HEAD_SIZE: usize = 8192;
 const HEADERS: usize = 64;
 
-/// After a connection that could not be accepted, as where there are no more file descriptors.
+/// Pause after a connection that could not be accepted, for example for lack of file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// Of the thread, bytes; a text of metrics is on the heap.
+/// Stack of the thread, bytes; a text of metrics is on the heap.
 const STACK_SIZE: usize = 512 * 1024;
 
 const OVERVIEW: &str = "tertius, the gateway's own state\n\
-                        /health   whether it does its work and what it knows, as JSON\n\
-                        /metrics  all that it counts, for Prometheus\n";
+                        /health   whether it works and what it knows, as JSON\n\
+                        /metrics  all of its counts, for Prometheus\n";
 
 /// A running server; it ends when this is dropped.
 #[derive(Debug)]
@@ -54,10 +53,9 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves what `recorder` writes, on `listen`; on a free port if that is 0.
+    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0.
     ///
-    /// # Errors
-    /// If the address is taken or not to be had, or the system gives no thread.
+    /// # Errors The address is in use or not available, or the system provides no thread.
     pub fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
         let listener = std::net::TcpListener::bind(listen)?;
         listener.set_nonblocking(true)?;
@@ -81,7 +79,7 @@ impl Server {
         Ok(Self { address, _stop: stop })
     }
 
-    /// Where it listens.
+    /// Address that the server listens on.
     pub const fn address(&self) -> SocketAddr {
         self.address
     }
@@ -121,7 +119,7 @@ async fn metrics(State(shared): State<Shared>) -> Response {
     }
 }
 
-/// Nothing here takes a body.
+/// Refuses requests with a body, which nothing here takes.
 async fn without_body(request: Request, next: Next) -> Response {
     let headers = request.headers();
     let empty = headers.get(CONTENT_LENGTH).is_none_or(|length| length == HeaderValue::from(0));
@@ -149,7 +147,7 @@ async fn accept(listener: TcpListener, router: Router) {
     }
 }
 
-/// One request and its answer. How it ends is the client's matter alone.
+/// Serves one request. Errors concern the client alone.
 async fn answer(stream: TcpStream, router: Router) {
     let connection = http1::Builder::new()
         .keep_alive(false)

@@ -1,10 +1,10 @@
 //! The log for systemd's journal, field by field.
 //!
-//! tracing-journald 0.3 does this, too, but sends from the thread that logs, by a blocking
-//! `sendto`: with a journal that does not read, the tenth datagram or so (net.unix.max_dgram_qlen)
-//! waits, and the data path with it. Its socket cannot be set to anything else from outside, and a
-//! `tracing` event cannot be handed to another thread as it is. So an event is written here in the
-//! journal's own protocol, as text without waiting, and the log's worker sends it.
+//! tracing-journald 0.3 also does this, but it sends from the thread that logs, by a blocking
+//! `sendto`: if the journal does not read, about the tenth datagram (net.unix.max_dgram_qlen)
+//! waits, and the data path with it. Its socket cannot be changed from outside, and a `tracing`
+//! event cannot be passed to another thread. Therefore events are encoded here in the journal's own
+//! protocol, without waiting, and the log's worker sends them.
 
 use std::fmt::{self, Write as _};
 use std::io::{self, Write};
@@ -16,10 +16,10 @@ use tracing_subscriber::fmt::FmtContext;
 use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
 use tracing_subscriber::registry::LookupSpan;
 
-/// Where the journal listens.
+/// Socket on which the journal listens.
 pub(super) const SOCKET: &str = "/run/systemd/journal/socket";
 
-/// The journal: each write is an entry.
+/// A writer to the journal: each write is an entry.
 #[derive(Debug)]
 pub(super) struct JournalWriter {
     socket: UnixDatagram,
@@ -38,7 +38,7 @@ impl JournalWriter {
 }
 
 impl Write for JournalWriter {
-    /// May wait for the journal: only for the log's worker.
+    /// Sends an entry. This may wait for the journal, so only the log's worker may call it.
     fn write(&mut self, entry: &[u8]) -> io::Result<usize> {
         // By path, so that a journal that was started anew is found.
         self.socket.send_to(entry, &self.path)
@@ -49,8 +49,8 @@ impl Write for JournalWriter {
     }
 }
 
-/// Writes an event as `KEY=value` lines. What is in the message's fields is a field of its own,
-/// with the prefix TERTIUS_, and in the message for people.
+/// Formats an event as `KEY=value` lines. Each field of the message becomes a field with the prefix
+/// TERTIUS_, and is also part of the message for people.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct JournalFormat;
 
@@ -80,13 +80,13 @@ where
     }
 }
 
-/// What an event says.
+/// An event's contents.
 #[derive(Debug, Default)]
 struct Entry {
     message: String,
-    /// ` key=value` each.
+    /// Fields as ` key=value` each, for the message.
     spoken: String,
-    /// A line each.
+    /// Fields as one line each.
     fields: String,
 }
 
@@ -115,7 +115,7 @@ mod tests {
     use tracing_appender::non_blocking::NonBlockingBuilder;
     use tracing_subscriber::fmt;
 
-    /// A journal of the test's own.
+    /// A journal for this test.
     fn journal() -> (tempfile::TempDir, UnixDatagram, PathBuf) {
         let folder = tempfile::tempdir().expect("a temporary directory");
         let path = folder.path().join("socket");

@@ -1,5 +1,5 @@
-//! Looks at the interface beside the data path: what the driver says of its controller also where it
-//! sends no error frames.
+//! Watches the interface beside the data path, because a driver may report its controller's state
+//! without sending error frames.
 
 use super::realtime;
 use crate::bus::socket::LinkState;
@@ -9,14 +9,14 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tracing::{info, warn};
 
-/// Between two looks. The kernel answers them under a lock that others hold while they set
+/// Period of the checks. The kernel answers them under a lock that others hold while they set
 /// interfaces up, so the data path does not ask.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// Interfaces that may be named before the first is looked at.
+/// Most interfaces that may be named before the first one is checked.
 const WAITING: usize = 4;
 
-/// A thread that looks; it ends with this.
+/// A thread that checks the interface; it ends when this is dropped.
 #[derive(Debug)]
 pub struct LinkWatch {
     names: Option<SyncSender<String>>,
@@ -24,11 +24,10 @@ pub struct LinkWatch {
 }
 
 impl LinkWatch {
-    /// Starts looking as soon as an interface is named. `seen` gets each state, `None` where there is
-    /// no such interface; changes go to the log.
+    /// Starts the checks as soon as an interface is named. `seen` gets each state, `None` where
+    /// there is no such interface; changes are logged.
     ///
-    /// # Errors
-    /// If there can be no thread.
+    /// # Errors No thread can be started.
     pub fn start(seen: impl FnMut(Option<&LinkState>) + Send + 'static) -> std::io::Result<Self> {
         let (names, named) = sync_channel(WAITING);
         let builder = std::thread::Builder::new().name("link".to_owned());
@@ -36,7 +35,7 @@ impl LinkWatch {
         Ok(Self { names: Some(names), thread: Some(thread) })
     }
 
-    /// Looks at `interface` from now on. Never waits.
+    /// Checks `interface` from now on. Never waits.
     pub fn name(&self, interface: &str) {
         if let Some(names) = &self.names {
             // A queue that is full holds names that are as new.

@@ -8,10 +8,11 @@ use std::path::Path;
 use tracing_appender::non_blocking::{NonBlocking, NonBlockingBuilder, WorkerGuard};
 use tracing_subscriber::fmt;
 
-/// Lines that wait for a slow reader of the log at most; more are dropped, the gateway never waits.
+/// Most lines that wait for a slow reader of the log; more are dropped, since the gateway never
+/// waits.
 const WAITING_LINES: usize = 1024;
 
-/// The form of the log.
+/// Format of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
     Text,
@@ -19,7 +20,7 @@ pub enum LogFormat {
     Journal,
 }
 
-/// Why there is no log.
+/// Why the log cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     #[error(
@@ -40,11 +41,10 @@ impl From<LogError> for Failure {
     }
 }
 
-/// Starts the log on standard error or in the journal, written by a worker of its own, so that the
-/// data path never waits for whoever reads it. The log ends with the guard.
+/// Starts the log on standard error or in the journal. A worker writes it, so that the data path
+/// never waits for its reader. The log ends with the guard.
 ///
-/// # Errors
-/// If there is a log already, or no journal.
+/// # Errors A log already exists, or there is no journal.
 pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
     if format == LogFormat::Journal {
         let journal = JournalWriter::new(Path::new(SOCKET)).map_err(LogError::NoJournal)?;

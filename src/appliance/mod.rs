@@ -1,5 +1,5 @@
-//! The box around the live gateway: signals, the service manager, the log. The only room that knows
-//! what runs the gateway.
+//! The computer around the live gateway: signals, the service manager, the log. Only this module
+//! knows what runs the gateway.
 
 pub mod http;
 pub mod realtime;

@@ -1,14 +1,14 @@
-//! So much may be said, and no more.
+//! A limit on the number of log lines.
 
 use std::time::{Duration, Instant};
 
-/// So many lines at once: what one loss of the bus leads to, and some.
+/// Most lines at once: a little more than one loss of the bus causes.
 const AT_ONCE: u32 = 32;
 
-/// Then one more for each of these.
+/// Interval after which one more line is allowed.
 const EACH: Duration = Duration::from_secs(2);
 
-/// Bounds how much the log hears of what a flaky bus repeats for months.
+/// Limits the log lines that a flaky bus repeats for months.
 #[derive(Debug)]
 pub(super) struct Quota {
     left: u32,

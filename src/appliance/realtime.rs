@@ -1,4 +1,4 @@
-//! Real time for the data path, where the configuration asks for it.
+//! Real-time scheduling of the data path, where the configuration requests it.
 
 use crate::config::settings::Realtime;
 use nix::errno::Errno;
@@ -9,7 +9,7 @@ use thread_priority::{
 };
 use tracing::{info, warn};
 
-/// The crate's value for a niceness of zero.
+/// Value of the crate for a niceness of zero.
 const NICE_ZERO: u8 = 48;
 
 /// What the kernel refused, and what to do.
@@ -29,36 +29,35 @@ pub enum Refused {
     Memory { errno: Errno },
 }
 
-/// Gives the calling thread what is wanted, and tells the log. What the kernel refuses the gateway
-/// does without. Threads that this one starts afterwards have to be made [ordinary](be_ordinary).
+/// Applies the requested settings to the calling thread, and logs the result. The gateway runs
+/// without those that the kernel refuses. Threads that this one starts afterwards have to be made
+/// [ordinary](be_ordinary).
 pub fn apply(wanted: Realtime) {
     if wanted.lock_memory {
         match lock_memory() {
             Ok(()) => info!("memory is locked"),
-            Err(refused) => warn!("{refused}; going on without"),
+            Err(refused) => warn!("{refused}; continuing without it"),
         }
     }
     if wanted.priority > 0 {
         match set_priority(wanted.priority) {
             Ok(()) => info!(priority = wanted.priority, "the data path runs in real time"),
-            Err(refused) => warn!("{refused}; going on without"),
+            Err(refused) => warn!("{refused}; continuing without it"),
         }
     }
 }
 
 /// Locks all memory, present and future.
 ///
-/// # Errors
-/// If RLIMIT_MEMLOCK is too small and CAP_IPC_LOCK is missing.
+/// # Errors RLIMIT_MEMLOCK is too small and CAP_IPC_LOCK is missing.
 pub fn lock_memory() -> Result<(), Refused> {
     mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
         .map_err(|errno| Refused::Memory { errno })
 }
 
-/// SCHED_FIFO for the calling thread.
+/// Sets SCHED_FIFO for the calling thread.
 ///
-/// # Errors
-/// If RLIMIT_RTPRIO is too small and CAP_SYS_NICE is missing.
+/// # Errors RLIMIT_RTPRIO is too small and CAP_SYS_NICE is missing.
 pub fn set_priority(priority: u8) -> Result<(), Refused> {
     let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let value = ThreadPriorityValue::try_from(priority);
@@ -73,9 +72,9 @@ pub fn set_priority(priority: u8) -> Result<(), Refused> {
     })
 }
 
-/// Takes from the calling thread what it has inherited from the data path: the first thing that
-/// every thread beside it does. The kernel has a flag by which nothing is inherited; no safe
-/// interface to it was found.
+/// Resets what the calling thread has inherited from the data path, which every thread beside it
+/// does first. The kernel has a flag that prevents the inheritance; no safe interface to it was
+/// found.
 pub fn be_ordinary() {
     let other = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
     let inherited = thread_priority::thread_schedule_policy();

@@ -1,4 +1,4 @@
-//! Where the gateway's telemetry is served, and what the log says of it.
+//! The address at which the gateway's telemetry is served, and its log lines.
 
 use super::http::Server;
 use super::telemetry::Recorder;
@@ -6,24 +6,24 @@ use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use tracing::{info, warn};
 
-/// The server, where there is one. Without it the gateway does all the same.
+/// The server, if there is one. The gateway also works without it.
 #[derive(Debug, Default)]
 pub(super) struct Site {
-    /// As it was asked for; port 0 becomes another one.
+    /// Address as requested; port 0 becomes another one.
     listen: Option<SocketAddr>,
     server: Option<Server>,
 }
 
 impl Site {
-    /// Serves what `recorder` writes on `listen` from now on. Where that cannot be, it goes on as
-    /// before.
+    /// Serves what `recorder` writes on `listen` from now on. Where that fails, the previous server
+    /// continues.
     pub fn listen(&mut self, listen: Option<SocketAddr>, recorder: &Recorder) {
         if self.listen == listen && self.server.is_some() == listen.is_some() {
             return;
         }
         let Some(wanted) = listen else {
             *self = Self::default();
-            info!("no telemetry over HTTP any more");
+            info!("telemetry over HTTP is now off");
             return;
         };
         match Server::start(wanted, recorder) {
@@ -32,9 +32,9 @@ impl Site {
                 info!("telemetry: http://{address}/health and http://{address}/metrics");
                 if !address.ip().is_loopback() {
                     warn!(
-                        "{address} can be reached from other machines, and whoever reaches it may \
-                         read everything there; a loopback address keeps it on this one. Under systemd \
-                         IPAddressAllow= of the unit decides, too"
+                        "{address} can be reached from other machines, where everything can be \
+                         read; a loopback address restricts it to this one. Under systemd \
+                        IPAddressAllow= of the unit also applies"
                     );
                 }
                 *self = Self { listen, server: Some(server) };
@@ -53,11 +53,12 @@ impl Site {
     }
 }
 
-/// What to do about it.
+/// Advice on an error.
 fn help(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::AddrInUse => {
-            "something listens there already. Several gateways on one box need a port each: change \
+            "something else listens there. Several gateways on one computer need a port each: \
+             change \
              `http.listen`, then reload"
         }
         ErrorKind::AddrNotAvailable => {

@@ -1,4 +1,4 @@
-//! What surrounds the live gateway: signals, the log, the service manager.
+//! The surroundings of the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
 use super::history::{Keeper, Kept};
@@ -16,7 +16,7 @@ use crate::error_frame::ControllerState;
 use crate::failure::Failure;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
-use crate::live::supervisor::{Opener, Surroundings, Wish};
+use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor::{Notice, Record};
 use crate::report::jsonl::restart_name;
 use crate::sequential::{Apart, Dwell};
@@ -32,27 +32,27 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use tracing::{info, warn};
 
-/// The slice in which a wait looks for signals.
+/// Interval at which a wait checks for signals.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What a configuration leads to.
-pub struct Prepared {
+/// Everything that is prepared from a configuration.
+pub struct PreparedGateway {
     pub gateway: Gateway,
     /// Opens the interface.
     pub opener: Box<dyn Opener>,
-    /// The interface's name; `None` for the embedded bus.
+    /// Name of the interface; `None` for the embedded bus.
     pub interface: Option<String>,
-    /// Where HTTP listens.
+    /// Address of the HTTP server.
     pub listen: Option<SocketAddr>,
-    /// Only as the gateway starts.
+    /// Real-time settings, used only at the gateway's start.
     pub realtime: Realtime,
-    /// What outlives the gateway.
+    /// State that outlives the gateway.
     pub kept: Kept,
 }
 
-type Prepare = Box<dyn FnMut() -> Result<Prepared, Failure>>;
+type Prepare = Box<dyn FnMut() -> Result<PreparedGateway, Failure>>;
 
-/// The surroundings of the gateway on a box.
+/// The surroundings of the gateway on a computer.
 pub struct Appliance {
     stop: Arc<AtomicBool>,
     reload: Arc<AtomicBool>,
@@ -68,10 +68,9 @@ pub struct Appliance {
 }
 
 impl Appliance {
-    /// Catches the signals; `prepare` reads the configuration anew.
+    /// Catches the signals; `prepare` reads the configuration again.
     ///
-    /// # Errors
-    /// If a signal cannot be caught.
+    /// # Errors A signal cannot be caught.
     pub fn new(prepare: Prepare) -> io::Result<Self> {
         let (stop, reload) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         for signal in [SIGTERM, SIGINT] {
@@ -105,12 +104,13 @@ impl Appliance {
         })
     }
 
-    /// Set, it stops the gateway as SIGTERM does.
+    /// A flag that, when set, stops the gateway as SIGTERM does.
     pub fn stopper(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }
 
-    /// The gateway of the configuration `config` starts, on `interface`, and HTTP on `listen`.
+    /// Logs the start of the gateway with the configuration `config`, on its interface, and starts
+    /// HTTP on `listen`.
     pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>, interface: Option<&str>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
         self.site.listen(listen, &self.recorder);
@@ -124,12 +124,12 @@ impl Appliance {
         }
     }
 
-    /// `gateway` starts with what was kept.
-    pub fn remind(&mut self, gateway: &mut Gateway, kept: Kept) {
-        gateway.inherit(self.keeper.open(kept, None));
+    /// Restores in `gateway` what was kept.
+    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept) {
+        gateway.restore(self.keeper.open(kept, None));
     }
 
-    /// `gateway` has stopped.
+    /// Finishes after `gateway` has stopped.
     pub fn stopped(&mut self, gateway: &Gateway) {
         tell(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());
@@ -162,14 +162,14 @@ impl Journal for Appliance {
                 info!(seconds = length.as_seconds(), "cycles again after none");
             }
             Notice::TimeJump { by, .. } => {
-                warn!(seconds = by.as_seconds(), "time stamps jumped, everything starts anew");
+                warn!(seconds = by.as_seconds(), "time stamps jumped, everything restarts");
             }
             Notice::Interruption { .. } => {
-                warn!("the bus was lost, everything starts anew");
+                warn!("the bus was lost, everything restarts");
             }
             Notice::Restart { cylinder, detector, reason, .. } => {
                 let (detector, reason) = (detector.name(), restart_name(reason));
-                info!(cylinder, detector, reason, "observer starts anew");
+                info!(cylinder, detector, reason, "observer restarts");
             }
             Notice::Timing { apart: Some(Apart { mean, spread, .. }), .. } => {
                 warn!(skew = mean, jitter = spread, "C1 and C2 are not sampled together");
@@ -185,7 +185,8 @@ impl Journal for Appliance {
         let [transmit_errors, receive_errors] = health.counters.unwrap_or_default();
         match health.state {
             Some(ControllerState::BusOff) => warn!(
-                "the controller is bus-off: it hears and says nothing until it is restarted, by \
+                "the controller is bus-off: it receives and sends nothing until it is restarted, \
+                 by \
                  itself if restart-ms is set, else by `ip link set INTERFACE type can restart`"
             ),
             Some(ControllerState::Warning | ControllerState::Passive) => {
@@ -201,13 +202,13 @@ impl Journal for Appliance {
 }
 
 impl Surroundings for Appliance {
-    fn wish(&mut self) -> Wish {
+    fn request(&mut self) -> Request {
         if self.stop.load(Ordering::Relaxed) {
-            Wish::Stop
+            Request::Stop
         } else if self.reload.swap(false, Ordering::Relaxed) {
-            Wish::Reload
+            Request::Reload
         } else {
-            Wish::GoOn
+            Request::GoOn
         }
     }
 
@@ -236,7 +237,7 @@ impl Surroundings for Appliance {
         tell(&[NotifyState::Status(reason)]);
     }
 
-    fn unsaid(&mut self, reason: &str) {
+    fn not_told(&mut self, reason: &str) {
         warn!("the bus was not told that the gateway stops: {reason}");
     }
 
@@ -255,9 +256,9 @@ impl Surroundings for Appliance {
 
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(Prepared { mut gateway, opener, interface, listen, realtime: _, kept }) => {
-                gateway.inherit(self.keeper.open(kept, Some(before.monitor())));
-                info!("the configuration was read again; everything is judged anew");
+            Ok(PreparedGateway { mut gateway, opener, interface, listen, realtime: _, kept }) => {
+                gateway.restore(self.keeper.open(kept, Some(before.monitor())));
+                info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);
                 self.watch(interface.as_deref());
@@ -265,7 +266,7 @@ impl Surroundings for Appliance {
             }
             Err(failure) => {
                 self.recorder.refused();
-                warn!("the new configuration is refused, the old one goes on: {failure}");
+                warn!("the new configuration is refused, the old one stays in force: {failure}");
                 None
             }
         }

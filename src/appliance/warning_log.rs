@@ -1,15 +1,15 @@
-//! Warnings on their way to the log.
+//! Logs warnings.
 
 use crate::alarm::{State, Warning};
-use crate::live::outbox::Limits;
+use crate::live::outbox::OutboxLimits;
 use tracing::{info, warn};
 
-/// Warnings that wait at most: as many as wait to be sent. Beyond that they are logged at once.
-const WAITING: usize = Limits::WAITING;
+/// Most warnings that wait: as many as wait to be sent. Further ones are logged at once.
+const WAITING: usize = OutboxLimits::WAITING;
 
-/// Keeps the warnings of a turn until their frames have gone out: what is told the bus is told first.
-/// A line of the log takes longer than all that the monitor does with a frame, and wakes another
-/// thread.
+/// Keeps the warnings of a turn until their frames have been sent, since the bus comes first.
+/// Writing a log line takes longer than everything that the monitor does with a frame, and wakes
+/// another thread.
 #[derive(Debug)]
 pub(super) struct WarningLog {
     waiting: Vec<Warning>,
@@ -27,7 +27,7 @@ impl WarningLog {
         self.waiting.push(*warning);
     }
 
-    /// Logs what waits.
+    /// Logs the warnings that wait.
     pub(super) fn write(&mut self) {
         self.waiting.drain(..).for_each(|warning| write(&warning));
     }

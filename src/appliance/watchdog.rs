@@ -3,7 +3,7 @@
 use sd_notify::NotifyState;
 use std::time::{Duration, Instant};
 
-/// Tells the service manager; without one nobody needs to know.
+/// Notifies the service manager; does nothing without one.
 pub(super) fn tell(states: &[NotifyState<'_>]) {
     _ = sd_notify::notify(states);
 }

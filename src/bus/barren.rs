@@ -1,17 +1,17 @@
-//! Inputs that hold no frame, and what they seem to be instead.
+//! Inputs without a frame, and what they seem to be.
 
 use std::fmt;
 
-/// Bytes of an input that are looked at to tell what it is.
+/// Number of bytes by which an input is recognised.
 pub const HEAD: usize = 512;
 
 /// An input without a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Barren {
-    /// The file as it was given, or "standard input".
+    /// Name of the file as given, or "standard input".
     pub file: String,
     pub lines: u64,
-    /// What it seems to be, after decompression.
+    /// Apparent kind, after decompression.
     pub seems: Seems,
 }
 
@@ -26,35 +26,35 @@ impl fmt::Display for Barren {
     }
 }
 
-/// What an input seems to be, by its first bytes.
+/// Apparent kind of an input, by its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Seems {
     Empty,
-    /// Vector's text form.
+    /// Vector's text format.
     Asc,
-    /// Vector's binary form.
+    /// Vector's binary format.
     Blf,
-    /// PEAK's text form.
+    /// PEAK's text format.
     Trc,
     /// ASAM's measurement data, of either version.
     Mdf,
-    /// What Wireshark and tcpdump write.
+    /// Capture of Wireshark or tcpdump.
     Pcap,
     Pcapng,
-    /// Compressed or packed, and how it is unpacked.
+    /// Compressed or packed data, and how to unpack them.
     Packed {
         name: &'static str,
         unpack: &'static str,
     },
-    /// Text of two bytes a character.
+    /// Text with two bytes a character.
     Utf16,
-    /// Text of no form that is known.
+    /// Text in no known format.
     Text,
-    /// None of these.
+    /// Other binary data.
     Binary,
 }
 
-/// First bytes that tell.
+/// First bytes by which a kind is recognised.
 const MAGIC: [(&[u8], Seems); 19] = [
     (b"LOGG", Seems::Blf),
     (b"MDF     ", Seems::Mdf),
@@ -82,7 +82,8 @@ const fn packed(name: &'static str, unpack: &'static str) -> Seems {
 }
 
 impl Seems {
-    /// What begins with `head`: the first 512 bytes, or all if there are less.
+    /// The kind of an input that begins with `head`: the first 512 bytes, or all if there are
+    /// fewer.
     pub fn of(head: &[u8]) -> Self {
         let magic = MAGIC.iter().find(|(magic, _)| head.starts_with(magic));
         match magic {
@@ -95,13 +96,14 @@ impl Seems {
     }
 }
 
-/// Control characters other than white space are in no text.
+/// Whether `head` is text, which has no control characters except white space.
 fn is_text(head: &[u8]) -> bool {
     let odd = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     !head.iter().any(odd)
 }
 
-/// `date Sat Sep 30 15:06:13 2017` and `base hex  timestamps absolute` stand first.
+/// Whether `head` begins like an ASC file, with `date Sat Sep 30 15:06:13 2017` and `base hex
+/// timestamps absolute`.
 fn is_asc(head: &[u8]) -> bool {
     let text = head.to_ascii_lowercase();
     let mut lines = text.split(|byte| *byte == b'\n').map(|line| line.trim_ascii());
@@ -112,12 +114,12 @@ fn is_asc(head: &[u8]) -> bool {
 
 impl fmt::Display for Seems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let converted = "can_logconvert (of python-can) makes a candump log of it";
+        let converted = "can_logconvert (of python-can) converts it to a candump log";
         match self {
             Self::Empty => f.write_str("it is empty"),
-            Self::Asc => write!(f, "it seems to be a log of Vector's, in ASC; {converted}"),
-            Self::Blf => write!(f, "it seems to be a log of Vector's, in BLF; {converted}"),
-            Self::Trc => write!(f, "it seems to be a trace of PEAK's, in TRC; {converted}"),
+            Self::Asc => write!(f, "it seems to be a Vector log in ASC; {converted}"),
+            Self::Blf => write!(f, "it seems to be a Vector log in BLF; {converted}"),
+            Self::Trc => write!(f, "it seems to be a PEAK trace in TRC; {converted}"),
             Self::Mdf => write!(f, "it seems to be measurement data in MDF; {converted}"),
             Self::Pcap | Self::Pcapng => {
                 let name = if *self == Self::Pcap { "pcap" } else { "pcapng" };
@@ -133,8 +135,8 @@ impl fmt::Display for Seems {
             Self::Utf16 => f.write_str(
                 "it seems to be text in UTF-16; convert it with iconv -f utf-16 -t ascii",
             ),
-            Self::Text => f.write_str("it is text, but no recording of candump"),
-            Self::Binary => f.write_str("it is neither text nor a format that is known here"),
+            Self::Text => f.write_str("it is text, but not a candump recording"),
+            Self::Binary => f.write_str("it is neither text nor a known format"),
         }
     }
 }

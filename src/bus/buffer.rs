@@ -5,10 +5,10 @@ use std::io;
 use super::candump::MAX_LINE;
 use super::input::Input;
 
-/// Room for many reads of the longest line and for the look-ahead of the time stamps' vote; small
-/// enough to stay in a core's second-level cache.
+/// Size of the buffer: room for many reads of the longest line and for the look-ahead of the time
+/// stamps' vote; small enough to stay in a core's second-level cache.
 const CAPACITY: usize = 256 * 1024;
-/// Below this much free room the unread bytes are moved to the front before reading.
+/// Least free room for a read; below it the unread bytes are moved to the front first.
 const LEAST_READ: usize = 64 * 1024;
 
 /// What the unread bytes begin with.
@@ -18,11 +18,11 @@ pub enum Next {
     Line { length: usize, taken: usize },
     /// A last line without a newline, of `length` bytes.
     Unterminated { length: usize },
-    /// A line longer than [`MAX_LINE`], of which the first bytes are there.
+    /// A line longer than [`MAX_LINE`], the first bytes of which are in the buffer.
     TooLong,
-    /// Nothing whole: more must be read first.
+    /// No complete line: more must be read first.
     More,
-    /// The input is over.
+    /// The end of the input.
     End,
 }
 
@@ -31,7 +31,7 @@ pub struct Buffer {
     bytes: Box<[u8]>,
     start: usize,
     end: usize,
-    /// The input gave its last byte.
+    /// Whether the input has given its last byte.
     ended: bool,
 }
 
@@ -41,7 +41,7 @@ impl Buffer {
         Self { bytes, start: 0, end: 0, ended: false }
     }
 
-    /// Empty again, for the next input.
+    /// Empties the buffer for the next input.
     pub fn restart(&mut self) {
         (self.start, self.end, self.ended) = (0, 0, false);
     }
@@ -61,7 +61,7 @@ impl Buffer {
         debug_assert!(self.start <= self.end);
     }
 
-    /// What comes next, as far as can be said from what was read.
+    /// What comes next, as far as the bytes read so far show.
     pub fn next(&self) -> Next {
         let unread = self.unread();
         let head = &unread[..unread.len().min(MAX_LINE + 1)];
@@ -74,7 +74,7 @@ impl Buffer {
         }
     }
 
-    /// Drops bytes up to the next newline; false if it is not there yet.
+    /// Drops bytes up to the next newline; returns false if it is not there yet.
     pub fn drop_line(&mut self) -> bool {
         match memchr::memchr(b'\n', self.unread()) {
             Some(length) => {
@@ -90,8 +90,7 @@ impl Buffer {
 
     /// Reads once from `input`. After an error the input counts as ended.
     ///
-    /// # Errors
-    /// What the input says, except that it was interrupted.
+    /// # Errors The input's errors, except that it was interrupted.
     pub fn fill(&mut self, input: &mut Input) -> io::Result<()> {
         if self.bytes.len() - self.end < LEAST_READ {
             self.bytes.copy_within(self.start..self.end, 0);

@@ -1,7 +1,8 @@
-//! The embedded bus: `interface = "virtual"`. A CAN bus inside the program, for where there is none.
+//! The embedded bus, `interface = "virtual"`: a CAN bus inside the program, for use without a real
+//! one.
 //!
-//! Each endpoint gets what the others send, in one order for all. Time is the clock's that the bus
-//! was given, so that a simulator or a test owns it.
+//! Each endpoint gets what the others send, in the same order for all. The bus gets its clock from
+//! the caller, so that a simulator or a test can control the time.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::atomic::{AtomicI64, Ordering};
@@ -16,15 +17,15 @@ use crate::alarm::OwnFrame;
 use crate::frame::{Frame, Kind};
 use crate::time::{Span, Timestamp};
 
-/// Frames that one call of `receive` takes at most, as from a socket.
+/// Most frames that one call of `receive` takes, as from a socket.
 const AT_ONCE: usize = 256;
 
-/// Where the bus has its time from.
+/// Clock of the bus.
 #[derive(Clone, Debug)]
 pub enum Clock {
-    /// The system's; `receive` waits.
+    /// The system's clock; `receive` waits.
     System,
-    /// Whoever holds the clock; `receive` never waits, as no time would pass.
+    /// A clock that the caller sets; `receive` never waits, since no time would pass.
     Manual(ManualClock),
 }
 
@@ -41,7 +42,7 @@ impl ManualClock {
         Timestamp::from_nanos(self.0.load(Ordering::SeqCst))
     }
 
-    /// Sets it, also back, as a system's clock may be.
+    /// Sets the clock, possibly back, as with a system's clock.
     pub fn set(&self, now: Timestamp) {
         self.0.store(now.as_nanos(), Ordering::SeqCst);
     }
@@ -60,28 +61,28 @@ impl Clock {
     }
 }
 
-/// What the bus does with what is sent.
+/// State of the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BusState {
-    /// Carries it.
+    /// The bus carries frames.
     #[default]
     Up,
-    /// No one acknowledges and the queue is full: nothing is taken.
+    /// Nobody acknowledges and the queue is full: no frame is accepted.
     Jammed,
-    /// As an interface that was brought down.
+    /// The bus is down, like an interface that was brought down.
     Down,
-    /// As an interface that was deleted.
+    /// The bus is gone, like an interface that was deleted.
     Gone,
 }
 
-/// A bus. Clones are the same one.
+/// An embedded bus. Clones are the same bus.
 #[derive(Clone)]
 pub struct EmbeddedBus(Arc<Shared>);
 
 struct Shared {
     clock: Clock,
     wires: Mutex<Wires>,
-    /// Rings when a frame or a change of state comes.
+    /// Signalled when a frame or a change of state comes.
     bell: Condvar,
 }
 
@@ -92,13 +93,13 @@ struct Wires {
     queues: BTreeMap<u64, Queue>,
 }
 
-/// What an endpoint has not received yet.
+/// Frames that an endpoint has not received yet.
 struct Queue {
     frames: VecDeque<Frame>,
     capacity: usize,
     identifiers: Identifiers,
     dropped: u64,
-    /// The state that ended this endpoint: once down, it has to be opened anew.
+    /// State that ended this endpoint: once down, it has to be opened again.
     ended: Option<BusState>,
 }
 
@@ -110,8 +111,7 @@ impl EmbeddedBus {
     /// Connects to the bus. `capacity` frames may wait to be received; those beyond are dropped and
     /// counted.
     ///
-    /// # Errors
-    /// While the bus is down or gone.
+    /// # Errors The bus is down or gone.
     pub fn open(&self, identifiers: &Identifiers, capacity: usize) -> Result<Endpoint, PortError> {
         let mut wires = self.0.lock();
         if let Some(error) = error_of(wires.state) {
@@ -131,10 +131,9 @@ impl EmbeddedBus {
         Ok(Endpoint { bus: Arc::clone(&self.0), number, counts: PortCounts::default() })
     }
 
-    /// As [`Self::open`], for one that sends whatever it is given.
+    /// Connects as [`Self::open`] does, for an endpoint that may send any frame.
     ///
-    /// # Errors
-    /// As [`Self::open`].
+    /// # Errors See [`Self::open`].
     pub fn open_unrestricted(
         &self,
         identifiers: &Identifiers,
@@ -143,8 +142,8 @@ impl EmbeddedBus {
         self.open(identifiers, capacity).map(Unrestricted)
     }
 
-    /// What happens to the bus. An endpoint that sees it go down or away is finished, also when it
-    /// comes back, once it has been given what had come before.
+    /// Sets the state of the bus. An endpoint that sees it go down or away is finished, even if it
+    /// comes back, once it has received what had come before.
     pub fn set_state(&self, state: BusState) {
         let mut wires = self.0.lock();
         wires.state = state;
@@ -156,12 +155,12 @@ impl EmbeddedBus {
         self.0.bell.notify_all();
     }
 
-    /// How many endpoints are connected.
+    /// Number of connected endpoints.
     pub fn endpoints(&self) -> usize {
         self.0.lock().queues.len()
     }
 
-    /// The bus's time.
+    /// Time of the bus.
     pub fn now(&self) -> Timestamp {
         self.0.clock.now()
     }
@@ -173,7 +172,7 @@ impl Shared {
         self.wires.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until the endpoint has a frame or its end.
+    /// Waits until the endpoint has a frame or has ended.
     fn wait(&self, number: u64, patience: Duration) {
         if matches!(self.clock, Clock::Manual(_)) {
             return;
@@ -248,7 +247,7 @@ fn error_of(state: BusState) -> Option<PortError> {
     }
 }
 
-/// A connection to an [`EmbeddedBus`]. It sends the gateway's own frames and no other.
+/// A connection to an [`EmbeddedBus`]. It sends only the gateway's own frames.
 pub struct Endpoint {
     bus: Arc<Shared>,
     number: u64,

@@ -9,28 +9,29 @@ use super::source::SourceError;
 
 const GZIP_MAGIC: &[u8] = &[0x1F, 0x8B];
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xB5, 0x2F, 0xFD];
-/// A frame of zstd's that the decoder passes over, as pzstd and others put it first: any low half byte
-/// of the first byte.
+/// A frame that zstd's decoder skips, as pzstd and others put first: the low half of the first byte
+/// may be anything.
 const ZSTD_SKIPPABLE: &[u8] = &[0x50, 0x2A, 0x4D, 0x18];
-/// Compressed bytes are handed to the decompressor in pieces of this size.
+/// Size of the pieces in which compressed bytes are passed to the decompressor.
 const COMPRESSED_PIECE: usize = 64 * 1024;
-/// flate2 loses what it had decoded in the call that meets corrupt data; small calls lose little.
+/// Size of the reads of decompressed bytes: flate2 loses what it had decoded in the call that meets
+/// corrupt data, so small calls lose little.
 const DECODED_PIECE: usize = 16 * 1024;
 
 /// An input that is not open yet.
-pub enum Place {
+pub enum InputPlace {
     StandardInput,
     File(PathBuf),
     Reader { name: String, reader: Box<dyn Read + Send> },
 }
 
-impl Place {
-    /// `-` is standard input.
+impl InputPlace {
+    /// The place of `path`; `-` is standard input.
     pub fn of(path: &Path) -> Self {
         if path.as_os_str() == "-" { Self::StandardInput } else { Self::File(path.to_owned()) }
     }
 
-    /// The name for people.
+    /// Name for people.
     pub fn name(&self) -> String {
         match self {
             Self::StandardInput => "standard input".to_owned(),
@@ -39,8 +40,8 @@ impl Place {
         }
     }
 
-    /// The size in bytes where it is known; refuses at once what cannot be opened, so that a
-    /// mistyped last file does not come to light after the first ones were replayed.
+    /// The size in bytes where it is known. A file that cannot be opened is refused at once, so
+    /// that a mistyped last file is not discovered after the first ones were replayed.
     ///
     /// # Errors
     /// The file does not exist, may not be read or is a directory.
@@ -59,7 +60,7 @@ impl Place {
         Ok(Some(metadata.len()))
     }
 
-    /// Opens it; what it holds is looked at with the first read.
+    /// Opens the input; its format is recognised with the first read.
     ///
     /// # Errors
     /// The file cannot be opened.
@@ -77,10 +78,10 @@ impl Place {
     }
 }
 
-/// An open input that reads as plain text whatever its compression.
+/// An open input that reads as plain text, whatever its compression.
 pub struct Input {
     name: String,
-    /// Its first bytes, decompressed.
+    /// First bytes, decompressed.
     head: Vec<u8>,
     state: State,
 }
@@ -89,12 +90,12 @@ type Pieces = BufReader<Whole<Prefixed>>;
 type Prefixed = io::Chain<Cursor<Vec<u8>>, Counted>;
 
 enum State {
-    /// Its first bytes were not looked at yet.
+    /// The first bytes were not examined yet.
     Fresh(Counted),
     Plain(Prefixed),
     Gzip(Box<flate2::bufread::MultiGzDecoder<Pieces>>),
     Zstd(Box<zstd::stream::read::Decoder<'static, Pieces>>),
-    /// It failed while being recognised, or is just being recognised.
+    /// The input failed while being recognised, or is just being recognised.
     Failed(Counted),
 }
 
@@ -103,7 +104,7 @@ impl Input {
         &self.name
     }
 
-    /// Its first bytes as far as they were read, decompressed: at most [`HEAD`].
+    /// First bytes as far as they were read, decompressed: at most [`HEAD`].
     pub fn head(&self) -> &[u8] {
         &self.head
     }
@@ -122,7 +123,7 @@ impl Input {
         }
     }
 
-    /// As [`Read::read`].
+    /// Reads as [`Read::read`] does.
     ///
     /// # Errors
     /// The file cannot be read or its compressed data are damaged.
@@ -142,7 +143,7 @@ impl Input {
         Ok(length)
     }
 
-    /// The reason for people why `error` ended the input early.
+    /// Why `error` ended the input early, for people.
     pub fn explain(&self, error: &io::Error) -> String {
         let kind = match self.state {
             _ if self.counted().failed => None,
@@ -154,7 +155,7 @@ impl Input {
             return format!("reading failed: {error}; the rest is lost");
         };
         if error.kind() == io::ErrorKind::UnexpectedEof {
-            format!("the {kind} data are cut off ({error}); what comes after is lost")
+            format!("the {kind} data are truncated ({error}); what comes after is lost")
         } else {
             format!("the {kind} data are corrupt ({error}); the rest is lost")
         }
@@ -221,11 +222,11 @@ impl Read for Counted {
     }
 }
 
-/// Fills the buffer that it is given, so that a decompressor sees the same pieces, and loses the
-/// same bytes to damage, however its input arrives.
+/// Fills the whole buffer at each call, so that a decompressor sees the same pieces, and loses the
+/// same bytes to damage, whatever the sizes of the reads.
 struct Whole<R> {
     reader: R,
-    /// Met behind bytes that had to be given out first.
+    /// Error met after bytes that had to be returned first.
     failure: Option<io::Error>,
 }
 

@@ -1,11 +1,11 @@
-//! Where frames come from and go to: the only room that knows files of frames and sockets.
+//! Sources and destinations of frames: the only module that knows files of frames and sockets.
 //!
-//! A [`Source`] gives frames one after the other; [`Recording`] is the one over candump
-//! recordings: files, `.gz`, `.zst`, standard input. [`LogWriter`] writes what `candump -l` would.
+//! A [`Source`] gives frames one after the other; [`Recording`] reads them from candump recordings:
+//! files, `.gz`, `.zst`, standard input. [`LogWriter`] writes the format of `candump -l`.
 //!
-//! A [`Port`] is a CAN interface, live: [`socket`] the one over SocketCAN, [`embedded`] a bus inside
-//! the program. It sends the gateway's own frames and no other; an [`UnrestrictedPort`] is for those
-//! who stand in for the machine.
+//! A [`Port`] is a live CAN interface: [`socket`] uses SocketCAN, [`embedded`] is a bus inside the
+//! program. It sends only the gateway's own frames; an [`UnrestrictedPort`] is for stand-ins of the
+//! machine.
 
 #![forbid(unsafe_code)]
 

@@ -1,30 +1,29 @@
-//! Whether recordings are named in the order of time.
+//! Checks whether recordings are named in the order of time.
 
 use std::path::{Path, PathBuf};
 
 use crate::time::Timestamp;
 
 use super::candump::{Extent, Line, blank_frame};
-use super::input::Place;
+use super::input::InputPlace;
 use super::selection::Interfaces;
 use super::source::SourceError;
 
-/// Bytes of a recording that are looked at for its first frame.
+/// Number of bytes of a recording in which its first frame is sought.
 const PEEK: usize = 64 * 1024;
 
-/// Right orders of more recordings are not told in full.
+/// Most recordings whose right order is listed in full.
 const LISTED: usize = 16;
 
-/// Refuses recordings of which one begins before one that is named ahead of it. Only files are looked
-/// at, and time stamps that count from somewhere of their own say nothing.
+/// Refuses recordings one of which begins before one that is named ahead of it. Only files are
+/// examined, and time stamps with an origin of their own are ignored.
 ///
-/// # Errors
-/// The two, and the right order.
-pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceError> {
+/// # Errors The two recordings, and the right order.
+pub fn check(places: &[&InputPlace], interfaces: &Interfaces) -> Result<(), SourceError> {
     if places.len() < 2 {
         return Ok(());
     }
-    let begins = |place: &&Place| Some((place.name(), beginning(place, interfaces)?));
+    let begins = |place: &&InputPlace| Some((place.name(), beginning(place, interfaces)?));
     let mut known: Vec<(String, Timestamp)> = places.iter().filter_map(begins).collect();
     let Some(wrong) = known.windows(2).position(|pair| pair[1].1 < pair[0].1) else {
         return Ok(());
@@ -40,10 +39,11 @@ pub fn check(places: &[&Place], interfaces: &Interfaces) -> Result<(), SourceErr
     Err(SourceError::Order { ahead: ahead.0, at: ahead.1, later: later.0, before: later.1, advice })
 }
 
-/// `paths` in the order in which they begin, by their time stamps; as they are named where one of them
-/// does not tell. What cannot be opened is told when it is read.
+/// `paths` in the order in which they begin, by their time stamps; unchanged where one of them has
+/// none. Files that cannot be opened are reported when they are read.
 pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
-    let begins = |path: &PathBuf| Some((beginning(&Place::of(path), interfaces)?, path.clone()));
+    let begins =
+        |path: &PathBuf| Some((beginning(&InputPlace::of(path), interfaces)?, path.clone()));
     match paths.iter().map(begins).collect::<Option<Vec<_>>>() {
         Some(mut known) => {
             known.sort_by_key(|(begin, _)| *begin);
@@ -53,9 +53,9 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
     }
 }
 
-/// The time stamp of the first frame of a file, of the interface that is meant if it comes soon.
-fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
-    let Place::File(path) = place else { return None };
+/// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
+fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
+    let InputPlace::File(path) = place else { return None };
     let text = first_bytes(path)?;
     let meant = match interfaces {
         Interfaces::All => None,
@@ -78,12 +78,13 @@ fn beginning(place: &Place, interfaces: &Interfaces) -> Option<Timestamp> {
     first.filter(|_| matches!(interfaces, Interfaces::One(_)))
 }
 
-/// `None` of what is no file: opening a pipe and closing it would end its writer.
+/// First bytes of a file; `None` for anything else: opening and closing a pipe would end its
+/// writer.
 fn first_bytes(path: &Path) -> Option<Vec<u8>> {
     if !path.metadata().ok()?.is_file() {
         return None;
     }
-    let mut input = Place::File(path.to_owned()).open().ok()?;
+    let mut input = InputPlace::File(path.to_owned()).open().ok()?;
     let mut bytes = vec![0; PEEK];
     let mut length = 0;
     while length < PEEK {

@@ -1,4 +1,4 @@
-//! A CAN interface, live.
+//! Live CAN interfaces.
 
 use std::fmt;
 use std::io;
@@ -8,10 +8,10 @@ use crate::alarm::OwnFrame;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::{Span, Timestamp};
 
-/// A CAN interface, live. The only thing with a clock: it says how late it is, on the clock of its
+/// A live CAN interface. It is the only object with a clock: it tells the time on the clock of its
 /// time stamps.
 ///
-/// It sends nothing but the gateway's own frames:
+/// It sends only the gateway's own frames:
 ///
 /// ```compile_fail,E0308
 /// # use tertius::bus::Port;
@@ -21,13 +21,13 @@ use crate::time::{Span, Timestamp};
 /// }
 /// ```
 pub trait Port {
-    /// Waits at most `patience` for a frame (and a tick of the kernel, up to 10 ms), then gives
-    /// `take` what is there, oldest first; a bounded number, so that other work gets its turn. A
-    /// signal ends the waiting early. The same patience at each call is the cheapest.
+    /// Waits at most `patience` for a frame (plus a tick of the kernel, up to 10 ms), then passes
+    /// the frames that are there to `take`, oldest first; their number is bounded, so that other
+    /// work gets its turn. A signal ends the waiting early. Calls are cheapest with the same
+    /// patience each time.
     ///
-    /// # Errors
-    /// Once the interface is down or gone, and all that had come before has been taken, this port
-    /// is finished: it says so at every call, and has to be opened anew. After
+    /// # Errors Once the interface is down or gone, and everything before has been taken, this port
+    /// is finished: every call returns the error, and the port has to be opened again. After
     /// [`PortError::Io`] it may be called again.
     fn receive(
         &mut self,
@@ -37,80 +37,81 @@ pub trait Port {
 
     /// Hands a frame to the interface without waiting. Its time stamp is not used.
     ///
-    /// # Errors
-    /// As [`Self::receive`]. A queue without room is no error but [`Sent::Full`].
+    /// # Errors See [`Self::receive`]. A queue without room is not an error but [`Sent::Full`].
     fn send(&mut self, frame: &OwnFrame) -> Result<Sent, PortError>;
 
-    /// What this port has counted since it was opened.
+    /// Counts of this port since it was opened.
     fn counts(&self) -> PortCounts;
 
-    /// Whose clock the frames were stamped by, as of now.
+    /// Source of the frames' time stamps at present.
     fn stamps(&self) -> Stamps;
 
-    /// What people should know at start: interface, filters, time stamps, buffer.
+    /// Description for the log at the start: interface, filters, time stamps, buffer.
     fn description(&self) -> String;
 }
 
-/// Which frames to receive. Error frames always are, own frames never.
+/// Frames to receive. Error frames are always received, own frames never.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Identifiers {
-    /// All, remote frames included.
+    /// All frames, remote frames included.
     #[default]
     All,
     /// The data frames, classic and FD, of exactly these identifiers.
     Only(Vec<Id>),
 }
 
-/// What one call of [`Port::receive`] did.
+/// Result of one call of [`Port::receive`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Received {
-    /// The frames taken, error frames included.
+    /// Number of frames taken, error frames included.
     pub frames: usize,
-    /// Every frame stamped before this has been taken, but for those on their way from the
-    /// controller to the queue (the caller's guard). `None` while more are or may be waiting.
+    /// Time before which every frame has been taken, apart from frames on their way from the
+    /// controller to the queue (the caller's guard). `None` while more frames are or may be
+    /// waiting.
     pub drained_at: Option<Timestamp>,
 }
 
-/// What became of a frame to be sent.
+/// Result of sending a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sent {
-    /// The interface has it.
+    /// The interface has accepted it.
     Taken,
     /// There is no room for it now: ENOBUFS or EAGAIN. Nothing of it was kept.
     Full,
 }
 
-/// Why a port cannot go on.
+/// Why a port cannot continue.
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
-    /// ENETDOWN.
+    /// The interface is down (ENETDOWN).
     #[error("the interface is down")]
     Down,
-    /// ENODEV, ENXIO: the interface was deleted or unplugged. One of its name may come again, under
-    /// another index.
+    /// The interface was deleted or unplugged (ENODEV, ENXIO). One with the same name may return,
+    /// with another index.
     #[error("the interface is gone")]
     Gone,
     #[error("the interface failed: {0}")]
     Io(#[from] io::Error),
 }
 
-/// What a port counts, from its opening on.
+/// Counts of a port since it was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PortCounts {
-    /// Frames given to the caller, error frames included.
+    /// Frames passed to the caller, error frames included.
     pub received: u64,
-    /// Of those the error frames.
+    /// Error frames among the frames received.
     pub error_frames: u64,
-    /// Frames lost because the receive queue was full. Exact, as of the last frame received: the
-    /// kernel tells it with each frame.
+    /// Frames lost because the receive queue was full. The number is exact as of the last frame
+    /// received, since the kernel reports it with each frame.
     pub dropped: u64,
-    /// Reads that brought frames; [`Self::received`] over this is the mean batch.
+    /// Reads that returned frames; [`Self::received`] over this is the mean batch.
     pub batches: u64,
     /// Frames in the largest batch.
     pub largest_batch: u64,
-    /// What was read and is no frame: shorter or longer than one. None is known to occur.
+    /// Data that were read but are no frame: shorter or longer than one. This is not known to
+    /// occur.
     pub malformed: u64,
-    /// Frames that came without a time stamp and got the time of their reading.
+    /// Frames without a time stamp, which got the time of their reading.
     pub unstamped: u64,
     /// Frames handed to the interface.
     pub sent: u64,
@@ -118,17 +119,17 @@ pub struct PortCounts {
     pub refused: u64,
 }
 
-/// Whose clock stamps the frames.
+/// Source of the frames' time stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stamps {
-    /// The kernel, as the driver hands a frame over.
+    /// The kernel, when the driver hands a frame over.
     Software,
     /// The controller, whose clock agrees with the system's.
     Hardware,
-    /// The kernel: the controller stamps too, but its clock was this far ahead of the kernel's
-    /// stamp of the same frame (behind, if negative).
+    /// The kernel: the controller also has time stamps, but its clock was ahead of the kernel's
+    /// stamp of the same frame by this span (behind, if negative).
     SoftwareAsHardwareDiffers(Span),
-    /// The embedded bus, as a frame is sent.
+    /// The embedded bus, when a frame is sent.
     Embedded,
 }
 
@@ -148,7 +149,7 @@ impl fmt::Display for Stamps {
     }
 }
 
-/// Why no bus can carry the frame, if so: more than 8 bytes in a classic one, or a length that CAN
+/// Refuses a frame that no bus can carry: more than 8 bytes in a classic one, or a length that CAN
 /// FD does not have.
 pub(super) fn carried(frame: &Frame) -> Result<(), PortError> {
     let length = frame.length();

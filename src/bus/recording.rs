@@ -8,47 +8,47 @@ use crate::frame::{Frame, Kind};
 
 use super::barren::{Barren, Seems};
 use super::buffer::{Buffer, Next};
-use super::candump::{Clock, Common, Known, Line, MAX_LINE, Reason, TimeStamps, blank_frame};
-use super::input::{Input, Place};
+use super::candump::{Common, Known, Line, MAX_LINE, Reason, StampClock, TimeStamps, blank_frame};
+use super::input::{Input, InputPlace};
 use super::order;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
 use super::statistics::Statistics;
 
-/// How a recording is read.
+/// Options for reading a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     pub time_stamps: TimeStamps,
-    /// Whose frames are given out; the others are counted.
+    /// Interfaces whose frames are returned; the others are counted.
     pub interfaces: Interfaces,
 }
 
-/// How far a recording was read, in bytes of its files as they are: compressed where they are.
+/// Progress in a recording, in bytes of its files as stored: compressed if they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Taken from the files so far; up to some hundred kilobytes ahead of the frames.
+    /// Bytes taken from the files so far; up to some hundred kilobytes ahead of the frames.
     pub consumed: u64,
-    /// Of all files; `None` if one of them is a pipe.
+    /// Size of all files; `None` if one of them is a pipe.
     pub total: Option<u64>,
 }
 
 /// The frames of candump recordings, one file after the other.
 ///
-/// What is read and counted depends on the bytes alone, not on how they come in. Memory is bounded
-/// whatever the input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
+/// Frames and counts depend on the bytes alone, not on the sizes of the reads. Memory is bounded
+/// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
 /// kilobytes of frames that wait until it is known whether their interface is meant.
 pub struct Recording {
-    places: VecDeque<Place>,
+    places: VecDeque<InputPlace>,
     input: Option<Input>,
-    /// The current input's end is missing: its last line may be half a line.
+    /// Whether the current input's end is missing, so that its last line may be incomplete.
     damaged: bool,
     buffer: Buffer,
     common: Common,
-    clock: Clock,
+    clock: StampClock,
     frame: Frame,
     selection: Selection,
     interfaces: Interfaces,
-    /// Frames that came before their interface was decided upon, or was not.
+    /// Frames that came before the interface was decided.
     held: VecDeque<Frame>,
     statistics: Statistics,
     /// Lines of the inputs before the current one.
@@ -60,13 +60,13 @@ pub struct Recording {
     total: Option<u64>,
 }
 
-/// What came of looking at what is next.
+/// Result of a step.
 enum Step {
-    /// A frame to give out.
+    /// A frame to return.
     Frame,
-    /// Something else: go on.
+    /// No frame, but there may be more.
     On,
-    /// There is nothing more.
+    /// The end.
     End,
 }
 
@@ -77,16 +77,16 @@ impl Recording {
     /// # Errors
     /// A file does not exist, may not be read or is a directory; files are not in the order of time.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
-        Self::new(paths.iter().map(|path| Place::of(path.as_ref())).collect(), options)
+        Self::new(paths.iter().map(|path| InputPlace::of(path.as_ref())).collect(), options)
     }
 
-    /// A recording over any reader; `name` stands for it in reports.
+    /// A recording from any reader; `name` is its name in reports.
     pub fn from_reader(name: &str, reader: Box<dyn Read + Send>, options: Options) -> Self {
-        let place = Place::Reader { name: name.to_owned(), reader };
+        let place = InputPlace::Reader { name: name.to_owned(), reader };
         Self::over(VecDeque::from([place]), None, options)
     }
 
-    fn new(places: VecDeque<Place>, options: Options) -> Result<Self, SourceError> {
+    fn new(places: VecDeque<InputPlace>, options: Options) -> Result<Self, SourceError> {
         let mut total = Some(0);
         for place in &places {
             let size = place.check()?;
@@ -98,14 +98,14 @@ impl Recording {
         Ok(Self::over(places, total, options))
     }
 
-    fn over(places: VecDeque<Place>, total: Option<u64>, options: Options) -> Self {
+    fn over(places: VecDeque<InputPlace>, total: Option<u64>, options: Options) -> Self {
         Self {
             places,
             input: None,
             damaged: false,
             buffer: Buffer::new(),
             common: Common::new(),
-            clock: Clock::new(options.time_stamps),
+            clock: StampClock::new(options.time_stamps),
             frame: blank_frame(),
             selection: Selection::new(options.interfaces.clone()),
             interfaces: options.interfaces,
@@ -118,18 +118,18 @@ impl Recording {
         }
     }
 
-    /// What was read so far.
+    /// Statistics of what was read so far.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics
     }
 
-    /// How far it was read.
+    /// Progress so far.
     pub fn progress(&self) -> Progress {
         let current = self.input.as_ref().map_or(0, Input::consumed);
         Progress { consumed: self.consumed_before + current, total: self.total }
     }
 
-    /// Puts the next frame into `self.frame`; false at the end.
+    /// Reads the next frame into `self.frame`; returns false at the end.
     #[inline(always)]
     fn advance(&mut self) -> Result<bool, SourceError> {
         loop {
@@ -153,7 +153,7 @@ impl Recording {
         }
     }
 
-    /// A line that differs a little from the one before; its length.
+    /// Reads a line that differs a little from the previous one; returns its length.
     #[inline(never)]
     fn read_new(&mut self) -> Option<usize> {
         let (statistics, selection, held) = (&self.statistics, &self.selection, &self.held);
@@ -161,7 +161,7 @@ impl Recording {
         self.common.read_new(self.buffer.unread(), &mut self.frame, find)
     }
 
-    /// Any line, or whatever else comes next.
+    /// Handles the next line, or whatever else comes next.
     #[inline(never)]
     fn step(&mut self) -> Result<Step, SourceError> {
         if self.selection.is_decided()
@@ -186,7 +186,7 @@ impl Recording {
         }
     }
 
-    /// The line of `length` bytes that comes next, `taken` with its newline.
+    /// Handles the next line, of `length` bytes, `taken` with its newline.
     fn line(&mut self, length: usize, taken: usize) -> Result<Step, SourceError> {
         let text = &self.buffer.unread()[..length];
         let line = match Line::parse(text) {
@@ -221,7 +221,7 @@ impl Recording {
         self.give(selected.map_err(|_| self.ambiguous(&self.interfaces))?)
     }
 
-    /// Gives out the frame that was read, or keeps it back, or leaves it out.
+    /// Returns, holds back or leaves out the frame that was read.
     fn give(&mut self, selected: Selected) -> Result<Step, SourceError> {
         match selected {
             Selected::Wanted => {
@@ -241,14 +241,14 @@ impl Recording {
         }
     }
 
-    /// There are no more inputs.
+    /// Handles the end of the last input.
     fn end(&mut self) -> Result<Step, SourceError> {
         self.selection.decide().map_err(|_| self.ambiguous(&self.interfaces))?;
         Ok(if self.held.is_empty() { Step::End } else { Step::On })
     }
 
-    /// That the frames up to here do not say which interface is meant, for whoever selects from
-    /// [`Interfaces::All`] with a [`Selection`] of its own; `interfaces` is what it selects by.
+    /// The error that the frames up to here do not tell which interface is meant, for callers that
+    /// read [`Interfaces::All`] with their own [`Selection`]; `interfaces` is the criterion.
     pub fn ambiguous(&self, interfaces: &Interfaces) -> SourceError {
         let line = self.statistics.lines - self.lines_before;
         let place = match &self.input {
@@ -259,7 +259,7 @@ impl Recording {
         SourceError::Interfaces { place, found, configured: interfaces.to_string() }
     }
 
-    /// Counts the line that comes next, of which `length` bytes may be shown, as bad.
+    /// Counts the next line, of which `length` bytes may be shown, as bad.
     fn bad_line(&mut self, length: usize, taken: usize, reason: Reason) -> Step {
         self.statistics.lines += 1;
         let number = self.statistics.lines - self.lines_before;
@@ -309,8 +309,8 @@ impl Recording {
     }
 }
 
-/// The interface `name`, if its frames may be given out or left out without a look at each: not while
-/// others wait to be given out before them.
+/// The interface `name`, if its frames can be returned or left out without checking each: not while
+/// earlier frames are held back.
 fn known(
     statistics: &Statistics,
     selection: &Selection,

@@ -1,17 +1,18 @@
-//! Which of a recording's interfaces is read.
+//! Selection of the interface of a recording.
 
 use std::fmt;
 
-/// The interfaces whose frames are given out.
+/// Interfaces whose frames are returned.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Interfaces {
-    /// All, as if they were one bus.
+    /// All interfaces, as if they were one bus.
     #[default]
     All,
-    /// This one.
+    /// This interface.
     Only(String),
-    /// One bus: this interface, which the configuration names, where the recording has it; else the
-    /// only one that there is. Two others are [`Ambiguous`]: nobody can tell which is meant.
+    /// One bus: this interface, which the configuration names, if the recording has it; else the
+    /// only one in the recording. Two others are [`Ambiguous`], since it cannot be told which is
+    /// meant.
     One(String),
 }
 
@@ -20,29 +21,29 @@ pub enum Interfaces {
 pub enum Selected {
     Wanted,
     Other,
-    /// It is to be held back until [`Selection::is_decided`]. Then the frames held back are wanted,
-    /// unless a frame was [`Selected::Wanted`] meanwhile.
+    /// The frame must be held back until [`Selection::is_decided`]. The frames held back are then
+    /// wanted, unless a frame was [`Selected::Wanted`] meanwhile.
     Undecided,
 }
 
-/// More than one interface, and none that is meant for sure.
+/// There is more than one interface, and none is clearly meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ambiguous;
 
-/// Frames of other interfaces that are looked at for the configured one, some seconds of a bus. It
-/// bounds what is held back, and makes the answer depend on the frames alone: not on how they are
-/// split into files or come through a pipe.
+/// Number of frames of other interfaces among which the configured one is sought: some seconds of a
+/// bus. It limits what is held back, and makes the answer depend on the frames alone, not on how
+/// they are split into files or arrive through a pipe.
 const LOOK_AHEAD: usize = 4096;
 
-/// Decides, frame by frame.
+/// Decides which frames are wanted.
 #[derive(Clone, Debug)]
 pub struct Selection {
     interfaces: Interfaces,
-    /// Of [`Interfaces::One`]: the interface that is read.
+    /// Interface that is read, with [`Interfaces::One`].
     read: Option<String>,
-    /// Of [`Interfaces::One`]: the interface of the first frame, while none is decided upon.
+    /// Interface of the first frame, with [`Interfaces::One`], until one is decided.
     first: Option<String>,
-    /// There was another one beside it.
+    /// Whether there was another one beside it.
     several: bool,
     undecided: usize,
 }
@@ -52,15 +53,14 @@ impl Selection {
         Self { interfaces, read: None, first: None, several: false, undecided: 0 }
     }
 
-    /// No frame is held back any more.
+    /// Whether no more frames are held back.
     pub const fn is_decided(&self) -> bool {
         !matches!(self.interfaces, Interfaces::One(_)) || self.read.is_some()
     }
 
-    /// What becomes of the next frame, which is of the interface `name`.
+    /// Decides on the next frame, which is of the interface `name`.
     ///
-    /// # Errors
-    /// It is the one that makes it [`Ambiguous`].
+    /// # Errors This frame makes the selection [`Ambiguous`].
     pub fn judge(&mut self, name: &[u8]) -> Result<Selected, Ambiguous> {
         if let Some(wanted) = self.known(name) {
             return Ok(if wanted { Selected::Wanted } else { Selected::Other });
@@ -84,10 +84,9 @@ impl Selection {
         Ok(Selected::Undecided)
     }
 
-    /// No frame follows that could change the answer.
+    /// Decides, since no frame follows that could change the answer.
     ///
-    /// # Errors
-    /// There is none.
+    /// # Errors No interface is clearly meant.
     pub fn decide(&mut self) -> Result<(), Ambiguous> {
         if self.several && !self.is_decided() {
             return Err(Ambiguous);
@@ -96,8 +95,8 @@ impl Selection {
         Ok(())
     }
 
-    /// Whether frames of `name` are wanted, as far as it is settled: for as long as it is not, and for
-    /// what would make it [`Ambiguous`], `None`.
+    /// Whether frames of `name` are wanted; `None` while this is open, and for an interface that
+    /// would make the selection [`Ambiguous`].
     pub fn known(&self, name: &[u8]) -> Option<bool> {
         match &self.interfaces {
             Interfaces::All => Some(true),
@@ -119,7 +118,7 @@ impl Selection {
 }
 
 impl fmt::Display for Interfaces {
-    /// The name of the one that is meant.
+    /// Writes the name of the interface that is meant.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::All => f.write_str("all"),

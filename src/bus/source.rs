@@ -1,17 +1,16 @@
-//! What gives frames.
+//! Sources of frames.
 
 use std::io;
 
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
-/// Gives frames one after the other: a recording, a bus, a simulator.
+/// A source of frames: a recording, a bus, a simulator.
 pub trait Source {
-    /// The next frame, valid until the next call; `Ok(None)` is the end.
+    /// Returns the next frame, valid until the next call; `Ok(None)` is the end.
     ///
-    /// # Errors
-    /// What keeps the source from going on. A damaged recording or a line that is no frame is not
-    /// among them: those are counted and the source goes on.
+    /// # Errors Whatever prevents the source from continuing. A damaged recording and a line that
+    /// is not a frame do not: they are counted and the source continues.
     fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError>;
 }
 
@@ -21,14 +20,14 @@ pub trait Source {
 pub enum SourceError {
     #[error("cannot open the recording {file}: {error}")]
     Open {
-        /// The path as it was given.
+        /// Path as given.
         file: String,
         #[source]
         error: io::Error,
     },
     #[error("the recording {file} is a directory; name the files in it one by one")]
     Directory {
-        /// The path as it was given.
+        /// Path as given.
         file: String,
     },
     #[error(
@@ -37,27 +36,27 @@ pub enum SourceError {
          between, read them one by one, or as one: cat FILES | tertius … -"
     )]
     Order {
-        /// Named first of two.
+        /// Recording that is named first of two.
         ahead: String,
-        /// When it begins.
+        /// Beginning of that recording.
         at: Timestamp,
-        /// Named behind it.
+        /// Recording that is named second.
         later: String,
-        /// When that begins.
+        /// Beginning of the second recording.
         before: Timestamp,
-        /// What to do.
+        /// Advice on what to do.
         advice: String,
     },
     #[error(
-        "{place}: the recording has several interfaces, {found} up to here, and the configuration \
-         ({configured}) does not say which is meant; choose one with --interface"
+        "{place}: the recording has several interfaces, {found} up to here, and it is not clear \
+         from the configuration ({configured}) which is meant; choose one with --interface"
     )]
     Interfaces {
-        /// The file and the line up to which was read.
+        /// File and line up to which was read.
         place: String,
-        /// The interfaces with their frames.
+        /// Interfaces with their numbers of frames.
         found: String,
-        /// The configuration's.
+        /// Interface of the configuration.
         configured: String,
     },
 }

@@ -1,56 +1,56 @@
-//! What a recording held beside the frames that were given out.
+//! Statistics of a recording, beside the frames that were returned.
 
 use super::barren::Barren;
 use super::candump::Reason;
 
-/// Bad lines that are kept with their text; the others are only counted.
+/// Most bad lines that are kept with their text; further ones are only counted.
 pub const KEPT_BAD_LINES: usize = 5;
-/// Interfaces that are told apart by name.
+/// Most interfaces that are told apart by name.
 pub const INTERFACES_KEPT: usize = 16;
-/// Damage reports that are kept; the others are only counted.
+/// Most damage reports that are kept; further ones are only counted.
 pub const KEPT_DAMAGE: usize = 16;
-/// Inputs without a frame that are kept.
+/// Most inputs without a frame that are kept.
 pub const KEPT_BARREN: usize = 16;
-/// Bytes of a bad line that are shown.
+/// Most bytes of a bad line that are shown.
 const EXCERPT: usize = 80;
 
-/// What was read so far.
+/// Statistics of what was read so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
     /// Lines of any kind, empty and bad ones included.
     pub lines: u64,
-    /// Well-formed frames of every kind on every interface, given out or not.
+    /// Well-formed frames of every kind on every interface, returned or not.
     pub frames: u64,
-    /// Error frames among them.
+    /// Error frames among [`Self::frames`].
     pub error_frames: u64,
-    /// Remote frames among them.
+    /// Remote frames among [`Self::frames`].
     pub remote_frames: u64,
-    /// Frames among them that were not given out: of another interface than the one asked for.
+    /// Frames that were not returned because they are of another interface.
     pub other_interface_frames: u64,
-    /// Lines that are no frame.
+    /// Lines that are not frames.
     pub bad_lines: u64,
-    /// The first [`KEPT_BAD_LINES`] of them.
+    /// The first [`KEPT_BAD_LINES`] bad lines.
     pub first_bad_lines: Vec<BadLine>,
     /// The first [`INTERFACES_KEPT`] interfaces in the order of their first frame.
     pub interfaces: Vec<Interface>,
-    /// Frames of interfaces beyond those.
+    /// Frames of interfaces beyond [`Self::interfaces`].
     pub unlisted_interface_frames: u64,
     /// Inputs whose end could not be read.
     pub damaged_inputs: u64,
-    /// The first [`KEPT_DAMAGE`] of them.
+    /// The first [`KEPT_DAMAGE`] reports of damage.
     pub damage: Vec<Damage>,
     /// The first [`KEPT_BARREN`] inputs without a frame.
     pub barren: Vec<Barren>,
 }
 
-/// A line that is no frame.
+/// A line that is not a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadLine {
-    /// The file as it was given, or "standard input".
+    /// Name of the file as given, or "standard input".
     pub file: String,
-    /// Counted from 1 within its file.
+    /// Line number within its file, counted from 1.
     pub line: u64,
-    /// Its beginning: at most 80 bytes, `…` if there were more, control characters escaped.
+    /// Beginning of the line: at most 80 bytes, `…` if there were more, control characters escaped.
     pub text: String,
     /// What was found and what was expected.
     pub reason: Reason,
@@ -62,7 +62,7 @@ impl std::fmt::Display for BadLine {
     }
 }
 
-/// An interface and its frames.
+/// An interface and its number of frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Interface {
     pub name: String,
@@ -76,12 +76,12 @@ impl std::fmt::Display for Interface {
     }
 }
 
-/// An input that could not be read to its end; what came before was given out.
+/// An input that could not be read to its end; the frames before the damage were returned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// The file as it was given, or "standard input".
+    /// Name of the file as given, or "standard input".
     pub file: String,
-    /// What is wrong with it.
+    /// Description of the damage.
     pub reason: String,
 }
 
@@ -113,18 +113,18 @@ impl Statistics {
         }
     }
 
-    /// The interfaces and how many frames each has, for people.
+    /// The interfaces with their numbers of frames, for people.
     pub fn interfaces_found(&self) -> String {
         let found = self.interfaces.iter().map(ToString::to_string);
         found.collect::<Vec<_>>().join(", ")
     }
 
-    /// The place of an interface in the list, if it is there.
+    /// Index of an interface in the list, if it is there.
     pub(super) fn interface(&self, name: &[u8]) -> Option<usize> {
         self.interfaces.iter().position(|interface| interface.name.as_bytes() == name)
     }
 
-    /// Counts a frame of the interface, a name of ASCII characters.
+    /// Counts a frame of the interface, whose name is ASCII.
     pub(super) fn add_interface_frame(&mut self, name: &[u8]) {
         if let Some(place) = self.interface(name) {
             self.interfaces[place].frames += 1;
@@ -137,7 +137,7 @@ impl Statistics {
     }
 }
 
-/// The beginning of a line as text that does nothing to a terminal.
+/// The beginning of a line as text without effect on a terminal.
 fn excerpt(line: &[u8]) -> String {
     let line = line.trim_ascii_end();
     let shown = &line[..line.len().min(EXCERPT)];

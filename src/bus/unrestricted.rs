@@ -1,4 +1,4 @@
-//! Ports for those who stand in for the machine.
+//! Ports for stand-ins of the machine.
 
 use std::time::Duration;
 
@@ -6,19 +6,18 @@ use super::port::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use crate::alarm::OwnFrame;
 use crate::frame::Frame;
 
-/// A port that sends whatever it is given: for a proxy, a simulator, a test. The gateway has none.
+/// A port that sends any frame: for a proxy, a simulator, a test. The gateway has none.
 pub trait UnrestrictedPort: Port {
-    /// Hands any frame to the interface, as [`Port::send`].
+    /// Hands any frame to the interface, like [`Port::send`].
     ///
-    /// # Errors
-    /// As [`Port::send`]; [`PortError::Io`] where no bus can carry the frame.
+    /// # Errors See [`Port::send`]; also [`PortError::Io`] where no bus can carry the frame.
     fn send_unrestricted(&mut self, frame: &Frame) -> Result<Sent, PortError>;
 }
 
 /// The port `P` without its restriction.
 pub struct Unrestricted<P>(pub(super) P);
 
-/// What a port does once it is settled that it may.
+/// Sending by a port once it is established that it may.
 pub(super) trait HandOver {
     fn hand_over(&mut self, frame: &Frame) -> Result<Sent, PortError>;
 }

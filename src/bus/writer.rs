@@ -1,4 +1,4 @@
-//! Frames as lines of `candump -l`.
+//! Writes frames as lines of `candump -l`.
 
 use std::io::{self, Write};
 
@@ -9,7 +9,7 @@ const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const ERROR_FLAG: u32 = 1 << 29;
 const DIGITS: &[u8; 16] = b"0123456789ABCDEF";
 
-/// Writes frames as a recording that [`super::Recording`], canplayer and others read.
+/// Writes frames as a recording that [`super::Recording`], canplayer and others can read.
 pub struct LogWriter<W> {
     out: W,
     interface: String,
@@ -25,18 +25,16 @@ impl<W: Write> LogWriter<W> {
 
     /// Writes one line.
     ///
-    /// # Errors
-    /// What `out` says.
+    /// # Errors Errors of `out`.
     pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
         self.line.clear();
         append_log_line(&mut self.line, &self.interface, frame);
         self.out.write_all(&self.line)
     }
 
-    /// As [`Write::flush`].
+    /// Flushes `out`.
     ///
-    /// # Errors
-    /// What `out` says.
+    /// # Errors Errors of `out`.
     pub fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }
@@ -47,10 +45,10 @@ impl<W: Write> LogWriter<W> {
     }
 }
 
-/// Appends the frame's line with its newline: six decimals where they say all, else nine.
+/// Appends the frame's line with its newline: with six decimals where they are exact, else nine.
 ///
-/// Reading it gives the same frame, if it is one that a bus can carry: at most 8 bytes in a
-/// classic frame, a CAN FD length, flags up to 15, at most 8 asked for by a remote frame. An error
+/// Reading the line gives the same frame, if a bus can carry it: at most 8 bytes in a classic
+/// frame, a CAN FD length, flags up to 15, at most 8 bytes requested by a remote frame. An error
 /// frame's identifier is always read as extended: candump writes it with eight digits.
 pub fn append_log_line(line: &mut Vec<u8>, interface: &str, frame: &Frame) {
     append_stamp(line, frame.timestamp.as_nanos());
@@ -81,7 +79,7 @@ pub fn append_log_line(line: &mut Vec<u8>, interface: &str, frame: &Frame) {
     line.push(b'\n');
 }
 
-/// `(1700000000.000516) `; ten digits of seconds at least, which say that they are absolute.
+/// Appends `(1700000000.000516) `; at least ten digits of seconds mark an absolute time.
 fn append_stamp(line: &mut Vec<u8>, nanos: i64) {
     let size = nanos.unsigned_abs();
     let (seconds, fraction) = (size / NANOS_PER_SECOND, size % NANOS_PER_SECOND);
@@ -99,7 +97,8 @@ fn append_stamp(line: &mut Vec<u8>, nanos: i64) {
     line.extend_from_slice(b") ");
 }
 
-/// The last `digits` decimal digits; seconds of an `i64` of nanoseconds never have more than ten.
+/// Appends the last `digits` decimal digits; seconds of an `i64` of nanoseconds never have more
+/// than ten.
 fn append_decimal(line: &mut Vec<u8>, mut value: u64, digits: usize) {
     let start = line.len();
     line.resize(start + digits, b'0');

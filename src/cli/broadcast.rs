@@ -1,32 +1,33 @@
-//! A simulated machine on an interface, live: its frames in their own time.
+//! Sends the frames of a simulated machine on an interface in real time.
 
 use super::Failure;
 use super::player::Pace;
 use crate::bus::socket::{Options, SocketPort, is_virtual};
 use crate::bus::{Identifiers, Port, PortError, Sent, Unrestricted, UnrestrictedPort};
 use crate::frame::Frame;
+use crate::report::{counted, times};
 use crate::time::Timestamp;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A frame that went out more than this after its time is counted as late: half a sample of 20 ms.
+/// Delay beyond which a frame counts as late: half a sample of 20 ms.
 const LATE: Duration = Duration::from_millis(10);
 
-/// Behind by more than this the schedule starts anew, so that what was missed does not burst out.
+/// Delay beyond which the schedule restarts, so that missed frames do not burst out.
 const BEHIND: Duration = Duration::from_millis(100);
 
-/// How long an interface may have no room for a frame.
+/// Longest time for which an interface may have no room for a frame.
 const JAMMED: Duration = Duration::from_secs(1);
 
-/// The longest sleep: a signal is heard after it.
+/// Longest sleep, after which signals are checked.
 const NAP: Duration = Duration::from_millis(50);
 
-/// Between two tries of an interface that has no room.
+/// Pause between two attempts to send on an interface without room.
 const RETRY: Duration = Duration::from_millis(1);
 
-/// An interface that frames go out on, each in its time.
+/// An interface on which frames are sent at their times.
 pub struct Broadcast<P> {
     name: String,
     port: P,
@@ -37,30 +38,29 @@ pub struct Broadcast<P> {
     counts: Counts,
 }
 
-/// What became of the frames.
+/// Counts of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Counts {
     sent: u64,
     late: u64,
-    /// Times that the schedule started anew.
+    /// Number of times that the schedule restarted.
     anew: u64,
     worst: Duration,
 }
 
 impl Broadcast<Unrestricted<SocketPort>> {
-    /// Opens `name`, and hears SIGINT and SIGTERM from then on.
+    /// Opens `name`, and catches SIGINT and SIGTERM from then on.
     ///
-    /// # Errors
-    /// An interface that cannot be sent on, or one of a real bus without leave.
+    /// # Errors An interface that cannot send, or one of a real bus without permission.
     pub fn open(name: &str, pace: Pace, real_bus: bool) -> Result<Self, Failure> {
         let nothing = Options { identifiers: Identifiers::Only(vec![]), ..Options::default() };
         let port = Unrestricted::<SocketPort>::open(name, &nothing)
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         if !real_bus && !is_virtual(name).map_err(|error| Failure::Failed(error.to_string()))? {
             return Err(Failure::Wrong(format!(
-                "{name} is no virtual interface (vcan or vxcan): a simulated machine would send \
-                 readings of transducers onto its bus, which a real machine there would take for \
-                 its own; on a test bench give --real-bus"
+                "{name} is not a virtual interface (vcan or vxcan): a simulated machine would send \
+                 transducer readings onto its bus, which a real machine there would take for its \
+                own; on a test bench give --real-bus"
             )));
         }
         let stop = Arc::new(AtomicBool::new(false));
@@ -79,18 +79,17 @@ impl<P: UnrestrictedPort> Broadcast<P> {
         Self { name, port, pace, stop, anchor: None, counts }
     }
 
-    /// Sends the next frame once its time has come; `false` if it is to stop instead.
+    /// Sends the next frame when its time has come; returns `false` if it must stop instead.
     ///
-    /// # Errors
-    /// The interface carries nothing any more.
+    /// # Errors The interface no longer carries frames.
     pub fn send(&mut self, frame: &Frame) -> Result<bool, Failure> {
         Ok(self.await_time(frame.timestamp) && self.hand_over(frame)?)
     }
 
-    /// Tells what became of the frames, each fate only where it befell some.
+    /// Reports the counts of the frames that are not zero.
     pub fn report(&self) {
         let Counts { sent, late, anew, worst } = self.counts;
-        tell!("{sent} frames sent on {}", self.name);
+        tell!("{} sent on {}", counted(sent, "frame"), self.name);
         if late > 0 {
             tell!(
                 "  {late} more than {} ms late, at the worst {:.1} ms",
@@ -100,13 +99,14 @@ impl<P: UnrestrictedPort> Broadcast<P> {
         }
         if anew > 0 {
             tell!(
-                "  {anew} times more than {} ms behind; it went on from there",
+                "  {} more than {} ms behind; it continued from there",
+                times(anew),
                 BEHIND.as_millis()
             );
         }
     }
 
-    /// Waits until the machine's time is `stamp`; `false` if it is to stop.
+    /// Waits until the machine's time is `stamp`; returns `false` if it must stop.
     fn await_time(&mut self, stamp: Timestamp) -> bool {
         let Pace::Times(times) = self.pace else { return self.goes_on() };
         let (instant, origin) = *self.anchor.get_or_insert((Instant::now(), stamp));
@@ -141,7 +141,7 @@ impl<P: UnrestrictedPort> Broadcast<P> {
                 Ok(Sent::Full) if started.elapsed() < JAMMED => std::thread::sleep(RETRY),
                 Ok(Sent::Full) => {
                     return Err(Failure::Failed(format!(
-                        "{} takes no more frames: nobody on its bus acknowledges them; connect \
+                        "{} accepts no more frames: nobody on its bus acknowledges them; connect \
                          another node",
                         self.name
                     )));

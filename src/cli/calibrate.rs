@@ -6,7 +6,7 @@ use super::learnt_file::Prepared;
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use super::update::{Study, Update};
-use crate::calibrate::{Calibration, Course};
+use crate::calibrate::{Calibration, CalibrationCourse};
 use crate::commission::holding::Without;
 use crate::config::design;
 use crate::report::calibration;
@@ -17,7 +17,8 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Fits C1 = a·C2 + b (5-20) of every cylinder on a healthy recording, and shows the band of the
-/// difference. Blocks of a minute alternate: each is judged by what the others teach.
+/// difference. Blocks of a minute alternate between two halves, each of which is judged by what the
+/// other teaches.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  tertius calibrate field.log.zst --config config/e-type.toml --output \
@@ -29,35 +30,34 @@ pub struct Calibrate {
     /// Writes the tables [comparator] and [[cylinder]] for the configuration
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
-    /// Writes a page with figures, in one file; the recording is read once more for it
+    /// Writes a page with figures, in one file; reads the recording once more for it
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
     place: InPlace,
     #[command(flatten)]
     overwriting: Overwriting,
-    /// Learns from this recording together with what is kept of earlier ones in NAME.learnt, beside
-    /// the configuration NAME.toml, and keeps it there, too. What does not look healthy by the tables
-    /// that stand is left out; a recording with a fault that stays is refused
+    /// Learns from this recording together with what NAME.learnt, beside the configuration
+    /// NAME.toml, keeps of earlier ones, and adds this recording to that file. Leaves out what does
+    /// not look healthy by the present tables; refuses a recording with a lasting fault
     #[arg(long, requires = "into", conflicts_with_all = ["held_back", "output"])]
     update: bool,
-    /// Discards what --update has kept, and begins anew with this recording
+    /// Discards what --update has kept, and starts again with this recording
     #[arg(long, requires = "update")]
     fresh: bool,
-    /// Fits on the beginning, and tries the fit on this part of the time at the end, %, instead of
-    /// blocks that alternate
+    /// Fits on the beginning and validates on this part of the time at the end, %, instead of on
+    /// alternating blocks
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(5..=90))]
     held_back: Option<u8>,
-    /// False alarms of R3, all cylinders together, that a year of monitoring may bring
+    /// Wanted false alarms of R3 in a year of monitoring, all cylinders together
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
     false_alarms_per_year: f64,
 }
 
 impl Calibrate {
-    /// Calibrates.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; cylinders that were refused.
+    /// # Errors A wrong call or file, or cylinders that were refused.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let outputs = [&self.output, &self.report];
@@ -109,7 +109,7 @@ impl Calibrate {
         }
     }
 
-    /// Puts the tables into the configuration, and keeps what they are of.
+    /// Puts the tables into the configuration, and keeps the data that they were made from.
     fn put(&self, study: &Study, result: &Calibration, tables: &str) -> Result<(), Failure> {
         let mut prepared = None;
         self.place.put_after(tables, &[], design::unjudging, |after| {
@@ -125,7 +125,8 @@ impl Calibrate {
             Some(percent) => all.split(1.0 - f64::from(percent) / 100.0),
             None => [all, all],
         };
-        let course = Course { settings, fitted, tried, per_year: self.false_alarms_per_year };
+        let course =
+            CalibrationCourse { settings, fitted, tried, per_year: self.false_alarms_per_year };
         let recording = Without { recording: study, blocks: None, cuts: &study.cuts };
         Calibration::of(&course, &recording, &study.origin())
     }

@@ -6,7 +6,7 @@ use super::machine::Machine;
 use crate::config::Settings;
 use crate::config::settings::CylinderSignals;
 use crate::decode::Raw;
-use crate::monitor::wiring::{Line, Target};
+use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
 use crate::sequential::Parameters;
@@ -28,10 +28,9 @@ pub struct Check {
 }
 
 impl Check {
-    /// Checks.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// Everything wrong with the configuration and its DBC.
+    /// # Errors Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
         let text = describe(&machine);
@@ -42,9 +41,9 @@ impl Check {
 
 fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
-    let lines = machine.design.wiring.lines();
+    let lines = machine.design.subscriptions.all();
     let mut text = format!(
-        "{}: sound\n{}: {} messages, of which {} are listened to\n\n",
+        "{}: sound\n{}: {} messages, of which {} are used\n\n",
         machine.loaded.document.name(),
         machine.loaded.dbc_path.display(),
         machine.database.messages().len(),
@@ -84,7 +83,8 @@ fn describe(machine: &Machine) -> String {
     text
 }
 
-/// What is sound by itself, but hardly meant: with it a healthy machine is not healthy.
+/// Settings that are valid, but hardly intended, since a healthy machine would not be healthy with
+/// them.
 fn doubts(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let mut doubts = broken_wire_doubts(machine);
@@ -97,8 +97,8 @@ fn doubts(machine: &Machine) -> String {
     format!("\n{}: worth a look\n{}", machine.loaded.document.name(), lines.collect::<String>())
 }
 
-/// A code of a broken wire that is a length like any other. The cylinders' signals are alike: the first
-/// of C1 and of C2 stands for all.
+/// A broken-wire code that is also a valid length. The cylinders' signals are alike, so the first
+/// of C1 and of C2 are checked.
 fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
     let settings = &machine.loaded.settings;
     let signals = &settings.signals.cylinder;
@@ -112,7 +112,8 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
             if !signal.plan.is_float() && (lowest..=highest).contains(&length) {
                 doubts.push(format!(
                     "plausibility.broken_wire_codes: {code} is {length:.4} m of {name}, within its \
-                     range of {lowest} to {highest} m: a healthy reading there is called a broken wire"
+                     range of {lowest} to {highest} m: a healthy reading there would be taken for \
+                     a broken wire"
                 ));
             }
         }
@@ -147,12 +148,12 @@ fn critical_doubt(settings: &Settings, n: u8) -> Option<String> {
     (most > critical).then(|| {
         format!(
             "comparator.critical: C1 - C2 of a healthy cylinder {n} is {most:.4} m at {at} m, by a \
-             and b of (5-20), and beyond {critical} m: there it is always critical"
+             and b of (5-20), which exceeds {critical} m: there it is always critical"
         )
     })
 }
 
-/// What is read on the stops, and where it is kept; nothing where nobody asked for it.
+/// Which dwells are read, and where they are kept; empty where this is not configured.
 fn stops(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let states = settings.sequential.stop_states.as_deref().unwrap_or_default();
@@ -189,11 +190,13 @@ fn describe_model(model: &Model) -> String {
     format!("moduli of the poles {poles}; steady speed per commanded speed {gain}")
 }
 
-fn identifiers(n: u8, lines: &[Line]) -> String {
-    let of_cylinder = |line: &&Line| {
-        line.wires.iter().any(|wire| matches!(wire.target, Target::Cylinder(i, _) if i + 1 == n))
+fn identifiers(n: u8, lines: &[Subscription]) -> String {
+    let of_cylinder = |line: &&Subscription| {
+        line.signals
+            .iter()
+            .any(|signal| matches!(signal.target, Target::Cylinder(i, _) if i + 1 == n))
     };
-    let name = |line: &Line| match line.pages() {
+    let name = |line: &Subscription| match line.pages() {
         0 | 1 => format!("0x{}", line.id),
         pages => format!("0x{} ({pages} pages)", line.id),
     };

@@ -17,14 +17,15 @@ use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// Commissions a machine by a healthy recording: identifies, calibrates, tunes, and tries all of it on
-/// blocks that were held back. What is fit for use is put into the configuration.
+/// Commissions a machine from a healthy recording: identifies, calibrates, tunes, and tries the
+/// result on blocks that were held back. Tables that are fit for use are put into the
+/// configuration.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  tertius commission monday.log.zst tuesday.log.zst --config \
-                  config/e-type.toml --report commissioning.html\n\nThe configuration changes in its \
-                  place: comments and order stay, and the file as it was is kept beside it. What is not \
-                  fit for use is not written; then the exit code is 1, and the reasons are told.\n\n\
-                  Another day adds up with the days before where each says so:\n  tertius commission \
+                  config/e-type.toml --report commissioning.html\n\nThe configuration is changed \
+                  in place: comments and order stay, and a copy of the previous file is kept beside it. A \
+                  result that is not fit for use is not written; the exit code is then 1, and the reasons \
+                  are given.\n\nRecordings of several days add up if each call says so:\n  tertius commission \
                   wednesday.log.zst --config config/e-type.toml --update")]
 pub struct Commission {
     #[command(flatten)]
@@ -35,21 +36,21 @@ pub struct Commission {
     /// Writes a new, complete configuration, and leaves the given one as it is
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
-    /// Writes a page with figures, in one file; the recording is read once more for it
+    /// Writes a page with figures, in one file; reads the recording once more for it
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Takes the tables of the other cylinders if some are refused
+    /// Uses the tables of the other cylinders if some are refused
     #[arg(long)]
     accept_refused: bool,
-    /// Learns from this recording together with what is kept of earlier ones in NAME.learnt, beside
-    /// the configuration NAME.toml, and keeps it there, too. What does not look healthy by the tables
-    /// that stand is left out; a recording with a fault that stays is refused
+    /// Learns from this recording together with what NAME.learnt, beside the configuration
+    /// NAME.toml, keeps of earlier ones, and adds this recording to that file. Leaves out what does
+    /// not look healthy by the present tables; refuses a recording with a lasting fault
     #[arg(long, conflicts_with_all = ["output", "accept_refused"])]
     update: bool,
-    /// Discards what --update has kept, and begins anew with this recording
+    /// Discards what --update has kept, and starts again with this recording
     #[arg(long, requires = "update")]
     fresh: bool,
-    /// False alarms that a year of monitoring may bring: of R1 and R2, of R3, and of the sequential
+    /// Wanted false alarms in a year of monitoring: of R1 and R2, of R3, and of the sequential
     /// detectors, all cylinders together
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
     false_alarms_per_year: f64,
@@ -58,15 +59,14 @@ pub struct Commission {
 }
 
 impl Commission {
-    /// Commissions.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; a machine, or a cylinder, that is not fit for use.
+    /// # Errors A wrong call or file, or a machine or cylinder that is not fit for use.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         surveyed.damage().map_err(|damage| {
             Failure::Failed(format!(
-                "{damage}; nothing is learnt from what cannot be read as a whole"
+                "{damage}; nothing is learnt from a recording that cannot be read completely"
             ))
         })?;
         let [output, report] = self.claim(&surveyed)?;
@@ -100,7 +100,7 @@ impl Commission {
         self.write(&study, &result.taught, output)
     }
 
-    /// Takes the files that are written; the configuration is one of them, in its place.
+    /// Claims the files that are written, the configuration among them.
     fn claim(&self, surveyed: &Surveyed) -> Result<[Option<Claimed>; 2], Failure> {
         let config = self.field.config.as_path();
         let logs = self.field.logs.iter().map(PathBuf::as_path);
@@ -155,8 +155,8 @@ impl Commission {
     }
 }
 
-/// The configuration `text` of `config` as it has to be in the file `path`: other files that it names are
-/// named from there.
+/// The configuration `text` of `config` as it has to be in the file `path`: relative paths in it
+/// are adjusted.
 fn moved(config: &Path, path: &Path, text: &str) -> Result<String, Failure> {
     let (from, to) = (files::folder(config), files::folder(path));
     if files::is_same_folder(from, to) {
@@ -189,14 +189,14 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
     Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound))
 }
 
-/// Tells who waits at a terminal what is done.
+/// Tells a person at a terminal which step has begun.
 fn tell(step: Step) {
     if std::io::stderr().is_terminal() {
-        tell!("{}", words(step));
+        tell!("{}", progress(step));
     }
 }
 
-const fn words(step: Step) -> &'static str {
+const fn progress(step: Step) -> &'static str {
     match step {
         Step::Learn(Stage::Identify) => "identifying the model",
         Step::Learn(Stage::Calibrate) => "calibrating C2",

@@ -1,4 +1,4 @@
-//! `tertius doctor`: is this box fit for the gateway?
+//! `tertius doctor`: checks whether this computer suits the gateway.
 
 use super::Failure;
 use super::machine::Machine;
@@ -12,8 +12,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Looks at this box and its bus, and says in a line each what is right for the gateway and what to
-/// do. Listens only: sends and changes nothing. Ends with 1 if anything failed; warnings are none.
+/// Checks this computer and its bus, and reports in one line each what suits the gateway and what
+/// to do otherwise. It only listens: it sends and changes nothing. Exits with 1 if a check failed;
+/// warnings are not failures.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   tertius doctor --config config/e-type.toml
@@ -22,7 +23,7 @@ pub struct Doctor {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
-    /// How long to listen to the bus; 0 for not at all
+    /// Time to listen to the bus; 0 for not at all
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = seconds)]
     listen: Duration,
     #[arg(long, value_enum, default_value_t = Format::Human)]
@@ -35,7 +36,7 @@ enum Format {
     Json,
 }
 
-/// The longest that is listened for, s.
+/// Longest time of listening, s.
 const LONGEST: f64 = 3600.0;
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -46,7 +47,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     Ok(Duration::from_secs_f64(seconds))
 }
 
-/// What scripts read.
+/// Report for scripts.
 #[derive(Serialize)]
 struct Report<'a> {
     findings: &'a [Finding],
@@ -55,10 +56,9 @@ struct Report<'a> {
 }
 
 impl Doctor {
-    /// Looks.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the configuration; that something failed.
+    /// # Errors A wrong configuration, or a check that failed.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
         let embedded = machine.loaded.settings.bus.interface == "virtual";
@@ -91,12 +91,15 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
     let node = settings.gateway.node;
     let own = identifiers(node)
         .ok_or_else(|| Failure::Wrong(format!("gateway.node {node} is not a CANopen node")))?;
-    let messages = machine.design.wiring.lines().iter().map(|line| {
+    let messages = machine.design.subscriptions.all().iter().map(|line| {
         let message = machine.database.message_by_id(line.id);
         Message {
             id: line.id,
             name: message.map_or_else(|| line.id.to_string(), |message| message.name.clone()),
-            needs: { line.wires.iter() }.map(|wire| wire.plan.needed_length()).max().unwrap_or(0),
+            needs: { line.signals.iter() }
+                .map(|signal| signal.plan.needed_length())
+                .max()
+                .unwrap_or(0),
             sync: line.sync,
             reading: line.reading,
             cyclic: line.cyclic,

@@ -1,4 +1,4 @@
-//! `tertius evaluate`: what is found, how fast, and how often something is said that is not so.
+//! `tertius evaluate`: what the monitor finds, how fast, and how often it raises false alarms.
 
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
@@ -22,8 +22,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// Evaluates the monitor on a simulated machine: many faults of every kind and size, and hours
-/// without one.
+/// Evaluates the monitor on a simulated machine: many faults of every kind and size, and fault-free
+/// hours.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  tertius evaluate --config config/e-type-simulated.toml --seed 1 \
@@ -40,34 +40,35 @@ pub struct Evaluate {
     /// The simulated machine [default: built in, as config/e-type-plant.toml]
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
-    /// Seeds everything random: the same seed gives the same bytes
+    /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Faults in a row; a quarter of them in those of the loop [default: 600; --quick: 12]
+    /// Number of faults in a row; a quarter of it in the rows of the loop [default: 600; --quick:
+    /// 12]
     #[arg(long, value_name = "N")]
     trials: Option<u32>,
-    /// Hours without a fault, for each grade in each sea [default: 10; --quick: 0.1]
+    /// Fault-free hours, for each grade in each sea [default: 10; --quick: 0.1]
     #[arg(long, value_name = "H")]
     hours: Option<f64>,
-    /// A look that takes seconds: few faults, one sea; the contest and the estimates, which take longer,
+    /// Takes only seconds: few faults, one sea; the contest and the estimates, which take longer,
     /// only where --rows names them
     #[arg(long)]
     quick: bool,
-    /// Only these studies
+    /// Runs only these studies
     #[arg(long, value_name = "NAME,…", value_enum, value_delimiter = ',')]
     rows: Vec<Studied>,
-    /// Significant wave height, m, and peak period, s; may be given again [default: 2.5,8 and
-    /// 1.5,7 and 3,10; --quick: 2.5,8]
+    /// Significant wave height, m, and peak period, s; may be repeated [default: 2.5,8 and 1.5,7
+    /// and 3,10; --quick: 2.5,8]
     #[arg(long = "sea", value_name = "HS,TP")]
     seas: Vec<String>,
-    /// Weights of the observers for --rows weights: the diagonals of Q and R; may be given again
+    /// Weights of the observers for --rows weights: the diagonals of Q and R; may be repeated
     /// [default: those of the configuration, and four sets of docs/EVALUATION.md]
     #[arg(long, value_name = "Q1,Q2,Q3,R1,R2", value_parser = weights)]
     weights: Vec<Weights>,
-    /// Machines that are simulated at once [default: as many as there are cores]
+    /// Number of machines simulated at once [default: the number of cores]
     #[arg(long, value_name = "N")]
     threads: Option<NonZero<usize>>,
-    /// What is written on standard output
+    /// Format of standard output
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
     /// Writes the result as JSON
@@ -86,7 +87,7 @@ enum Format {
     Json,
 }
 
-/// What can be asked for by name.
+/// Studies that can be selected by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Studied {
     /// Type I (5-15), (5-16)
@@ -97,11 +98,11 @@ enum Studied {
     Incipient,
     /// A constant rate
     Drift,
-    /// A gain that is off
+    /// A gain error
     Scale,
     /// Frozen, stale, lost, out of range, broken wire, spikes
     Data,
-    /// Nothing at all: what is found by chance
+    /// No fault: what is found by chance
     Chance,
     /// Faults of C1 that the controller reads, beside those that it does not
     Loop,
@@ -116,7 +117,8 @@ enum Studied {
 }
 
 impl Studied {
-    /// Whether it takes seconds with few faults, too: what learns first, or simulates long, does not.
+    /// Whether it takes seconds with few faults; studies that learn first, or simulate long, do
+    /// not.
     const fn is_quick(self) -> bool {
         !matches!(self, Self::Contest | Self::Estimate | Self::Weights)
     }
@@ -139,21 +141,20 @@ impl Studied {
     }
 }
 
-/// The sea of the plant's table is in the middle.
+/// Default seas; that of the plant's table is in the middle.
 const SEAS: [[f64; 2]; 3] = [[2.5, 8.0], [1.5, 7.0], [3.0, 10.0]];
 
-/// What the detectors of the contest learn from, hours in each sea.
+/// Hours in each sea that the detectors of the contest learn from.
 const LESSONS: Lessons = Lessons { calibration: 1.0, level: 20.0 };
 const QUICK_LESSONS: Lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
 
-/// Products that wait to be gathered.
+/// Number of results that wait to be gathered.
 const WAITING: usize = 64;
 
 impl Evaluate {
-    /// Evaluates.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; output that cannot be written.
+    /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load(&self.config)?;
@@ -240,7 +241,7 @@ impl Evaluate {
         Ok(own.into_iter().chain(weights::SETS).collect())
     }
 
-    /// Does the jobs on all cores, and gathers what they bring.
+    /// Does the jobs on all cores, and gathers their results.
     fn evaluate(&self, plan: &Plan, stand: &Stand) -> Result<Evaluation, Failure> {
         let settings = stand.settings;
         let sample_time = settings.machine.sample_time;
@@ -286,7 +287,7 @@ fn weighed(weighing: &Weighing, machine: &Machine) -> Result<Vec<MonitorDesign>,
     })
 }
 
-/// What the detectors of all grades know, each grade on a core of its own.
+/// Teaches the detectors of all grades, each grade on a core of its own.
 fn learn(contest: &Contest, stand: &Stand, lessons: Lessons) -> Result<Vec<Learnt>, Failure> {
     let of = |grade| stand.learn(grade, &contest.seas, contest.lessons(), lessons);
     let learnt: Vec<_> = std::thread::scope(|scope| {
@@ -300,7 +301,7 @@ fn learn(contest: &Contest, stand: &Stand, lessons: Lessons) -> Result<Vec<Learn
 
 type Brought = (Job, Result<Product, StandError>);
 
-/// Does the next job until there is none, or nobody takes what it brings.
+/// Does jobs until there are none, or nobody takes the results.
 fn work(
     plan: &Plan,
     stand: &Stand,

@@ -1,8 +1,9 @@
-//! The faults that a call asks for.
+//! The faults of a command line.
 
 use super::Failure;
 use super::machine::Machine;
 use crate::inject::{Fault, MAX_FAULTS, Placed, Tally, place, table};
+use crate::report::counted;
 use clap::Args;
 use std::fs::File;
 use std::io::Read;
@@ -19,7 +20,7 @@ pub struct FaultOptions {
     table: Option<PathBuf>,
 }
 
-/// A fault with the words for it.
+/// A fault with its text.
 #[derive(Clone, Debug)]
 pub struct Named {
     pub name: String,
@@ -27,12 +28,12 @@ pub struct Named {
 }
 
 impl FaultOptions {
-    /// The table, if one is read.
+    /// Path of the table, if there is one.
     pub fn table(&self) -> Option<&Path> {
         self.table.as_deref()
     }
 
-    /// Those of the table, then those of the call.
+    /// Reads the faults of the table, then those of the command line.
     ///
     /// # Errors
     /// The first thing wrong with them.
@@ -58,8 +59,7 @@ impl FaultOptions {
 
 /// Finds the signals of the faults.
 ///
-/// # Errors
-/// The first fault that the machine has no place for.
+/// # Errors The first fault that cannot be placed on the machine.
 pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Failure> {
     let placed = faults.iter().map(|named| {
         place(&named.fault, &machine.loaded.settings, &machine.database)
@@ -68,7 +68,8 @@ pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Fai
     placed.collect()
 }
 
-/// Tells what became of each fault, on standard error: a recording may be on standard output.
+/// Reports what became of each fault, on standard error, since a recording may be on standard
+/// output.
 pub fn report(faults: &[Named], tallies: &[Tally]) {
     for (named, tally) in faults.iter().zip(tallies) {
         tell!("{}: {}", named.name, outcome(*tally));
@@ -93,9 +94,10 @@ fn read_table(path: &Path) -> Result<Vec<Named>, Failure> {
 
 fn outcome(tally: Tally) -> String {
     if tally.frames == 0 && tally.absent == 0 {
-        return "nothing: none of its frames came in its time".to_owned();
+        return "nothing: none of its frames came during the fault".to_owned();
     }
-    let mut text = format!("{} of {} frames changed or lost", tally.altered, tally.frames);
+    let mut text =
+        format!("{} of {} changed or lost", tally.altered, counted(tally.frames, "frame"));
     if tally.clamped > 0 {
         text += &format!(", {} clamped to what the signal can hold", tally.clamped);
     }

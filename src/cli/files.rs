@@ -1,5 +1,5 @@
-//! The files of a command: what it reads is never written over, and what it writes is there whole,
-//! or is as it was before.
+//! The files of a command. What it reads is never overwritten, and what it writes is complete or
+//! remains as it was before.
 
 use super::Failure;
 use clap::Args;
@@ -10,40 +10,40 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile, TempPath};
 
-/// Whether what exists may be written over.
+/// Whether existing files may be overwritten.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Overwriting {
-    /// Writes over files that exist. Without it only an empty file is written over, or one that
-    /// this command wrote, as its first lines show; recordings have no such lines. What the command
-    /// reads is never written over
+    /// Overwrites existing files. Without it, only an empty file is overwritten, or one that this
+    /// command wrote, as its first lines show; recordings have no such lines. Files that the
+    /// command reads are never overwritten
     #[arg(long)]
     force: bool,
 }
 
-/// How an existing file shows that the same command wrote it.
+/// Mark by which an existing file shows that the same command wrote it.
 #[derive(Clone, Copy, Debug)]
 pub enum Mark<'a> {
-    /// The comment of the tables of this command, see [`crate::tables::provenance`].
+    /// Comment of the tables of this command, see [`crate::tables::provenance`].
     Tables(&'a str),
     /// The generator of a page of this command.
     Page(&'a str),
-    /// It begins with the first, and the others follow somewhere at its beginning, in this order.
+    /// Beginning with the first text, followed by the others near the beginning, in this order.
     Parts(&'a [&'a str]),
-    /// It is this text.
+    /// This text as the whole content.
     Text(&'a str),
-    /// Nothing shows it: a recording.
+    /// No mark: a recording.
     None,
-    /// Nothing shows it, as a person writes it, too: a configuration.
+    /// No mark, since a person also writes such files: a configuration.
     Whole,
-    /// The command reads it, and knows itself what it may write over.
+    /// No mark, since the command reads the file and decides itself.
     Judged,
 }
 
-/// The most of a file that is read to know who wrote it, bytes.
+/// Number of bytes read to recognise a mark.
 const HEAD: u64 = 4096;
 
 impl Mark<'_> {
-    /// Whether the file `path` has it.
+    /// Whether the file `path` has the mark.
     fn is_on(self, path: &Path) -> io::Result<bool> {
         let longest = if let Self::Text(text) = self { text.len() as u64 + 1 } else { HEAD };
         let mut bytes = Vec::new();
@@ -75,18 +75,18 @@ impl Mark<'_> {
     }
 }
 
-/// One file under all of its names.
+/// One file, under all of its names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Identity {
     /// Device and inode of a regular file.
     Known(u64, u64),
-    /// Where it will be.
+    /// Path of a file that does not exist yet.
     Future(PathBuf),
 }
 
 impl Identity {
-    /// Of the regular file `path`, also where it will be; `None` of pipes and devices, which may be
-    /// named more than once.
+    /// Identity of the regular file `path`, even before it exists; `None` for pipes and devices,
+    /// which may be named more than once.
     fn of(path: &Path) -> Option<Self> {
         match fs::metadata(path) {
             Ok(found) => Self::found(&found),
@@ -99,23 +99,23 @@ impl Identity {
     }
 }
 
-/// Whether both are one file, under whatever names.
+/// Whether both paths are one file, under any names.
 pub fn is_same(one: &Path, other: &Path) -> bool {
     Identity::of(one).is_some_and(|identity| Identity::of(other) == Some(identity))
 }
 
-/// Whether both are one folder, under whatever names.
+/// Whether both paths are one folder, under any names.
 pub fn is_same_folder(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| fs::canonicalize(path).ok();
     real(one).is_some_and(|folder| real(other) == Some(folder))
 }
 
-/// What a command reads, known before anything is opened for writing.
+/// Files that a command reads, known before anything is opened for writing.
 #[derive(Debug, Default)]
 pub struct Inputs(Vec<(PathBuf, Identity)>);
 
 impl Inputs {
-    /// `paths` are what is read; `-` is standard input.
+    /// The inputs `paths`; `-` is standard input.
     pub fn new<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Self {
         let identity = |path: &Path| match path.as_os_str().as_encoded_bytes() {
             b"-" => Identity::found(&descriptor(io::stdin()).ok()?.metadata().ok()?),
@@ -125,12 +125,11 @@ impl Inputs {
         Self(paths.into_iter().filter_map(known).collect())
     }
 
-    /// Takes the outputs of a call, each with its mark, in the order given. Nothing that is there is
+    /// Claims the outputs of a call, each with its mark, in the order given. Existing files are not
     /// touched before an output is finished.
     ///
-    /// # Errors
-    /// One of them, or what a shell has put standard output into, is an input; or two are the same; it
-    /// exists and is not to be written over, or cannot be written.
+    /// # Errors An output, or the file that a shell has redirected standard output to, is an input;
+    /// two outputs are the same; or one exists and must not be overwritten, or cannot be written.
     pub fn claim<const N: usize>(
         &self,
         wanted: [(Option<&Path>, Mark); N],
@@ -171,7 +170,7 @@ impl Inputs {
     }
 }
 
-/// Of an output; `-` is standard output.
+/// Identity of an output; `-` is standard output.
 fn identity_of_output(path: &Path) -> Option<Identity> {
     if is_standard(path) {
         return Identity::found(&descriptor(io::stdout()).ok()?.metadata().ok()?);
@@ -187,21 +186,21 @@ fn descriptor(of: impl AsFd) -> io::Result<File> {
     of.as_fd().try_clone_to_owned().map(File::from)
 }
 
-/// Where an output goes, once the command has done its work.
+/// Destination of an output, used once the command has done its work.
 #[derive(Debug)]
 pub struct Claimed {
-    /// As it was named.
+    /// Name as given.
     name: String,
     place: Place,
 }
 
 #[derive(Debug)]
 enum Place {
-    /// A file that takes the place of what is at the path.
+    /// A file that will replace the one at the path.
     Beside(NamedTempFile, PathBuf),
-    /// A pipe or a device: nothing can be put beside it, and nothing of it can be lost.
+    /// A pipe or a device, which cannot be replaced and has no content to lose.
     Direct(PathBuf),
-    /// What standard output or standard error goes to, where it is.
+    /// The file behind standard output or standard error, at its present position.
     Open(File),
 }
 
@@ -237,7 +236,7 @@ impl Claimed {
         Ok(Self { name, place })
     }
 
-    /// Begins to write.
+    /// Opens the output.
     ///
     /// # Errors
     /// A pipe or device that cannot be opened.
@@ -255,10 +254,9 @@ impl Claimed {
         Ok(Writer { file: BufWriter::with_capacity(1 << 16, file), target, name: self.name })
     }
 
-    /// Writes `text` and is done.
+    /// Writes `text` as the whole output.
     ///
-    /// # Errors
-    /// It cannot be written; then what was there still is.
+    /// # Errors The output cannot be written; the previous file then remains.
     pub fn write(self, text: &str) -> Result<(), Failure> {
         let mut writer = self.open()?;
         writer.put(text.as_bytes())?;
@@ -266,12 +264,12 @@ impl Claimed {
     }
 }
 
-/// An output that is being written. It takes its place when it is finished; if it never is, what was
-/// there stays.
+/// An output that is being written. It takes its place when it is finished; otherwise the previous
+/// file remains.
 #[derive(Debug)]
 pub struct Writer {
     file: BufWriter<File>,
-    /// What is written now, and what it becomes.
+    /// Temporary path and final path.
     target: Option<(TempPath, PathBuf)>,
     name: String,
 }
@@ -279,25 +277,22 @@ pub struct Writer {
 impl Writer {
     /// Writes all of `bytes`.
     ///
-    /// # Errors
-    /// It cannot be written.
+    /// # Errors The output cannot be written.
     pub fn put(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         self.file.write_all(bytes).map_err(|error| Failure::writing(&self.name, &error))
     }
 
-    /// As [`Self::finish`], for the command line.
+    /// Finishes as [`Self::finish`] does, for the command line.
     ///
-    /// # Errors
-    /// As there.
+    /// # Errors See [`Self::finish`].
     pub fn close(self) -> Result<(), Failure> {
         let name = self.name.clone();
         self.finish().map_err(|error| Failure::writing(&name, &error))
     }
 
-    /// Writes out what is buffered, and puts the file in its place.
+    /// Flushes the buffer, and puts the file in its place.
     ///
-    /// # Errors
-    /// It cannot be written; then what was there still is.
+    /// # Errors The output cannot be written; the previous file then remains.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
         match self.target {
@@ -331,8 +326,8 @@ fn exists(name: &str, mark: Mark) -> Failure {
     Failure::Wrong(format!("{name}: {why}; name another file, or write over it with --force"))
 }
 
-/// Standard output or standard error, if `there` is the file that it goes to: a shell has put it
-/// there to be written to, from where it stands.
+/// Standard output or standard error, if `there` is the file that it is redirected to; writing
+/// continues at its position.
 fn standard(there: &Metadata) -> Option<File> {
     let identity = Identity::found(there)?;
     [descriptor(io::stdout()), descriptor(io::stderr())].into_iter().flatten().find(|file| {
@@ -340,7 +335,7 @@ fn standard(there: &Metadata) -> Option<File> {
     })
 }
 
-/// A file in the folder of what `path` leads to, which goes away by itself unless it is finished.
+/// A temporary file in the folder of the target of `path`, which is deleted unless it is finished.
 fn beside(path: &Path, there: Option<&Metadata>) -> io::Result<Place> {
     let target = leads_to(path)?;
     let mut prefix = target.file_name().unwrap_or_default().to_owned();
@@ -359,10 +354,10 @@ fn beside(path: &Path, there: Option<&Metadata>) -> io::Result<Place> {
     Ok(Place::Beside(file, target))
 }
 
-/// Links that are followed at most, as in the kernel.
+/// Most links that are followed, as in the kernel.
 const LINKS: usize = 40;
 
-/// The file itself, also where it is not there yet: a link stays one.
+/// The file itself, even if it does not exist yet: a link remains one.
 fn leads_to(path: &Path) -> io::Result<PathBuf> {
     let mut at = path.to_owned();
     for _ in 0..LINKS {

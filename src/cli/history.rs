@@ -1,4 +1,4 @@
-//! The history of the stops that a replay goes on with.
+//! The history of the stops that a replay continues.
 
 use super::Failure;
 use super::machine::Machine;
@@ -15,13 +15,13 @@ pub struct History {
 }
 
 impl History {
-    /// What `path` holds of `machine`, nothing yet if it is not there.
+    /// The history of `machine` in `path`, empty if the file does not exist.
     ///
-    /// # Errors
-    /// It is something else, which is left alone; or nothing is read on the stops of this machine.
+    /// # Errors The file is something else, which stays untouched; or nothing is read on the stops
+    /// of this machine.
     pub fn read(path: &Path, machine: &Machine) -> Result<Self, Failure> {
         if let Some(lack) = lack(machine) {
-            return Err(Failure::Wrong(format!("--history is of no use here: {lack}")));
+            return Err(Failure::Wrong(format!("--history cannot be used here: {lack}")));
         }
         let about = &machine.loaded.settings.machine;
         let file = HistoryFile::new(path.to_owned());
@@ -40,21 +40,23 @@ impl History {
         &self.archive
     }
 
-    /// Writes it with what `monitor` has read since.
+    /// Writes the history with what `monitor` has read since.
     ///
-    /// # Errors
-    /// It cannot be written; then what was there still is.
+    /// # Errors The file cannot be written; the previous one then remains.
     pub fn write(mut self, monitor: &Monitor) -> Result<(), Failure> {
-        monitor.bequeath(&mut self.archive);
+        monitor.save(&mut self.archive);
         let path = self.file.path().display().to_string();
         self.file.write(&self.archive).map_err(|error| Failure::writing(&path, &error))
     }
 }
 
-/// What the configuration lacks for anything to be read on the stops.
+/// What the configuration lacks for reading on the stops.
 pub fn lack(machine: &Machine) -> Option<&'static str> {
     if machine.loaded.settings.sequential.stop_states.is_none() {
-        return Some("no `sequential.stop_states` say when the rods stand on their stops");
+        return Some(
+            "`sequential.stop_states`, which tell when the rods stand on their stops, are \
+            missing",
+        );
     }
     let calibrated = machine.design.cylinders.iter().any(|it| it.sequential.is_some());
     (!calibrated).then_some("no cylinder has the tables of `tertius calibrate` (`sequential`)")

@@ -5,7 +5,7 @@ use super::files::{Claimed, Overwriting};
 use super::survey::Field;
 use super::tables::{self, InPlace};
 use crate::config::design;
-use crate::identify::course::{Course, Wishes};
+use crate::identify::course::{IdentificationCourse, Options};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
 use crate::report::{identification, page};
@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Identifies the model (4-1) of every cylinder on a healthy recording, and tries it on a part
+/// Identifies the model (4-1) of every cylinder on a healthy recording, and validates it on a part
 /// that was held back.
 #[derive(Args, Debug)]
 #[command(
@@ -37,30 +37,30 @@ pub struct Identify {
     /// Cycles of the centred moving average of velocity and load pressure; odd, 1 is none
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = window)]
     window: usize,
-    /// The part of the time at the end that is held back for validation, %; 0 validates on the
-    /// data of the fit
+    /// Part of the time at the end that is held back for validation, %; 0 validates on the data of
+    /// the fit
     #[arg(long, value_name = "PERCENT", default_value_t = 50, value_parser = clap::value_parser!(u8).range(0..=90))]
     held_back: u8,
-    /// Takes the model of this cylinder [default: the one whose worst VAF is the best]
+    /// Uses the model of this cylinder [default: the one whose worst VAF is the best]
     #[arg(long, value_name = "N")]
     model_of: Option<u8>,
     /// Writes a model for each cylinder
     #[arg(long)]
     per_cylinder: bool,
-    /// Whether to estimate the command at which a cylinder rests as well
+    /// Whether to estimate also the command at which a cylinder rests
     #[arg(long, value_enum, default_value_t = Offset::Auto)]
     offset: Offset,
-    /// Also finds flow and friction curves: section 3-3-1
+    /// Also identifies flow and friction curves: section 3-3-1
     #[arg(long)]
     nonlinear: bool,
-    /// Supply pressure for --nonlinear, bar [default: as signals.supply has it]
+    /// Supply pressure for --nonlinear, bar [default: the signal of signals.supply]
     #[arg(long, value_name = "BAR", requires = "nonlinear", value_parser = supply)]
     supply: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Offset {
-    /// Where it comes out beyond a tenth of the command's deviation
+    /// If it exceeds a tenth of the command's standard deviation
     Auto,
     Always,
     /// As in the thesis
@@ -81,10 +81,9 @@ fn supply(text: &str) -> Result<f64, String> {
 }
 
 impl Identify {
-    /// Identifies.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; cylinders that were refused.
+    /// # Errors A wrong call or file, or cylinders that were refused.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let cylinders = surveyed.machine.loaded.settings.machine.cylinders;
@@ -105,7 +104,8 @@ impl Identify {
             &self.place,
         )?;
         let (settings, origin) = (&surveyed.machine.loaded.settings, &surveyed.origin());
-        let outcome = Course { settings, origin, wishes: self.wishes() }.run(&surveyed)?;
+        let outcome =
+            IdentificationCourse { settings, origin, options: self.options() }.run(&surveyed)?;
         let text = identification::page(&outcome);
         std::io::stdout()
             .write_all(text.as_bytes())
@@ -118,8 +118,8 @@ impl Identify {
         self.conclude(&outcome)
     }
 
-    const fn wishes(&self) -> Wishes {
-        Wishes {
+    const fn options(&self) -> Options {
+        Options {
             window: self.window,
             held_back: self.held_back,
             model_of: self.model_of,
@@ -140,7 +140,7 @@ impl Identify {
         self.place.put(&tables, &model::OF_A_MODEL, design::unjudging)
     }
 
-    /// A cylinder without a model is a failure, though the others have theirs.
+    /// Fails if a cylinder has no model, although the others have theirs.
     fn conclude(&self, outcome: &Outcome) -> Result<(), Failure> {
         outcome.follows(self.per_cylinder).map_err(Failure::Failed)?;
         let refused = outcome.refusals();

@@ -1,4 +1,4 @@
-//! `tertius inject`: a recording, or a bus, with faults that were not there.
+//! `tertius inject`: puts faults into a recording or a bus.
 
 use super::Failure;
 use super::faults::{self, FaultOptions};
@@ -11,6 +11,7 @@ use crate::bus::{
 };
 use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
+use crate::report::counted;
 use clap::Args;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -44,56 +45,55 @@ Between interfaces the first frame is the first that was forwarded. Error frames
 interface that goes away is waited for; what comes meanwhile is dropped.
 At the end, by SIGTERM, SIGINT or --for, it tells what became of the frames and the faults.";
 
-/// Puts faults into candump recordings and writes the result as candump -l would, or stands between
-/// two interfaces of a test bench and puts faults into what passes.
+/// Puts faults into candump recordings and writes the result in the format of candump -l, or
+/// forwards frames between two interfaces of a test bench and puts faults into them.
 #[derive(Args, Debug)]
 #[command(after_help = format!("{EXAMPLE}{}{TABLE}", grammar()))]
 pub struct Inject {
-    /// candump recordings, read in turn; .gz and .zst as they are, - for standard input
+    /// candump recordings, read in turn; may be .gz or .zst, - for standard input
     #[arg(required_unless_present = "from", value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Instead of recordings: the interface whose frames get faults on their way to that of --to
+    /// Instead of recordings: interface whose frames get faults on their way to that of --to
     #[arg(long, value_name = "NAME", requires = "to")]
     #[arg(conflicts_with_all = ["logs", "output", "interface"])]
     from: Option<String>,
     /// The other interface, whose frames go to that of --from unchanged
     #[arg(long, value_name = "NAME", requires = "from", conflicts_with = "logs")]
     to: Option<String>,
-    /// Ends the forwarding after so long [default: upon SIGTERM or SIGINT]
+    /// Ends the forwarding after this time [default: upon SIGTERM or SIGINT]
     #[arg(long = "for", value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
     #[arg(value_parser = Ends::parse_seconds)]
     lasts: Option<Duration>,
-    /// Between interfaces: drops a frame that could not be passed on for so long
+    /// Between interfaces: drops a frame that could not be forwarded within this time
     #[arg(long, value_name = "SECONDS", requires = "from", conflicts_with = "logs")]
     #[arg(value_parser = Ends::parse_seconds, default_value = "0.1")]
     max_age: Duration,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
-    /// Where the recording with the faults goes; - for standard output
+    /// Output for the recording with the faults; - for standard output
     #[arg(long, value_name = "FILE.log", default_value = "-")]
     output: PathBuf,
     #[command(flatten)]
     overwriting: Overwriting,
     #[command(flatten)]
     faults: FaultOptions,
-    /// Seeds everything random: the same seed gives the same bytes
+    /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Puts faults only into frames of this interface [default: the configuration's where the recording
-    /// has it, else the only one]; the others are passed on
+    /// Puts faults only into frames of this interface [default: the configuration's if the
+    /// recording has it, else the only one]; the others are passed on
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
 }
 
-/// Frames between two looks at progress.
+/// Number of frames between two updates of the progress bar.
 const STRIDE: u64 = 1 << 16;
 
 impl Inject {
-    /// Injects.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call, its files or the output.
+    /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let faults = self.faults.read()?;
         if faults.is_empty() {
@@ -134,7 +134,7 @@ impl Inject {
     }
 }
 
-/// Where frames get their faults and go on.
+/// The way of frames through the injector to the output.
 struct Passage<'a> {
     injector: &'a mut Injector,
     out: Writer,
@@ -164,8 +164,8 @@ impl Passage<'_> {
     }
 }
 
-/// Passes on the whole recording; how many frames that were. Frames of no known interface are of
-/// `fallback`.
+/// Passes on the whole recording; returns the number of frames. Frames of an unknown interface
+/// count as those of `fallback`.
 fn pump(
     recording: &mut Recording,
     passage: &mut Passage<'_>,
@@ -202,7 +202,7 @@ fn pump(
     Ok(read)
 }
 
-/// Tells the interface of the newest frame from the counts of the recording.
+/// Determines the interface of the newest frame from the counts of the recording.
 #[derive(Default)]
 struct Newest {
     frames: Vec<u64>,
@@ -223,11 +223,16 @@ impl Newest {
     }
 }
 
-/// Tells what became of the frames, on standard error: the recording may be on standard output.
+/// Reports the numbers of frames, on standard error, since the recording may be on standard output.
 fn report(read: u64, written: u64, statistics: &Statistics) {
-    tell!("{read} frames read, {written} written");
+    tell!("{} read, {written} written", counted(read, "frame"));
     if statistics.bad_lines > 0 {
-        tell!("{} lines were no frames and are left out", statistics.bad_lines);
+        let were = if statistics.bad_lines == 1 {
+            "was not a frame and is"
+        } else {
+            "were not frames and are"
+        };
+        tell!("{} {were} left out", counted(statistics.bad_lines, "line"));
         statistics.first_bad_lines.iter().for_each(|line| tell!("  {line}"));
     }
 }

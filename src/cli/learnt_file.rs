@@ -1,4 +1,4 @@
-//! The file of what is kept of healthy recordings, beside the configuration.
+//! The file of frames kept of healthy recordings, beside the configuration.
 
 use super::Failure;
 use super::files::folder;
@@ -8,17 +8,17 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Where it is kept.
+/// Path of the file.
 #[derive(Clone, Debug)]
 pub struct LearntFile(PathBuf);
 
-/// It is written beside, and takes its place when the configuration has its tables.
+/// A file written beside, which takes its place when the configuration has its tables.
 #[derive(Debug)]
 #[must_use]
 pub struct Prepared(LearntFile);
 
 impl LearntFile {
-    /// Of a configuration: `e-type.learnt` of `e-type.toml`.
+    /// The file of a configuration: `e-type.learnt` of `e-type.toml`.
     pub fn beside(config: &Path) -> Self {
         Self(config.with_extension("learnt"))
     }
@@ -27,11 +27,10 @@ impl LearntFile {
         &self.0
     }
 
-    /// What is kept of the machine with these `seals`, all of them or only those of a calibration; `None`
-    /// where nothing is yet.
+    /// Reads what is kept of the machine with these `seals`, all of them or only those of a
+    /// calibration; `None` where there is no file yet.
     ///
-    /// # Errors
-    /// What is there belongs to other tables, or is something else; it is left alone.
+    /// # Errors The file belongs to other tables, or is something else; it stays untouched.
     pub fn read(&self, seals: &Seals, all: bool) -> Result<Option<Learnt>, Failure> {
         let agrees = |learnt: &Learnt| learnt.seals.agree(seals, all);
         let there = read(&self.0).map_err(|error| self.unreadable(&error))?;
@@ -44,7 +43,7 @@ impl LearntFile {
         let interrupted = read(&self.new_path()).ok().flatten().and_then(Result::ok);
         if let Some(learnt) = interrupted.filter(|learnt| agrees(learnt).is_ok()) {
             tell!(
-                "the last run was interrupted after {} had its tables; what it kept is taken up",
+                "the last run was interrupted after {} had its tables; its data are used",
                 self.0.with_extension("toml").display()
             );
             return Ok(Some(learnt));
@@ -55,18 +54,17 @@ impl LearntFile {
             Some(Ok(learnt)) => agrees(&learnt).map(|()| None).map_err(|broken| {
                 Failure::Wrong(format!(
                     "{} does not belong to this configuration: {broken}. What was learnt under other \
-                     tables is not mixed with these. Take the configuration as it was (the last one is \
-                     kept beside it), or begin anew with this recording (--update --fresh)",
+                     tables is not mixed with these. Restore the previous configuration (a copy is \
+                     kept beside it), or start again with this recording (--update --fresh)",
                     self.0.display()
                 ))
             }),
         }
     }
 
-    /// Whether it may be begun anew.
+    /// Checks that the file may be started again.
     ///
-    /// # Errors
-    /// Something else is there, which nobody is to write over.
+    /// # Errors The file is something else, which must not be overwritten.
     pub fn is_ours(&self) -> Result<(), Failure> {
         match read(&self.0).map_err(|error| self.unreadable(&error))? {
             Some(Err(refusal @ Refusal::Foreign)) => Err(self.wrong(&refusal)),
@@ -74,10 +72,9 @@ impl LearntFile {
         }
     }
 
-    /// Writes it beside.
+    /// Writes the file beside the present one.
     ///
-    /// # Errors
-    /// It cannot be written; then nothing has changed.
+    /// # Errors The file cannot be written; nothing has changed then.
     pub fn prepare(self, learnt: &Learnt) -> Result<Prepared, Failure> {
         let path = self.new_path();
         put(&path, &learnt.to_bytes())
@@ -96,17 +93,16 @@ impl LearntFile {
     fn wrong(&self, refusal: &Refusal) -> Failure {
         let path = self.0.display();
         Failure::Wrong(format!(
-            "{path}: {refusal}. Nothing was changed; move it away, or, where it was damaged, begin anew \
-             with this recording (--update --fresh)"
+            "{path}: {refusal}. Nothing was changed; move it away, or, if it was damaged, start \
+             again with this recording (--update --fresh)"
         ))
     }
 }
 
 impl Prepared {
-    /// Puts it in its place.
+    /// Puts the file in its place.
     ///
-    /// # Errors
-    /// It cannot be put there; the next run finds it beside.
+    /// # Errors The file cannot be renamed; the next run finds it beside.
     pub fn settle(self) -> Result<(), Failure> {
         let Self(file) = self;
         let settled = fs::rename(file.new_path(), &file.0)
@@ -115,7 +111,7 @@ impl Prepared {
     }
 }
 
-/// What is at `path`; `None` where nothing is.
+/// The content of `path`; `None` where there is no file.
 fn read(path: &Path) -> io::Result<Option<Result<Learnt, Refusal>>> {
     let file = match File::open(path) {
         Ok(file) => file,

@@ -8,15 +8,15 @@ use crate::dbc::{self, Database};
 use crate::monitor::MonitorDesign;
 use std::path::{Path, PathBuf};
 
-/// The simulated machine for the monitor, and its DBC; built in, so that a demonstration needs
-/// nothing but the program.
+/// Configuration of the simulated machine for the monitor; built in with its DBC, so that a
+/// demonstration needs only the program.
 const SIMULATED: &str = include_str!("../../config/e-type-simulated.toml");
 const DBC: &[u8] = include_bytes!("../../dbc/e-type.dbc");
 
 /// Makes a design for a machine.
 pub type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>;
 
-/// What a configuration file leads to.
+/// A machine, as loaded from a configuration file.
 #[derive(Debug)]
 pub struct Machine {
     pub loaded: Loaded,
@@ -25,43 +25,39 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Reads the configuration `path` and its DBC.
+    /// Loads the configuration `path` and its DBC.
     ///
-    /// # Errors
-    /// Everything wrong with either.
+    /// # Errors Every error in either.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         Self::new(config::load(path)?, design::judging)
     }
 
-    /// The same for who judges nothing with it: model and tables may be of another sample time.
+    /// Loads a machine for a command that judges nothing: model and tables may be of another sample
+    /// time.
     ///
-    /// # Errors
-    /// As [`Self::load`], but for sample times.
+    /// # Errors See [`Self::load`], except for sample times.
     pub fn load_unjudging(path: &Path) -> Result<Self, Failure> {
         Self::new(config::load(path)?, design::unjudging)
     }
 
-    /// The same for who learns from a recording: the design reads the pressures, too, and what is to be
-    /// learnt anew may be of another sample time.
+    /// Loads a machine for a command that learns from a recording: the design also reads the
+    /// pressures, and tables that are to be replaced may be of another sample time.
     ///
-    /// # Errors
-    /// As [`Self::load_unjudging`], and pressures that cannot be used.
+    /// # Errors See [`Self::load_unjudging`]; also pressures that cannot be used.
     pub fn load_surveying(path: &Path) -> Result<Self, Failure> {
         Self::new(config::load(path)?, design::surveying)
     }
 
-    /// The machine of the configuration `text`, which is to be in the file `path`.
+    /// The machine of the configuration `text` for the file `path`.
     ///
-    /// # Errors
-    /// As [`Self::load`].
+    /// # Errors See [`Self::load`].
     pub fn of_text(path: &Path, text: &str, design: Designer) -> Result<Self, Failure> {
         Self::new(config::load_text(path, text)?, design)
     }
 
-    /// The machine of `config/e-type-simulated.toml`, which is built in.
+    /// The built-in machine of `config/e-type-simulated.toml`.
     ///
-    /// # Errors
-    /// None but those of a program that was built wrongly.
+    /// # Errors Only a program that was built wrongly has errors.
     pub fn simulated() -> Result<Self, Failure> {
         let (settings, document): (Settings, Document) =
             config::parse("config/e-type-simulated.toml", SIMULATED)?;
@@ -71,7 +67,8 @@ impl Machine {
         Self::new(loaded, design::judging)
     }
 
-    /// Whose frames of a recording are read: of the interface `asked` for, else of the configuration's.
+    /// Interfaces of a recording whose frames are read: `asked`, if given, or else the
+    /// configuration's.
     pub fn interfaces(&self, asked: Option<&str>) -> Interfaces {
         match asked {
             Some(name) => Interfaces::Only(name.to_owned()),
@@ -96,7 +93,7 @@ impl Machine {
         Ok(Self { loaded, database, design })
     }
 
-    /// The files of the machine that a command must not write over, `config` among them.
+    /// The files of the machine that a command must not overwrite, `config` among them.
     pub fn files<'a>(&'a self, config: &'a Path) -> impl Iterator<Item = &'a Path> {
         let history = self.loaded.history_path.as_deref();
         [config, self.loaded.dbc_path.as_path()].into_iter().chain(history)

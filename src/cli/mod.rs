@@ -34,7 +34,7 @@ pub use crate::failure::Failure;
 use clap::{Parser, Subcommand};
 
 /// The third vote for redundant position transducers: monitors the cylinders of motion-compensated
-/// gangways from their CAN bus, and advises. The machine's own safety system acts.
+/// gangways from their CAN bus. It only advises; the machine's own safety system acts.
 #[derive(Debug, Parser)]
 #[command(name = "tertius", version, about, max_term_width = 100)]
 pub struct Arguments {
@@ -61,8 +61,7 @@ enum Command {
 impl Arguments {
     /// Runs the command.
     ///
-    /// # Errors
-    /// What went wrong, for a person, with the exit code.
+    /// # Errors A message for a person, with the exit code.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Demo(demo) => demo.run(),

@@ -1,4 +1,4 @@
-//! Where a replay writes what the monitor gives.
+//! Outputs of a replay.
 
 use super::Failure;
 use super::files::{Claimed, Writer};
@@ -7,7 +7,7 @@ use crate::bus::LogWriter;
 use crate::estimate::Estimate;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
-use crate::report::page::Recorder;
+use crate::report::page::PageRecorder;
 use crate::report::{Episodes, EstimateTable, ResidualTable, jsonl};
 use crate::time::Timestamp;
 use std::io::{self, BufWriter, Stdout, Write};
@@ -16,17 +16,18 @@ const RESIDUALS: &str = "the table of residuals";
 const ESTIMATES: &str = "the table of estimates";
 const FRAMES: &str = "the log of warnings";
 
-/// Where lines of JSON go.
+/// Name of the destination of JSON lines.
 const LINES: &str = "standard output";
 
-/// The outputs of a replay. The first error of any ends the writing; [`Output::close`] tells it.
+/// The outputs of a replay. The first error of any of them ends the writing, and [`Output::close`]
+/// returns it.
 pub struct Output {
     /// The time stamp of the recording's first frame.
     pub first: Timestamp,
     pub episodes: Episodes,
     pub notices: Notices,
-    /// Gathers figures, where a page of them is asked for.
-    pub recorder: Option<Recorder>,
+    /// Recorder for the page's figures, if a page is requested.
+    pub recorder: Option<PageRecorder>,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<ResidualTable<Writer>>,
     estimates: Option<EstimateTable<Writer>>,
@@ -35,8 +36,8 @@ pub struct Output {
 }
 
 impl Output {
-    /// Outputs as asked for: lines of JSON on standard output, tables of residuals and of estimates, a
-    /// log of the frames sent (on `interface`).
+    /// The requested outputs: lines of JSON on standard output, tables of residuals and of
+    /// estimates, a log of the frames sent (on `interface`).
     ///
     /// # Errors
     /// A pipe or a device that cannot be opened; a file that cannot be written.
@@ -72,20 +73,19 @@ impl Output {
         })
     }
 
-    /// Whether writing failed, so that there is no use in going on.
+    /// Whether writing failed, so that continuing is useless.
     pub const fn failed(&self) -> bool {
         self.failure.is_some()
     }
 
-    /// The lines of JSON, to end them with a summary.
+    /// The lines of JSON, to which a summary is added at the end.
     pub fn lines(&mut self) -> Option<&mut impl Write> {
         self.lines.as_mut()
     }
 
-    /// Writes out what is buffered.
+    /// Flushes the outputs.
     ///
-    /// # Errors
-    /// The first that occurred.
+    /// # Errors The first error that occurred.
     pub fn close(mut self) -> Result<(), Failure> {
         if let Some(failure) = self.failure {
             return Err(failure);

@@ -1,4 +1,4 @@
-//! The simulated machine, as the command line has it.
+//! The simulated machine of a command line.
 
 use super::Failure;
 use crate::simulator::Tables;
@@ -6,13 +6,12 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// The largest table of a plant that is read, bytes.
+/// Largest table of a plant that is read, bytes.
 const LARGEST_TABLE: u64 = 1 << 20;
 
-/// The tables in the file `path`; those built in where there is none.
+/// The tables in the file `path`, or the built-in ones.
 ///
-/// # Errors
-/// What is wrong with the file.
+/// # Errors An error in the file.
 pub fn tables(path: Option<&Path>) -> Result<Tables, Failure> {
     let Some(path) = path else { return Ok(Tables::default()) };
     let wrong = |what: String| Failure::Wrong(format!("{}: {what}", path.display()));
@@ -23,7 +22,7 @@ pub fn tables(path: Option<&Path>) -> Result<Tables, Failure> {
     Tables::parse(&text).map_err(|error| wrong(error.to_string()))
 }
 
-/// `HS,TP`.
+/// Parses `HS,TP`.
 ///
 /// # Errors
 /// What was expected.

@@ -1,4 +1,5 @@
-//! Plays a recording, or a simulated machine, onto the embedded bus, whose clock it drives.
+//! Plays a recording, or a simulated machine, onto the embedded bus, and drives the clock of the
+//! bus.
 
 use super::Failure;
 use crate::bus::embedded::{EmbeddedBus, Endpoint, ManualClock};
@@ -9,20 +10,20 @@ use std::str::FromStr;
 use std::time::{Duration, Instant};
 use tracing::warn;
 
-/// The bus's clock goes on in steps of at most this where no frame comes, so that what falls due in
-/// a pause is done in time.
+/// Largest step of the bus's clock while no frame comes, so that whatever falls due in a pause is
+/// done in time.
 const STEP: Span = Span::from_nanos(5_000_000);
 
-/// A longer pause, or one backwards, is a clock that was set: no time passes in it. The monitor
-/// takes it so, too.
+/// Longest pause in which time passes; a longer one, or a negative one, means that the clock was
+/// set. The monitor uses the same limit.
 const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
 
-/// How fast frames are played.
+/// Speed at which frames are played.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// So many times its own speed.
+    /// Multiple of real time.
     Times(f64),
-    /// As fast as the gateway takes it.
+    /// As fast as the gateway takes the frames.
     Max,
 }
 
@@ -40,21 +41,21 @@ impl FromStr for Pace {
     }
 }
 
-/// Frames on their way onto a bus.
+/// Plays frames onto a bus.
 pub struct Player<S> {
     source: S,
     port: Unrestricted<Endpoint>,
     clock: ManualClock,
     pace: Pace,
-    /// The next frame, at its own time.
+    /// Next frame, at its own time.
     next: Option<Frame>,
-    /// Once there are no more frames: when it ends.
+    /// Time of the end, once there are no more frames.
     end: Option<Timestamp>,
-    /// How long after the last frame it ends.
+    /// Time from the last frame to the end.
     rest: Span,
     /// An instant, and the bus's time at it.
     anchor: Option<(Instant, Timestamp)>,
-    /// Frames that no bus carries.
+    /// Number of frames that no bus carries.
     refused: u64,
     failure: Option<Failure>,
 }
@@ -62,8 +63,7 @@ pub struct Player<S> {
 impl<S: Source> Player<S> {
     /// A player that ends `rest` after the last frame of `source`. `clock` is the bus's.
     ///
-    /// # Errors
-    /// If the bus is not up.
+    /// # Errors The bus is not up.
     pub fn new(
         source: S,
         bus: &EmbeddedBus,
@@ -83,8 +83,8 @@ impl<S: Source> Player<S> {
         Ok(player)
     }
 
-    /// Lets the next frame out, or some time pass: at most `patience` of the caller's. `false` once
-    /// all is over.
+    /// Sends the next frame, or lets some time pass, at most `patience`. Returns `false` at the
+    /// end.
     pub fn step(&mut self, patience: Duration) -> bool {
         let now = self.clock.now();
         let Some(goal) = self.next.as_ref().map(|next| next.timestamp).or(self.end) else {
@@ -105,7 +105,7 @@ impl<S: Source> Player<S> {
         true
     }
 
-    /// Another pace from now on.
+    /// Sets another pace.
     pub fn set_pace(&mut self, pace: Pace) {
         if self.pace != pace {
             self.pace = pace;
@@ -113,7 +113,7 @@ impl<S: Source> Player<S> {
         }
     }
 
-    /// Waits until the bus's time is `goal`, at most for `patience`; what it is then.
+    /// Waits until the bus's time is `goal`, at most for `patience`; returns the bus's time.
     fn wait(&mut self, now: Timestamp, goal: Timestamp, patience: Duration) -> Timestamp {
         let Pace::Times(times) = self.pace else { return goal };
         let (instant, stamp) = *self.anchor.get_or_insert((Instant::now(), now));
@@ -129,7 +129,7 @@ impl<S: Source> Player<S> {
         stamp.after(passed).clamp(now, goal)
     }
 
-    /// The bus's time is that of the next frame, or of the end.
+    /// Advances the bus's time to that of the next frame, or of the end.
     fn arrive(&mut self) {
         let Some(frame) = self.next.take() else {
             self.end = None;
@@ -155,7 +155,7 @@ impl<S: Source> Player<S> {
 }
 
 impl Player<Recording> {
-    /// Tells what could not be played.
+    /// Reports what could not be played.
     ///
     /// # Errors
     /// The recording could not be read to its end.
@@ -165,7 +165,7 @@ impl Player<Recording> {
         }
         let statistics = self.source.statistics();
         if let Some(line) = statistics.first_bad_lines.first() {
-            warn!(lines = statistics.bad_lines, "lines were no frames and are left out: {line}");
+            warn!(lines = statistics.bad_lines, "lines were not frames and are left out: {line}");
         }
         if let Some(failure) = self.failure.take() {
             return Err(failure);

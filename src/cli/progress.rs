@@ -1,10 +1,10 @@
-//! A progress bar for what takes long, on a terminal only.
+//! A progress bar for long tasks, on a terminal only.
 
 use crate::bus::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 
-/// Shorter recordings are done before a bar is read, bytes.
+/// Least size of a recording with a bar, bytes: shorter ones are finished before a bar is read.
 const WORTH_A_BAR: u64 = 8 << 20;
 
 /// A bar, or nothing where nobody would see it.
@@ -16,7 +16,7 @@ impl Bar {
         Self::of(progress.total.filter(|total| *total >= WORTH_A_BAR))
     }
 
-    /// A bar of so many things to do.
+    /// A bar that counts `things`.
     pub fn counting(things: usize) -> Self {
         Self::of(Some(things as u64))
     }
@@ -35,7 +35,7 @@ impl Bar {
         }
     }
 
-    /// One thing more is done.
+    /// Counts one thing.
     pub fn count(&self) {
         if let Some(bar) = &self.0 {
             bar.inc(1);

@@ -4,7 +4,8 @@ use super::Failure;
 use crate::bus::socket::{Options, SocketPort};
 use crate::bus::{Port, Unrestricted};
 use crate::inject::Injector;
-use crate::live::proxy::{self, Bench, Lane, LaneCounts, Limits, Open, Proxy, Side};
+use crate::live::proxy::{self, Bench, Lane, LaneCounts, LaneLimits, Open, Proxy, Side};
+use crate::report::counted;
 use crate::time::Span;
 use nix::net::if_::if_nametoindex;
 use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
@@ -17,29 +18,28 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Frames that wait at most: half a second of a full bus.
+/// Most frames that wait: half a second of a full bus.
 const WAITING: usize = 4096;
 
 type Socket = Unrestricted<SocketPort>;
 
-/// The two interfaces, and how long.
+/// The two interfaces, and the duration.
 #[derive(Debug)]
 pub struct Ends {
-    /// Its frames get faults.
+    /// Interface whose frames get faults.
     pub from: String,
-    /// Its frames go back unchanged.
+    /// Interface whose frames go back unchanged.
     pub to: String,
-    /// `None`: until a signal comes.
+    /// Duration; `None`: until a signal comes.
     pub lasts: Option<Duration>,
-    /// An older frame is dropped.
+    /// Age at which a frame is dropped.
     pub max_age: Duration,
 }
 
-/// Runs the proxy until it is told to stop, and tells what became of the frames. Returns the
-/// injector, with what became of the faults.
+/// Runs the proxy until it is told to stop, and reports what became of the frames. Returns the
+/// injector with its tallies.
 ///
-/// # Errors
-/// Both are one interface, or one cannot be used even once it is there.
+/// # Errors Both are the same interface, or one cannot be used even when it is there.
 pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
     ends.refuse_one_interface()?;
     let (mut from, mut to) = (Interface::new(&ends.from), Interface::new(&ends.to));
@@ -50,7 +50,7 @@ pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
         }
     }
     let age = Span::from_seconds(ends.max_age.as_secs_f64());
-    let mut proxy = Proxy::new(injector, Limits { waiting: WAITING, age });
+    let mut proxy = Proxy::new(injector, LaneLimits { waiting: WAITING, age });
     let mut sides = [Side::new(from.opener()), Side::new(to.opener())];
     let mut host = Host::new(ends)
         .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
@@ -91,7 +91,7 @@ struct Interface {
     claim: Option<UnixDatagram>,
 }
 
-/// Why an interface is not open.
+/// Why an interface cannot be opened.
 struct Refusal {
     reason: String,
     may_pass: bool,
@@ -121,22 +121,22 @@ impl Interface {
         let name = &self.name;
         if error.kind() == io::ErrorKind::AddrInUse {
             return format!(
-                "another `tertius inject` has the interface {name}: two on one interface would pass \
-                 each other's frames round and round; end it, or give all faults to one"
+                "another `tertius inject` uses the interface {name}: two on one interface would \
+                 forward each other's frames endlessly; end it, or give all faults to one"
             );
         }
         format!("the interface {name} cannot be claimed for this proxy: {error}")
     }
 }
 
-/// Claims the interface of that index for one proxy, so that several cannot form a ring. The name is
-/// of the network namespace, as the index is, and is free again when the process ends.
+/// Claims the interface of that index for one proxy, so that several cannot form a ring. Like the
+/// index, the name belongs to the network namespace; it becomes free when the process ends.
 fn claim(index: u32) -> io::Result<UnixDatagram> {
     let address = SocketAddr::from_abstract_name(format!("tertius inject {index}"))?;
     UnixDatagram::bind_addr(&address)
 }
 
-/// The host that the proxy runs on.
+/// The computer that the proxy runs on.
 struct Host<'a> {
     ends: &'a Ends,
     stop: Arc<AtomicBool>,
@@ -189,16 +189,17 @@ impl Bench<Socket> for Host<'_> {
     }
 }
 
-/// Tells what became of the frames from `from` to `to`, each fate only where it befell some.
+/// Reports the counts of the frames from `from` to `to` that are not zero.
 fn report(from: &str, to: &str, lane: &Lane, overrun: u64) {
     let LaneCounts { received, sent, changed, .. } = *lane.counts();
-    tell!("{from} to {to}: {received} frames received, {sent} sent, {changed} changed");
+    let frames = counted(received, "frame");
+    tell!("{from} to {to}: {frames} received, {sent} sent, {changed} changed");
     let counts = lane.counts();
     let waiting = lane.waiting() as u64;
     let refused = lane.rejection().unwrap_or_default();
     for (count, fate) in [
         (counts.lost, "lost to a fault".to_owned()),
-        (counts.too_old, "dropped as too old: more than --max-age on their way".to_owned()),
+        (counts.too_old, "dropped as too old: longer than --max-age on their way".to_owned()),
         (counts.crowded_out, format!("dropped as too many waited for {to}")),
         (counts.away, "dropped while an interface was away".to_owned()),
         (counts.rejected, format!("refused by {to}: {refused}")),

@@ -1,4 +1,4 @@
-//! `tertius replay`: a recording through the monitor.
+//! `tertius replay`: plays a recording through the monitor.
 
 use super::Failure;
 use super::files::{Claimed, Inputs, Mark, Overwriting};
@@ -9,8 +9,8 @@ use super::progress::Bar;
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
-use crate::report::judgement::Recorded;
-use crate::report::page::{self, Recorder};
+use crate::report::judgement::RecordedFacts;
+use crate::report::page::{self, PageRecorder};
 use crate::report::{Judgement, Stops, Summary, estimates, jsonl, residuals};
 use crate::time::Span;
 use clap::{Args, ValueEnum};
@@ -22,8 +22,8 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  tertius replay field.log.zst --config config/e-type.toml")]
 pub struct Replay {
-    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; .gz and
-    /// .zst as they are, - for standard input
+    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; may be .gz
+    /// or .zst, - for standard input
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// The machine's configuration
@@ -44,19 +44,20 @@ pub struct Replay {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Continues from what earlier recordings read on the stops, if the file is there, and adds what
-    /// this one reads; recordings in the order of time. `run` can continue with the same file
+    /// Continues the readings on the stops of earlier recordings, if the file exists, and adds
+    /// those of this recording; recordings must be in the order of time. `run` can continue with
+    /// the same file
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
-    /// Takes only the frames of this interface [default: the configuration's where the recording has
+    /// Takes only the frames of this interface [default: the configuration's if the recording has
     /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
     #[command(flatten)]
     overwriting: Overwriting,
     /// The meaning of the time stamps of a console recording
-    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
-    time_stamps: Stamps,
+    #[arg(long, value_enum, default_value_t = StampOption::Auto)]
+    time_stamps: StampOption,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -66,36 +67,35 @@ enum Format {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Stamps {
-    /// As they look
+pub enum StampOption {
+    /// Determined from the time stamps
     Auto,
     /// Time of day (candump -ta, -tA)
     Absolute,
-    /// Since the frame before (candump -td)
+    /// Time since the previous frame (candump -td)
     Delta,
-    /// Since the first frame (candump -tz)
+    /// Time since the first frame (candump -tz)
     Zero,
 }
 
-impl From<Stamps> for TimeStamps {
-    fn from(stamps: Stamps) -> Self {
+impl From<StampOption> for TimeStamps {
+    fn from(stamps: StampOption) -> Self {
         match stamps {
-            Stamps::Auto => Self::Auto,
-            Stamps::Absolute => Self::Absolute,
-            Stamps::Delta => Self::Delta,
-            Stamps::Zero => Self::Zero,
+            StampOption::Auto => Self::Auto,
+            StampOption::Absolute => Self::Absolute,
+            StampOption::Delta => Self::Delta,
+            StampOption::Zero => Self::Zero,
         }
     }
 }
 
-/// Frames between two looks at progress and output.
+/// Number of frames between two updates of progress and output.
 const STRIDE: u64 = 1 << 16;
 
 impl Replay {
-    /// Replays.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call, its files or the output.
+    /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
         let interfaces = machine.interfaces(self.interface.as_deref());
@@ -108,7 +108,7 @@ impl Replay {
             [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
         )?;
-        output.recorder = report.as_ref().map(|_| Recorder::new(&machine.design));
+        output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let mut design = machine.design.clone();
         if self.estimates.is_some() && design.estimates == Estimates::None {
             design.estimates = Estimates::Told;
@@ -117,7 +117,7 @@ impl Replay {
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         if let Some(history) = &history {
-            monitor.inherit(history.archive());
+            monitor.restore(history.archive());
         }
         let duration = feed(&mut recording, &mut monitor, &mut output)?;
         if output.failed() {
@@ -145,7 +145,7 @@ impl Replay {
         }
     }
 
-    /// Takes the files that are written: residuals, estimates, frames and the page.
+    /// Claims the files that are written: residuals, estimates, frames and the page.
     fn claim(&self, machine: &Machine) -> Result<[Option<Claimed>; 4], Failure> {
         let logs = self.logs.iter().map(PathBuf::as_path);
         // The history that is gone on with may be the gateway's own.
@@ -168,7 +168,7 @@ impl Replay {
         Ok([residuals, estimates, frames, report])
     }
 
-    /// Tells what came of it on standard output, and on the page.
+    /// Writes the results on standard output, and on the page.
     fn conclude(
         &self,
         replayed: &Replayed<'_>,
@@ -216,14 +216,14 @@ impl Replay {
     }
 }
 
-/// What a replay came to, once all of the recording was read.
+/// Results of a replay after the whole recording was read.
 #[derive(Clone, Copy)]
 struct Replayed<'a> {
     machine: &'a Machine,
     recording: &'a Recording,
     monitor: &'a Monitor,
     judgement: &'a Judgement,
-    /// From the first frame to the last.
+    /// Duration from the first frame to the last.
     duration: Span,
 }
 
@@ -236,25 +236,25 @@ fn judgement(
 ) -> Judgement {
     let (statistics, counts) = (recording.statistics(), monitor.counts());
     let (design, used) = (&machine.design, counts.used);
-    let recorded = Recorded { statistics, interfaces, design, used };
+    let recorded = RecordedFacts { statistics, interfaces, design, used };
     let states = machine.loaded.settings.machine.monitored_states.as_deref();
     let tallies = monitor.tallies().copied().collect::<Vec<_>>();
     Judgement::new(&recorded, counts, &tallies, states.filter(|_| !monitor.has_opened()))
 }
 
-/// An output that cannot be written ends the replay: a page of the part that was read would look like
-/// one of the whole.
+/// Ends a replay whose output cannot be written: a page of the part that was read would look
+/// complete.
 fn broken_off(output: Output) -> Result<(), Failure> {
     output.close().map_err(|failure| match failure {
         Failure::Failed(message) => Failure::Failed(format!(
-            "{message}; the replay was broken off there, and neither page nor summary is written"
+            "{message}; the replay stopped there, and neither page nor summary is written"
         )),
         other => other,
     })
 }
 
-/// Feeds the whole recording to the monitor, as long as the outputs can be written; the time from its
-/// first frame to its last.
+/// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
+/// from its first frame to its last.
 fn feed(
     recording: &mut Recording,
     monitor: &mut Monitor,
@@ -281,7 +281,7 @@ fn feed(
     Ok(last.since(output.first))
 }
 
-/// An input of which a part could not be read is a failure, though the rest was replayed.
+/// Fails if a part of an input could not be read, although the rest was replayed.
 fn damage(recording: &Recording) -> Result<(), Failure> {
     match recording.statistics().damage.first() {
         Some(damage) => Err(Failure::Failed(damage.to_string())),

@@ -1,4 +1,4 @@
-//! `tertius run`: the gateway, live.
+//! `tertius run`: the live gateway.
 
 use super::Failure;
 use super::machine::Machine;
@@ -7,12 +7,12 @@ use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
-use crate::appliance::surroundings::{Appliance, Prepared};
+use crate::appliance::surroundings::{Appliance, PreparedGateway};
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
-use crate::live::outbox::{Limits, Outbox};
+use crate::live::outbox::{Outbox, OutboxLimits};
 use crate::live::supervisor::{self, Opener};
 use crate::monitor::Monitor;
 use crate::time::Span;
@@ -30,7 +30,8 @@ pub struct Run {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
-    /// The form of the log: text or json on standard error, or journal for fields in systemd's
+    /// Format of the log: text or json on standard error, or journal for fields in systemd's
+    /// journal
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
     log: LogFormat,
     #[command(flatten)]
@@ -38,16 +39,15 @@ pub struct Run {
 }
 
 impl Run {
-    /// Runs.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or the configuration. An interface that is not there is waited
-    /// for.
+    /// # Errors A wrong call or configuration. A missing interface is not an error: the gateway
+    /// waits for it.
     pub fn run(self) -> Result<(), Failure> {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let Prepared { mut gateway, opener, listen, interface, realtime, kept } =
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -55,7 +55,7 @@ impl Run {
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config, listen, interface.as_deref());
-        appliance.remind(&mut gateway, kept);
+        appliance.restore(&mut gateway, kept);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -69,27 +69,27 @@ impl Run {
 /// The gateway of a machine.
 pub fn gateway(machine: Machine) -> Gateway {
     let settings = &machine.loaded.settings;
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: usize::from(settings.machine.cylinders),
         age: Span::from_seconds(settings.gateway.max_age),
         bitrate: f64::from(settings.bus.bitrate),
         share: settings.gateway.bus_share,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let outbox = Outbox::new(limits, machine.design.encoder.status_id());
     let guard = Span::from_seconds(settings.gateway.guard);
     Gateway::new(Monitor::new(machine.design), outbox, guard)
 }
 
-/// The identifiers that the gateway of a machine listens to.
+/// Identifiers that the gateway of a machine receives.
 pub fn identifiers(machine: &Machine) -> Vec<Id> {
-    machine.design.wiring.lines().iter().map(|line| line.id).collect()
+    machine.design.subscriptions.all().iter().map(|line| line.id).collect()
 }
 
-/// A gateway for the configuration `path`, and what opens its interface, or the embedded bus of
-/// `stage`.
-fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Failure> {
+/// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus
+/// of `stage`.
+fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
     let identifiers = identifiers(&machine);
@@ -105,7 +105,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<Prepared, Fa
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    Ok(Prepared { gateway: gateway(machine), opener, listen, interface, realtime, kept })
+    Ok(PreparedGateway { gateway: gateway(machine), opener, listen, interface, realtime, kept })
 }
 
 /// A SocketCAN interface by name.
@@ -126,7 +126,8 @@ impl Opener for Interface {
         // Error frames tell of what befalls the controller from now on, not of what has before.
         match LinkState::read(&self.name).ok().and_then(|link| link.state) {
             Some(ControllerState::BusOff) => Err(format!(
-                "the controller of {} is bus-off: it hears and says nothing until it is restarted",
+                "the controller of {} is bus-off: it receives and sends nothing until it is \
+                 restarted",
                 self.name
             )),
             _ => Ok(Box::new(port)),

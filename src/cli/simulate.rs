@@ -1,4 +1,4 @@
-//! `tertius simulate`: a recording of a machine that nobody has on the desk, or its bus, live.
+//! `tertius simulate`: a recording of a simulated machine, or its bus, live.
 
 use super::Failure;
 use super::broadcast::Broadcast;
@@ -31,10 +31,11 @@ A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1, as 
 A fault is added to the reading on the bus; with --in-loop the machine's controller reads it, too,
 and moves the cylinder.";
 
-/// The longest simulation, s: a year.
+/// Longest simulation, s: a year.
 const LONGEST: f64 = 366.0 * 86_400.0;
 
-/// Simulates a machine and writes its frames as candump -l would, or sends them on an interface.
+/// Simulates a machine and writes its frames in the format of candump -l, or sends them on an
+/// interface.
 #[derive(Args, Debug)]
 #[command(after_help = format!("{EXAMPLE}{}{LOOP}", grammar()))]
 pub struct Simulate {
@@ -44,16 +45,16 @@ pub struct Simulate {
     /// The simulated machine [default: built in, as config/e-type-plant.toml]
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
-    /// s of the machine's time
+    /// Duration in the machine's time, s
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     duration: f64,
-    /// Seeds everything random: the same seed gives the same bytes
+    /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Significant wave height, m, and peak period, s [default: the plant's]
     #[arg(long, value_name = "HS,TP")]
     sea: Option<String>,
-    /// The platform's state at the beginning; it goes on to engaged
+    /// State of the platform at the beginning; it then goes to engaged
     #[arg(long, value_enum, default_value_t = Start::Engaged)]
     start: Start,
     #[command(flatten)]
@@ -61,20 +62,20 @@ pub struct Simulate {
     /// The controller reads C1 with its faults
     #[arg(long)]
     in_loop: bool,
-    /// Where the recording goes; - for standard output [default: -, but none with --interface]
+    /// Output for the recording; - for standard output [default: -, but none with --interface]
     #[arg(long, value_name = "FILE.log")]
     output: Option<PathBuf>,
-    /// Sends the frames on this interface (vcan or vxcan), each in its time, until --duration or
+    /// Sends the frames on this interface (vcan or vxcan), each at its time, until --duration or
     /// SIGINT
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
-    /// On the interface: how many times as fast as the machine; max: as fast as it goes
+    /// On the interface: speed as a multiple of real time; max: as fast as possible
     #[arg(long, value_name = "N", default_value = "1", requires = "interface")]
     speed: Pace,
-    /// Also on an interface with wires: for test benches, never where a machine listens
+    /// Allows also a real bus: for test benches, never where a machine listens
     #[arg(long, requires = "interface")]
     real_bus: bool,
-    /// Where a table of the faults goes, which `inject` reads, too
+    /// Output for a table of the faults, which `inject` can also read
     #[arg(long, value_name = "FILE.csv")]
     truth: Option<PathBuf>,
     #[command(flatten)]
@@ -101,10 +102,9 @@ impl From<Start> for State {
 }
 
 impl Simulate {
-    /// Simulates.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call, its files or the output.
+    /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let cycles_for = self.duration()?;
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
@@ -136,7 +136,7 @@ impl Simulate {
         Ok(())
     }
 
-    /// The recording, if there is one, and the file for the table of `truth`.
+    /// The recording, if requested, and the file for the table of `truth`.
     fn outputs(&self, machine: &Machine, truth: &str) -> Result<[Option<Claimed>; 2], Failure> {
         let others = [self.faults.table(), self.plant.as_deref()];
         let inputs = Inputs::new(machine.files(&self.config).chain(others.into_iter().flatten()));
@@ -145,9 +145,9 @@ impl Simulate {
         inputs.claim([recording, (self.truth.as_deref(), Mark::Text(truth))], self.overwriting)
     }
 
-    /// Simulates to the end, into the recording and onto the interface. `name` is the interface's in
-    /// the recording: that of the configuration, so that the same call gives the same bytes wherever
-    /// it sends them.
+    /// Simulates to the end, into the recording and onto the interface. `name` is the interface's
+    /// name in the recording: that of the configuration, so that the same call gives the same bytes
+    /// wherever it sends them.
     fn go(
         &self,
         mut simulation: Simulation,

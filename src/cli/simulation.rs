@@ -5,12 +5,12 @@ use crate::frame::Frame;
 use crate::inject::Tally;
 use crate::simulator::Simulator;
 
-/// The frames of so many cycles of a simulated machine, one by one.
+/// The frames of a simulated machine over a number of cycles, one by one.
 pub struct Simulation {
     simulator: Simulator,
     /// Cycles that are not simulated yet.
     cycles: u64,
-    /// Of the cycle that is being given.
+    /// Frames of the present cycle.
     frames: Vec<Frame>,
     given: usize,
 }
@@ -20,7 +20,7 @@ impl Simulation {
         Self { simulator, cycles, frames: Vec::new(), given: 0 }
     }
 
-    /// What became of each fault so far, in the order in which they were given.
+    /// Tallies of all faults so far, in the order in which the faults were given.
     pub fn tallies(&self) -> &[Tally] {
         self.simulator.tallies()
     }

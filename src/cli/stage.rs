@@ -1,4 +1,4 @@
-//! The embedded bus with who plays on it, where the gateway has a place.
+//! The embedded bus with a player, and a place for the gateway.
 
 use super::Failure;
 use super::files::Writer;
@@ -9,7 +9,7 @@ use crate::bus::{
     Identifiers, LogWriter, Port, PortCounts, PortError, Received, Recording, Sent, Source, Stamps,
 };
 use crate::frame::{Frame, Id};
-use crate::live::outbox::Limits;
+use crate::live::outbox::OutboxLimits;
 use crate::live::supervisor::Opener;
 use crate::time::{Span, Timestamp};
 use std::cell::RefCell;
@@ -18,14 +18,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Frames that may wait for whoever listens: two turns of the gateway, each with all that it may send
-/// at once. The player lets it have a turn after each frame.
-const CAPACITY: usize = 2 * (Limits::BURST as usize + 1);
+/// Most frames that wait for a listener: two turns of the gateway, each with everything that it may
+/// send at once. The player lets the gateway have a turn after each frame.
+const CAPACITY: usize = 2 * (OutboxLimits::BURST as usize + 1);
 
-/// A file of frames as `candump -l` writes it.
+/// A file of frames in the format of `candump -l`.
 pub type Record = LogWriter<Writer>;
 
-/// The embedded bus and who plays on it. Clones are the same one.
+/// The embedded bus and its player. Clones are the same one.
 pub struct Stage<S>(Rc<RefCell<Play<S>>>);
 
 impl<S> Clone for Stage<S> {
@@ -38,18 +38,17 @@ struct Play<S> {
     bus: EmbeddedBus,
     player: Player<S>,
     record: Option<Record>,
-    /// The first of the record.
+    /// First failure of the record.
     failure: Option<Failure>,
-    /// Set when all has been played.
+    /// Flag that is set when everything has been played.
     stop: Arc<AtomicBool>,
 }
 
 impl<S: Source + 'static> Stage<S> {
-    /// A bus on which `source` is played; it ends `rest` after the last frame. What the gateway sends
-    /// goes into `record`, too.
+    /// A bus on which `source` is played; it ends `rest` after the last frame. Frames of the
+    /// gateway also go into `record`.
     ///
-    /// # Errors
-    /// None that is known: the bus is new.
+    /// # Errors None in practice, since the bus is new.
     pub fn new(source: S, pace: Pace, rest: Span, record: Option<Record>) -> Result<Self, Failure> {
         let clock = ManualClock::new(Timestamp::default());
         let bus = EmbeddedBus::new(Clock::Manual(clock.clone()));
@@ -58,40 +57,38 @@ impl<S: Source + 'static> Stage<S> {
         Ok(Self(Rc::new(RefCell::new(play))))
     }
 
-    /// What opens the bus for a gateway that listens to `identifiers`.
+    /// An opener of the bus for a gateway that receives `identifiers`.
     pub fn opener(&self, identifiers: Vec<Id>) -> Box<dyn Opener> {
         Box::new(Seat { stage: self.clone(), identifiers: Identifiers::Only(identifiers) })
     }
 
-    /// A place of somebody who hears everything.
+    /// An endpoint that receives all frames.
     ///
-    /// # Errors
-    /// None that is known: nobody takes this bus down.
+    /// # Errors None in practice, since nobody takes this bus down.
     pub fn listener(&self) -> Result<Endpoint, Failure> {
         self.0.borrow().bus.open(&Identifiers::All, CAPACITY).map_err(refused)
     }
 
-    /// `stop` is set once all is played.
+    /// Sets `stop` once everything is played.
     pub fn stop_at_end(&self, stop: Arc<AtomicBool>) {
         self.0.borrow_mut().stop = stop;
     }
 
-    /// Plays at another pace from now on.
+    /// Sets another pace.
     pub fn set_pace(&self, pace: Pace) {
         self.0.borrow_mut().player.set_pace(pace);
     }
 
-    /// The bus's time.
+    /// Time of the bus.
     pub fn now(&self) -> Timestamp {
         self.0.borrow().bus.now()
     }
 }
 
 impl Stage<Recording> {
-    /// Ends the record.
+    /// Finishes the record.
     ///
-    /// # Errors
-    /// What kept the recording from being played whole, or the record from being written.
+    /// # Errors The recording could not be played completely, or the record could not be written.
     pub fn finish(&self) -> Result<(), Failure> {
         let mut play = self.0.borrow_mut();
         if let Some(failure) = play.failure.take() {
@@ -122,7 +119,7 @@ impl<S: Source + 'static> Opener for Seat<S> {
     }
 }
 
-/// The gateway's port: as it listens, the next is played.
+/// The gateway's port, which plays the next frame when the gateway listens.
 struct Played<S> {
     endpoint: Endpoint,
     stage: Stage<S>,

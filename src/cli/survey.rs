@@ -1,51 +1,51 @@
-//! Recordings as those commands read them that learn from them: more than once, rows instead of
-//! frames, a window of time.
+//! Recordings for the commands that learn from them: read more than once, as rows instead of
+//! frames, within a window of time.
 
 use super::Failure;
 use super::machine::Machine;
 use super::progress::Bar;
-use super::replay::Stamps;
+use super::replay::StampOption;
 use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
-use crate::report::judgement::Recorded;
+use crate::report::judgement::RecordedFacts;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Which recordings of which machine, and which part of them.
+/// Recordings of a machine, and the part that is used.
 #[derive(Args, Debug)]
 pub struct Field {
-    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; .gz and
-    /// .zst as they are
+    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; may be .gz
+    /// or .zst
     #[arg(required = true, value_name = "LOG")]
     pub logs: Vec<PathBuf>,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
-    /// Leaves out everything before: seconds since the first frame, or a part, like 25%. A pause of more
-    /// than a minute counts as a minute
+    /// Leaves out everything before: seconds since the first frame, or a part, like 25%. A pause of
+    /// more than a minute counts as a minute
     #[arg(long, value_name = "TIME")]
     pub from: Option<Place>,
     /// Leaves out everything after: seconds since the first frame, or a part, like 75%
     #[arg(long, value_name = "TIME")]
     pub to: Option<Place>,
-    /// Takes only the frames of this interface [default: the configuration's where the recording has
+    /// Takes only the frames of this interface [default: the configuration's if the recording has
     /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     pub interface: Option<String>,
     /// The meaning of the time stamps of a console recording
-    #[arg(long, value_enum, default_value_t = Stamps::Auto)]
-    pub time_stamps: Stamps,
+    #[arg(long, value_enum, default_value_t = StampOption::Auto)]
+    pub time_stamps: StampOption,
 }
 
-/// A place in a recording, as the command line has it.
+/// A place in a recording, from the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// Since the first frame.
+    /// Time since the first frame, s.
     Seconds(f64),
-    /// 0 is the first frame, 1 the last.
+    /// Part of the recording: 0 is the first frame, 1 the last.
     Part(f64),
 }
 
@@ -53,35 +53,35 @@ pub enum Place {
 pub struct Surveyed {
     pub machine: Machine,
     pub design: MonitorDesign,
-    /// Where its frames are in time.
+    /// Times of the recording's frames.
     pub timeline: Timeline,
-    /// What is asked for of it.
+    /// Requested window.
     pub window: Window,
     pub statistics: Statistics,
-    /// What is to be said of frames from before the first one, if there are any.
+    /// Remark on frames from before the first one, if there are any.
     backwards: Option<String>,
-    /// They were named in another order than that of time.
+    /// Whether the recordings were named in another order than that of time.
     reordered: bool,
     logs: Vec<PathBuf>,
     options: Options,
 }
 
-/// Frames between two looks at progress.
+/// Number of frames between two updates of the progress bar.
 const STRIDE: u64 = 1 << 16;
 
-/// What the first reading of a recording finds.
+/// Results of the first reading of a recording.
 #[derive(Debug, Default)]
 struct Extent {
     timeline: Timeline,
     frames: u64,
-    /// With an identifier of the configuration.
+    /// Number of frames with an identifier of the configuration.
     used: u64,
-    /// Stamped before the first one: time went backwards.
+    /// Number of frames with a time stamp before the first one: time went backwards.
     before: u64,
 }
 
-/// A recording of which more frames than this part are from before its first one is refused: what is
-/// learnt would leave them out.
+/// Largest part of frames from before the first one with which a recording is accepted, since
+/// learning would leave them out.
 const LARGEST_LOSS: f64 = 0.01;
 
 impl Extent {
@@ -104,17 +104,20 @@ impl Extent {
         self.frames += 1;
         self.before += u64::from(at < self.timeline.first());
         let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        self.used += u64::from(data && design.wiring.find(frame.id).is_some());
+        self.used += u64::from(data && design.subscriptions.find(frame.id).is_some());
     }
 
-    /// What is to be said of frames from before the first one, if there are any.
+    /// Remark on frames from before the first one, if there are any.
     fn backwards(&self) -> Result<Option<String>, Failure> {
         let Self { frames, before, .. } = *self;
         if before == 0 {
             return Ok(None);
         }
         let first = self.timeline.first();
-        let told = format!("{before} of {frames} frames are from before the first one, at {first}");
+        let told = format!(
+            "{before} of {frames} frames are earlier than the first one, at \
+            {first}"
+        );
         if before as f64 <= LARGEST_LOSS * frames as f64 {
             return Ok(Some(format!("{told}, and are left out")));
         }
@@ -128,13 +131,12 @@ impl Extent {
 impl Field {
     /// Loads the machine and reads the recording once for its length.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; a recording without a frame.
+    /// # Errors A wrong call or file, or a recording without a frame.
     pub fn open(&self) -> Result<Surveyed, Failure> {
         if self.logs.iter().any(|log| log.as_os_str() == "-") {
             return Err(Failure::Wrong(
-                "-: the recording is read more than once, which standard input cannot be; name a \
-                 file"
+                "-: the recording is read more than once, which is impossible with standard input; \
+                 name a file"
                     .to_owned(),
             ));
         }
@@ -147,7 +149,7 @@ impl Field {
         let extent = Extent::of(&mut recording, &design)?;
         let statistics = recording.statistics().clone();
         let (interfaces, used) = (&options.interfaces, extent.used);
-        let recorded = Recorded { statistics: &statistics, interfaces, design: &design, used };
+        let recorded = RecordedFacts { statistics: &statistics, interfaces, design: &design, used };
         let nothing = recorded.nothing();
         if extent.timeline.ends().is_none() || !nothing.is_empty() {
             let reasons = nothing.join("; ");
@@ -170,7 +172,8 @@ impl Field {
         })
     }
 
-    /// The recordings in the order of time: what is learnt does not depend on how they are named.
+    /// The recordings in the order of time, so that learning does not depend on the order of their
+    /// names.
     fn in_order(&self, options: &Options) -> Vec<PathBuf> {
         match options.time_stamps {
             TimeStamps::Auto | TimeStamps::Absolute => in_order(&self.logs, &options.interfaces),
@@ -178,7 +181,7 @@ impl Field {
         }
     }
 
-    /// The part asked for of a recording of `length` seconds.
+    /// The requested window of a recording of `length` seconds.
     fn window(&self, length: f64) -> Result<Window, Failure> {
         let at = |place: Place| match place {
             Place::Seconds(seconds) => seconds,
@@ -197,7 +200,7 @@ impl Field {
 }
 
 impl Surveyed {
-    /// Where the rows come from, for what is learnt from them.
+    /// Origin of the rows.
     pub fn origin(&self) -> Origin {
         Origin {
             inputs: self.inputs(),
@@ -212,35 +215,35 @@ impl Surveyed {
         self.logs.iter().map(PathBuf::as_path)
     }
 
-    /// Whether the configuration reads this frame.
+    /// Whether the configuration uses this frame.
     pub fn reads(&self, frame: &Frame) -> bool {
         let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        data && self.design.wiring.find(frame.id).is_some()
+        data && self.design.subscriptions.find(frame.id).is_some()
     }
 
-    /// The recordings' names, for people.
+    /// Names of the recordings, for people.
     pub fn inputs(&self) -> String {
         let logs: Vec<String> = self.logs.iter().map(|log| log.display().to_string()).collect();
         logs.join(", ")
     }
 
-    /// What could not be read, for people; empty where all could.
+    /// Remarks on what could not be read; empty where everything could.
     pub fn remarks(&self) -> Vec<String> {
         let Statistics { lines, bad_lines, first_bad_lines, .. } = &self.statistics;
         let bad =
             (*bad_lines > 0).then(|| format!("{bad_lines} of {lines} lines were bad; the first:"));
         let bad = bad.into_iter().chain(first_bad_lines.iter().map(ToString::to_string));
         let reordered = self.reordered.then(|| {
-            "the recordings are read in the order of their time stamps, not as they are named"
+            "the recordings are read in the order of their time stamps, not in the order given"
                 .to_owned()
         });
         reordered.into_iter().chain(self.backwards.clone()).chain(bad).collect()
     }
 
-    /// Gives the frames within `window` (seconds by the timeline) to `take`, as they were stamped.
+    /// Passes the frames within `window` (seconds by the timeline) to `take`, with their original
+    /// time stamps.
     ///
-    /// # Errors
-    /// They cannot be read any more.
+    /// # Errors The frames can no longer be read.
     pub fn recorded(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
         let mut recording = Recording::open(&self.logs, self.options.clone())?;
         let bar = Bar::new(recording.progress());
@@ -258,7 +261,7 @@ impl Surveyed {
         Ok(())
     }
 
-    /// An input of which a part could not be read is a failure, though the rest was used.
+    /// Fails if a part of an input could not be read, although the rest was used.
     ///
     /// # Errors
     /// The first damage.
@@ -291,7 +294,7 @@ impl survey::Recording for Surveyed {
     }
 }
 
-/// Gives a frame to `take` as it is on a timeline.
+/// Passes a frame to `take` with its place on a timeline.
 pub fn placed(frame: &Frame, timeline: &Timeline, take: &mut impl FnMut(&Frame)) {
     let timestamp = timeline.place(frame.timestamp);
     if timestamp == frame.timestamp {
@@ -306,10 +309,10 @@ pub fn placed(frame: &Frame, timeline: &Timeline, take: &mut impl FnMut(&Frame))
 impl FromStr for Place {
     type Err = String;
 
-    /// `120`, `120s` or `25%`.
+    /// Parses `120`, `120s` or `25%`.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let expected =
-            || format!("{text:?} is no time: expected seconds, like 120, or a part, like 25%");
+            || format!("{text:?} is not a time: expected seconds, like 120, or a part, like 25%");
         let (number, part) = match text.strip_suffix('%') {
             Some(number) => (number, true),
             None => (text.strip_suffix('s').unwrap_or(text), false),

@@ -10,10 +10,9 @@ use similar::TextDiff;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Takes the files for the tables and the page of `command`, which reads `surveyed`.
+/// Claims the files for the tables and the page of `command`, which reads `surveyed`.
 ///
-/// # Errors
-/// One of them is an input, is not to be written over, or cannot be written.
+/// # Errors A file is an input, must not be overwritten, or cannot be written.
 pub fn claim(
     command: &str,
     [tables, page]: [&Option<PathBuf>; 2],
@@ -43,7 +42,7 @@ pub fn claim(
 #[derive(Args, Debug)]
 pub struct InPlace {
     /// Puts the tables into this configuration, where their keys are; comments and order stay, and
-    /// the file as it was is kept beside it
+    /// a copy of the previous file is kept beside it
     #[arg(long, value_name = "CONFIG.toml")]
     into: Option<PathBuf>,
     /// Shows what --into would change, and changes nothing
@@ -52,30 +51,30 @@ pub struct InPlace {
 }
 
 impl InPlace {
-    /// The tables are put into the configuration `config` itself.
+    /// Whether the tables go into the configuration `config` itself.
     pub fn is(&self, config: &Path) -> bool {
         self.into.as_deref().is_some_and(|into| files::is_same(into, config))
     }
 }
 
-/// Files as they were that are kept beside a configuration.
+/// Most previous files that are kept beside a configuration.
 const KEPT: usize = 99;
 
 impl InPlace {
-    /// Puts `tables` into the configuration, if one was named. Keys `anew` of cylinders to which the
-    /// tables give none are removed. `design` says what the whole is good for.
+    /// Puts `tables` into the configuration, if one was named. Keys `anew` of cylinders for which
+    /// the tables have none are removed. `design` makes the design by which the result is
+    /// validated.
     ///
-    /// # Errors
-    /// It cannot be read or written, or would be refused with the tables in it; then nothing has changed.
+    /// # Errors The configuration cannot be read or written, or would be refused with the tables in
+    /// it; nothing has changed then.
     pub fn put(&self, tables: &str, anew: &[&str], design: Designer) -> Result<(), Failure> {
         self.put_after(tables, anew, design, |_| Ok(()))
     }
 
-    /// As [`Self::put`]; `ready` gets the whole before anything is written, and is not asked where nothing
-    /// is.
+    /// Puts tables as [`Self::put`] does; `ready` gets the new text before anything is written, and
+    /// is not called if nothing is.
     ///
-    /// # Errors
-    /// As [`Self::put`], and what `ready` says; then nothing has changed, too.
+    /// # Errors See [`Self::put`]; also errors of `ready`, after which nothing has changed either.
     pub fn put_after(
         &self,
         tables: &str,
@@ -99,10 +98,9 @@ impl InPlace {
     }
 }
 
-/// Whether the configuration `after` would be taken in the place of `path`.
+/// Checks that the configuration `after` would be accepted in the place of `path`.
 ///
-/// # Errors
-/// It would be refused, and why.
+/// # Errors The reasons for which it would be refused.
 pub fn approve(path: &Path, after: &str, design: Designer) -> Result<(), Failure> {
     let refused = |refusal: Failure| {
         let name = path.display();
@@ -113,10 +111,9 @@ pub fn approve(path: &Path, after: &str, design: Designer) -> Result<(), Failure
     Machine::of_text(path, after, design).map(drop).map_err(refused)
 }
 
-/// Shows on standard output what `after` has of other lines than the text `before` of `path`.
+/// Shows on standard output the lines in which `after` differs from the text `before` of `path`.
 ///
-/// # Errors
-/// It cannot be written.
+/// # Errors Standard output cannot be written.
 pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
     let difference = TextDiff::from_lines(before, after);
     let name = path.display().to_string();
@@ -126,20 +123,19 @@ pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
         .map_err(|error| Failure::writing("standard output", &error))
 }
 
-/// Writes `after` in the place of the text `before` of the file `path`, which is kept beside it.
+/// Replaces the text `before` of the file `path` by `after`, and keeps the previous file beside it.
 ///
-/// # Errors
-/// It cannot be written, or holds something else by now; then nothing has changed.
+/// # Errors The file cannot be written, or has changed meanwhile; it is then left as it is.
 pub fn replace(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
     let [written] =
         Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;
     let kept = keep(path, before)?;
     written.map_or(Ok(()), |written| written.write(after))?;
-    tell!("{} has the tables; as it was it is {}", path.display(), kept.display());
+    tell!("{} now has the tables; the previous file is {}", path.display(), kept.display());
     Ok(())
 }
 
-/// Keeps `text`, which is that of the file `path`, beside it under the next free name.
+/// Keeps `text`, the content of the file `path`, beside it under the next free name.
 fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
     let beside = |n: usize| {
         let mut name = path.as_os_str().to_owned();
@@ -149,7 +145,7 @@ fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
     let free = (1..=KEPT).map(beside).find(|path| path.symlink_metadata().is_err());
     let Some(free) = free else {
         return Err(Failure::Wrong(format!(
-            "{} and {} others are kept beside it already; remove what is not needed",
+            "{} and {} others are already kept beside it; remove those that are not needed",
             beside(1).display(),
             KEPT - 1
         )));
@@ -159,7 +155,7 @@ fn keep(path: &Path, text: &str) -> Result<PathBuf, Failure> {
     Ok(free)
 }
 
-/// Shows `page` and writes `tables`, where both are there, to `output`.
+/// Shows `page`, and writes `tables` to `output` if both are present.
 ///
 /// # Errors
 /// Neither standard output nor the file can be written.
@@ -170,13 +166,13 @@ pub fn publish(page: &str, output: Option<Claimed>, tables: Option<&str>) -> Res
     output.zip(tables).map_or(Ok(()), |(output, tables)| output.write(tables))
 }
 
-/// A rate of false alarms, as the command line has it.
+/// Parses a rate of false alarms from the command line.
 ///
 /// # Errors
 /// What was expected.
 pub fn per_year(text: &str) -> Result<f64, String> {
     let sound = text.parse().ok().filter(|rate: &f64| rate.is_finite() && *rate > 0.0);
     sound.ok_or_else(|| {
-        "expected how many false alarms a year may bring, above 0; 8766 is one an hour".to_owned()
+        "expected a number of false alarms a year, above 0; 8766 is one an hour".to_owned()
     })
 }

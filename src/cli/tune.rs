@@ -8,12 +8,12 @@ use super::tables::{self, InPlace};
 use crate::config::design;
 use crate::report::{page, tuning};
 use crate::tables as learnt;
-use crate::tune::course::{Course, SIGMA, Untuned};
+use crate::tune::course::{SIGMA, TuningCourse, Untuned};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Chooses the observer's weights and the thresholds of R1 and R2 on a healthy recording, and says
-/// what they will find.
+/// Chooses the observer's weights and the thresholds of R1 and R2 on a healthy recording, and tells
+/// which faults they will find.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  tertius tune field.log.zst --config config/e-type.toml --output \
@@ -33,13 +33,13 @@ pub struct Tune {
     place: InPlace,
     #[command(flatten)]
     overwriting: Overwriting,
-    /// False alarms of FDE1 and FDE2, all cylinders together, that a year of monitoring may bring
+    /// Wanted false alarms of FDE1 and FDE2 in a year of monitoring, all cylinders together
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = tables::per_year)]
     false_alarms_per_year: f64,
-    /// Keeps the configured weights, and takes the thresholds only
+    /// Keeps the configured weights, and determines only the thresholds
     #[arg(long)]
     keep_weights: bool,
-    /// The standard deviation that noise (5-17) is counted in, m; 4 counts in the thesis
+    /// Standard deviation that is the unit of noise (5-17), m; 4 counts in the thesis
     #[arg(long, value_name = "METRES", default_value_t = SIGMA, value_parser = sigma)]
     sigma: f64,
 }
@@ -50,10 +50,9 @@ fn sigma(text: &str) -> Result<f64, String> {
 }
 
 impl Tune {
-    /// Tunes.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// What is wrong with the call or its files; a recording that says too little.
+    /// # Errors A wrong call or file, or a recording with too little data.
     pub fn run(self) -> Result<(), Failure> {
         // Weights are tuned for the model that is configured: it has to be one of this machine.
         Machine::load(&self.field.config)?;
@@ -62,7 +61,7 @@ impl Tune {
         let [output, report] =
             tables::claim("tune", outputs, self.overwriting, &self.field, &surveyed, &self.place)?;
         let settings = &surveyed.machine.loaded.settings;
-        let course = Course {
+        let course = TuningCourse {
             settings,
             design: &surveyed.machine.design,
             origin: &surveyed.origin(),

@@ -1,4 +1,4 @@
-//! `--update`: a recording, and what is kept of earlier ones, as one.
+//! `--update`: learns from a recording together with what is kept of earlier ones.
 
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
@@ -15,21 +15,21 @@ use crate::survey::{Frames, Origin, Recording, Rows, Surveyor, Timeline, Window}
 use std::io::Write;
 use std::path::Path;
 
-/// How a recording adds to what is kept.
+/// How a recording is added to what is kept.
 #[derive(Clone, Copy, Debug)]
 pub struct Update {
-    /// What is kept is of no use any more.
+    /// Whether what is kept is discarded.
     pub fresh: bool,
-    /// All tables are learnt anew, not those of a calibration alone.
+    /// Whether all tables are learnt again, and not only those of a calibration.
     pub all: bool,
 }
 
-/// What is learnt from: a recording alone, or with what is kept of earlier ones.
+/// Data to learn from: a recording alone, or with what is kept of earlier ones.
 pub struct Study {
     pub surveyed: Surveyed,
     timeline: Timeline,
     pub window: Window,
-    /// What the tables that stand do not take for healthy.
+    /// Parts that the present tables do not take for healthy.
     pub cuts: Cuts,
     keeping: Option<Keeping>,
 }
@@ -38,23 +38,22 @@ pub struct Study {
 struct Keeping {
     file: LearntFile,
     earlier: Learnt,
-    /// Of the recording.
+    /// Parts of the recording that are new.
     novel: Vec<Part>,
 }
 
 impl Study {
-    /// Of a recording alone.
+    /// A study of a recording alone.
     pub fn alone(surveyed: Surveyed) -> Self {
         let (timeline, window) = (surveyed.timeline.clone(), surveyed.window);
         Self { surveyed, timeline, window, cuts: Cuts::default(), keeping: None }
     }
 
-    /// Of a recording that is added to what is kept beside `config`; `None` where it is in there already,
-    /// which is told.
+    /// A study of a recording that is added to what is kept beside `config`; `None` where it is
+    /// already included, which is reported.
     ///
-    /// # Errors
-    /// What is kept is of other tables; the recording is partly known, or not healthy by the tables that
-    /// stand.
+    /// # Errors What is kept belongs to other tables; the recording is partly known, or not healthy
+    /// by the present tables.
     pub fn adding(
         surveyed: Surveyed,
         config: &Path,
@@ -76,7 +75,7 @@ impl Study {
         let novel = novel(&surveyed, &earlier)?;
         if novel.is_empty() {
             say(&format!(
-                "{} was learnt already: it is in {}, and nothing changes\n",
+                "{} was already learnt: it is in {}, and nothing changes\n",
                 surveyed.inputs(),
                 file.path().display()
             ))?;
@@ -90,7 +89,7 @@ impl Study {
         Ok(Some(study))
     }
 
-    /// Judges the recording by the tables that stand, and puts it among the `pieces`.
+    /// Judges the recording by the present tables, and adds it to the `pieces`.
     fn join(&mut self, pieces: &[Piece], novel: &[Part]) -> Result<(), Failure> {
         let surveyed = &self.surveyed;
         let mut judging = Judging::new(&surveyed.machine.loaded.settings, &surveyed.design);
@@ -98,10 +97,10 @@ impl Study {
         let judgement = judging.judgement(surveyed.window);
         if !judgement.refused.is_empty() {
             return Err(Failure::Failed(format!(
-                "by the tables of the earlier recordings {} is of no healthy machine; nothing was learnt \
-                 from it, and nothing was written:\n  {}\nMend it and record again, or leave that part \
-                 out (--from, --to); where the machine has become another one, begin anew (--update \
-                 --fresh)",
+                "by the tables of the earlier recordings, the machine in {} is not healthy; \
+                 nothing was learnt from it, and nothing was written:\n  {}\nRepair it and record \
+                again, or leave that part out (--from, --to); if the machine has changed, start \
+                again (--update --fresh)",
                 surveyed.inputs(),
                 judgement.refused.join("\n  ")
             )));
@@ -120,7 +119,7 @@ impl Study {
         Ok(())
     }
 
-    /// Where the rows come from, for what is learnt from them.
+    /// Origin of the rows.
     pub fn origin(&self) -> Origin {
         let own = self.surveyed.origin();
         let Some(keeping) = self.keeping.as_ref().filter(|it| !it.earlier.pieces.is_empty()) else {
@@ -134,18 +133,18 @@ impl Study {
         };
         let places: Vec<String> = keeping.novel.iter().map(place).collect();
         let told = format!(
-            "times count through all that is kept, long pauses as a minute: this recording is at {}",
+            "times include all kept recordings, with long pauses as a minute: this recording is at \
+             {}",
             places.join(", ")
         );
         let remarks = [told].into_iter().chain(self.surveyed.remarks()).collect();
         Origin { inputs, timeline: self.timeline.clone(), window: self.window, remarks }
     }
 
-    /// Writes what is kept from now on beside its file, for a configuration that will be the text `after`;
-    /// nothing where nothing is kept. Of times that were `left_out` nothing is.
+    /// Writes what is kept from now on beside its file, for a configuration with the text `after`;
+    /// does nothing where nothing is kept. Times that were `left_out` are not kept.
     ///
-    /// # Errors
-    /// It cannot be written, or the recording cannot be read any more.
+    /// # Errors The file cannot be written, or the recording can no longer be read.
     pub fn prepare(&self, after: &str, left_out: &Cuts) -> Result<Option<Prepared>, Failure> {
         let Some(Keeping { file, earlier, novel }) = &self.keeping else { return Ok(None) };
         let cuts = self.cuts.with(left_out);
@@ -166,7 +165,7 @@ impl Study {
         file.clone().prepare(&learnt).map(Some)
     }
 
-    /// Takes pieces away where there are too many.
+    /// Drops pieces where there are too many.
     fn thin(&self, learnt: &mut Learnt) -> Result<(), Failure> {
         if learnt.bytes() <= MOST_BYTES {
             return Ok(());
@@ -230,7 +229,7 @@ impl Recording for Study {
     }
 }
 
-/// The parts of a recording that were not learnt yet.
+/// Parts of a recording that were not learnt yet.
 fn novel(surveyed: &Surveyed, earlier: &Learnt) -> Result<Vec<Part>, Failure> {
     let mut parting = Parting::default();
     surveyed.recorded(surveyed.window, |frame| {
@@ -242,9 +241,9 @@ fn novel(surveyed: &Surveyed, earlier: &Learnt) -> Result<Vec<Part>, Failure> {
     for part in parting.finish() {
         let known = part.is_among(&earlier.parts).map_err(|Clash { part, known }| {
             Failure::Wrong(format!(
-                "the recording from {} to {} is of the same time as one that was learnt, from {} to {}, \
-                 and is not that one: cut otherwise, or recorded with a clock that was set? Leave out what \
-                 is known (--from, --to), or begin anew (--update --fresh)",
+                "the recording from {} to {} overlaps with one that was learnt, from {} to {}, but \
+                 differs from it: was it cut differently, or was the clock set? Leave out what \
+                 is known (--from, --to), or start again (--update --fresh)",
                 part.first, part.last, known.first, known.last
             ))
         })?;
@@ -260,7 +259,7 @@ fn holds(parts: &[Part], frame: &Frame) -> bool {
 }
 
 fn seals(config: &str, dbc: &[u8]) -> Result<Seals, Failure> {
-    let none = || Failure::Failed("the configuration cannot be sealed: it is no TOML".to_owned());
+    let none = || Failure::Failed("the configuration cannot be sealed: it is not TOML".to_owned());
     Seals::of(config, dbc).ok_or_else(none)
 }
 

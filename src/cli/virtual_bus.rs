@@ -20,13 +20,13 @@ pub struct PlayOptions {
     /// ends when they end
     #[arg(long = "play", value_name = "LOG", num_args = 1..)]
     logs: Vec<PathBuf>,
-    /// How many times as fast as they were recorded; max: as fast as it goes
+    /// Speed as a multiple of that of the recording; max: as fast as possible
     #[arg(long, value_name = "N", default_value = "1", requires = "logs")]
     speed: Pace,
     /// Plays only the frames of this interface of the recordings [default: the only one]
     #[arg(long, value_name = "NAME", requires = "logs")]
     interface: Option<String>,
-    /// Writes what the gateway sends on the embedded bus as candump -l would
+    /// Writes the frames that the gateway sends on the embedded bus in the format of candump -l
     #[arg(long, value_name = "FILE.log", requires = "logs")]
     record: Option<PathBuf>,
     #[command(flatten)]
@@ -34,10 +34,9 @@ pub struct PlayOptions {
 }
 
 impl PlayOptions {
-    /// The embedded bus with what is to be played, if anything is.
+    /// The embedded bus with its player, if anything is to be played.
     ///
-    /// # Errors
-    /// What is wrong with the recordings, the configuration or the file to record to.
+    /// # Errors A wrong recording or configuration, or a record that cannot be written.
     pub fn stage(&self, config: &Path) -> Result<Option<Stage<Recording>>, Failure> {
         if self.logs.is_empty() {
             return Ok(None);
@@ -62,19 +61,18 @@ impl PlayOptions {
     }
 }
 
-/// `stage`, where the configuration's interface is the embedded bus; `None` where it is a real one.
+/// The `stage`, if the configuration's interface is the embedded bus; `None` if it is a real one.
 ///
-/// # Errors
-/// If there is nothing to play on the one, or something on the other.
+/// # Errors There is nothing to play on the embedded bus, or something on a real one.
 pub fn wanted<S>(stage: Option<S>, interface: &str) -> Result<Option<S>, Failure> {
     match (stage, interface == NAME) {
         (Some(_), false) => Err(Failure::Wrong(format!(
             "--play is for the embedded bus, but bus.interface is {interface:?}; set it to \
-             {NAME:?}, or leave --play out and play on {interface} with canplayer"
+             {NAME:?}, or omit --play and play on {interface} with canplayer"
         ))),
         (None, true) => Err(Failure::Wrong(format!(
-            "bus.interface is {NAME:?}, the embedded bus, where nobody speaks; give a recording to \
-             be played on it (--play LOG), or name a CAN interface"
+            "bus.interface is {NAME:?}, the embedded bus, on which nothing else sends; give a \
+             recording to be played on it (--play LOG), or name a CAN interface"
         ))),
         (stage, _) => Ok(stage),
     }

@@ -1,4 +1,4 @@
-//! The monitor between what a port receives and what it sends.
+//! The monitor between the frames that a port receives and those that it sends.
 
 use super::health::BusHealth;
 use super::outbox::Outbox;
@@ -11,9 +11,9 @@ use crate::time::{Span, Timestamp};
 use std::time::Duration;
 use thiserror::Error;
 
-/// Hears what the gateway does, to log and count it. It must never wait for anything.
+/// Receives the gateway's events, to log and count them. It must never wait.
 pub trait Journal {
-    /// A cycle of one cylinder.
+    /// Takes a cycle of one cylinder.
     fn record(&mut self, record: &Record) {
         _ = record;
     }
@@ -22,7 +22,7 @@ pub trait Journal {
         _ = warning;
     }
 
-    /// A rod was read on its stop.
+    /// Takes the reading of a rod on its stop.
     fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
         _ = (cylinder, dwell);
     }
@@ -31,54 +31,54 @@ pub trait Journal {
         _ = notice;
     }
 
-    /// The controller came to another state.
+    /// Takes a change of the controller's state.
     fn bus(&mut self, health: &BusHealth) {
         _ = health;
     }
 
-    /// A frame went out at `at`, on the clock of the time stamps.
+    /// Notes that a frame was sent at `at`, on the clock of the time stamps.
     fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
         _ = (frame, at);
     }
 }
 
-/// A journal that nobody keeps.
+/// A journal that ignores everything.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
 impl Journal for Silent {}
 
-/// What one turn did.
+/// Results of one turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Turn {
     pub received: usize,
     pub sent: usize,
-    /// The interface takes no more for now.
+    /// Whether the interface accepts no more frames for now.
     pub full: bool,
 }
 
-/// Why nobody on the bus was told that the gateway stops.
+/// Why the bus was not told that the gateway stops.
 #[derive(Debug, Error)]
-pub enum Unsaid {
+pub enum NotTold {
     #[error(transparent)]
     Port(#[from] PortError),
     #[error("the controller is bus-off")]
     BusOff,
-    #[error("the interface takes no frame: its queue is full, and nobody acknowledges")]
+    #[error("the interface accepts no frame: its queue is full, and nobody acknowledges")]
     Full,
 }
 
-/// How often the last words are handed to an interface that takes nothing.
+/// Number of attempts to hand the stopping status to an interface that does not accept it.
 const LAST_TRIES: u32 = 25;
 
-/// The data path of the live gateway: what [`crate::monitor`] does to a recording, done to a port.
-/// Nothing on it waits for a disk, a log or a client; it waits for frames alone.
+/// The data path of the live gateway, which does to a port what [`crate::monitor`] does to a
+/// recording. It waits only for frames, never for a disk, a log or a client.
 #[derive(Clone, Debug)]
 pub struct Gateway {
     monitor: Monitor,
     outbox: Outbox,
     health: BusHealth,
-    /// How far deadlines are kept behind the clock, for frames on their way into the queue.
+    /// Time by which deadlines are kept behind the clock, for frames on their way into the queue.
     guard: Span,
     now: Timestamp,
 }
@@ -93,22 +93,22 @@ impl Gateway {
         &self.monitor
     }
 
-    /// Goes on with what an earlier gateway of the same machine has read on the stops.
-    pub fn inherit(&mut self, archive: &Archive) {
-        self.monitor.inherit(archive);
+    /// Restores the readings on the stops of an earlier gateway of the same machine.
+    pub fn restore(&mut self, archive: &Archive) {
+        self.monitor.restore(archive);
     }
 
     pub const fn outbox(&self) -> &Outbox {
         &self.outbox
     }
 
-    /// The bus, as told since the port was opened.
+    /// State of the bus, as reported since the port was opened.
     pub const fn health(&self) -> &BusHealth {
         &self.health
     }
 
-    /// The port was lost: what waits would burst out stale when it returns, and nothing is known
-    /// until it was judged again.
+    /// Notes the loss of the port: waiting frames are dropped, since they would burst out stale
+    /// when it returns, and nothing is known until it was judged again.
     pub fn lose(&mut self, journal: &mut impl Journal) {
         self.outbox.clear();
         self.health = BusHealth::default();
@@ -117,10 +117,10 @@ impl Gateway {
         self.outbox.clear();
     }
 
-    /// Takes what `port` has received, waiting at most `patience` for it, and sends what follows.
+    /// Takes the frames that `port` has received, waiting at most `patience` for them, and sends
+    /// the resulting ones.
     ///
-    /// # Errors
-    /// If the port is down, gone or broken; then [`Self::lose`] it.
+    /// # Errors The port is down, gone or broken; call [`Self::lose`] then.
     pub fn turn(
         &mut self,
         port: &mut dyn Port,
@@ -132,22 +132,22 @@ impl Gateway {
         Ok(Turn { received, sent, full })
     }
 
-    /// Says on the bus that nothing more will come, within the gateway's share of it. An interface
-    /// that takes nothing gets some more tries, each after at most `patience`.
+    /// Tells the bus that the gateway stops, within the gateway's share of the bus. If the
+    /// interface does not accept the frame there are some more attempts, each after at most
+    /// `patience`.
     ///
-    /// # Errors
-    /// Why the interface did not take it: nobody knows that the gateway stops.
+    /// # Errors Why the interface did not accept the frame, so that the bus was not told.
     pub fn stop(
         &mut self,
         port: &mut dyn Port,
         patience: Duration,
         journal: &mut impl Journal,
-    ) -> Result<(), Unsaid> {
-        let frame = self.monitor.last_words(self.now);
+    ) -> Result<(), NotTold> {
+        let frame = self.monitor.stopping_status(self.now);
         self.outbox.close(frame);
         for _ in 0..LAST_TRIES {
             if self.health.is_off() {
-                return Err(Unsaid::BusOff);
+                return Err(NotTold::BusOff);
             }
             self.send(port, journal)?;
             if self.outbox.waiting() == 0 {
@@ -158,7 +158,7 @@ impl Gateway {
                 _ = ErrorFrame::read(frame).map(|error| health.take(&error));
             })?;
         }
-        Err(Unsaid::Full)
+        Err(NotTold::Full)
     }
 
     fn receive(
@@ -209,7 +209,7 @@ impl Gateway {
     }
 }
 
-/// What the monitor gives goes to the outbox and the journal.
+/// Passes the monitor's output to the outbox and the journal.
 struct Outlet<'a, J> {
     outbox: &'a mut Outbox,
     journal: &'a mut J,

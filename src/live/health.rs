@@ -1,26 +1,27 @@
-//! The bus as the driver's error frames tell it.
+//! State of the bus according to the driver's error frames.
 
 use crate::error_frame::{ControllerState, ErrorFrame};
 
-/// What the error frames since the port was opened add up to.
+/// Sum of the error frames since the port was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BusHealth {
-    /// The newest state that was told; `None` where none was, as on a virtual interface.
+    /// Newest state that was reported; `None` where none was, as on a virtual interface.
     pub state: Option<ControllerState>,
-    /// The controller's transmit and receive error counters, as last told.
+    /// Transmit and receive error counters of the controller, as last reported.
     pub counters: Option<[u8; 2]>,
     pub bus_offs: u64,
     pub restarts: u64,
-    /// Frames that nobody acknowledged.
+    /// Number of frames that nobody acknowledged.
     pub unacknowledged: u64,
-    /// Times that the controller itself lost frames for want of room; how many, nobody knows.
+    /// Number of times that the controller itself lost frames for lack of room; the number of
+    /// frames is not known.
     pub receive_overflows: u64,
     pub protocol_errors: u64,
     pub transceiver_errors: u64,
 }
 
 impl BusHealth {
-    /// Takes an error frame; `true` if the controller's state is another one now.
+    /// Takes an error frame; returns `true` if the controller's state has changed.
     pub fn take(&mut self, error: &ErrorFrame) -> bool {
         let before = self.state;
         self.state = error.state.or(before);
@@ -34,8 +35,8 @@ impl BusHealth {
         self.state != before
     }
 
-    /// A frame came: whatever was told before, the controller takes part in the bus. `true` if that
-    /// is news.
+    /// Notes that a frame came: whatever was reported before, the controller takes part in the bus.
+    /// Returns `true` if that is new.
     pub fn spoke(&mut self) -> bool {
         let was_off = self.is_off();
         if was_off {
@@ -44,7 +45,8 @@ impl BusHealth {
         was_off
     }
 
-    /// The controller takes no part in the bus: what is handed to it now would burst out stale.
+    /// Whether the controller takes no part in the bus, so that frames handed to it now would burst
+    /// out stale.
     pub fn is_off(&self) -> bool {
         self.state == Some(ControllerState::BusOff)
     }

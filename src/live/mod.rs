@@ -1,4 +1,4 @@
-//! The gateway, live: the monitor between an interface's frames and the frames it sends.
+//! The live gateway: the monitor between the frames of an interface and the frames that it sends.
 
 pub mod gateway;
 pub mod health;

@@ -1,4 +1,4 @@
-//! What waits to be sent: bounded in number, age and share of the bus.
+//! Frames that wait to be sent, limited in number, age and share of the bus.
 
 use crate::alarm::OwnFrame;
 use crate::alarm::frames::FRAME_BITS;
@@ -8,81 +8,81 @@ use crate::frame::Id;
 use crate::time::{Span, Timestamp};
 use std::collections::VecDeque;
 
-/// What the outbox keeps to.
+/// Limits of the outbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Warnings that wait at most; the oldest gives way.
+pub struct OutboxLimits {
+    /// Most warnings that wait; the oldest gives way.
     pub waiting: usize,
-    /// Estimates that wait at most, one for each cylinder; the oldest gives way.
+    /// Most estimates that wait, one for each cylinder; the oldest gives way.
     pub estimates: usize,
-    /// An older frame is dropped, never sent late.
+    /// Age at which a frame is dropped instead of being sent late.
     pub age: Span,
-    /// Bit rate of the bus, 1/s.
+    /// Bit rate of the bus, bit/s.
     pub bitrate: f64,
-    /// The part of the bus that the gateway may take, 0 to 1.
+    /// Share of the bus that the gateway may take, 0 to 1.
     pub share: f64,
-    /// So many frames may go out at once after a quiet time, the last words among them.
+    /// Most frames that may be sent at once after a quiet time, the stopping status among them.
     pub burst: u32,
 }
 
-/// Warnings that can stand at once on the largest machine.
+/// Most warnings that can stand at once on the largest machine.
 const STANDING: usize = PLACES * MAX_CYLINDERS;
 
-impl Limits {
-    /// Warnings that wait at most: two for each that can stand, as where one is raised and cleared
+impl OutboxLimits {
+    /// Most warnings that wait: two for each that can stand, as where one is raised and cleared
     /// before the first could be sent.
     pub const WAITING: usize = 2 * STANDING;
 
-    /// Frames that may go out at once: every warning that can stand, the estimates of two cycles, a
-    /// status and the last words.
-    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + LAST_WORDS;
+    /// Most frames that may be sent at once: every warning that can stand, the estimates of two
+    /// cycles, a status and the stopping status.
+    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + STOPPING_STATUS;
 }
 
-/// Frames that no other one takes from what may go out at once: the status of a gateway that stops
-/// goes out whatever went before it, and still keeps to the share.
-const LAST_WORDS: u32 = 1;
+/// Frames reserved among those that may be sent at once: the status of a gateway that stops is sent
+/// whatever went before it, and still keeps to the share.
+const STOPPING_STATUS: u32 = 1;
 
-/// What became of the frames.
+/// Counts of what became of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutboxCounts {
     pub sent: u64,
-    /// Dropped for their age.
+    /// Frames dropped for their age.
     pub too_old: u64,
-    /// Dropped because too many waited.
+    /// Frames dropped because too many waited.
     pub crowded_out: u64,
-    /// Statuses that a newer one took the place of.
+    /// Statuses that were replaced by a newer one.
     pub superseded: u64,
-    /// Estimates that gave way to newer ones.
+    /// Estimates that were replaced by newer ones.
     pub outdated: u64,
-    /// Times that sending had to wait for the rate limit.
+    /// Number of times that sending had to wait for the rate limit.
     pub held_back: u64,
 }
 
-/// Frames on their way out, in the order in which they came to be. The status has a place of its own,
-/// so that a storm of warnings neither displaces nor, once the rate limit holds frames back, delays
-/// it; a newer one takes the place of one that still waits. Estimates come last of all, and leave what
-/// may go out at once to the others, but for two cycles' worth. After the last words ([`Self::close`])
-/// nothing follows.
+/// Frames to be sent, in the order in which they came. The status has a place of its own, so that a
+/// storm of warnings neither displaces it nor, once the rate limit holds frames back, delays it; a
+/// newer status replaces one that still waits. Estimates come last, and leave the frames that may
+/// be sent at once to the others, except for two cycles' worth. Nothing follows the stopping status
+/// ([`Self::close`]).
 #[derive(Clone, Debug)]
 pub struct Outbox {
-    limits: Limits,
+    limits: OutboxLimits,
     status_id: Id,
     status: Option<OwnFrame>,
     warnings: VecDeque<OwnFrame>,
-    /// Warnings that came before the status that waits.
+    /// Number of warnings that came before the waiting status.
     ahead: usize,
     estimates: VecDeque<OwnFrame>,
-    /// Frames that may go out now; fractions of one accrue with time.
+    /// Number of frames that may be sent now; fractions accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
-    /// The status that waits is the last of all frames.
+    /// Whether the waiting status is the last of all frames.
     closing: bool,
     counts: OutboxCounts,
 }
 
 impl Outbox {
     /// An empty outbox; frames with the identifier `status_id` are statuses.
-    pub fn new(limits: Limits, status_id: Id) -> Self {
+    pub fn new(limits: OutboxLimits, status_id: Id) -> Self {
         Self {
             limits,
             status_id,
@@ -101,7 +101,7 @@ impl Outbox {
         &self.counts
     }
 
-    /// Frames that wait.
+    /// Number of frames that wait.
     pub fn waiting(&self) -> usize {
         self.urgent() + self.estimates.len()
     }
@@ -110,7 +110,7 @@ impl Outbox {
         self.warnings.len() + usize::from(self.status.is_some())
     }
 
-    /// Takes a frame; its time stamp is when it came to be.
+    /// Takes a frame; its time stamp is the time at which it was made.
     pub fn put(&mut self, frame: OwnFrame) {
         if self.closing {
             return;
@@ -136,16 +136,16 @@ impl Outbox {
         self.warnings.push_back(frame);
     }
 
-    /// Takes the last words, a status: warnings that wait still go before it where the rate limit
-    /// lets them, and nothing goes after it.
-    pub fn close(&mut self, last_words: OwnFrame) {
+    /// Takes the stopping status: waiting warnings still go before it where the rate limit allows
+    /// it, and nothing follows it.
+    pub fn close(&mut self, stopping_status: OwnFrame) {
         self.counts.outdated += self.estimates.len() as u64;
         self.estimates.clear();
-        self.put(last_words);
+        self.put(stopping_status);
         self.closing = true;
     }
 
-    /// The frame that may be sent at `now`, if any; [`Self::sent`] takes it out.
+    /// The frame that may be sent at `now`, if any; [`Self::sent`] removes it.
     pub fn next(&mut self, now: Timestamp) -> Option<&OwnFrame> {
         self.accrue(now);
         self.drop_old(now);
@@ -156,7 +156,7 @@ impl Outbox {
         let status = self.is_status_next();
         let reserve = match (urgent, status && self.closing) {
             (false, _) => self.reserve(),
-            (true, false) => f64::from(LAST_WORDS),
+            (true, false) => f64::from(STOPPING_STATUS),
             (true, true) => 0.0,
         };
         if self.credit < 1.0 + reserve {
@@ -170,13 +170,13 @@ impl Outbox {
         }
     }
 
-    /// What estimates leave of the frames that may go out at once.
+    /// Number of frames that estimates leave of those that may be sent at once.
     fn reserve(&self) -> f64 {
         let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
-        others.max(f64::from(LAST_WORDS))
+        others.max(f64::from(STOPPING_STATUS))
     }
 
-    /// The frame of the last [`Self::next`] went out.
+    /// Notes that the frame of the last [`Self::next`] was sent.
     pub fn sent(&mut self) {
         if self.urgent() == 0 {
             self.estimates.pop_front();
@@ -193,7 +193,7 @@ impl Outbox {
         self.counts.sent += 1;
     }
 
-    /// Forgets everything that waits: the bus was away.
+    /// Drops everything that waits, because the bus was away.
     pub fn clear(&mut self) {
         self.counts.too_old += self.waiting() as u64;
         self.status = None;
@@ -203,7 +203,7 @@ impl Outbox {
     }
 
     fn is_status_next(&self) -> bool {
-        let scarce = self.credit - f64::from(LAST_WORDS) < self.urgent() as f64;
+        let scarce = self.credit - f64::from(STOPPING_STATUS) < self.urgent() as f64;
         self.status.is_some() && (self.ahead == 0 || scarce)
     }
 
@@ -222,7 +222,7 @@ impl Outbox {
     fn drop_old(&mut self, now: Timestamp) {
         let age = self.limits.age;
         let old = |frame: &OwnFrame| now.since(frame.as_frame().timestamp) > age;
-        // The last words stay true.
+        // The stopping status stays true.
         if !self.closing && self.status.as_ref().is_some_and(old) {
             self.status = None;
             self.counts.too_old += 1;

@@ -1,28 +1,28 @@
-//! Keeps a gateway going for months: opens the port, and anew after each loss.
+//! Keeps a gateway running for months: opens the port, and opens it again after each loss.
 
 use super::gateway::{Gateway, Journal};
 use crate::bus::{Port, PortError};
 use std::time::Duration;
 
-/// The longest that a turn waits for frames: deadlines and statuses are kept this closely.
+/// Longest wait of a turn for frames, which bounds the delay of deadlines and statuses.
 const PATIENCE: Duration = Duration::from_millis(5);
 
-/// The first and the longest wait between two tries to open a port.
+/// First and longest wait between two attempts to open a port.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(50), Duration::from_secs(2));
 
-/// After an interface that takes nothing more, a try each …
+/// Pause between attempts to send on an interface that accepts no frames.
 const FULL_PAUSE: Duration = Duration::from_millis(2);
 
-/// Opens a port, again and again.
+/// Opens a port, repeatedly.
 pub trait Opener {
     /// # Errors
     /// Why there is none, for people.
     fn open(&mut self) -> Result<Box<dyn Port>, String>;
 }
 
-/// What the outside wants.
+/// Request from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wish {
+pub enum Request {
     GoOn,
     /// Read the configuration again.
     Reload,
@@ -31,28 +31,28 @@ pub enum Wish {
 
 /// Everything outside of the data path that the supervisor depends on.
 pub trait Surroundings: Journal {
-    /// What is wanted now; asked after each turn.
-    fn wish(&mut self) -> Wish;
-    /// Waits, at most for `time`, less if something is wished.
+    /// The present request; asked after each turn.
+    fn request(&mut self) -> Request;
+    /// Waits at most for `time`, less if there is a request.
     fn wait(&mut self, time: Duration);
-    /// A port is open.
+    /// Notes that a port is open.
     fn opened(&mut self, port: &dyn Port);
-    /// The port is lost, or could not be opened. Told once for each new reason.
+    /// Notes that the port is lost, or could not be opened. Called once for each new reason.
     fn lost(&mut self, reason: &str);
-    /// The gateway stops, and the bus was not told, for `reason`.
-    fn unsaid(&mut self, reason: &str);
-    /// `port` was open and is lost, whether or not the reason is a new one.
+    /// Notes that the gateway stops, and that the bus was not told, for `reason`.
+    fn not_told(&mut self, reason: &str);
+    /// Notes that `port` was open and is lost, whether or not the reason is new.
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         _ = (gateway, port);
     }
-    /// A turn was done, with a port that works: the proof of life.
+    /// Notes a turn with a port that works: the proof of life.
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port);
-    /// A new gateway in the place of `gateway` and a new way to open its port, after
-    /// [`Wish::Reload`]; `None` to go on as before, because the new configuration is refused.
+    /// Replaces `gateway` and the opener of its port, after [`Request::Reload`]; `None` to continue as
+    /// before, because the new configuration is refused.
     fn reload(&mut self, gateway: &Gateway) -> Option<(Gateway, Box<dyn Opener>)>;
 }
 
-/// Runs `gateway` on the ports of `opener` until the surroundings wish to stop, and gives the gateway
+/// Runs `gateway` on the ports of `opener` until it is requested to stop, and returns the gateway
 /// that ran last.
 pub fn run(
     mut gateway: Gateway,
@@ -78,17 +78,17 @@ pub fn run(
             }
             Err(reason) => back_off.lost(&reason, surroundings),
         }
-        match surroundings.wish() {
-            Wish::Stop => {
-                surroundings.unsaid("the interface is not open");
+        match surroundings.request() {
+            Request::Stop => {
+                surroundings.not_told("the interface is not open");
                 return gateway;
             }
-            Wish::Reload => {
+            Request::Reload => {
                 if let Some(reloaded) = surroundings.reload(&gateway) {
                     (gateway, opener) = reloaded;
                 }
             }
-            Wish::GoOn => surroundings.wait(back_off.next()),
+            Request::GoOn => surroundings.wait(back_off.next()),
         }
     }
 }
@@ -121,15 +121,15 @@ fn serve(
                 return End::Lost(error);
             }
         }
-        match surroundings.wish() {
-            Wish::GoOn => {}
-            Wish::Stop => {
+        match surroundings.request() {
+            Request::GoOn => {}
+            Request::Stop => {
                 if let Err(reason) = gateway.stop(port, FULL_PAUSE, surroundings) {
-                    surroundings.unsaid(&reason.to_string());
+                    surroundings.not_told(&reason.to_string());
                 }
                 return End::Stop;
             }
-            Wish::Reload => {
+            Request::Reload => {
                 if let Some((new_gateway, opener)) = surroundings.reload(gateway) {
                     return End::Reloaded(Box::new(new_gateway), opener);
                 }
@@ -138,7 +138,7 @@ fn serve(
     }
 }
 
-/// Waits that double, and a reason that is told once.
+/// Waits that double, and a reason that is reported once.
 #[derive(Debug)]
 struct BackOff {
     next: Duration,

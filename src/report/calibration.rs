@@ -2,7 +2,7 @@
 
 use super::coverage;
 use super::sheet::{Section, Sheet};
-use crate::calibrate::{Calibration, Tried};
+use crate::calibrate::{Calibration, TriedBand};
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::provenance::four_digits;
@@ -28,12 +28,12 @@ pub fn page(result: &Calibration) -> String {
     text
 }
 
-/// Which parts of the recording it was made from.
+/// Parts of the recording that were used.
 pub fn parts(result: &Calibration) -> String {
     let Calibration { fitted, tried, .. } = result;
     let [from, middle, begin, to] = [fitted.from, fitted.to, tried.from, tried.to];
     if fitted == tried {
-        return format!("fitted and tried on {from:.1} s to {to:.1} s, by blocks that alternate");
+        return format!("fitted and tried on {from:.1} s to {to:.1} s, by alternating blocks");
     }
     format!("fitted on {from:.1} s to {middle:.1} s, tried on {begin:.1} s to {to:.1} s")
 }
@@ -54,14 +54,14 @@ pub fn lines(result: &Calibration) -> Section {
     table.about("C1 = a·C2 + b (5-20), least squares without the samples left out")
 }
 
-/// The band of each cylinder.
+/// Band of each cylinder.
 pub fn bands(result: &Calibration) -> Section {
     let mut table = Sheet::new(&["cylinder", "C1 − C2", "C1 − Ĉ2", "99.9 %", "RMS", "faulty"]);
     for cylinder in &result.cylinders {
         let Some(tried) = cylinder.tried.as_ref().filter(|tried| tried.after.count > 0) else {
             continue;
         };
-        let Tried { before, after, .. } = tried;
+        let TriedBand { before, after, .. } = tried;
         table.add_row([
             cylinder.number.to_string(),
             format!("{:.3} to {:.3} mm", before.low * 1e3, before.high * 1e3),
@@ -74,7 +74,7 @@ pub fn bands(result: &Calibration) -> Section {
     table.about("the difference before (Figure 5-14) and after (Figure 5-15), where it was tried")
 }
 
-/// What the sequential detectors start from.
+/// Basis of the sequential detectors.
 pub fn sequential(result: &Calibration) -> Section {
     let mut table =
         Sheet::new(&["cylinder", "covered", "deviation", "largest", "by velocity", "command", "h"]);
@@ -97,11 +97,12 @@ pub fn sequential(result: &Calibration) -> Section {
     }
     table.about(
         "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
-         (where it was tried), what a cycle differs by from the command's prediction, and the level",
+         (where it was tried), the deviation from the command's prediction in a cycle, and the \
+         level",
     )
 }
 
-fn faulty(tried: &Tried) -> String {
+fn faulty(tried: &TriedBand) -> String {
     match tried.faulty {
         0 => format!("none beyond {:.2} mm", tried.limit() * 1e3),
         some => format!(
@@ -112,7 +113,7 @@ fn faulty(tried: &Tried) -> String {
     }
 }
 
-/// The bound that is proposed, or why none is.
+/// Proposed bound, or why there is none.
 pub fn bound(result: &Calibration) -> String {
     match &result.bound {
         Some(bound) => format!(
@@ -120,13 +121,13 @@ pub fn bound(result: &Calibration) -> String {
             four_digits(bound.level) * 1e3,
             meaning(bound).join("\n  ")
         ),
-        None => "no bound is proposed: there are less than 50 s of the second part (50 times \
+        None => "no bound is proposed: the second part has less than 50 s (50 times \
                  alarm.clear), or no cylinder has a calibration\n"
             .to_owned(),
     }
 }
 
-/// A line for each.
+/// Remarks, one line each.
 pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();

@@ -24,7 +24,7 @@ pub fn page(result: &Commissioned) -> String {
             _ = write!(text, "\n{section}");
         }
     }
-    text += &listed("a longer recording would win", &wins(result));
+    text += &listed("a longer recording would add", &wins(result));
     text += &listed("to be known", &remarks(result));
     text
 }
@@ -37,19 +37,17 @@ fn listed(head: &str, lines: &[String]) -> String {
     format!("\n{head}:\n{lines}")
 }
 
-/// What it was learnt from.
+/// Recordings that were learnt from.
 pub fn origin(result: &Commissioned) -> String {
     let minutes = result.length / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
         let held = trial.held / 60.0;
-        format!(
-            "; the trial is of tables that were learnt without the {held:.1} min that it is made on"
-        )
+        format!("; the trial uses tables that were learnt without its own {held:.1} min")
     });
     format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
 }
 
-/// What the configuration has then.
+/// Tables of the resulting configuration.
 pub fn tables(result: &Commissioned) -> Section {
     let mut table = Sheet::new(&["", "learnt", "of"]);
     let taught = &result.taught;
@@ -96,7 +94,7 @@ const fn name(detector: Detector) -> &'static str {
     }
 }
 
-/// What was said of the machine as it is, in what was held back.
+/// Warnings on the healthy machine in the blocks held back.
 pub fn trial(result: &Commissioned) -> Section {
     let header = ["detector", "false alarms", "at most an hour (95 %)", "judged"];
     let mut table = Sheet::new(&header);
@@ -107,10 +105,10 @@ pub fn trial(result: &Commissioned) -> Section {
         let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
         table.add_row([name(detector).to_owned(), count.to_string(), format!("{most:.0}"), judged]);
     }
-    table.about(format!("trial, {:.1} min held back: as it was recorded", trial.held / 60.0))
+    table.about(format!("trial on {:.1} min held back: as recorded", trial.held / 60.0))
 }
 
-/// Both ends to so many digits, or one where they are the same.
+/// Both ends with `digits` decimals, or one where they are the same.
 fn range(low: f64, high: f64, digits: usize) -> String {
     let [low, high] = [low, high].map(|end| format!("{end:.digits$}"));
     if low == high { low } else { format!("{low} to {high}") }
@@ -123,7 +121,7 @@ fn known(trial: &Trial) -> String {
     })
 }
 
-/// What was said of faults.
+/// Results of the faults that were tried.
 pub fn faults(result: &Commissioned) -> Section {
     let header =
         ["fault", "tried", "found", "median", "95 %", "right", "undecided", "wrong", "no place"];
@@ -146,17 +144,17 @@ pub fn faults(result: &Commissioned) -> Section {
         ]);
     }
     table.about(
-        "and with faults put into it, each transducer of each cylinder: how soon the first detector \
-         warns, and whether the right transducer is blamed",
+        "with faults put into each transducer of each cylinder: how soon the first detector warns, \
+         and whether it blames the right transducer",
     )
 }
 
-/// What a longer recording would win.
+/// What a longer recording would add.
 pub fn wins(result: &Commissioned) -> Vec<String> {
     coverage::wins(&result.taught, &result.coverage)
 }
 
-/// What each stage has to say beside its tables, once.
+/// Remarks of each stage beside its tables, each once.
 pub fn remarks(result: &Commissioned) -> Vec<String> {
     let taught = &result.taught;
     let mut remarks: Vec<String> = Vec::new();
@@ -181,7 +179,7 @@ pub fn remarks(result: &Commissioned) -> Vec<String> {
     remarks
 }
 
-/// Whether it can be written, and as a whole.
+/// Whether the whole configuration can be written.
 pub const fn is_good(result: &Commissioned) -> bool {
     matches!(result.verdict.fitness, Fitness::Fit)
 }

@@ -1,4 +1,4 @@
-//! Where on the stroke the difference of both readings is known, and how well.
+//! Where on the stroke the difference of both readings is known, and how accurately.
 
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, CylinderCalibration, Profile};
@@ -27,15 +27,15 @@ pub fn section(result: &Calibration) -> Section {
         ]);
     }
     table.about(format!(
-        "where on the stroke the sequential detectors know what C1 − C2 is, to {:.1} mm; thin places are \
-         those where no better than to {:.1} mm, so that small faults take longer there; beyond, they say \
-         unknown; and by what the profile is taken to bend from node to node",
+        "where on the stroke the sequential detectors know C1 − C2 to {:.1} mm; in thin places it \
+         is known only to {:.1} mm, so that small faults take longer there; elsewhere their \
+        verdict is unknown; and the bend of the profile that is assumed from node to node",
         LARGEST_DOUBT * 1e3,
         DEAD_BAND * 1e3
     ))
 }
 
-/// The spans of the stroke, m, in which something can be judged.
+/// Spans of the stroke, m, in which the detector can judge.
 pub fn known(profile: &Profile) -> Vec<[f64; 2]> {
     profile.reference.spans(f64::NEG_INFINITY, LARGEST_DOUBT)
 }

@@ -1,11 +1,11 @@
-//! Warnings gathered from raise to clear.
+//! Episodes: warnings from raise to clear.
 
 use crate::alarm::register::PLACES;
 use crate::alarm::{Detector, Finding, State, Warning};
 use crate::time::Timestamp;
 use crate::verdict::Fault;
 
-/// Episodes that are kept for the page; the others are counted.
+/// Most episodes that are kept for the page; further ones are counted.
 pub const KEPT: usize = 500;
 
 /// One warning from its raise to its clearing.
@@ -14,29 +14,29 @@ pub struct Episode {
     pub cylinder: u8,
     pub detector: Detector,
     pub raised: Timestamp,
-    /// `None` while it stands.
+    /// Time of clearing; `None` while it stands.
     pub cleared: Option<Timestamp>,
-    /// The fault first named, which later residuals may have corrected.
+    /// Fault that was named first, which later residuals may have corrected.
     pub first_fault: Fault,
-    /// As raised, with the fault, suspect, level and evidence as last changed.
+    /// Finding as raised, with the fault, suspect, level and evidence as last changed.
     pub finding: Finding,
 }
 
-/// The episodes of a replay, in the order of their raise.
+/// Episodes of a replay, in the order of their raise.
 #[derive(Clone, Debug, Default)]
 pub struct Episodes {
     kept: Vec<Episode>,
     left_out: u64,
-    /// Raised, for each detector in the order of [`Detector::ALL`].
+    /// Number of warnings raised, for each detector in the order of [`Detector::ALL`].
     raised: [u64; Detector::ALL.len()],
-    /// Of each cylinder in its order.
+    /// Counts of each cylinder, in order.
     cylinders: Vec<OfCylinder>,
 }
 
 #[derive(Clone, Debug, Default)]
 struct OfCylinder {
     raised: u64,
-    /// Which of the kept episodes stands at each place.
+    /// Index of the kept episode that stands at each place.
     standing: [Option<usize>; PLACES],
 }
 
@@ -53,17 +53,17 @@ impl Episodes {
         &self.kept
     }
 
-    /// Episodes beyond [`KEPT`].
+    /// Number of episodes beyond [`KEPT`].
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
 
-    /// Warnings raised, for each detector in the order of [`Detector::ALL`].
+    /// Number of warnings raised, for each detector in the order of [`Detector::ALL`].
     pub const fn raised(&self) -> &[u64; Detector::ALL.len()] {
         &self.raised
     }
 
-    /// Warnings raised for the cylinder `n` (from 1).
+    /// Number of warnings raised for the cylinder `n` (from 1).
     pub fn of_cylinder(&self, n: usize) -> u64 {
         self.cylinders.get(n - 1).map_or(0, |cylinder| cylinder.raised)
     }

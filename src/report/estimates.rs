@@ -4,11 +4,11 @@ use crate::estimate::Estimate;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-/// The columns, which the first line names.
+/// Columns, which the first line names.
 pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
 
-/// Writes one row for each cylinder and cycle, in full double precision, m. What is not known is empty;
-/// what is not valid is there to be looked at, not to be used.
+/// Writes one row for each cylinder and cycle, in full double precision, m. Unknown values are
+/// empty; values that are not valid are for inspection only.
 #[derive(Debug)]
 pub struct EstimateTable<W: Write> {
     out: W,
@@ -17,8 +17,7 @@ pub struct EstimateTable<W: Write> {
 impl<W: Write> EstimateTable<W> {
     /// A table on `out`, which should be buffered.
     ///
-    /// # Errors
-    /// What `out` says.
+    /// # Errors Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
         Ok(Self { out })
@@ -27,8 +26,7 @@ impl<W: Write> EstimateTable<W> {
     /// Writes the row of a cycle that opened at `at`; `first` is the time stamp of the recording's first
     /// frame.
     ///
-    /// # Errors
-    /// What the output says.
+    /// # Errors Errors of the output.
     pub fn write(
         &mut self,
         first: Timestamp,
@@ -47,7 +45,7 @@ impl<W: Write> EstimateTable<W> {
         writeln!(self.out, ",{},{}", u8::from(*valid), source.name())
     }
 
-    /// The writer underneath, which may still buffer rows.
+    /// The underlying writer, which may still buffer rows.
     pub fn into_inner(self) -> W {
         self.out
     }

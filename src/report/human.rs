@@ -1,4 +1,4 @@
-//! The page that a person reads after a replay.
+//! The page for people after a replay.
 
 use super::wording;
 use super::{Episode, Summary};
@@ -8,7 +8,7 @@ use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets};
 use console::style;
 use std::fmt::Write as _;
 
-/// Gaps, jumps and restarts that are kept for the page; the others are counted.
+/// Most gaps, jumps and restarts that are kept for the page; further ones are counted.
 pub const NOTICES_KEPT: usize = 20;
 
 /// Notices of a replay.
@@ -31,22 +31,22 @@ impl Notices {
         &self.kept
     }
 
-    /// Notices beyond [`NOTICES_KEPT`].
+    /// Number of notices beyond [`NOTICES_KEPT`].
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
 }
 
-/// What stands above the tables.
+/// Heading above the tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Heading<'a> {
-    /// The recordings.
+    /// Names of the recordings.
     pub inputs: &'a str,
     pub machine: &'a str,
     pub config: &'a str,
-    /// The recording's first frame.
+    /// Time stamp of the recording's first frame.
     pub first: Timestamp,
-    /// Colours and attributes for a terminal.
+    /// Whether to use colours and attributes of a terminal.
     pub colour: bool,
 }
 
@@ -85,13 +85,13 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         counts.cycles, counts.incomplete, counts.missing
     );
     for (count, what) in [
-        (counts.late, "frames that came when their cycle was decided"),
+        (counts.late, "frames that came after their cycle was decided"),
         (counts.repeated, "frames that came twice"),
         (counts.held, "frames that came before their cycle (they were kept for it)"),
-        (counts.bad_signals, "values that their frame was too short for, or not a number"),
-        (counts.backwards, "frames with a time stamp before the one before"),
-        (counts.time_jumps, "jumps of the time stamps (everything started anew)"),
-        (counts.interruptions, "× the bus was lost (everything started anew)"),
+        (counts.bad_signals, "values for which the frame was too short, or that are not a number"),
+        (counts.backwards, "frames with a time stamp earlier than the previous one"),
+        (counts.time_jumps, "jumps of the time stamps (everything restarted)"),
+        (counts.interruptions, "× the bus was lost (everything restarted)"),
         (statistics.error_frames, "error frames of the controller"),
         (statistics.remote_frames, "remote frames"),
         (statistics.other_interface_frames, "frames of other interfaces"),

@@ -3,7 +3,7 @@
 use super::sheet::{Section, Sheet};
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
-use crate::identify::validate::Score;
+use crate::identify::validate::SignalScore;
 use std::fmt::Write as _;
 
 /// The page.
@@ -26,17 +26,17 @@ pub fn page(outcome: &Outcome) -> String {
     text
 }
 
-/// What a correlation of a residual with the command is worth.
+/// Caveat about a correlation of a residual with the command.
 pub const CLOSED_LOOP: &str = "the loop was closed when this was recorded: the command depends on \
                                past positions, so a correlation with it is no proof against the \
                                model";
 
-/// With an empty line behind it; nothing where it is empty.
+/// `text` with an empty line after it; empty where `text` is.
 fn spaced(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("{text}\n") }
 }
 
-/// Which parts of the recording it was made from, and how.
+/// Parts of the recording that were used, and how.
 pub fn parts(outcome: &Outcome) -> String {
     let Outcome { fitted, validated, shaping, .. } = outcome;
     let held_back = if fitted == validated {
@@ -75,7 +75,7 @@ pub fn parameters(outcome: &Outcome) -> Section {
     table.about("parameters of (4-1), with standard errors (lower bounds: residuals are not white)")
 }
 
-/// What the models are like.
+/// Characteristics of the models.
 pub fn character(outcome: &Outcome) -> Section {
     let header = ["cylinder", "poles", "gain u→l̇", "observable", "(4-7)", "(4-8)"];
     let mut table = Sheet::new(&header);
@@ -132,18 +132,18 @@ pub fn cross_validation(outcome: &Outcome) -> Section {
     table.about("position VAF in %, simulated open loop (Figure 4-3)")
 }
 
-/// Whose model is taken, and why; empty where there is none.
+/// The model that was chosen, and why; empty where there is none.
 pub fn taken(outcome: &Outcome) -> String {
     let Some(choice) = outcome.choice else { return String::new() };
-    let why = if choice.asked { "as asked for" } else { "its worst is the best" };
-    format!("the model of cylinder {} is taken: {why}, {:.2} %\n", choice.of, choice.worst)
+    let why = if choice.asked { "as requested" } else { "its worst is the best" };
+    format!("the model of cylinder {} is chosen: {why}, {:.2} %\n", choice.of, choice.worst)
 }
 
-fn percent(score: &Score) -> String {
+fn percent(score: &SignalScore) -> String {
     format!("{:.2}", score.vaf())
 }
 
-/// How the taken model does on each cylinder.
+/// Results of the chosen model on each cylinder.
 pub fn own_scores(outcome: &Outcome) -> Section {
     let Some(choice) = outcome.choice else { return Section::default() };
     let header = ["cylinder", "", "VAF l", "RMS l", "worst l", "VAF l̇", "RMS l̇", "worst l̇"];
@@ -168,7 +168,8 @@ pub fn own_scores(outcome: &Outcome) -> Section {
         }
     }
     table.about(
-        "the taken model on every cylinder: simulated open loop, and predicted by the observer from \
+        "the chosen model on every cylinder: simulated open loop, and predicted by the observer \
+         from \
          one cycle to the next",
     )
 }
@@ -206,7 +207,7 @@ fn tests_of(number: u8, name: &str, whiteness: &Whiteness) -> [String; 8] {
     ]
 }
 
-/// A line for each.
+/// Remarks, one line each.
 pub fn remarks(outcome: &Outcome) -> String {
     let mut text = String::new();
     let mut told: Vec<(&str, Vec<u8>)> = Vec::new();

@@ -38,7 +38,7 @@ struct WarningLine {
     evidence: Option<EvidenceFields>,
 }
 
-/// Of a detector that weighs evidence.
+/// Fields of a detector that weighs evidence.
 #[derive(Serialize)]
 struct EvidenceFields {
     evidence: f64,
@@ -75,7 +75,7 @@ struct NoticeLine {
 struct SummaryLine<'a> {
     r#type: &'static str,
     judged: bool,
-    /// Why not.
+    /// Reasons why nothing was judged.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     reasons: &'a [String],
     frames: u64,
@@ -100,7 +100,7 @@ struct SummaryLine<'a> {
     trends: Vec<TrendLine>,
 }
 
-/// A detector as a key, in the order of the detectors and not of their names.
+/// A detector as a key, sorted in the order of the detectors and not of their names.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct Position(Detector);
 
@@ -126,7 +126,7 @@ struct CylinderLine {
     sequential: Option<CoverageFields>,
 }
 
-/// For how long a sequential detector judged, and why not.
+/// Time in which a sequential detector judged, and why not otherwise.
 #[derive(Serialize)]
 struct CoverageFields {
     judged_seconds: f64,
@@ -147,8 +147,7 @@ impl CoverageFields {
 
 /// Writes `warning`; `first` is the time stamp of the recording's first frame.
 ///
-/// # Errors
-/// What `out` says.
+/// # Errors Errors of `out`.
 pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io::Result<()> {
     let finding = &warning.finding;
     write_line(
@@ -177,10 +176,9 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
     )
 }
 
-/// Writes `notice`, as [`warning`].
+/// Writes `notice`; see [`warning`].
 ///
-/// # Errors
-/// What `out` says.
+/// # Errors Errors of `out`.
 pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
     let line = |at: Timestamp, notice, seconds: Option<Span>| NoticeLine {
         r#type: "notice",
@@ -216,8 +214,7 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
 
 /// Writes the last line.
 ///
-/// # Errors
-/// What `out` says.
+/// # Errors Errors of `out`.
 pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
     let Summary { statistics, counts, episodes, .. } = summary;
     let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();
@@ -264,7 +261,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
     write_line(out, &line)
 }
 
-/// Why an observer starts anew, in files and reports.
+/// Name of the reason for which an observer restarts, in files and reports.
 pub const fn restart_name(reason: Restart) -> &'static str {
     match reason {
         Restart::Gap => "gap",

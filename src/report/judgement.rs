@@ -1,36 +1,37 @@
-//! Whether anything was judged, and why nothing was: a recording of which nothing was judged says
-//! nothing about the machine, and must not look as if all were well.
+//! Whether anything was judged, and why not: a recording in which nothing was judged says nothing
+//! about the machine, and must not look as if all were well.
 
 use crate::bus::{Interfaces, Statistics};
 use crate::frame::Id;
 use crate::monitor::cylinder::Tally;
 use crate::monitor::{Counts, MonitorDesign};
 
-/// Identifiers that are told by number; of more, how many there are.
+/// Most identifiers that are listed; further ones are counted.
 const LISTED: usize = 6;
 
-/// What is known of a recording once it has been read.
+/// Facts about a recording that has been read.
 #[derive(Clone, Copy, Debug)]
-pub struct Recorded<'a> {
+pub struct RecordedFacts<'a> {
     pub statistics: &'a Statistics,
-    /// The interface that was asked for.
+    /// The requested interface.
     pub interfaces: &'a Interfaces,
     pub design: &'a MonitorDesign,
     /// Frames with an identifier of the configuration.
     pub used: u64,
 }
 
-/// Why nothing was judged; no reason where something was.
+/// Reasons why nothing was judged; none where something was.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judgement {
     reasons: Vec<String>,
 }
 
 impl Judgement {
-    /// Of a replay. Something was judged where a residual was, of whatever cylinder and detector;
-    /// `missed` are the monitored states by name, where the platform was in none of them.
+    /// The judgement of a replay. Something was judged where there was a residual of any cylinder
+    /// and detector; `missed` are the monitored states by name, if the platform was in none of
+    /// them.
     pub fn new(
-        recorded: &Recorded<'_>,
+        recorded: &RecordedFacts<'_>,
         counts: &Counts,
         tallies: &[Tally],
         missed: Option<&[String]>,
@@ -53,7 +54,7 @@ impl Judgement {
         &self.reasons
     }
 
-    /// What a person reads first; empty where something was judged.
+    /// First line for a person; empty where something was judged.
     pub fn headline(&self) -> String {
         if self.is_judged() {
             return String::new();
@@ -64,8 +65,8 @@ impl Judgement {
     }
 }
 
-impl Recorded<'_> {
-    /// Why there is nothing of this machine in the recording; empty where there is something.
+impl RecordedFacts<'_> {
+    /// Why the recording has nothing of this machine; empty where it has.
     pub fn nothing(&self) -> Vec<String> {
         if self.used > 0 {
             return Vec::new();
@@ -74,13 +75,14 @@ impl Recorded<'_> {
         let mut reasons = Vec::new();
         if *frames > 0 && other_interface_frames == frames {
             let found = self.statistics.interfaces_found();
-            reasons.push(format!("no frame is of {}; the recording has {found}", self.interfaces));
+            reasons
+                .push(format!("no frame is from {}; the recording has {found}", self.interfaces));
         } else if *frames > *other_interface_frames {
             let frames = frames - other_interface_frames;
             let listened = identifiers(self.design);
             reasons.push(format!(
-                "of {frames} frames none has an identifier of the configuration ({listened}): the \
-                 recording is of another machine, or the DBC is"
+                "none of the {frames} frames has an identifier of the configuration ({listened}): \
+                 the recording or the DBC belongs to another machine"
             ));
         }
         reasons.extend(damage.iter().map(ToString::to_string));
@@ -89,9 +91,9 @@ impl Recorded<'_> {
     }
 }
 
-/// What the configuration listens to.
+/// Identifiers that the configuration uses.
 fn identifiers(design: &MonitorDesign) -> String {
-    let ids: Vec<Id> = design.wiring.lines().iter().map(|line| line.id).collect();
+    let ids: Vec<Id> = design.subscriptions.all().iter().map(|line| line.id).collect();
     let shown = ids.iter().take(LISTED).map(ToString::to_string).collect::<Vec<_>>().join(", ");
     match ids.len().saturating_sub(LISTED) {
         0 => shown,
@@ -99,15 +101,15 @@ fn identifiers(design: &MonitorDesign) -> String {
     }
 }
 
-/// Why no residual came of the frames that the monitor listens to.
+/// Why the frames that the monitor uses gave no residual.
 fn unjudged(counts: &Counts, tallies: &[Tally], missed: Option<&[String]>) -> Vec<String> {
     let sum = |of: fn(&Tally) -> u64| tallies.iter().map(of).sum::<u64>();
     let (cycles, incomplete) = (sum(|tally| tally.cycles), sum(|tally| tally.incomplete));
     let implausible = sum(|tally| tally.implausible.iter().sum());
     if cycles == 0 {
         return vec![format!(
-            "of {} frames with an identifier of the configuration none opened a cycle: there is \
-             neither Sync nor a reading",
+            "none of the {} frames with an identifier of the configuration opened a cycle: there \
+             is neither Sync nor a reading",
             counts.used
         )];
     }

@@ -1,4 +1,4 @@
-//! What people and scripts read of a replay: lines of JSON, tables of residuals, a page of text.
+//! Output of a replay for people and scripts: lines of JSON, tables of residuals, a page of text.
 
 pub mod calibration;
 pub mod commission;
@@ -18,6 +18,8 @@ pub mod stops;
 pub mod tuning;
 mod wording;
 
+pub(crate) use wording::{counted, times};
+
 pub use episode::{Episode, Episodes};
 pub use estimates::EstimateTable;
 pub use judgement::Judgement;
@@ -30,9 +32,9 @@ use crate::monitor::{Counts, cylinder::Tally};
 /// Everything that a summary is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Summary<'a> {
-    /// From the first to the last frame, s.
+    /// Duration from the first to the last frame, s.
     pub duration: f64,
-    /// Of a cycle, s.
+    /// Sample time, s.
     pub sample_time: f64,
     pub judgement: &'a Judgement,
     pub statistics: &'a Statistics,
@@ -45,7 +47,7 @@ pub struct Summary<'a> {
 }
 
 impl Summary<'_> {
-    /// Frames that the monitor does not listen to.
+    /// Number of frames that the monitor does not use.
     pub fn ignored_frames(&self) -> u64 {
         self.statistics.frames.saturating_sub(self.counts.used)
     }

@@ -13,14 +13,14 @@ pub fn section(nonlinear: &Nonlinear) -> String {
     text
 }
 
-/// What the flow curves are, and what they are from.
+/// Definition of the flow curves, and their data.
 pub fn sources(nonlinear: &Nonlinear) -> String {
     let sources = &nonlinear.sources;
     let opening = if sources.spool {
         "x is the recorded spool position, in its unit of the DBC".to_owned()
     } else {
-        "no spool position is configured (signals.cylinder.spool): x is the command u (m/s), so that \
-         the curve holds the machine's own look-up table and the valve's lag, too"
+        "no spool position is configured (signals.cylinder.spool): x is the command u (m/s), so \
+         that the curve also includes the machine's own look-up table and the valve's lag"
             .to_owned()
     };
     let supply = sources.supply.map_or("P_S as recorded".to_owned(), |bar| {
@@ -35,8 +35,8 @@ pub fn sources(nonlinear: &Nonlinear) -> String {
 
 fn heading(nonlinear: &Nonlinear) -> String {
     format!(
-        "\n{}? is not known: fewer than {FEWEST:.0} cycles speak of it; ± is a lower bound, the \
-         residuals are not white\n",
+        "\n{}? is not known: fewer than {FEWEST:.0} cycles determine it; ± is a lower bound, since \
+         the residuals are not white\n",
         sources(nonlinear)
     )
 }
@@ -60,13 +60,13 @@ fn flow(nonlinear: &Nonlinear) -> String {
     text
 }
 
-/// Why there is none either way, if it is the same.
+/// Why there is no curve in either direction, if the reason is the same.
 fn no_flow_at_all(number: usize, curves: &[Result<FlowCurve, NoFlow>; 2]) -> Option<String> {
     let [Err(out), Err(back)] = curves else { return None };
     (out == back).then(|| format!("cylinder {number}: no flow curve: {out}"))
 }
 
-/// A line for each cylinder and direction without a flow curve.
+/// Cylinders and directions without a flow curve, one line each.
 pub fn no_flow(nonlinear: &Nonlinear) -> String {
     let mut text = String::new();
     for (number, curves) in (1..).zip(&nonlinear.flow) {
@@ -83,7 +83,7 @@ pub fn no_flow(nonlinear: &Nonlinear) -> String {
     text
 }
 
-/// A line for each cylinder without a friction curve.
+/// Cylinders without a friction curve, one line each.
 pub fn no_friction(nonlinear: &Nonlinear) -> String {
     let without =
         (1..).zip(&nonlinear.friction).filter_map(|(n, it)| Some((n, it.as_ref().err()?)));

@@ -4,11 +4,11 @@ use crate::monitor::Record;
 use crate::time::Timestamp;
 use std::io::{self, Write};
 
-/// The columns, which the first line names.
+/// Columns, which the first line names.
 pub const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
 
-/// Writes one row for each cylinder and cycle, in full double precision. What is not there is
-/// empty; `gated` is 1 where neither FDE1 nor FDE2 judged.
+/// Writes one row for each cylinder and cycle, in full double precision. Missing values are empty;
+/// `gated` is 1 where neither FDE1 nor FDE2 judged.
 #[derive(Debug)]
 pub struct ResidualTable<W: Write> {
     out: W,
@@ -17,8 +17,7 @@ pub struct ResidualTable<W: Write> {
 impl<W: Write> ResidualTable<W> {
     /// A table on `out`, which should be buffered.
     ///
-    /// # Errors
-    /// What `out` says.
+    /// # Errors Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
         Ok(Self { out })
@@ -26,8 +25,7 @@ impl<W: Write> ResidualTable<W> {
 
     /// Writes the row of `record`; `first` is the time stamp of the recording's first frame.
     ///
-    /// # Errors
-    /// What the output says.
+    /// # Errors Errors of the output.
     pub fn write(&mut self, first: Timestamp, record: &Record) -> io::Result<()> {
         let t = record.timestamp.since(first).as_seconds();
         write!(self.out, "{t},{}", record.cylinder)?;
@@ -42,7 +40,7 @@ impl<W: Write> ResidualTable<W> {
         writeln!(self.out, ",{}", u8::from(record.gated))
     }
 
-    /// The writer underneath, which may still buffer rows.
+    /// The underlying writer, which may still buffer rows.
     pub fn into_inner(self) -> W {
         self.out
     }

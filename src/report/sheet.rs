@@ -10,7 +10,7 @@ pub struct Sheet {
     pub rows: Vec<Vec<String>>,
 }
 
-/// A table with what it is about.
+/// A table with its introduction.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Section {
     pub about: String,
@@ -27,14 +27,14 @@ impl Sheet {
         self.rows.push(cells.into_iter().collect());
     }
 
-    /// With what it is about.
+    /// This table with an introduction.
     pub fn about(self, about: impl Into<String>) -> Section {
         Section { about: about.into(), sheet: self }
     }
 }
 
 impl Section {
-    /// Both as text that ends with a line; nothing where there are no rows.
+    /// Introduction and table as text that ends with a newline; empty where there are no rows.
     pub fn text(&self) -> String {
         if self.sheet.rows.is_empty() {
             return String::new();
@@ -44,7 +44,7 @@ impl Section {
 }
 
 impl fmt::Display for Sheet {
-    /// Without lines and colours, whatever the terminal.
+    /// Writes the table without lines and colours on any terminal.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut table = Table::new();
         table.load_style(presets::NOTHING);

@@ -1,29 +1,29 @@
-//! What was read on the mechanical stops, and where it is going, in numbers and words.
+//! Readings on the mechanical stops and their trends, in numbers and words.
 
-use crate::sequential::{Blame, DwellHistory, Forecast, Judgement, Limits, Trend, stops};
+use crate::sequential::{Blame, DriftLimits, DwellHistory, Forecast, Judgement, Trend, stops};
 use serde::Serialize;
 
-/// The histories of the cylinders that have one, and what they say together.
+/// Histories of the cylinders that have one, and their common limits.
 #[derive(Clone, Debug)]
 pub struct Stops<'a> {
     pub stops: Vec<Stop<'a>>,
-    pub limits: Limits,
+    pub limits: DriftLimits,
 }
 
-/// What was read on the stop of one cylinder.
+/// Readings on the stop of one cylinder.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<'a> {
-    /// Counted from 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub history: &'a DwellHistory,
-    /// `None` where too little was read.
+    /// Judgement of the stops; `None` where too little was read.
     pub judgement: Option<Judgement>,
 }
 
-/// The columns of [`Stops::rows`], before those of the two limits.
+/// Columns of [`Stops::rows`], before those of the two limits.
 const COLUMNS: [&str; 6] = ["cylinder", "transducer", "dwells", "within", "moved", "drift a month"];
 
-/// By their place in a dwell.
+/// Names of the transducers, by their place in a dwell.
 pub const TRANSDUCERS: [&str; 2] = ["C1", "C2"];
 
 const DAYS: f64 = 30.4375;
@@ -56,13 +56,13 @@ impl From<Forecast> for Left {
 }
 
 impl Stop<'_> {
-    /// The trends of C1 and C2 where there are enough dwells.
+    /// Trends of C1 and C2, where there are enough dwells.
     fn trends(&self) -> [Option<Trend>; 2] {
         [0, 1].map(|which| self.history.trend(which))
     }
 
-    /// When C1 (`which` 0) or C2 (1), that has that trend, will have moved by `limit`, m; `None` unless
-    /// the stops name it.
+    /// Forecast of when C1 (`which` 0) or C2 (1), which has that trend, will have moved by `limit`,
+    /// m; `None` unless the stops name it.
     pub fn until(&self, which: usize, trend: &Trend, limit: f64) -> Option<Forecast> {
         self.judgement.filter(|judgement| judgement.names(which))?;
         trend.until(limit)
@@ -74,14 +74,14 @@ impl Stop<'_> {
 }
 
 impl<'a> Stops<'a> {
-    /// Judges `histories`, those of a machine with the numbers of their cylinders.
-    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: Limits) -> Self {
+    /// Judges `histories`, which have the numbers of their cylinders, of one machine.
+    pub fn new(histories: Vec<(u8, &'a DwellHistory)>, limits: DriftLimits) -> Self {
         let judged = stops::judge(histories.iter().map(|(_, history)| *history));
         let stop = |((cylinder, history), judgement)| Stop { cylinder, history, judgement };
         Self { stops: histories.into_iter().zip(judged).map(stop).collect(), limits }
     }
 
-    /// Those with anything in them.
+    /// Stops with readings.
     fn known(&self) -> impl Iterator<Item = &Stop<'a>> {
         self.stops.iter().filter(|stop| !stop.history.dwells().is_empty())
     }
@@ -91,14 +91,14 @@ impl<'a> Stops<'a> {
     }
 
     pub fn columns(&self) -> Vec<String> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let limits = [maintenance, critical].map(|limit| format!("until {}", millimetres(limit)));
         COLUMNS.map(str::to_owned).into_iter().chain(limits).collect()
     }
 
     /// A row for each transducer that was read on its stop.
     pub fn rows(&self) -> Vec<Vec<String>> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let mut rows = Vec::new();
         for stop in self.known() {
             for (which, trend) in stop.trends().into_iter().enumerate() {
@@ -121,7 +121,7 @@ impl<'a> Stops<'a> {
         rows
     }
 
-    /// What the newest of the histories says, for people.
+    /// Verdict of the newest history, for people.
     pub fn verdict(&self) -> String {
         let drifts = |stop: &Stop<'_>| {
             let named = |which: &usize| stop.judgement.is_some_and(|it| it.names(*which));
@@ -136,15 +136,15 @@ impl<'a> Stops<'a> {
         };
         let drifting: Vec<String> = self.known().filter_map(drifts).collect();
         match (drifting.is_empty(), self.known().any(|stop| stop.judgement.is_some())) {
-            (false, _) => format!("On the stops a drift is seen: {}.", drifting.join(", ")),
-            (true, true) => "On the stops no drift is seen.".to_owned(),
-            (true, false) => "On the stops too little was read to tell a drift.".to_owned(),
+            (false, _) => format!("The stops show a drift: {}.", drifting.join(", ")),
+            (true, true) => "The stops show no drift.".to_owned(),
+            (true, false) => "Too few readings on the stops to detect a drift.".to_owned(),
         }
     }
 
-    /// For scripts; a transducer with too few dwells is left out.
+    /// Rows for scripts; a transducer with too few dwells is left out.
     pub fn lines(&self) -> Vec<TrendLine> {
-        let Limits { maintenance, critical } = self.limits;
+        let DriftLimits { maintenance, critical } = self.limits;
         let line = |stop: &Stop<'_>, which: usize, trend: Trend| TrendLine {
             cylinder: stop.cylinder,
             transducer: ["c1", "c2"][which],
@@ -165,7 +165,8 @@ impl<'a> Stops<'a> {
     }
 }
 
-/// A trend in a sentence; `limit` is how far the reading may move, m, and `until` when it will have.
+/// A trend in a sentence; `limit` is the largest move of the reading, m, and `until` when it will
+/// have happened.
 pub fn sentence(trend: &Trend, limit: f64, until: Option<Forecast>) -> String {
     match until {
         Some(forecast) => {
@@ -201,7 +202,7 @@ fn span(months: f64) -> String {
     format!("{:.1} {name}", months / unit)
 }
 
-/// The unit for so many months, in months.
+/// Unit for a time of `months`, in months.
 fn unit(months: f64) -> (f64, &'static str) {
     [(12.0, "years"), (1.0, "months"), (1.0 / DAYS, "days")]
         .into_iter()
@@ -209,7 +210,7 @@ fn unit(months: f64) -> (f64, &'static str) {
         .unwrap_or((1.0 / (24.0 * DAYS), "hours"))
 }
 
-/// To hundredths, as few as there are.
+/// A length in hundredths of a millimetre.
 pub fn millimetres(metres: f64) -> String {
     let mm = (metres * 1e5).round() / 100.0;
     format!("{mm} mm")
@@ -219,7 +220,7 @@ fn signed(metres: f64) -> String {
     format!("{:+.2} mm", unsigned_zero(metres, 1e5))
 }
 
-/// Metres as millimetres, rounded to parts of a metre; what is rounded to zero has lost its sign.
+/// Metres as millimetres, rounded to parts of a metre; zero has no sign.
 fn unsigned_zero(metres: f64, parts: f64) -> f64 {
     (metres * parts).round() / parts * 1e3 + 0.0
 }
@@ -230,9 +231,9 @@ mod tests {
     use crate::sequential::Dwell;
     use crate::time::Timestamp;
 
-    const LIMITS: Limits = Limits { maintenance: 5e-3, critical: 0.05 };
+    const LIMITS: DriftLimits = DriftLimits { maintenance: 5e-3, critical: 0.05 };
 
-    /// A dwell a day; C2 drifts by so much in a day, m.
+    /// A history with one dwell a day; C2 drifts by `drift` in a day, m.
     fn history(days: i64, drift: f64) -> DwellHistory {
         let mut history = DwellHistory::default();
         for day in 0..days {
@@ -248,7 +249,7 @@ mod tests {
         let (still, drifting) = (history(31, 0.0), history(31, -1e-4));
         let stops = Stops::new(vec![(2, &still), (3, &drifting)], LIMITS);
         assert_eq!(stops.columns()[5..], ["drift a month", "until 5 mm", "until 50 mm"]);
-        assert_eq!(stops.verdict(), "On the stops a drift is seen: C2 of cylinder 3.");
+        assert_eq!(stops.verdict(), "The stops show a drift: C2 of cylinder 3.");
         let rows = stops.rows();
         assert_eq!(rows.len(), 4);
         for row in &rows[..3] {
@@ -280,6 +281,6 @@ mod tests {
         assert_eq!(stops.lines(), []);
         assert_eq!(stops.rows()[0][..], ["2", "C1", "2", "–", "–", "–", "too few dwells", "–"]);
         assert_eq!(stops.rows().len(), 2);
-        assert!(stops.verdict().contains("too little was read"));
+        assert!(stops.verdict().contains("Too few readings on the stops"));
     }
 }

@@ -21,7 +21,7 @@ pub fn page(result: &Tuning) -> String {
     text
 }
 
-/// Which part of the recording it was made from.
+/// Part of the recording that was used.
 pub fn part(result: &Tuning) -> String {
     let (from, to) = (result.window.from, result.window.to);
     format!("tuned on {from:.1} s to {to:.1} s; monitored states only")
@@ -49,13 +49,13 @@ pub fn search(search: &Search) -> Section {
     }
     table.about(
         "weights: the criterion is the threshold at the wanted rate (by exponential tails) divided \
-         by what a step of 1 mm leaves in the residual within 0.1 s, or the incipient fault (5-18) of \
-         70 mm and b = 1, wherever in a cycle it begins, whichever is less; with 1 and below both are \
-         seen. Nine tenths of a step have to be over within alarm.coincidence",
+         by the residual of a step of 1 mm within 0.1 s, or of the incipient fault (5-18) of 70 mm \
+        and b = 1 averaged over its onset, whichever is less; at 1 and below both are seen. Nine \
+        tenths of a step have to be over within alarm.coincidence",
     )
 }
 
-/// How much was tried.
+/// Extent of the search.
 pub fn tried(search: &Search) -> String {
     format!("{} sets of weights tried on {} stored cycles", search.tried, search.cycles)
 }
@@ -138,7 +138,7 @@ fn period(hours: f64) -> String {
     }
 }
 
-/// Both thresholds, and what they mean.
+/// Both thresholds, and their meaning.
 pub fn thresholds(result: &Tuning) -> String {
     let Thresholds { low, high, .. } = result.thresholds;
     format!(
@@ -149,7 +149,7 @@ pub fn thresholds(result: &Tuning) -> String {
     )
 }
 
-/// The smallest faults that are found.
+/// Smallest faults that are found.
 pub fn sensitivity(result: &Tuning) -> Section {
     let mut table = Sheet::new(&["cylinder", "", "smallest step", "smallest noise", "n of n·σ"]);
     for detector in &result.detectors {

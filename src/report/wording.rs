@@ -1,4 +1,4 @@
-//! What a replay is told in, wherever it is told: rows, lines and numbers.
+//! Texts of a replay that several outputs share: rows, lines and numbers.
 
 use super::jsonl::restart_name;
 use super::{Episode, Summary};
@@ -20,7 +20,7 @@ pub const CYLINDER_COLUMNS: [&str; 9] = [
     "warnings",
 ];
 
-/// For how long the sequential detectors judged, and why not.
+/// Columns of the time in which the sequential detectors judged, and why not otherwise.
 pub const COVERAGE_COLUMNS: [&str; 6] =
     ["cylinder", "judged", "not monitored", "no reading", "not calibrated", "no baseline"];
 
@@ -29,7 +29,7 @@ pub const EPISODE_COLUMNS: [&str; 10] = [
     "lasted",
 ];
 
-/// Which of them is the level.
+/// Index of the column of the level.
 pub const LEVEL_COLUMN: usize = 6;
 
 /// A row for each cylinder.
@@ -51,7 +51,7 @@ pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 9]> {
     (1..).zip(summary.tallies).map(row).collect()
 }
 
-/// A row for each cylinder with a sequential detector: seconds.
+/// Seconds of coverage, a row for each cylinder with a sequential detector.
 pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
     let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
@@ -63,17 +63,23 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
     (1..).zip(summary.tallies).filter_map(row).collect()
 }
 
-/// What the rows of [`coverage_rows`] are.
-pub const COVERAGE: &str = "Sequential detectors: for how long they judged, and for how long they \
-     knew nothing: the platform in no monitored state, C1, C2 or the speed missing or implausible, the \
-     rod where the calibration has not been, the difference in this stretch of motion not yet learnt";
+/// Introduction to the rows of [`coverage_rows`].
+pub const COVERAGE: &str = "Sequential detectors: how long they judged, and how long they could \
+    not because the platform was in no monitored state, C1, C2 or the speed was missing or \
+implausible, the rod was where the calibration has no data, or the difference in this stretch of \
+motion was not yet learnt";
 
-/// How often: once, or so many times.
+/// Number of times in words: once, or a number.
 pub fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
-/// A line; empty where no counter jumped.
+/// A count with its noun, whose plural ends with an s.
+pub fn counted(count: u64, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A line about the counters; empty where none jumped.
 pub fn counter_jumps(summary: &Summary<'_>) -> String {
     let jumps: u64 = summary.counter_jumps.iter().flatten().sum();
     if jumps == 0 {
@@ -82,13 +88,13 @@ pub fn counter_jumps(summary: &Summary<'_>) -> String {
     format!("alive counters jumped {}\n", times(jumps))
 }
 
-/// How many there were, by detector.
+/// Number of warnings, by detector.
 pub fn warnings(summary: &Summary<'_>) -> String {
     let episodes = summary.episodes;
     let total: u64 = episodes.raised().iter().sum();
     match (total, summary.judgement.is_judged()) {
         (0, true) => return "No warnings.".to_owned(),
-        (0, false) => return "No warnings, as nothing was judged.".to_owned(),
+        (0, false) => return "No warnings, because nothing was judged.".to_owned(),
         _ => {}
     }
     let by_detector = Detector::ALL
@@ -104,11 +110,11 @@ pub fn warnings(summary: &Summary<'_>) -> String {
 /// A row in the order of [`EPISODE_COLUMNS`]; `first` is the recording's first frame.
 pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     let finding = &episode.finding;
-    let first_fault = words(episode.first_fault.name());
+    let first_fault = spaced(episode.first_fault.name());
     let fault = match finding.gain() {
         Some(gain) => format!("{first_fault} → scale {:+.2} %", 100.0 * gain),
         None if episode.first_fault == finding.fault => first_fault,
-        None => format!("{first_fault} → {}", words(finding.fault.name())),
+        None => format!("{first_fault} → {}", spaced(finding.fault.name())),
     };
     let lasted = match episode.cleared {
         Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
@@ -129,7 +135,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
     ]
 }
 
-/// When, and what.
+/// Time and text of a notice.
 pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
     let (at, what) = match *notice {
         Notice::Gap { at, length } => {
@@ -140,8 +146,8 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         }
         Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
         Notice::Restart { at, cylinder, detector, reason } => {
-            let (label, reason) = (label(detector), words(restart_name(reason)));
-            (at, format!("cylinder {cylinder}: {label}'s observer starts anew ({reason})"))
+            let (label, reason) = (label(detector), spaced(restart_name(reason)));
+            (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))
         }
         Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
         Notice::Timing { at, apart: None } => {
@@ -151,7 +157,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
     [clock(at.since(first).as_seconds()), what]
 }
 
-/// How far apart in time C1 and C2 are sampled.
+/// Time between the samples of C1 and C2, in words.
 fn timing(apart: &Apart) -> String {
     let Apart { mean, spread, .. } = apart;
     let skew = match mean {
@@ -183,7 +189,7 @@ fn suspect(suspect: Suspect) -> &'static str {
     }
 }
 
-fn words(name: &str) -> String {
+fn spaced(name: &str) -> String {
     name.replace('_', " ")
 }
 
@@ -191,7 +197,7 @@ fn millimetres(metres: f64) -> String {
     format!("{:.2} mm", metres * 1e3)
 }
 
-/// As candump writes it, so that the place is found in the log with a search: six decimals, or nine
+/// A time as candump writes it, so that it can be searched for in the log: six decimals, or nine
 /// where the recording has them.
 fn log_time(at: Timestamp) -> String {
     let exact = at.to_string();
@@ -200,7 +206,7 @@ fn log_time(at: Timestamp) -> String {
     exact + &"0".repeat(missing)
 }
 
-/// Hours, minutes and seconds, as few as there are.
+/// Hours, minutes and seconds, without leading zero parts.
 pub fn clock(seconds: f64) -> String {
     let sign = if seconds < 0.0 { "-" } else { "" };
     let millis = (seconds.abs() * 1e3).round() as u64;

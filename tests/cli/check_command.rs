@@ -40,7 +40,7 @@ fn a_sound_configuration_is_described() {
     let text = check("config/e-type.toml").ok().stdout;
     for line in [
         "config/e-type.toml: sound",
-        "25 messages, of which 20 are listened to",
+        "25 messages, of which 20 are used",
         "Ampelmann E-type: 6 cylinders, every 0.02 s; FDE1 and FDE2 judge when engaged",
         "cylinder 6",
         "frames    0x186 0x196 0x1A6",
@@ -394,7 +394,7 @@ fn a_pipe_is_no_configuration_and_no_dbc() {
 fn a_file_that_is_no_configuration_is_one_problem() {
     let run = check("dbc/e-type.dbc").failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
     assert!(!run.stderr.contains("not TOML"), "{}", run.stderr);
-    check("README.md").failed(2, &["1 problem", "this is no configuration", "[machine]"]);
+    check("README.md").failed(2, &["1 problem", "this is not a configuration", "[machine]"]);
     check("tests/recordings/hanging-load.faults.csv").failed(2, &["1 problem"]);
     // Of a configuration the first places are told where it breaks.
     let scratch = Scratch::new();

@@ -75,7 +75,7 @@ fn a_replay_says_for_how_long_a_sequential_detector_knew_nothing_and_why() {
     let html = scratch.read("page.html");
     assert!(html.contains(&told) && html.contains("not calibrated"), "the page has {told}");
     let text = support::tertius(&["replay", &log, "--config", &config], b"").ok().stdout;
-    assert!(text.contains(&told) && text.contains("for how long they judged"), "{text}");
+    assert!(text.contains(&told) && text.contains("how long they judged"), "{text}");
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn what_it_shows_stands_on_its_bus() {
     let of_gateway = |frame: &&Frame| [0x1D1, 0x2D1].contains(&frame.id.value());
     let live: Vec<Frame> = frames.iter().filter(of_gateway).cloned().collect();
     let (live, replayed) = (process::wire(&live), process::wire(&read(replayed.as_ref())));
-    // Its last words, and at most what fell due after the last frame.
+    // Its stopping status, and at most what fell due after the last frame.
     assert!(live.len() > replayed.len() && live.len() <= replayed.len() + 2);
     assert_eq!(live[..replayed.len()], replayed);
 }

@@ -6,7 +6,7 @@ use facts::{hear, machine, set, sound};
 use serde_json::Value;
 use std::fs;
 use std::net::TcpListener;
-use tertius::appliance::doctor::facts::{Bus, Facts, Interface};
+use tertius::appliance::doctor::facts::{Bus, Facts, InterfaceFacts};
 use tertius::appliance::doctor::{Finding, Verdict, examine};
 use tertius::bus::Stamps;
 use tertius::bus::socket::ControllerState;
@@ -33,7 +33,7 @@ fn judged(facts: &Facts, subject: &str, verdict: Verdict, words: &[&str]) {
     }
 }
 
-fn changed(change: impl FnOnce(&mut Interface)) -> Facts {
+fn changed(change: impl FnOnce(&mut InterfaceFacts)) -> Facts {
     let mut facts = sound();
     let Bus::Socket(interface) = &mut facts.bus else { unreachable!("it is a socket") };
     change(interface);
@@ -104,7 +104,7 @@ fn an_interface_that_does_not_do() {
     let facts = linked(|link| link.up = false);
     judged(&facts, "interface", Verdict::Fail, &["is down", "ip link set can0 up"]);
     let facts = changed(|interface| interface.port = Err("cannot listen".to_owned()));
-    judged(&facts, "interface", Verdict::Fail, &["cannot be listened to: cannot listen"]);
+    judged(&facts, "interface", Verdict::Fail, &["no socket can be opened on it: cannot listen"]);
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn a_bit_rate_that_is_another() {
 fn what_happens_after_bus_off_and_to_what_waits() {
     for time in [Some(0), None] {
         let facts = linked(|link| link.restart_ms = time);
-        judged(&facts, "restart", Verdict::Warn, &["stays away", "restart-ms 100"]);
+        judged(&facts, "restart", Verdict::Warn, &["stays off", "restart-ms 100"]);
     }
     judged(&linked(|link| link.queue_length = Some(50)), "send queue", Verdict::Ok, &["50"]);
     let facts = linked(|link| link.queue_length = Some(51));
@@ -202,7 +202,7 @@ fn messages_that_do_not_come_are_named() {
     let text = find(&facts, "frames").to_string();
     assert!(!text.contains("Cyl2") && !text.contains("Sync"), "{text}");
     let facts = machine(|_| false);
-    judged(&facts, "frames", Verdict::Fail, &["none in 2.0 s, of 20 messages", "bit rate"]);
+    judged(&facts, "frames", Verdict::Fail, &["none in 2.0 s, of the 20 messages", "bit rate"]);
     judged(&machine(|_| true), "frames", Verdict::Ok, &["all 20 messages", "2 other identifiers"]);
 }
 
@@ -302,8 +302,8 @@ fn somebody_else_with_the_gateways_identifiers() {
     judged(&facts, "node", Verdict::Ok, &["one sender", "process 4711"]);
     let mut facts = status(2);
     facts.host.rights.gateway = Some(4711);
-    judged(&facts, "node", Verdict::Fail, &["more than one sends as node 81"]);
-    judged(&sound(), "node", Verdict::Ok, &["nobody else"]);
+    judged(&facts, "node", Verdict::Fail, &["more than one device sends as node 81"]);
+    judged(&sound(), "node", Verdict::Ok, &["no other device"]);
 }
 
 #[test]
@@ -387,7 +387,7 @@ fn an_interface_that_is_not_there_fails_and_the_rest_is_told() {
     assert!(line("interface").starts_with("FAIL"), "{}", run.stdout);
     assert!(line("interface").contains("there is no interface t-none"), "{}", run.stdout);
     assert!(line("http").starts_with("FAIL"), "{}", run.stdout);
-    assert!(line("http").contains(&format!("{address} cannot be listened on")), "{}", run.stdout);
+    assert!(line("http").contains(&format!("cannot listen on {address}")), "{}", run.stdout);
     for subject in ["dbc", "can", "rights", "clock", "service"] {
         line(subject);
     }

@@ -11,7 +11,7 @@ use tertius::config::design;
 use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
 use tertius::monitor::{Monitor, Sink};
-use tertius::sequential::{Archive, Blame, Dwell, Judgement, Limits, stops};
+use tertius::sequential::{Archive, Blame, DriftLimits, Dwell, Judgement, stops};
 use tertius_testing::process::{Running, read, said, top, wait_for, wire, write};
 use tertius_testing::program;
 use tertius_testing::support::{self, Scratch, changed, replay, tertius};
@@ -51,7 +51,7 @@ fn judged(monitor: &Monitor) -> Vec<Option<Judgement>> {
 
 fn kept(monitor: &Monitor) -> Archive {
     let mut archive = Archive::new(NAME, 6);
-    monitor.bequeath(&mut archive);
+    monitor.save(&mut archive);
     archive
 }
 
@@ -63,7 +63,7 @@ fn a_drift_that_began_before_a_restart_is_blamed_after_it() {
     let text = kept(&before).to_text();
 
     let mut after = monitor();
-    after.inherit(&Archive::parse(text.as_bytes(), NAME, 6).expect("it was just written"));
+    after.restore(&Archive::parse(text.as_bytes(), NAME, 6).expect("it was just written"));
     assert_eq!(play(&mut after, 10..12).0.len(), 12);
     let judged = judged(&after);
     for (cylinder, judgement) in (1..).zip(&judged) {
@@ -189,7 +189,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
     run(&config, &log, &[]);
     let whole = scratch.read("kept.dwells");
     for (n, (damaged, told)) in [
-        (whole[..whole.len() / 2].to_owned(), "it was changed or cut"),
+        (whole[..whole.len() / 2].to_owned(), "it was changed or truncated"),
         (whole.replacen("dwells 2", "dwells 3", 1), "a newer one wrote it"),
     ]
     .into_iter()
@@ -200,7 +200,7 @@ fn what_is_no_history_is_set_aside_live_and_left_alone_in_replays() {
         assert_eq!(scratch.read("kept.dwells"), damaged);
         let run = run(&config, &log, &[]);
         let aside = format!("kept.dwells.aside-{}", n + 1);
-        for word in [&file, told, &aside, "starts anew"] {
+        for word in [&file, told, &aside, "the history restarts"] {
             assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
         }
         assert_eq!(scratch.read(&aside), damaged);
@@ -227,7 +227,7 @@ fn the_reports_show_where_it_is_going() {
     let run = tertius(&["replay", &log, "--config", &config, "--report", &page], b"").ok();
     let page = scratch.read("page.html");
     for text in [&run.stdout, &page] {
-        assert!(text.contains("On the stops a drift is seen: C1 of cylinder 3."), "{text}");
+        assert!(text.contains("The stops show a drift: C1 of cylinder 3."), "{text}");
         assert_eq!(text.matches("no drift seen").count() % 11, 0, "of eleven transducers");
         assert!(text.contains("11.0 days") && text.contains("until 5 mm"), "{text}");
         assert!(text.contains("+1.9"), "{text}");
@@ -236,7 +236,10 @@ fn the_reports_show_where_it_is_going() {
     // Of two dwells nothing is claimed.
     let (_, log) = stage(&scratch, 0..2);
     let few = tertius(&["replay", &log, "--config", &config], b"").ok();
-    assert!(few.stdout.contains("too little was read") && few.stdout.contains("too few dwells"));
+    assert!(
+        few.stdout.contains("Too few readings on the stops")
+            && few.stdout.contains("too few dwells")
+    );
     let summary = replay(&[&log], &config, &[]).ok().summary();
     assert!(summary.get("trends").is_none(), "{summary}");
 }
@@ -256,7 +259,7 @@ fn a_history_that_would_harm_a_file_or_have_nothing_in_it_is_refused() {
     assert!(text.contains(&format!("end stops   read when safe or settled; {kept}")), "{text}");
     let text = scratch.read("machine.toml").replace("kept.dwells", "machine.toml");
     let config = scratch.write("machine.toml", text);
-    tertius(&["check", &config], b"").failed(2, &["`sequential.history` would be written over"]);
+    tertius(&["check", &config], b"").failed(2, &["`sequential.history` would overwrite"]);
 }
 
 fn keeper() -> Keeper {
@@ -267,7 +270,7 @@ fn keep(machine: &str, path: Option<&str>) -> Kept {
     Kept {
         machine: machine.to_owned(),
         cylinders: 6,
-        limits: Limits { maintenance: 5e-3, critical: 0.05 },
+        limits: DriftLimits { maintenance: 5e-3, critical: 0.05 },
         file: path.map(|path| HistoryFile::new(path.into())),
     }
 }
@@ -335,7 +338,7 @@ fn a_cylinder_that_reads_nothing_keeps_what_it_had() {
     let scratch = Scratch::new();
     let file = scratch.write("kept.dwells", known.to_text());
     let mut keeper = keeper();
-    without.inherit(keeper.open(keep(NAME, Some(&file)), None));
+    without.restore(keeper.open(keep(NAME, Some(&file)), None));
     play(&mut without, 3..5);
     keeper.finish(&without);
     let text = scratch.read("kept.dwells");
@@ -351,7 +354,7 @@ fn a_file_that_can_not_be_set_aside_is_never_written_over() {
     (1..=8).for_each(|n| drop(scratch.write(&format!("kept.dwells.aside-{n}"), "older ones")));
     let mut gateway = monitor();
     let mut keeper = keeper();
-    gateway.inherit(keeper.open(keep(NAME, Some(&file)), None));
+    gateway.restore(keeper.open(keep(NAME, Some(&file)), None));
     play(&mut gateway, 0..4);
     keeper.dwelt();
     keeper.turned(&gateway);

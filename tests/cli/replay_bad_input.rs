@@ -163,13 +163,13 @@ fn a_compressed_recording_that_is_cut_off_is_replayed_as_far_as_it_goes() {
     for (name, whole) in [("cut.log.gz", gzip), ("cut.log.zst", zstd)] {
         let file = scratch.write(name, &whole[..whole.len() / 2]);
         let next = scratch.write("next.log", between(&log, 90.0, 93.0));
-        let run = replay(&[&file], E_TYPE, &[]).failed(1, &[name, "cut off"]);
+        let run = replay(&[&file], E_TYPE, &[]).failed(1, &[name, "truncated"]);
         assert_eq!(run.summary()["damaged_inputs"], 1);
         let frames = run.summary()["frames"].as_u64().expect("a count") as usize;
         let lines = log.lines().count();
         assert!(frames > lines / 4 && frames < lines * 3 / 4, "{frames} of {lines}");
         assert!(run.warnings().len() >= 2, "the fault at 75 s is in it: {}", run.stdout);
-        let both = replay(&[&file, &next], E_TYPE, &[]).failed(1, &[name, "cut off"]);
+        let both = replay(&[&file, &next], E_TYPE, &[]).failed(1, &[name, "truncated"]);
         let blamed =
             both.warnings().into_iter().any(|w| w["timestamp"].as_f64() > Some(1.70000009e9));
         assert!(blamed, "what follows the damaged input is replayed: {}", both.stdout);
@@ -206,9 +206,9 @@ fn a_recording_without_anything_for_this_machine() {
     for (name, content, seems) in [
         ("empty.log", &b""[..], "it is empty"),
         ("blank.log", b"\n\n\r\n", "it is empty"),
-        ("trace.asc", asc.as_bytes(), "a log of Vector's, in ASC"),
-        ("trace.blf", b"LOGG\x90\0\0\0\x03\x08\x02\0", "a log of Vector's, in BLF"),
-        ("trace.trc", b";$FILEVERSION=2.0\r\n;$STARTTIME=43474.\r\n", "a trace of PEAK's"),
+        ("trace.asc", asc.as_bytes(), "a Vector log in ASC"),
+        ("trace.blf", b"LOGG\x90\0\0\0\x03\x08\x02\0", "a Vector log in BLF"),
+        ("trace.trc", b";$FILEVERSION=2.0\r\n;$STARTTIME=43474.\r\n", "a PEAK trace in TRC"),
         ("data.mf4", b"MDF     4.10    Vector\0\0", "measurement data in MDF"),
         ("old.pcap", b"\xD4\xC3\xB2\xA1\x02\0\x04\0\0\0\0\0", "in pcap;"),
         ("new.pcapng", b"\x0A\x0D\x0D\x0A\x1C\0\0\0\x4D\x3C\x2B\x1A", "in pcapng;"),
@@ -223,13 +223,13 @@ fn a_recording_without_anything_for_this_machine() {
         assert_not_judged(&scratch, &log, E_TYPE, &[], &reason);
         assert_not_judged(&scratch, &log, E_TYPE, &[], seems);
     }
-    let readme = "it is text, but no recording of candump";
+    let readme = "it is text, but not a candump recording";
     assert_not_judged(&scratch, "README.md", E_TYPE, &[], readme);
     let other = recording("hanging-load.log.gz");
-    let reason = "frames none has an identifier of the configuration (080, 1C1, ";
+    let reason = "frames has an identifier of the configuration (080, 1C1, ";
     assert_not_judged(&scratch, &other, E_TYPE, &[], reason);
     let log = scratch.write("good.log", excerpt());
-    let reason = "no frame is of can9; the recording has can0 (5500 frames)";
+    let reason = "no frame is from can9; the recording has can0 (5500 frames)";
     assert_not_judged(&scratch, &log, E_TYPE, &["--interface", "can9"], reason);
 
     let run = replay(&[&scratch.write("none.log", "")], E_TYPE, &[]).failed(1, &[]);
@@ -283,8 +283,8 @@ fn nothing_is_learnt_from_nothing() {
             tertius(&[&[command, log, "--config", E_TYPE], more].concat(), b"")
         };
         run(&blf, &[]).failed(1, &["nothing was judged", "trace.blf: no frame", "in BLF"]);
-        run(&other, &[]).failed(1, &["none has an identifier of the configuration (080, "]);
-        let words = ["no frame is of can9; the recording has can0 (5500 frames)"];
+        run(&other, &[]).failed(1, &["frames has an identifier of the configuration (080, "]);
+        let words = ["no frame is from can9; the recording has can0 (5500 frames)"];
         run(&log, &["--interface", "can9"]).failed(1, &words);
     }
 }
@@ -410,13 +410,13 @@ fn recordings_in_the_wrong_order_are_refused_or_put_in_order() {
     // Whose pieces are in one file, or come through a pipe, are found by whoever reads them twice.
     let wrong = scratch.write("wrong.log", between(&log, 90.0, 93.0) + &between(&log, 80.0, 90.0));
     for command in ["identify", "calibrate", "tune"] {
-        let words = ["11000 of 14300 frames are from before the first one, at 1700000090.000"];
+        let words = ["11000 of 14300 frames are earlier than the first one, at 1700000090.000"];
         tertius(&[command, &wrong, "--config", E_TYPE], b"").failed(2, &words);
     }
     let early = "(1700000120.500000) can0 7FF#\n".to_owned() + &between(&log, 120.0, 200.0);
     let early = scratch.write("early.log", early);
     let page = tertius(&["identify", &early, "--config", E_TYPE], b"").stdout;
-    let told = "of 88001 frames are from before the first one, at 1700000120.5, and are left out";
+    let told = "of 88001 frames are earlier than the first one, at 1700000120.5, and are left out";
     assert!(page.contains(told), "{page}");
 }
 
@@ -458,7 +458,7 @@ fn a_lost_bus_is_counted_and_said() {
     let run = replay(&[&log], E_TYPE, &["--report", &html]).ok();
     assert_eq!(run.summary()["interruptions"], 1);
     let page = tertius(&["replay", &log, "--config", E_TYPE], b"").ok().stdout;
-    assert!(page.contains("1 × the bus was lost (everything started anew)\n"), "{page}");
+    assert!(page.contains("1 × the bus was lost (everything restarted)\n"), "{page}");
     let html = scratch.read("page.html");
     assert!(html.contains("1 × the bus was lost") && html.contains("bus lost"), "it is marked");
 }
@@ -497,7 +497,7 @@ fn time_that_jumps_is_counted_and_said() {
         let said = lines.iter().find(|line| line["notice"] == notice).expect("it is said");
         let found = said["seconds"].as_f64().expect("a number");
         assert!((found - seconds).abs() < 0.1, "{found} against {seconds}");
-        assert_eq!(of_kind("restart"), 12, "every observer starts anew");
+        assert_eq!(of_kind("restart"), 12, "every observer restarts");
         let summary = run.summary();
         for (key, count) in ["backwards", "time_jumps", "missing_cycles"].into_iter().zip(counts) {
             assert_eq!(summary[key], count, "{key} after a step of {step} s");

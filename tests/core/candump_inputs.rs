@@ -93,7 +93,7 @@ fn a_truncated_file_gives_what_is_readable_and_the_next_one_follows() {
         assert_eq!((statistics.damaged_inputs, statistics.damage.len()), (1, 1));
         let damage = statistics.damage[0].to_string();
         assert!(
-            damage.starts_with(&format!("{}: the {kind} data are cut off", path.display())),
+            damage.starts_with(&format!("{}: the {kind} data are truncated", path.display())),
             "{damage}"
         );
         // Half a line must not become a frame with half the data.

@@ -124,7 +124,7 @@ fn signals_stay_in_their_message() {
 #[test]
 fn message_lengths_are_those_of_frames() {
     assert_error("BO_ 1 M: 65 A\n", Concern::MessageLength, 1, None, "65 bytes");
-    assert_warning("BO_ 1 M: 10 A\n", Concern::MessageLength, 1, "no length of a CAN FD frame");
+    assert_warning("BO_ 1 M: 10 A\n", Concern::MessageLength, 1, "not a length of a CAN FD frame");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn multiplexors_are_there_and_fit() {
     error(&["S m1M : 8|8@1+ (1,0) [0|0] \"\""], "", 2, "has no multiplexor");
     error(&["S m : 8|8@1+ (1,0) [0|0] \"\""], "", 2, "without a number");
     error(&[root, signal], "SG_MUL_VAL_ 1 S Q 1-1;\n", 4, "multiplexor Q that is not there");
-    error(&[root, signal], "SG_MUL_VAL_ 1 S S 1-1;\n", 4, "S, which is no multiplexor");
+    error(&[root, signal], "SG_MUL_VAL_ 1 S S 1-1;\n", 4, "S, which is not a multiplexor");
     error(&[root, signal], "SG_MUL_VAL_ 1 S R 3-1;\n", 4, "range 3-1");
     error(
         &[root, PLAIN.replace("0|8", "8|8").as_str()],

@@ -1,7 +1,7 @@
 //! The hexapod's kinematics against geometry that is built another way.
 
 use nalgebra::{Rotation3, Unit, Vector3};
-use tertius::hexapod::{Geometry, Hexapod, KinematicsError, LEGS, Legs, Motion, Pose, Rate};
+use tertius::hexapod::{FrameMotion, Geometry, Hexapod, KinematicsError, LEGS, Legs, Pose, Rate};
 use tertius_testing::support::Seeded;
 
 fn geometry() -> Geometry {
@@ -169,8 +169,8 @@ fn velocities_are_the_differences_of_lengths_while_both_frames_move() {
         };
         let (ahead, behind) = (lengths(step), lengths(-step));
         let velocities = Legs::new(&hexapod, &base, &deck).velocities(
-            Motion { pose: &base, rate: &base_rate },
-            Motion { pose: &deck, rate: &deck_rate },
+            FrameMotion { pose: &base, rate: &base_rate },
+            FrameMotion { pose: &deck, rate: &deck_rate },
         );
         for leg in 0..LEGS {
             let slope = (ahead[leg] - behind[leg]) / (2.0 * step);

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 use tertius::alarm::{Detector, State as Said, Warning};
 use tertius::calibrate::watch::Watch;
-use tertius::calibrate::{Course, Recording};
+use tertius::calibrate::{CalibrationCourse, Recording};
 use tertius::config::design;
 use tertius::config::settings::Settings;
 use tertius::controller::State;
@@ -112,7 +112,7 @@ impl Setup {
     fn calibrate(&mut self) {
         let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
         let settings = &self.settings;
-        let course = Course { settings, fitted, tried, per_year: 1.0 };
+        let course = CalibrationCourse { settings, fitted, tried, per_year: 1.0 };
         let calibrated = course.run(self).expect("it is simulated").cylinders.into_iter();
         let tables = calibrated.map(|cylinder| cylinder.table().expect("it is healthy"));
         self.settings.cylinder = tables.collect();

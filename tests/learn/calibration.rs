@@ -4,7 +4,9 @@ use crate::learning_support::{self, normal, random, row};
 use rand::RngExt;
 use serde_json::{Value, json};
 use std::convert::Infallible;
-use tertius::calibrate::{Course, Fitted, Fitting, Gathering, Recording, Refusal, Trying};
+use tertius::calibrate::{
+    CalibrationCourse, CalibrationRefusal, Fitted, Fitting, Gathering, Recording, Trying,
+};
 use tertius::config;
 use tertius::sample::Quality;
 use tertius::survey::{Row, Surveyor, Window};
@@ -34,7 +36,7 @@ fn gather_configured(rows: &[Row], configured: Vec<Option<(f64, f64)>>) -> Gathe
     gathering
 }
 
-fn calibrate(points: &[(f64, f64)]) -> Result<Fitted, Refusal> {
+fn calibrate(points: &[(f64, f64)]) -> Result<Fitted, CalibrationRefusal> {
     let rows = rows(points);
     let robust = gather(&rows, 1).judge(0)?;
     let mut fitting = Fitting::new([Some(robust)]);
@@ -116,7 +118,9 @@ fn the_band_is_that_of_the_second_part_and_never_was_exceeded_in_it() {
 fn a_stroke_that_hardly_moves_is_told_how_much_it_needs() {
     let still: Vec<_> = points(5000).iter().map(|(c2, _)| (0.01 * c2, A * 0.01 * c2 + B)).collect();
     let refusal = calibrate(&with_faults(still)).expect_err("20 mm");
-    let Refusal::HardlyMoves { range_mm, least_mm } = refusal else { panic!("{refusal}") };
+    let CalibrationRefusal::HardlyMoves { range_mm, least_mm } = refusal else {
+        panic!("{refusal}")
+    };
     assert!((15.0..25.0).contains(&range_mm) && (least_mm - 300.0).abs() < 1e-9, "{refusal}");
     assert!(refusal.to_string().contains("300 mm, a tenth of the stroke"), "{refusal}");
 }
@@ -154,7 +158,10 @@ fn units_and_signals_that_are_wrong_are_named() {
 fn what_is_missing_is_named() {
     let told = |rows: &[Row]| gather(rows, 1).judge(0).expect_err("it is refused").to_string();
     assert!(told(&[]).contains("no frame of it"));
-    assert!(told(&rows(&points(400))).contains("400 cycles have both readings, of 500 at least"));
+    assert!(
+        told(&rows(&points(400)))
+            .contains("400 cycles have both readings, and at least 500 are needed")
+    );
     let mut without = rows(&points(5000));
     without.iter_mut().for_each(|row| row.c2 = None);
     assert!(told(&without).contains("C2 is missing in 5000 of 5000 cycles"));
@@ -215,7 +222,7 @@ fn a_command_that_predicts_nothing_is_no_drive() {
     let settings =
         config::load(&support::top().join("config/e-type.toml")).expect("sound").settings;
     let half = 300.0;
-    let course = Course {
+    let course = CalibrationCourse {
         settings: &settings,
         fitted: Window { from: 0.0, to: half },
         tried: Window { from: half, to: 2.0 * half },
@@ -258,7 +265,7 @@ fn a_cycle_that_is_lost_every_few_seconds_costs_no_calibration() {
     let settings =
         config::load(&support::top().join("config/e-type.toml")).expect("sound").settings;
     let all = Window { from: 0.0, to: 600.0 };
-    let course = Course { settings: &settings, fitted: all, tried: all, per_year: 1.0 };
+    let course = CalibrationCourse { settings: &settings, fitted: all, tried: all, per_year: 1.0 };
     let rows = learning_support::rows(1, 30_000);
     let fitted = |calibrated: Result<tertius::calibrate::Calibrated, Infallible>| {
         let calibrated = calibrated.unwrap_or_else(|never| match never {});

@@ -108,7 +108,7 @@ fn a_cylinder_with_a_fault_is_refused_and_the_others_are_taken_if_one_says_so() 
     let faults: Vec<String> = [20, 70, 130, 190, 250].map(fault).to_vec();
     let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
     let log = yard.recording("healthy.log", &faults);
-    let words = ["is fit for use but for cylinder 3", "nothing was written"];
+    let words = ["is fit for use except for cylinder 3", "nothing was written"];
     let run = yard.commission(&[&log], &[]).failed(1, &words);
     for word in ["cylinder 3 is refused (calibrate): ", "nats of evidence at", "--accept-refused"] {
         assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
@@ -136,7 +136,7 @@ fn a_short_fault_is_left_out_of_all_that_is_learnt() {
     let run = yard.commission(&[&faulty], &["--output", &output]).ok();
     tertius(&["check", &output]).ok();
     assert!(run.stdout.contains("no false alarm in"), "{}", run.stdout);
-    assert!(run.stdout.contains("cylinder 3: no healthy cylinder reads what it did in"));
+    assert!(run.stdout.contains("cylinder 3: no healthy cylinder has such readings as those"));
     let text = fs::read_to_string(&output).expect("it was written");
     let table: Table = text.parse().expect("TOML");
     // A healthy machine's is the thesis's; with the fault it would be some millimetres.
@@ -171,7 +171,7 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
         yard.is_untouched(&before);
     };
     let short = yard.simulate("short.log", ROUGH, 20, &[]);
-    refused(&short, &["there is enough to judge: at least 50 s", "what to do:"]);
+    refused(&short, &["no cylinder has enough data to judge: at least 50 s", "what to do:"]);
     let still = yard.simulate("still.log", ["0.01,8", "1"], 90, &[]);
     refused(&still, &["record it in motion"]);
     // C2 at a tenth, as a wrong DBC has it.

@@ -246,11 +246,11 @@ fn a_fault_in_the_recording_is_left_out_or_refused_and_the_others_are_taught() {
         (run, known, cylinders)
     };
     let (run, known, _) = taught(&[], 0.0);
-    assert!(!run.ok().stdout.contains("was left out") && known == 6);
+    assert!(!run.ok().stdout.contains("were left out") && known == 6);
     let (run, known, cylinders) = taught(&[130.0], 1e-3);
     let run = run.ok();
     assert!(
-        run.stdout.contains("cylinder 3: no healthy cylinder reads what it did"),
+        run.stdout.contains("cylinder 3: no healthy cylinder has such readings as those"),
         "{}",
         run.stdout
     );
@@ -261,7 +261,7 @@ fn a_fault_in_the_recording_is_left_out_or_refused_and_the_others_are_taught() {
     let (run, known, cylinders) = taught(&[20.0, 70.0, 130.0, 190.0, 250.0], 1e-3);
     run.failed(
         1,
-        &["cylinder 3: this is no recording of a healthy cylinder", "nats of evidence at"],
+        &["cylinder 3: this is not a recording of a healthy cylinder", "nats of evidence at"],
     );
     assert_eq!(known, 5);
     assert!(cylinders[2].get("sequential").is_none() && cylinders[2].get("c2_gain").is_some());
@@ -280,7 +280,7 @@ fn a_fault_that_stays_is_refused() {
     tertius(&call, b"").ok();
     bench
         .learn("calibrate", &[&faulty, &after], "config.toml", "taught.toml")
-        .failed(1, &["cylinder 3: this is no recording of a healthy cylinder"]);
+        .failed(1, &["cylinder 3: this is not a recording of a healthy cylinder"]);
     let tables: Table = bench.read("taught.toml").parse().expect("TOML");
     let cylinders = tables["cylinder"].as_array().expect("there are some");
     let known = |cylinder: &&Value| cylinder.get("sequential").is_some();

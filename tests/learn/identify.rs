@@ -2,9 +2,11 @@
 
 use crate::identify_support::{self, BOTH, GAMMA, Simulated, THETA, TS, estimate, row, shaping};
 use serde_json::{Value, json};
-use tertius::identify::{Candidate, Estimate, OffsetRule, Refusal, Shaper, Sources, Validator};
+use tertius::identify::{
+    Candidate, Estimate, IdentificationRefusal, OffsetRule, Shaper, Sources, Validator,
+};
 use tertius::observe::model::Model;
-use tertius::observe::observer::Design;
+use tertius::observe::observer::ObserverDesign;
 use tertius::survey::Row;
 use tertius_testing::oracle;
 
@@ -114,13 +116,14 @@ fn position_and_command_are_enough_for_the_reduced_model() {
     let lag = -1.0 / found.theta[1];
     assert!((lag - (1.0 / 0.12 + 0.5)).abs() < 0.02, "{lag} cycles: {found:?}");
     assert_eq!((&found.theta[2..], found.gamma[1]), (&theta[2..], 0.0));
-    let design = Design::new(&found.model(TS), [1e-8, 1e-3, 100.0], [1e-8, 1e-2], false, 50, 5);
+    let design =
+        ObserverDesign::new(&found.model(TS), [1e-8, 1e-3, 100.0], [1e-8, 1e-2], false, 50, 5);
     assert!(design.is_ok(), "the reduced model has an observer: {design:?}");
 }
 
 fn tried(of: &Estimate, rows: &[Row]) -> tertius::identify::validate::Trials {
     let model = of.model(TS);
-    let observer = Design::new(&model, [1e-8, 1e-3, 100.0], [1e-8, 1e-2], true, 50, 5).ok();
+    let observer = ObserverDesign::new(&model, [1e-8, 1e-3, 100.0], [1e-8, 1e-2], true, 50, 5).ok();
     let candidate = Candidate { of: 1, model, pressure_offset: of.pressure_offset, observer };
     let mut validator = Validator::new(Shaper::new(shaping(1), BOTH), 0.0, 1, &[candidate]);
     for (index, row) in rows.iter().enumerate() {
@@ -156,7 +159,7 @@ fn the_true_model_accounts_for_everything_and_a_wrong_one_does_not() {
 fn data_that_cannot_tell_the_parameters_apart_are_refused() {
     let rows = Simulated::new(1, 400).rows();
     let few = estimate(&rows, 5, BOTH, OffsetRule::Never).expect_err("too few");
-    assert_eq!(few, Refusal::TooFewRows { rows: 395, least: 500 });
+    assert_eq!(few, IdentificationRefusal::TooFewRows { rows: 395, least: 500 });
     let rows: Vec<Row> = Simulated::new(1, 5000)
         .rows()
         .into_iter()
@@ -184,7 +187,7 @@ fn a_rest_that_was_never_commanded_is_refused() {
         .collect();
     for rule in [OffsetRule::WhereItMatters, OffsetRule::Always] {
         let refusal = estimate(&rows, 1, BOTH, rule).expect_err("nothing rests there");
-        let Refusal::RestNeverCommanded { offset, low, high } = refusal else {
+        let IdentificationRefusal::RestNeverCommanded { offset, low, high } = refusal else {
             panic!("{refusal}")
         };
         assert!((offset + 0.62).abs() < 1e-6, "{offset}");

@@ -60,7 +60,7 @@ fn a_constant_signal_is_named() {
         rows[0].v1 = rows[0].v1.map(|v| 1e-3 * v);
         rows[0].u = rows[0].u.map(|u| 1e-3 * u);
     };
-    refused(1, &["it moves over", "mm only", "record it in motion"], still);
+    refused(1, &["it moves over only", "mm, and at least", "record it in motion"], still);
 }
 
 #[test]

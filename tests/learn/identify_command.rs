@@ -80,7 +80,7 @@ fn the_user_chooses_another_model_or_each_its_own() {
     let more = ["--model-of", "2", "--per-cylinder", "--output", path, "--from", "300"];
     let done = identify("e-type-healthy.log.zst", &config, &more);
     assert!(done.status.success(), "{}", text(&done.stderr));
-    assert!(text(&done.stdout).contains("the model of cylinder 2 is taken: as asked for"));
+    assert!(text(&done.stdout).contains("the model of cylinder 2 is chosen: as requested"));
     let tables: toml::Table = fs::read_to_string(&output).expect("written").parse().expect("TOML");
     let cylinders = tables["cylinder"].as_array().expect("tables");
     assert_eq!(cylinders.len(), 6);
@@ -102,7 +102,7 @@ fn the_hanging_load_has_a_reduced_model_and_an_offset() {
         "no velocity is recorded",
         "no load pressure is recorded: the model is reduced",
         "it rests at a command of -0.",
-        "simulated open loop the taken model runs away",
+        "simulated open loop, the chosen model runs away",
     ] {
         assert!(page.contains(part), "{part}: {page}");
     }
@@ -216,7 +216,7 @@ fn a_wrong_call_is_told_what_was_expected() {
         (&["--from", "soon"], "expected seconds, like 120, or a part, like 25%"),
         (&["--from", "700"], "there is nothing in a recording of"),
         (&["--model-of", "7"], "the machine has cylinders 1 to 6"),
-        (&["-"], "which standard input cannot be"),
+        (&["-"], "which is impossible with standard input"),
     ] {
         let done = identify("e-type-healthy.log.zst", &config, more);
         let error = text(&done.stderr);

@@ -2,7 +2,9 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tertius::identify::{Estimate, Estimator, OffsetRule, Refusal, Shaper, Shaping, Sources};
+use tertius::identify::{
+    Estimate, Estimator, IdentificationRefusal, OffsetRule, Shaper, Shaping, Sources,
+};
 use tertius::observe::model::Model;
 use tertius::sample::Quality;
 use tertius::survey::Row;
@@ -95,7 +97,7 @@ pub fn estimate(
     window: usize,
     sources: Sources,
     rule: OffsetRule,
-) -> Result<Estimate, Refusal> {
+) -> Result<Estimate, IdentificationRefusal> {
     let mut estimator = Estimator::new(Shaper::new(shaping(window), sources), sources.pressure);
     for (index, row) in rows.iter().enumerate() {
         if index > 0 && row.cycle != rows[index - 1].cycle + 1 {

@@ -274,7 +274,8 @@ fn a_recording_that_mostly_rests_calibrates_a_sequential_detector_of_little_or_n
         let text = fs::read_to_string(&output).expect("it was written");
         text.parse::<Table>().expect("TOML")
     };
-    let tables = calibrated(["little for the sequential detector", "is known to 2.3 %"], &[]);
+    let tables =
+        calibrated(["too little for a reliable sequential detector", "is known to 2.3 %"], &[]);
     let fitted = tables["cylinder"][0]["sequential"].as_table().expect("there is one");
     assert!(fitted.contains_key("rate") && !fitted.contains_key("drive"), "{tables}");
     let told = ["no tables for the sequential detector", "it takes 200;"];

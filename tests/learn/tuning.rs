@@ -3,7 +3,7 @@
 use crate::learning_support::{self, model, rows};
 use serde_json::{Value, json};
 use tertius::extremes::{Pareto, per_second};
-use tertius::observe::observer::{Design, Measurement, Observer};
+use tertius::observe::observer::{Measurement, Observer, ObserverDesign};
 use tertius::survey::{Row, Surveyor};
 use tertius::tune::{
     Criterion, CylinderModel, Evidence, Store, Weights, designs, response, search, sensitivity,
@@ -117,7 +117,13 @@ fn the_criterion_is_of_the_fault_that_is_harder_to_see() {
 }
 
 /// Residuals of C1 with a step of `size` from `at` on, by an observer that ran before.
-fn found(rows: &[Row], design: &Design, at: usize, size: f64, threshold: f64) -> Option<usize> {
+fn found(
+    rows: &[Row],
+    design: &ObserverDesign,
+    at: usize,
+    size: f64,
+    threshold: f64,
+) -> Option<usize> {
     let mut observer = Observer::new(design.clone());
     let mut step = |row: &Row, fault: f64| {
         let position = row.c1.expect("it is there") + fault;
@@ -199,7 +205,7 @@ fn lost_cycles_cost_evidence_and_no_more() {
 }
 
 /// Seconds in which the residual exceeds `threshold`.
-fn alarms(rows: &[Row], design: &Design, transducer: usize, threshold: f64) -> u32 {
+fn alarms(rows: &[Row], design: &ObserverDesign, transducer: usize, threshold: f64) -> u32 {
     let store = store(rows);
     let residuals: Vec<f64> = store
         .stretches(0)

@@ -112,11 +112,11 @@ fn two_days_one_after_the_other_teach_what_both_together_teach() {
 
     // Twice the same counts once.
     let run = yard.unchanged(|| yard.update("commission", &second).ok());
-    assert!(run.stdout.contains("was learnt already"), "{}", run.stdout);
+    assert!(run.stdout.contains("was already learnt"), "{}", run.stdout);
     // And the same with something of it is not another one.
     let part = ["--update", "--to", "200"];
     let again = |more: &[&str]| yard.learn("commission", &[&second], "config.toml", more);
-    yard.unchanged(|| again(&part).failed(2, &["of the same time as one that was learnt"]));
+    yard.unchanged(|| again(&part).failed(2, &["overlaps with one that was learnt"]));
 
     let learnt = yard.learnt();
     assert_eq!((learnt.parts.len(), learnt.pieces.len()), (2, 10));
@@ -158,7 +158,7 @@ fn what_was_learnt_under_other_tables_is_not_mixed_with_these() {
     let mut flipped = kept.clone();
     flipped[kept.len() / 2] ^= 4;
     yard.0.write("config.learnt", &flipped);
-    refused(&text, &["config.learnt", "it was changed or cut", "--fresh"]);
+    refused(&text, &["config.learnt", "it was changed or truncated", "--fresh"]);
     yard.0.write("config.learnt", "[mine]\n");
     refused(&text, &["something else is in it"]);
     let fresh = || yard.learn("commission", &[&second], "config.toml", &["--update", "--fresh"]);
@@ -185,13 +185,13 @@ fn a_fault_is_left_out_and_one_that_stays_is_refused() {
         yard.faulty(&second, &format!("step,cylinder=3,sensor=c1,{when},size={size}"))
     };
     for (when, size, words) in [
-        ("at=0", "0.001", "cylinder 3: C1 - C2 is 0.9"),
-        ("at=270", "0.001", "it is not over at the end"),
+        ("at=0", "0.001", "cylinder 3: C1 - C2 differs from the tables by 0.9"),
+        ("at=270", "0.001", "s until after the end"),
         ("at=200", "0.0003", "mm of it stay"),
     ] {
         let log = fault(when, size);
         for command in ["commission", "calibrate"] {
-            let words = [words, "of no healthy machine", "nothing was written"];
+            let words = [words, "is not healthy", "nothing was written"];
             yard.unchanged(|| yard.update(command, &log).failed(1, &words));
         }
     }
@@ -201,7 +201,7 @@ fn a_fault_is_left_out_and_one_that_stays_is_refused() {
     yard.0.write("config.learnt", kept);
     let short = fault("at=130,until=132", "0.004");
     let run = yard.update("calibrate", &short).ok();
-    for words in ["cylinder 3: ", "nats of evidence at 13", "from 110 to 152 s is left out"] {
+    for words in ["cylinder 3: ", "nats of evidence at 13", "from 110 to 152 s are left out"] {
         assert!(run.stdout.contains(words), "{words}: {}", run.stdout);
     }
     // The tables are as without it.
@@ -234,17 +234,17 @@ fn a_run_that_was_interrupted_is_taken_up_or_noticed() {
     yard.update("calibrate", &logs[1]).ok();
     let new = yard.bytes("config.learnt");
     yard.0.write("config.learnt", &old);
-    let words = ["comparator.bound or the calibrations of [[cylinder]] are not those"];
+    let words = ["comparator.bound or the calibrations of [[cylinder]] differ from those"];
     yard.unchanged(|| yard.update("calibrate", &logs[1]).failed(2, &words));
     yard.0.write("config.learnt.new", &new);
     let run = yard.update("calibrate", &logs[1]).ok();
     assert!(run.stderr.contains("the last run was interrupted"), "{}", run.stderr);
-    assert!(run.stdout.contains("was learnt already"), "{}", run.stdout);
+    assert!(run.stdout.contains("was already learnt"), "{}", run.stdout);
     // Half of it beside is of a run that had not changed anything.
     yard.0.write("config.learnt", &new);
     yard.0.write("config.learnt.new", &old[..old.len() / 2]);
     let run = yard.unchanged(|| yard.update("calibrate", &logs[0]).ok());
-    assert!(run.stdout.contains("was learnt already"), "{}", run.stdout);
+    assert!(run.stdout.contains("was already learnt"), "{}", run.stdout);
     let call = ["--update", "--into", &yard.path("other.toml")];
     yard.0.write("other.toml", yard.read("config.toml"));
     let config = yard.path("config.toml");

@@ -12,13 +12,13 @@ use tertius::config;
 use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::inject::{Fault, Injector, place};
-use tertius::live::proxy::{self, Bench, LaneCounts, Limits, Proxy, Side};
+use tertius::live::proxy::{self, Bench, LaneCounts, LaneLimits, Proxy, Side};
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{Cycle, MS, START};
 
 type Socket = Unrestricted<Endpoint>;
 
-const LIMITS: Limits = Limits { waiting: 4096, age: Span::from_nanos(100 * MS) };
+const LIMITS: LaneLimits = LaneLimits { waiting: 4096, age: Span::from_nanos(100 * MS) };
 
 /// One of each kind that keeps something between frames, and one that depends on the time.
 const FAULTS: [&str; 6] = [
@@ -81,7 +81,7 @@ struct Two {
 }
 
 impl Two {
-    fn new(limits: Limits) -> Self {
+    fn new(limits: LaneLimits) -> Self {
         let clock = ManualClock::new(Timestamp::from_nanos(START));
         let buses = [(); 2].map(|()| EmbeddedBus::new(Clock::Manual(clock.clone())));
         let [machine, from, gateway, to] = [0, 0, 1, 1].map(|bus: usize| open(&buses[bus]));
@@ -226,7 +226,7 @@ fn lost(frames: &[Frame], skipped: usize) -> usize {
 fn few_wait_and_the_oldest_gives_way() {
     let frames = traffic();
     let expected = injected(&mut injector(), &frames[..200]);
-    let mut two = Two::new(Limits { waiting: 16, ..LIMITS });
+    let mut two = Two::new(LaneLimits { waiting: 16, ..LIMITS });
     two.buses[1].set_state(BusState::Jammed);
     for frame in &frames[..200] {
         // All at once, so that none is too old.

@@ -5,8 +5,8 @@ use std::time::Duration;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::live::gateway::{Gateway, Silent, Unsaid};
-use tertius::live::outbox::{Limits, Outbox};
+use tertius::live::gateway::{Gateway, NotTold, Silent};
+use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Monitor;
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{self, Collected, Cycle, MS, estimating, monitor, play};
@@ -27,13 +27,13 @@ fn gateway() -> Gateway {
 
 /// A gateway that may take `share` of the bus.
 fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
     Gateway::new(monitor, outbox, Span::from_seconds(0.01))
@@ -60,7 +60,7 @@ impl Bench {
         self.gateway.turn(&mut self.port, Duration::ZERO, &mut Silent).map(drop)
     }
 
-    fn stop(&mut self) -> Result<(), Unsaid> {
+    fn stop(&mut self) -> Result<(), NotTold> {
         self.gateway.stop(&mut self.port, Duration::ZERO, &mut Silent)
     }
 
@@ -257,7 +257,7 @@ fn the_last_words_are_within_the_share_however_much_went_before() {
         let newest = bench.heard.last().expect("it spoke");
         assert_eq!((newest.id.value(), mode(newest)), (0x1D1, 4), "{frames} frames at {share}");
         let seconds = newest.timestamp.since(traffic[0].timestamp).as_seconds();
-        let most = share * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
+        let most = share * 500_000.0 / 135.0 * seconds + f64::from(OutboxLimits::BURST);
         assert!(bench.heard.len() as f64 <= most, "{} of {most}", bench.heard.len());
         for _ in 0..40 {
             bench.clock.advance(Span::from_seconds(0.025));
@@ -265,7 +265,7 @@ fn the_last_words_are_within_the_share_however_much_went_before() {
         }
         bench.heard.clear();
         bench.listen(&mut ear);
-        assert!(bench.heard.is_empty(), "nothing follows the last words: {:?}", bench.heard);
+        assert!(bench.heard.is_empty(), "nothing follows the stopping status: {:?}", bench.heard);
     }
 }
 
@@ -275,11 +275,11 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     bench.run(&bus_traffic()[..2000], 1);
     let mut ear = bench.bus.open(&Identifiers::All, 64).expect("up");
     bench.bus.set_state(BusState::Jammed);
-    assert!(matches!(bench.stop(), Err(Unsaid::Full)));
+    assert!(matches!(bench.stop(), Err(NotTold::Full)));
     bench.heard.clear();
     bench.listen(&mut ear);
     assert!(bench.heard.is_empty());
-    // Once it moves again the last words are said, and once.
+    // Once it moves again the stopping status is sent, and once.
     bench.bus.set_state(BusState::Up);
     bench.stop().expect("the bus is up");
     bench.stop().expect("it was said");
@@ -291,9 +291,9 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
     let mut driver = bench.bus.open_unrestricted(&Identifiers::All, 64).expect("up");
     driver.send_unrestricted(&error_frame(0x040)).expect("up");
     bench.turn().expect("the interface stays up");
-    assert!(matches!(bench.stop(), Err(Unsaid::BusOff)));
+    assert!(matches!(bench.stop(), Err(NotTold::BusOff)));
     bench.bus.set_state(BusState::Down);
-    assert!(matches!(bench.stop(), Err(Unsaid::BusOff | Unsaid::Port(_))));
+    assert!(matches!(bench.stop(), Err(NotTold::BusOff | NotTold::Port(_))));
 }
 
 /// What has the identifier `id`.
@@ -335,7 +335,7 @@ fn estimates_take_nothing_from_warnings_and_statuses() {
         assert!(of(&bench.heard, id) == of(&plain.heard, id), "{id:x}");
     }
     let seconds = 400.0 * 0.02;
-    let most = 0.05 * 500_000.0 / 135.0 * seconds + f64::from(Limits::BURST);
+    let most = 0.05 * 500_000.0 / 135.0 * seconds + f64::from(OutboxLimits::BURST);
     assert!((bench.heard.len() as f64) < most, "{} of {most}", bench.heard.len());
     assert!(bench.gateway.outbox().counts().outdated > 500);
 }

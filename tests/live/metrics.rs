@@ -11,7 +11,7 @@ use tertius::bus::socket::{ControllerState, LinkState};
 use tertius::bus::{Identifiers, Port};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::live::gateway::{Gateway, Journal};
-use tertius::live::supervisor::{self, Opener, Surroundings, Wish};
+use tertius::live::supervisor::{self, Opener, Request, Surroundings};
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{self, Cycle, MS};
 use tertius_testing::oracle;
@@ -174,7 +174,7 @@ fn health_claims_nothing_without_evidence() {
     let closed = expect(&bench, 503, "down", "not open");
     assert_eq!((&closed["bus"], &closed["seconds_since_turn"]), (&"closed".into(), &().into()));
     bench.witness.recorder.opened();
-    expect(&bench, 503, "down", "has not begun");
+    expect(&bench, 503, "down", "has not started");
     bench.turn().expect("the bus is up");
     expect(&bench, 200, "unknown", "no frame of the machine yet");
     bench.run(&cycles(0..20), DELAY);
@@ -196,7 +196,7 @@ fn health_claims_nothing_without_evidence() {
     bench.hands.pass(Span::from_seconds(1.0));
     expect(&bench, 200, "ok", "");
     bench.hands.pass(Span::from_nanos(1));
-    let dead = expect(&bench, 503, "down", "stands still for 1.0 s");
+    let dead = expect(&bench, 503, "down", "has not turned for 1.0 s");
     assert_eq!(dead["mode"], serde_json::Value::Null);
 }
 
@@ -410,8 +410,8 @@ impl Journal for Flapping {
 }
 
 impl Surroundings for Flapping {
-    fn wish(&mut self) -> Wish {
-        if self.left == 0 { Wish::Stop } else { Wish::GoOn }
+    fn request(&mut self) -> Request {
+        if self.left == 0 { Request::Stop } else { Request::GoOn }
     }
 
     fn wait(&mut self, _: Duration) {
@@ -427,7 +427,7 @@ impl Surroundings for Flapping {
 
     fn lost(&mut self, _: &str) {}
 
-    fn unsaid(&mut self, reason: &str) {
+    fn not_told(&mut self, reason: &str) {
         assert_eq!((self.left, reason), (0, "the interface is not open"));
     }
 

@@ -86,7 +86,7 @@ fn health_is_there_before_the_interface_and_moves_with_a_reload() {
     assert!(line.contains("need a port each") && line.contains(&address), "{line}");
     write(folder.path(), "off");
     running.signal("-HUP");
-    running.said("no telemetry over HTTP any more");
+    running.said("telemetry over HTTP is now off");
     running.signal("-TERM");
     assert_eq!(running.child.wait().expect("it ends").code(), Some(0));
 }
@@ -98,7 +98,7 @@ fn a_port_that_is_taken_does_not_stop_the_gateway() {
     let listen = taken.local_addr().expect("it is bound").to_string();
     let mut running = Running::start(&write(folder.path(), &listen));
     let line = running.said("no telemetry over HTTP on");
-    assert!(line.contains(&listen) && line.contains("Several gateways on one box"), "{line}");
+    assert!(line.contains(&listen) && line.contains("Several gateways on one computer"), "{line}");
     running.said("no bus");
     running.signal("-TERM");
     assert_eq!(running.child.wait().expect("it ends").code(), Some(0));

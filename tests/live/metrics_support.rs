@@ -14,7 +14,7 @@ use tertius::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::{Frame, Id};
 use tertius::live::gateway::{Gateway, Journal};
-use tertius::live::outbox::{Limits, Outbox};
+use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{self, monitor};
@@ -78,13 +78,13 @@ impl Journal for Witness {
 }
 
 pub fn gateway() -> Gateway {
-    let limits = Limits {
-        waiting: Limits::WAITING,
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
         estimates: 6,
         age: Span::from_seconds(0.2),
         bitrate: 500_000.0,
         share: 0.05,
-        burst: Limits::BURST,
+        burst: OutboxLimits::BURST,
     };
     let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
     Gateway::new(monitor(), outbox, Span::from_seconds(0.01))

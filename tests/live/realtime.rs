@@ -123,9 +123,9 @@ fn without_the_rights_it_says_what_to_do_and_goes_on() {
     let (_child, _log, said) = start(command, "no bus");
     for words in [
         "no real-time priority 7: Operation not permitted; as a service, install tertius-realtime",
-        "`ulimit -r 7` or CAP_SYS_NICE; going on without",
+        "`ulimit -r 7` or CAP_SYS_NICE; continuing without",
         "memory is not locked: ",
-        "`ulimit -l unlimited` or CAP_IPC_LOCK; going on without",
+        "`ulimit -l unlimited` or CAP_IPC_LOCK; continuing without",
     ] {
         assert!(said.contains(words), "{words:?} is not in\n{said}");
     }

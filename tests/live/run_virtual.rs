@@ -34,10 +34,10 @@ fn play_and_replay(frames: &[Frame], speed: &str) -> (Vec<Frame>, Vec<Frame>) {
 }
 
 /// The live frames are the replayed ones, then at most what fell due after the last frame, then the
-/// last words, which no recording knows.
+/// stopping status, which no recording knows.
 fn assert_same(live: &[Frame], replayed: &[Frame]) {
-    let (last, live) = live.split_last().expect("it sends at least its last words");
-    assert_eq!((last.id.value(), last.data()[6] >> 3 & 0b111), (0x1D1, 4), "its last words");
+    let (last, live) = live.split_last().expect("it sends at least its stopping status");
+    assert_eq!((last.id.value(), last.data()[6] >> 3 & 0b111), (0x1D1, 4), "its stopping status");
     assert!(live.len() >= replayed.len() && live.len() - replayed.len() <= 1);
     let (live, replayed) = (wire(live), wire(replayed));
     let differ = replayed.iter().zip(&live).position(|(replayed, live)| replayed != live);
@@ -129,7 +129,7 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     let (log, config) = (plain(&log), plain(&config));
     let real = top().join("tests/recordings/e-type.toml");
     for (arguments, expected) in [
-        (&["--config", config] as &[&str], "where nobody speaks"),
+        (&["--config", config] as &[&str], "on which nothing else sends"),
         (&["--config", plain(&real), "--play", log], "bus.interface is \"can0\""),
         (&["--config", config, "--play", "no.log"], "cannot open the recording no.log"),
         (&["--config", config, "--play", log, "--speed", "0"], "or max"),

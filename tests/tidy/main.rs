@@ -146,6 +146,10 @@ const UNFINISHED: [&str; 3] = ["todo", "unimplemented", "dbg"];
 /// A file longer than this has more than one noun.
 const LONGEST: usize = 400;
 
+/// Names that several public types of one crate may have: the clocks of telemetry and of the embedded
+/// bus, and the options of a recording and of a socket, which are always used with their module.
+const SHARED_NAMES: [&str; 2] = ["Clock", "Options"];
+
 struct Source {
     /// Below the top folder, with `/`.
     name: String,
@@ -402,6 +406,21 @@ fn is_ignored(tokens: &[String]) -> bool {
     text(tokens, 0) == "#" && text(tokens, 1) == "[" && text(tokens, 2) == "ignore"
 }
 
+/// Names that more than one public type of a crate has, with the files.
+fn shared_names(sources: &[Source]) -> Vec<String> {
+    let mut places: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for source in sources {
+        for item in source.tokens().windows(3) {
+            let is_type = ["struct", "enum", "trait", "type", "union"].contains(&item[1].as_str());
+            if item[0] == "pub" && is_type && !SHARED_NAMES.contains(&item[2].as_str()) {
+                places.entry(item[2].clone()).or_default().push(&source.name);
+            }
+        }
+    }
+    let shared = places.into_iter().filter(|(_, files)| files.len() > 1);
+    shared.map(|(name, files)| format!("{name}: {}", files.join(", "))).collect()
+}
+
 #[track_caller]
 fn none(found: Vec<String>, why: &str) {
     assert!(found.is_empty(), "{why}:\n{}", found.join("\n"));
@@ -468,6 +487,23 @@ fn the_rooms_of_a_crate_use_each_other_one_way() {
     for folder in crates() {
         none(circles(&sources_below(&folder)), &format!("{folder}: rooms that use each other"));
     }
+}
+
+#[test]
+fn a_public_type_has_a_name_of_its_own_in_its_crate() {
+    for folder in crates() {
+        none(shared_names(&sources_below(&folder)), "types of one name; say of what each is");
+    }
+    let found = |files: [&str; 2]| {
+        let [one, other] = files.map(|text| source("crates/made/src/up.rs", text));
+        shared_names(&[one, other]).len()
+    };
+    assert_eq!(found(["pub struct A;", "mod b { pub enum A { B } }"]), 1);
+    assert_eq!(found(["pub trait A {}", "pub type A = f64;"]), 1);
+    for other in ["pub(super) struct A;", "struct A;", "pub struct B;", "pub use b::A;"] {
+        assert_eq!(found(["pub struct A;", other]), 0, "{other}");
+    }
+    assert_eq!(found(["pub struct A;", "#[cfg(test)] mod t { pub struct A; }"]), 0);
 }
 
 #[test]

@@ -93,7 +93,7 @@ fn between_interfaces_it_does_what_it_does_to_a_recording() {
     assert!(on_bus1 == expected, "{} of {} frames: {report}", on_bus1.len(), expected.len());
     let (received, sent) = (frames.len() + 1, expected.len());
     assert!(report.contains(&format!("{received} frames received, {sent} sent")), "{report}");
-    assert!(report.contains("vcan1 to vcan0: 1 frames received, 1 sent, 0 changed"), "{report}");
+    assert!(report.contains("vcan1 to vcan0: 1 frame received, 1 sent, 0 changed"), "{report}");
     assert!(report.contains("frames changed or lost"), "{report}");
 }
 

@@ -1,4 +1,4 @@
-//! What a monitor is worth.
+//! Assessment of a monitor.
 //!
 //! - [`evaluate`]: Monte Carlo on the simulator.
 //! - [`commission`]: everything that learns from a recording in turn, a trial on what was held back, and

@@ -1,4 +1,4 @@
-//! The file's text and where in it each key is.
+//! Text of the configuration file, and the position of each key.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use super::problem::{ConfigError, Place, Problem, Problems};
 
-/// A configuration file as it was read, so that whoever finds a value to be wrong later (a signal
+/// A configuration file as it was read, so that whoever later finds a value to be wrong (a signal
 /// that the DBC does not have) can say on which line.
 #[derive(Clone, Debug)]
 pub struct Document {
     name: Arc<str>,
     text: Arc<str>,
-    /// Where each line begins, in bytes.
+    /// Start of each line, bytes.
     lines: Arc<[usize]>,
     places: BTreeMap<String, Range<usize>>,
 }
@@ -37,8 +37,8 @@ impl Document {
         &self.text
     }
 
-    /// Whether the file itself has this key, for example `fde.low` or `cylinder[0].theta`; if not,
-    /// the value in the settings is a default.
+    /// Whether the file itself has this key, for example `fde.low` or `cylinder[0].theta`;
+    /// otherwise the value in the settings is a default.
     pub fn has(&self, key: &str) -> bool {
         self.places.contains_key(key)
     }

@@ -1,21 +1,20 @@
-//! Tables that a command has learnt, put into a configuration: values change in their places, and
-//! comments, order and all else stay.
+//! Writes tables that a command has learnt into a configuration: values change in place, and
+//! comments, order and everything else stay.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TomlError, Value};
 
-/// The comment that begins what a command tells of its tables, before its version and its name.
+/// Start of the comment in which a command describes its tables, before its version and its name.
 const BY: &str = "# By tertius ";
 
-/// What the tables say of themselves that is true of a file of their own only.
+/// Start of a comment in the tables that applies only to a file of their own.
 const OF_A_FILE: &str = "# Keys of [[cylinder]]";
 
-/// The configuration `text` with `tables` in it. `[[cylinder]]` tables go by their `n`; of those in
-/// `text`, keys in `anew` that `tables` do not give are removed, as they would outlive what they belong
-/// to. What `tables` tell of their origin, the comment that they begin with, stands at the end, in place
-/// of what the same command has told there before.
+/// The configuration `text` with `tables` in it. `[[cylinder]]` tables are matched by `n`. Keys in
+/// `anew` that `tables` do not give are removed from those in `text`, as they would be out of date.
+/// The comment with which `tables` begin, which tells their origin, goes to the end and replaces
+/// the one that the same command has left there before.
 ///
-/// # Errors
-/// One of them is no TOML.
+/// # Errors One of the two texts is not TOML.
 pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError> {
     let mut document: DocumentMut = text.parse()?;
     let learnt: DocumentMut = tables.parse()?;
@@ -58,7 +57,7 @@ fn put_item(table: &mut Table, key: &str, learnt: &Item) {
     }
 }
 
-/// `item` without its place in the text that it comes from, and a value without its comments.
+/// `item` without its position in its source text; a value also without its comments.
 fn unplaced(item: &Item) -> Item {
     match item {
         Item::Value(value) => {
@@ -122,7 +121,7 @@ fn forget(document: &mut DocumentMut, learnt: &DocumentMut, anew: &[&str]) {
     }
 }
 
-/// The end of a configuration with what `tables` tell of their origin.
+/// The end of a configuration, with the origin of `tables`.
 fn signed(trailing: &str, tables: &str) -> String {
     let comment: Vec<&str> = tables.lines().take_while(|line| line.starts_with('#')).collect();
     let by = comment.first().and_then(|line| command(line));
@@ -189,7 +188,7 @@ nodes = [1.0]
     const TABLES: &str = "\
 # By tertius 9.9.9 calibrate, for a machine.
 # From a.log
-# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.
+# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.
 
 # what it means
 [comparator]

@@ -1,4 +1,4 @@
-//! Every key of the configuration file: what it is for, its type and its limits.
+//! Every key of the configuration file: its purpose, type and limits.
 
 mod estimate;
 mod fitted;
@@ -6,7 +6,7 @@ mod fitted;
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::text::TextRule;
 
-/// Fd_Status has two state bits for each transducer of six cylinders.
+/// Most cylinders: Fd_Status has two state bits for each transducer of six cylinders.
 pub(super) const MOST_CYLINDERS: u8 = 6;
 
 const DURATION: &str = "a duration in seconds";
@@ -44,20 +44,20 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::required("bus", Kind::Table(&BUS), "", "where its frames are and what they mean"),
     Key::required("signals", Kind::Table(&SIGNALS), "", "which signals of the DBC are monitored"),
     Key::optional("plausibility", Kind::Table(&PLAUSIBILITY), "",
-        "when a reading is not to be believed before any model is asked"),
+        "when a reading is rejected before any model is asked"),
     Key::optional("model", Kind::Table(&MODEL), "", "the discrete model (4-1)"),
     Key::optional("observer", Kind::Table(&OBSERVER), "", "weights of the Riccati equation"),
     Key::optional("fde", Kind::Table(&FDE), "", "thresholds of R1 and R2, m"),
     Key::optional("comparator", Kind::Table(&COMPARATOR), "", "thresholds of R3, m"),
-    Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings come and go"),
+    Key::optional("alarm", Kind::Table(&ALARM), "", "how warnings are raised and cleared"),
     Key::optional("sequential", Kind::Table(&fitted::SEQUENTIAL), "",
         "the sequential detectors, of cylinders that are calibrated for it"),
     Key::optional("estimate", Kind::Table(&estimate::ESTIMATE), "",
         "the virtual third sensor: each cylinder's length with its standard deviation"),
-    Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own place on the bus"),
+    Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own node on the bus"),
     Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
     Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
-    Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "what one cylinder has of its own"),
+    Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "overrides for one cylinder"),
 ] };
 
 #[rustfmt::skip]
@@ -75,7 +75,7 @@ static MACHINE: Table = Table { keys: &[
         "[-1.5, 1.5]", "the cylinder's reach, retracted and extended, m"),
     Key::optional("area_ratio",
         number(Limits::above(0.0, "the rod side's area by the bottom side's, (3-5)").most(1.0)),
-        "0.5", "the area ratio of (3-5), by which P_L is made of the chambers' pressures"),
+        "0.5", "the area ratio of (3-5), by which P_L follows from the chambers' pressures"),
     Key::optional("monitored_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"engaged\"]", "the platform states in which FDE1 and FDE2 judge; absent: always"),
@@ -94,7 +94,7 @@ static BUS: Table = Table { keys: &[
     Key::required("dbc", text(TextRule::Path), "\"../dbc/e-type.dbc\"",
         "the DBC file, relative to this file"),
     Key::optional("bitrate", whole(10_000, 8_000_000, "CAN has 10 kbit/s to 8 Mbit/s"), "500000",
-        "bit rate of the bus, bit/s; the gateway's share is reckoned from it"),
+        "bit rate of the bus, bit/s; the gateway's share is computed from it"),
 ] };
 
 #[rustfmt::skip]
@@ -165,7 +165,7 @@ static MODEL: Table = Table { keys: &[
     Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
         "the command at which a cylinder rests, m/s; (4-1) takes u less this"),
     Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",
-        "the sample time that theta and gamma are of, s; absent: not known, but for Table 4-1"),
+        "the sample time of theta and gamma, s; absent: not known, except for Table 4-1"),
 ] };
 
 #[rustfmt::skip]
@@ -263,7 +263,7 @@ static CYLINDER: Table = Table { keys: &[
     Key::optional("command_offset", number(Limits::finite(FINITE)), "0.0",
         "the command at which this cylinder rests, m/s"),
     Key::optional("sample_time", number(Limits::above(0.0, DURATION)), "0.02",
-        "the sample time that theta and gamma of this cylinder are of, s; absent: not known"),
+        "the sample time of theta and gamma of this cylinder, s; absent: not known"),
     Key::optional("sequential", Kind::Table(&fitted::CYLINDER_SEQUENTIAL), "",
         "what `calibrate` has fitted for the sequential detector"),
 ] };
@@ -277,7 +277,7 @@ mod tests {
     use super::super::settings;
     use super::*;
 
-    /// Asks a type for the names of its fields.
+    /// Deserializer that collects the names of a type's fields.
     struct Fields<'a>(&'a mut Vec<&'static str>);
 
     impl<'de> Deserializer<'de> for Fields<'_> {
@@ -339,7 +339,7 @@ mod tests {
         }
     }
 
-    /// The file of all examples, or of those that are required only.
+    /// The file of all examples, or only of those that are required.
     fn examples(path: &str, table: &Table, all: bool, text: &mut String) {
         let wanted = || table.keys.iter().filter(|key| all || key.required);
         for key in wanted().filter(|key| !key.example.is_empty()) {

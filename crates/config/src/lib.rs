@@ -1,10 +1,10 @@
 //! The configuration: from a TOML file to settings that are known to be sound.
 //!
-//! [`load`] reads the file and the DBC beside it; [`parse`] is the same without a file system. A
+//! [`load`] reads the file and the DBC beside it; [`parse`] does the same without a file system. A
 //! file passes three stages: the walk over its keys (`keys.rs` knows them all), the types of
-//! [`settings`], and the relations between values. What does not pass is refused with everything
-//! that was found ([`ConfigError`]). [`design`] makes of settings and the signals of a DBC what a monitor
-//! is made from.
+//! [`settings`], and the relations between values. A file that does not pass is refused with
+//! everything that was found ([`ConfigError`]). [`design`] turns settings and the signals of a DBC
+//! into what a monitor is made from.
 
 pub mod design;
 mod document;
@@ -35,10 +35,9 @@ pub const MAX_SIZE: usize = 1 << 20;
 
 /// Settings from the text of a configuration; `name` is what problems call the file.
 ///
-/// # Errors
-/// All that is wrong with the text, at most [`MAX_PROBLEMS`] in full. What needs an earlier stage
-/// waits for it: text that is no TOML has no keys to judge, and values are compared with each
-/// other once every key is there and has its type.
+/// # Errors Everything that is wrong with the text, at most [`MAX_PROBLEMS`] in full. A stage runs
+/// only when the earlier ones have passed: text that is not TOML has no keys to judge, and values
+/// are compared with each other once every key is there and has its type.
 pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError> {
     if text.len() > MAX_SIZE {
         return Err(too_long(name));
@@ -79,7 +78,7 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
     }
 }
 
-/// Of the errors of syntax in a file so many are told.
+/// Most syntax errors of a file that are reported.
 const MAX_SYNTAX: usize = 5;
 
 fn not_toml(document: &Document, error: &toml::de::Error) -> Problem {
@@ -88,7 +87,8 @@ fn not_toml(document: &Document, error: &toml::de::Error) -> Problem {
     document.problem_at(error.span().unwrap_or(0..0), "", message, help.into())
 }
 
-/// A file in which nothing is known: it is the wrong one, and its lines are not worth a word.
+/// The error for a file in which nothing is known: it is the wrong file, and its lines need no
+/// comment.
 fn no_configuration(document: &Document, errors: &[toml::de::Error]) -> ConfigError {
     let is_dbc = |line: &str| line.starts_with("BO_ ") || line.starts_with("BU_:");
     let problem = if document.text().lines().any(is_dbc) {
@@ -101,7 +101,7 @@ fn no_configuration(document: &Document, errors: &[toml::de::Error]) -> ConfigEr
         let first = errors.first().map(|error| not_toml(document, error));
         let place = first.as_ref().and_then(Problem::place).cloned();
         let reason = first.map_or_else(String::new, |first| format!(" ({})", first.message));
-        let message = format!("this is no configuration{reason}");
+        let message = format!("this is not a configuration{reason}");
         Problem { place, ..Problem::of_file(document.name(), message, help) }
     };
     document.refuse([problem]).expect("one problem is a refusal")

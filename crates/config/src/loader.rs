@@ -1,4 +1,4 @@
-//! The configuration from the file system: the only place of this room that reads files.
+//! Reads the configuration from the file system: the only part of this crate that reads files.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -16,18 +16,18 @@ pub const MAX_DBC_SIZE: usize = 64 << 20;
 pub struct Loaded {
     pub settings: Settings,
     pub document: Document,
-    /// Where the DBC was read from.
+    /// Path that the DBC was read from.
     pub dbc_path: PathBuf,
-    /// The DBC as it is on disk; its encoding is for the DBC reader to judge.
+    /// Bytes of the DBC as on disk; the DBC reader determines their encoding.
     pub dbc_text: Vec<u8>,
-    /// Where the gateway keeps what was read on the stops; it need not be there.
+    /// Path of the file in which the gateway keeps its readings on the stops; the file need not
+    /// exist.
     pub history_path: Option<PathBuf>,
 }
 
 /// Reads a configuration and its DBC; the paths in it are relative to its folder.
 ///
-/// # Errors
-/// A file that cannot be read, is too long or is not UTF-8, and all that [`parse`] refuses.
+/// # Errors A file cannot be read, is too long or is not UTF-8, or [`parse`] refuses it.
 pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
     let name = path.display().to_string();
     let bytes = match read(path, MAX_SIZE) {
@@ -44,8 +44,7 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
 
 /// Reads the DBC of the configuration `text`, which is, or will be, in the file `path`.
 ///
-/// # Errors
-/// As [`load`].
+/// # Errors See [`load`].
 pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
     let name = path.display().to_string();
     let (settings, document) = parse(&name, text)?;
@@ -59,7 +58,8 @@ pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
     Ok(Loaded { settings, document, dbc_path, dbc_text, history_path })
 }
 
-/// A history that is no history is set aside, and the gateway writes it anew: not these.
+/// Refuses a history path that names one of these files: the gateway sets aside a file that is not
+/// a history, and writes a new one.
 fn refuse_overwriting(
     history: &Path,
     inputs: &[&Path],
@@ -70,7 +70,7 @@ fn refuse_overwriting(
     let real = identity(history);
     let same = |input: &&&Path| real.is_some() && identity(input) == real;
     let Some(input) = inputs.iter().find(same) else { return Ok(()) };
-    let message = format!("`sequential.history` would be written over {}", input.display());
+    let message = format!("`sequential.history` would overwrite {}", input.display());
     let help = "name a file of its own, for example \"/var/lib/tertius/e-type.dwells\"";
     let problem = document.problem("sequential.history", message, help);
     Err(document.refuse([problem]).expect("one problem is a refusal"))
@@ -93,7 +93,7 @@ fn read_dbc(path: &Path, document: &Document) -> Result<Vec<u8>, ConfigError> {
     Err(document.refuse([problem]).expect("one problem is a refusal"))
 }
 
-/// The file's bytes; `None` beyond `longest`, of which no more is read.
+/// The file's bytes; `None` if it is longer than `longest`, beyond which nothing is read.
 fn read(path: &Path, longest: usize) -> io::Result<Option<Vec<u8>>> {
     // Opening a pipe waits for who writes to it, and it need not end. A folder is told by reading it.
     let kind = fs::metadata(path)?.file_type();

@@ -1,4 +1,4 @@
-//! What is wrong with a configuration, for a person to put right.
+//! Problems with a configuration, for a person to correct.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -7,27 +7,28 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource};
 
-/// A report names at most this many problems and counts the others.
+/// A report names at most this many problems and counts the rest.
 pub const MAX_PROBLEMS: usize = 20;
-/// Longer lines are not shown beneath a problem: no person wrote them.
+/// Longest line that is shown beneath a problem, characters; longer lines were not written by a
+/// person.
 const LONGEST_SHOWN_LINE: usize = 400;
 
-/// Where in the text a problem is. Line and column count from 1, the column in characters.
+/// Position of a problem in the text. Line and column count from 1, the column in characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     pub line: usize,
     pub column: usize,
-    /// Bytes of the text.
+    /// Position in bytes.
     pub span: Range<usize>,
 }
 
-/// One thing that is wrong, where, and what to do about it.
+/// One problem, where it is, and what to do about it.
 ///
 /// Its `Display` is one line, `file:line:column: message (help)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     pub(super) file: Arc<str>,
-    /// The full name of the key; empty where no key is to blame.
+    /// Full name of the key; empty where no key is at fault.
     pub(super) key: String,
     pub(super) place: Option<Place>,
     pub(super) message: String,
@@ -35,7 +36,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// A problem of the whole file, which perhaps could not even be read.
+    /// A problem of the whole file, which may not even have been readable.
     pub(super) fn of_file(file: &str, message: String, help: &str) -> Self {
         Self { file: file.into(), key: String::new(), place: None, message, help: help.into() }
     }
@@ -48,7 +49,7 @@ impl Problem {
         &self.help
     }
 
-    /// `None` where the file as a whole is to blame.
+    /// Position of the problem; `None` where the file as a whole is at fault.
     pub fn place(&self) -> Option<&Place> {
         self.place.as_ref()
     }
@@ -73,7 +74,7 @@ pub(super) struct Problems {
 }
 
 impl Problems {
-    /// Adds a problem; it is not even made when there are enough.
+    /// Adds a problem, which is not constructed once there are enough.
     pub fn push_with(&mut self, make: impl FnOnce() -> Problem) {
         if self.list.len() < MAX_PROBLEMS {
             self.list.push(make());
@@ -102,7 +103,7 @@ pub(super) fn table_of(key: &str) -> &str {
     key.rsplit_once('.').map_or("", |(table, _)| table)
 }
 
-/// A configuration that is refused, with all that was found wrong.
+/// Refusal of a configuration, with everything that was found wrong.
 ///
 /// Its `Display` is one line for each problem, as compilers write them, in the order of the file;
 /// [`ConfigError::report`] shows the same with the lines of the file.
@@ -115,7 +116,7 @@ pub struct ConfigError {
 }
 
 impl ConfigError {
-    /// A refusal for a problem outside of the text.
+    /// A refusal for a problem outside the text.
     pub(super) fn of_file(file: &str, message: String, help: &str) -> Self {
         let mut problems = Problems::default();
         problems.push_with(|| Problem::of_file(file, message, help));
@@ -127,7 +128,7 @@ impl ConfigError {
         &self.problems
     }
 
-    /// How many problems were found beyond [`ConfigError::problems`].
+    /// Number of problems found beyond [`ConfigError::problems`].
     pub fn more(&self) -> usize {
         self.more
     }
@@ -138,7 +139,7 @@ impl ConfigError {
         let plural = if count == 1 { "" } else { "s" };
         miette::Report::new(Refusal {
             headline: format!("{}: {count} problem{plural}", self.file),
-            rest: (self.more > 0).then(|| format!("{} more of them are not shown", self.more)),
+            rest: (self.more > 0).then(|| format!("{} more are not shown", self.more)),
             text: NamedSource::new(&self.file, self.text.to_string()),
             problems: self.problems.iter().map(|p| Labelled::new(p, &self.text)).collect(),
         })

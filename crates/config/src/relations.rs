@@ -1,4 +1,4 @@
-//! What must hold between the values of different keys.
+//! Relations that must hold between the values of different keys.
 
 use std::collections::BTreeSet;
 
@@ -7,11 +7,11 @@ use super::problem::{Problems, table_of};
 use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
 use tertius_core::alarm::frames::FRAME_BITS;
 
-/// Fd_Status comes so many times a second.
+/// Rate of Fd_Status, 1/s.
 const STATUSES: f64 = 10.0;
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
-/// problem are left for the next time: their values may not be what the user means.
+/// problem are not checked yet, since its values may not be what the user means.
 pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Problems) {
     let mut relations = Relations { document, doubtful: problems.tables(), problems };
     relations.machine(settings);
@@ -24,13 +24,14 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
 
 struct Relations<'a> {
     document: &'a Document,
-    /// Tables that had a problem before.
+    /// Tables that already had a problem.
     doubtful: BTreeSet<String>,
     problems: &'a mut Problems,
 }
 
 impl Relations<'_> {
-    /// Reports unless `holds`, at the first of `keys` that the file has: a default is not at fault.
+    /// Reports a problem unless `holds`, at the first of `keys` that the file has: a default is not
+    /// at fault.
     fn require(&mut self, holds: bool, keys: &[&str], message: String, help: &str) {
         if holds || keys.iter().any(|key| self.doubtful.contains(table_of(key))) {
             return;
@@ -137,8 +138,8 @@ impl Relations<'_> {
         );
     }
 
-    /// Fd_Status is the gateway's proof of life; and estimates that come now and then are worse than
-    /// none: who relies on them waits for the next.
+    /// Checks the gateway's share of the bus. Fd_Status is its proof of life, and an irregular
+    /// Fd_Estimate is worse than none, since whoever relies on it waits for the next.
     fn share(&mut self, settings: &Settings) {
         let Settings { machine, bus, gateway, estimate, .. } = settings;
         let share_of = |frames: f64| frames * FRAME_BITS / f64::from(bus.bitrate);
@@ -218,7 +219,7 @@ impl Relations<'_> {
                 !twice,
                 &[&key],
                 format!("`{key}` is {n}, which has a [[cylinder]] table above already"),
-                "write all that cylinder has of its own into one table",
+                "write all overrides of that cylinder into one table",
             );
             if let Some(fitted) = &cylinder.sequential {
                 self.fitted(&format!("cylinder[{index}].sequential"), fitted);

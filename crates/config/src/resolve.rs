@@ -1,13 +1,13 @@
-//! The settings as the monitor asks for them: one cylinder at a time, defaults filled in.
+//! Settings as the monitor needs them: one cylinder at a time, with defaults filled in.
 
 use super::settings::{
     Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
 };
 use tertius_core::decode::Raw;
-use tertius_core::sequential::{self, Limits};
+use tertius_core::sequential::{self, DriftLimits};
 use tertius_dbc::Signal;
 
-/// However many false alarms are allowed, less evidence than this is none, nats.
+/// Least level, nats, however many false alarms are allowed: weaker evidence is never enough.
 const LEAST_LEVEL: f64 = 5.0;
 
 /// The sample time of the thesis's machine, on which Table 4-1 was identified, s.
@@ -43,12 +43,12 @@ impl Settings {
         if is_input && !is_healthy { vec![S7_OVERFLOW] } else { Vec::new() }
     }
 
-    /// Whole cycles nearest to `seconds`.
+    /// Number of whole cycles nearest to `seconds`.
     pub fn cycles(&self, seconds: f64) -> u32 {
         (seconds / self.machine.sample_time).round() as u32
     }
 
-    /// Cycles that are one warning: what follows sooner does not raise anew.
+    /// Cycles within which repeated findings are one warning and do not raise anew.
     pub fn warning_cycles(&self) -> u32 {
         self.cycles(self.alarm.clear).max(1)
     }
@@ -61,7 +61,8 @@ impl Settings {
         (theta.unwrap_or(self.model.theta), gamma.unwrap_or(self.model.gamma))
     }
 
-    /// The sample time that [`Self::model_of`] is of, s; `None` where nobody says. Table 4-1's is known.
+    /// The sample time that [`Self::model_of`] was made for, s; `None` where it is not known. Table
+    /// 4-1's is known.
     pub fn model_time_of(&self, n: u8) -> Option<f64> {
         let own = self.own(n).filter(|own| own.theta.is_some() || own.gamma.is_some());
         let told = own.map_or(self.model.sample_time, |own| own.sample_time);
@@ -81,22 +82,22 @@ impl Settings {
         self.own(n).map_or((1.0, 0.0), |cylinder| (cylinder.c2_gain, cylinder.c2_offset))
     }
 
-    /// Readings later than this after the opening of their cycle are late, s.
+    /// Deadline of readings after the opening of their cycle, s.
     pub fn cycle_deadline(&self) -> f64 {
         self.machine.cycle_deadline.unwrap_or(0.8 * self.machine.sample_time)
     }
 
-    /// Below this |R3| counts towards clearing, m.
+    /// Threshold below which |R3| counts towards clearing, m.
     pub fn comparator_low(&self) -> f64 {
         self.comparator.low.unwrap_or(0.75 * self.comparator.bound)
     }
 
-    /// What the sequential detector of cylinder `n` was calibrated to, if it was.
+    /// Calibration of the sequential detector of cylinder `n`, if there is one.
     pub fn sequential_of(&self, n: u8) -> Option<&CylinderSequential> {
         self.own(n)?.sequential.as_ref()
     }
 
-    /// h of a cylinder that has none of its own, nats.
+    /// Level h of a cylinder that has none of its own, nats.
     pub fn sequential_level(&self) -> f64 {
         let Self { machine, sequential: budget, .. } = self;
         let by_rate =
@@ -104,18 +105,19 @@ impl Settings {
         budget.level.unwrap_or(by_rate.max(LEAST_LEVEL))
     }
 
-    /// h of cylinder `n`, nats: what is set for all goes before what its calibration asks for.
+    /// Level h of cylinder `n`, nats: a level set for all cylinders takes precedence over that of
+    /// its calibration.
     pub fn sequential_level_of(&self, n: u8) -> f64 {
         let own = self.sequential_of(n).and_then(|fitted| fitted.level);
         own.filter(|_| self.sequential.level.is_none()).unwrap_or_else(|| self.sequential_level())
     }
 
-    /// How far a reading on the stop may move.
-    pub fn drift_limits(&self) -> Limits {
+    /// Limits of how far a reading on the stop may move.
+    pub fn drift_limits(&self) -> DriftLimits {
         let critical = self.comparator.critical;
         // As it is reached, nine times the time that it took is left, and each detector works as ever.
         let maintenance = self.sequential.maintenance.unwrap_or(critical / 10.0);
-        Limits { maintenance, critical }
+        DriftLimits { maintenance, critical }
     }
 
     fn own(&self, n: u8) -> Option<&Cylinder> {
@@ -124,7 +126,7 @@ impl Settings {
 }
 
 impl CylinderSignals {
-    /// Every signal that is configured, with its key; `{n}` is not yet replaced.
+    /// Every configured signal with its key; `{n}` is not yet replaced.
     pub fn named(&self) -> impl Iterator<Item = (&'static str, &str)> {
         [
             ("c1", Some(&self.c1)),
@@ -145,7 +147,7 @@ impl CylinderSignals {
         .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
     }
 
-    /// A signal's name for cylinder `n`.
+    /// Name of a signal for cylinder `n`.
     pub fn of_cylinder(signal: &str, n: u8) -> String {
         signal.replace(PLACEHOLDER, &n.to_string())
     }

@@ -1,7 +1,7 @@
-//! What a configuration may hold, as data: tables, keys, types and the limits of single values.
+//! The schema of a configuration, as data: tables, keys, types and the limits of single values.
 //!
-//! The one place that knows the keys; [`super::keys`] holds them, a test there compares them with
-//! the types of [`super::settings`].
+//! [`super::keys`] holds the keys; a test there compares them with the types of
+//! [`super::settings`].
 
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
@@ -17,9 +17,9 @@ pub(super) struct Table {
 pub(super) struct Key {
     pub name: &'static str,
     pub required: bool,
-    /// What it is, with its unit.
+    /// Meaning of the key, with its unit.
     pub what: &'static str,
-    /// A value as the file would write it; empty for tables.
+    /// Example value as written in the file; empty for tables.
     pub example: &'static str,
     pub kind: Kind,
 }
@@ -38,7 +38,7 @@ pub(super) enum Kind {
     },
 }
 
-/// A single value, and what is sound.
+/// A single value, and which values are valid.
 pub(super) enum Scalar {
     Text(TextRule),
     Number(Limits),
@@ -47,7 +47,7 @@ pub(super) enum Scalar {
     Choice(&'static [&'static str]),
 }
 
-/// Limits of a number; never anything but a finite one.
+/// Limits of a number, which must also be finite.
 pub(super) struct Limits {
     pub low: Bound<f64>,
     pub high: Bound<f64>,
@@ -90,7 +90,7 @@ impl Key {
         Self { name, required: false, what, example, kind }
     }
 
-    /// How a person writes it: `[table]`, `[[tables]]` or `key = example`.
+    /// The key as a person writes it: `[table]`, `[[tables]]` or `key = example`.
     pub fn written(&self) -> String {
         match self.kind {
             Kind::Table(_) => format!("[{}]", self.name),
@@ -99,7 +99,7 @@ impl Key {
         }
     }
 
-    /// What it is for, and how a person writes it.
+    /// The key's purpose, and how a person writes it.
     pub fn meaning(&self) -> String {
         format!("{}; for example {}", self.what, self.written())
     }

@@ -1,5 +1,5 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
-//! seconds, speeds metres per second. What is absent in the file has its default here.
+//! seconds, speeds metres per second. Keys that are absent in the file have their defaults here.
 
 mod estimate;
 mod levels;
@@ -14,7 +14,7 @@ use serde::Deserialize;
 use std::net::SocketAddr;
 use tertius_core::alarm::Levels;
 
-/// Stands for the cylinder's number in the signal names of `[signals.cylinder]`.
+/// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
 
 /// The whole file.
@@ -46,7 +46,7 @@ pub struct Settings {
     pub http: Http,
     #[serde(default)]
     pub realtime: Realtime,
-    /// Overrides per cylinder; at most one table for each number.
+    /// Overrides for single cylinders; at most one table for each number.
     #[serde(default)]
     pub cylinder: Vec<Cylinder>,
 }
@@ -55,21 +55,22 @@ pub struct Settings {
 #[serde(deny_unknown_fields)]
 pub struct Machine {
     pub name: String,
-    /// 1 to 6: Fd_Status has room for six.
+    /// Number of cylinders, 1 to 6: Fd_Status has room for six.
     pub cylinders: u8,
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
-    /// The cylinder's reach `[retracted, extended]`, m.
+    /// Reach of a cylinder `[retracted, extended]`, m.
     pub stroke: [f64; 2],
-    /// a_p / A_p of (3-5), the rod side's area by the bottom's; makes P_L of the pressures.
+    /// a_p / A_p of (3-5), the rod side's area over the bottom's, from which P_L follows.
     #[serde(default = "default_area_ratio")]
     pub area_ratio: f64,
-    /// Platform states in which FDE1 and FDE2 judge; absent: always. Names as in the DBC's VAL_
-    /// table of the state signal (or the thesis's four), letter case ignored; or numbers as text.
+    /// Platform states in which FDE1 and FDE2 judge; absent: always. Names are those in the DBC's
+    /// VAL_ table of the state signal (or the thesis's four), ignoring letter case; or numbers as
+    /// text.
     pub monitored_states: Option<Vec<String>>,
-    /// Readings later than this after the opening of their cycle are late, s; absent: 0.8 Ts.
+    /// Deadline of readings after the opening of their cycle, s; absent: 0.8 Ts.
     pub cycle_deadline: Option<f64>,
-    /// An observer predicts over at most this long a gap before it starts anew, s.
+    /// Longest gap over which an observer predicts before it restarts, s.
     #[serde(default = "default_max_gap")]
     pub max_gap: f64,
 }
@@ -85,11 +86,11 @@ fn default_max_gap() -> f64 {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bus {
-    /// A SocketCAN interface, or "virtual": the embedded bus.
+    /// SocketCAN interface, or "virtual" for the embedded bus.
     pub interface: String,
-    /// The DBC's path, relative to the configuration file.
+    /// Path of the DBC, relative to the configuration file.
     pub dbc: String,
-    /// Bit rate, bit/s; the gateway's share of the bus is reckoned from it.
+    /// Bit rate, bit/s, from which the gateway's share of the bus is computed.
     #[serde(default = "default_bitrate")]
     pub bitrate: u32,
 }
@@ -102,10 +103,10 @@ fn default_bitrate() -> u32 {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signals {
-    /// A message (not a signal) that opens a cycle.
+    /// Name of a message (not a signal) that opens a cycle.
     pub sync: Option<String>,
     pub state: Option<String>,
-    /// P_S of (3-18), bar; read by who learns from a recording.
+    /// P_S of (3-18), bar; read by commands that learn from a recording.
     pub supply: Option<String>,
     pub cylinder: CylinderSignals,
 }
@@ -125,17 +126,17 @@ pub struct CylinderSignals {
     pub control_speed: String,
     pub pressure_bottom: Option<String>,
     pub pressure_rod: Option<String>,
-    /// The load pressure where the machine sends it; then the chambers' are not asked.
+    /// Load pressure, where the machine sends it; the chambers' pressures are then not needed.
     pub load_pressure: Option<String>,
-    /// x_m of (3-17), in whatever unit it is sent; read by who learns from a recording.
+    /// x_m of (3-17), in whatever unit it is sent; read by commands that learn from a recording.
     pub spool: Option<String>,
 }
 
-/// When a reading is not to be believed before any model is asked.
+/// Limits beyond which a reading is rejected before any model is asked.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Plausibility {
-    /// Without a new reading for this long a signal is stale, s.
+    /// Time without a new reading after which a signal is stale, s.
     pub stale: f64,
     /// Raw codes that mean a broken wire; absent: see [`Settings::broken_wire_codes`].
     pub broken_wire_codes: Option<Vec<i64>>,
@@ -143,11 +144,12 @@ pub struct Plausibility {
     pub status_mask: u64,
     /// Valid raw counts `[lowest, highest]`; absent: the DBC's [min|max], and always the stroke.
     pub valid_raw: Option<[i64; 2]>,
-    /// A reading exactly constant for this long while the command moves is frozen, s.
+    /// Time for which a reading may be exactly constant while the command moves, s; longer is
+    /// frozen.
     pub frozen: f64,
-    /// The command moves when it is beyond this, m/s.
+    /// Command speed above which the command counts as moving, m/s.
     pub frozen_speed: f64,
-    /// Without a new platform state for this long the state is not known, s.
+    /// Time without a new platform state after which the state is unknown, s.
     pub state_stale: f64,
 }
 
@@ -165,15 +167,15 @@ impl Default for Plausibility {
     }
 }
 
-/// The discrete model (4-1); defaults are Table 4-1.
+/// The discrete model (4-1); the defaults are Table 4-1.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Model {
     pub theta: [f64; 5],
     pub gamma: [f64; 2],
-    /// The command at which a cylinder rests, m/s; (4-1) has u less this as its input.
+    /// Command at which a cylinder rests, m/s; the input of (4-1) is u less this.
     pub command_offset: f64,
-    /// The sample time that they are of, s; absent: see [`Settings::model_time_of`].
+    /// Sample time that the model was identified at, s; absent: see [`Settings::model_time_of`].
     pub sample_time: Option<f64>,
 }
 
@@ -195,9 +197,9 @@ impl Default for Model {
 pub struct Observer {
     pub q: [f64; 3],
     pub r: [f64; 2],
-    /// An observer judges after it has followed its readings for this long, s.
+    /// Time for which an observer follows its readings before it judges, s.
     pub settle: f64,
-    /// The sample time at which the weights were tuned, s; absent: not known.
+    /// Sample time at which the weights were tuned, s; absent: not known.
     pub sample_time: Option<f64>,
 }
 
@@ -226,9 +228,10 @@ impl Default for Fde {
 #[serde(deny_unknown_fields, default)]
 pub struct Comparator {
     pub bound: f64,
-    /// Below this R3 counts towards clearing; absent: three quarters of `bound`.
+    /// Lower threshold, below which |R3| counts towards clearing, m; absent: three quarters of
+    /// `bound`.
     pub low: Option<f64>,
-    /// The machine's own "difference too big", of C1 − C2 as measured.
+    /// The machine's own "difference too big", of C1 − C2 as measured, m.
     pub critical: f64,
 }
 
@@ -238,13 +241,13 @@ impl Default for Comparator {
     }
 }
 
-/// How warnings come and go.
+/// How warnings are raised and cleared.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Alarm {
-    /// A warning clears after its residual stayed below the lower threshold this long, s.
+    /// Time for which the residual must stay below the lower threshold before a warning clears, s.
     pub clear: f64,
-    /// FDEs that raise within this time of each other saw the same event, s.
+    /// Time within which FDEs that raise saw the same event, s.
     pub coincidence: f64,
     #[serde(with = "LevelsTable")]
     pub levels: Levels,
@@ -256,17 +259,18 @@ impl Default for Alarm {
     }
 }
 
-/// The gateway's own place on the bus.
+/// The gateway's own node on the bus.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gateway {
-    /// CANopen node: Fd_Status is 0x180 + node, Fd_Warning 0x280 + node, Fd_Estimate 0x380 + node.
+    /// CANopen node number: Fd_Status is 0x180 + node, Fd_Warning 0x280 + node, Fd_Estimate 0x380 +
+    /// node.
     pub node: u8,
-    /// The largest part of the bus that it takes, 0 to 0.5.
+    /// Largest share of the bus that the gateway takes, 0 to 0.5.
     pub bus_share: f64,
-    /// A frame that could not be sent for this long is dropped, s.
+    /// Age at which a frame that could not be sent is dropped, s.
     pub max_age: f64,
-    /// Deadlines are kept this far behind the clock, for frames still on their way, s.
+    /// Delay of deadlines behind the clock, for frames still on their way, s.
     pub guard: f64,
 }
 
@@ -276,15 +280,15 @@ impl Default for Gateway {
     }
 }
 
-/// The gateway's own state over HTTP.
+/// HTTP server of the gateway's own state.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Http {
-    /// `ADDRESS:PORT`, or [`HTTP_OFF`].
+    /// `ADDRESS:PORT` to listen on, or [`HTTP_OFF`].
     pub listen: String,
 }
 
-/// No HTTP at all.
+/// Value of `listen` for no HTTP at all.
 pub const HTTP_OFF: &str = "off";
 
 impl Default for Http {
@@ -294,13 +298,14 @@ impl Default for Http {
 }
 
 impl Http {
-    /// Where to listen; `None` if it is off.
+    /// Address to listen on; `None` if HTTP is off.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
     }
 }
 
-/// What the gateway asks of the kernel as it starts. A reload changes neither.
+/// Scheduling and memory that the gateway requests from the kernel at its start. A reload changes
+/// neither.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Realtime {
@@ -310,7 +315,7 @@ pub struct Realtime {
     pub lock_memory: bool,
 }
 
-/// What one cylinder has of its own.
+/// Overrides for one cylinder.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
@@ -324,9 +329,9 @@ pub struct Cylinder {
     pub theta: Option<[f64; 5]>,
     pub gamma: Option<[f64; 2]>,
     pub command_offset: Option<f64>,
-    /// The sample time of its own theta and gamma, s; absent: not known.
+    /// Sample time of the cylinder's own theta and gamma, s; absent: not known.
     pub sample_time: Option<f64>,
-    /// What `calibrate` has fitted; absent: no sequential detector.
+    /// Tables that `calibrate` has fitted; absent: no sequential detector.
     pub sequential: Option<CylinderSequential>,
 }
 

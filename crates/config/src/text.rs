@@ -1,14 +1,14 @@
-//! What a text in the configuration may say.
+//! Rules for texts in the configuration.
 
 use super::settings::{HTTP_OFF, PLACEHOLDER};
 use std::net::SocketAddr;
 
 /// The longest name that a DBC file may hold.
 const LONGEST_NAME: usize = 128;
-/// IFNAMSIZ of Linux without the closing zero.
+/// Longest interface name: IFNAMSIZ of Linux without the closing zero.
 const LONGEST_INTERFACE: usize = 15;
 const LONGEST_TEXT: usize = 200;
-/// PATH_MAX of Linux.
+/// Longest path: PATH_MAX of Linux.
 const LONGEST_PATH: usize = 4096;
 
 /// The rule for a text.
@@ -25,7 +25,7 @@ pub(super) enum TextRule {
     Signal,
     /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number.
     CylinderSignal,
-    /// An address and a port, or off.
+    /// An address and a port, or "off".
     Listen,
 }
 
@@ -90,7 +90,7 @@ fn interface(text: &str) -> Result<(), TextFault> {
     Ok(())
 }
 
-/// A C identifier, as DBC files name things.
+/// Whether `text` is a C identifier, as names in DBC files are.
 fn is_name(text: &str) -> bool {
     text.len() <= LONGEST_NAME
         && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')

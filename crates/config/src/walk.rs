@@ -1,5 +1,5 @@
-//! The file against the schema: keys that are unknown or missing, values of the wrong type or out
-//! of their limits, all in one go.
+//! Checks the file against the schema and reports unknown or missing keys and values of the wrong
+//! type or out of range, all in one pass.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,14 +12,14 @@ use super::keys::ROOT;
 use super::problem::Problems;
 use super::schema::{Key, Kind, Scalar, Table};
 
-/// How much of a key or value of the user's a message repeats, in characters.
+/// Most characters of a user's key or value that a message repeats.
 const SHOWN: usize = 60;
-/// What is this similar to a known word (1: equal) is taken for a slip of the pen. Of what is less so
-/// nobody knows what was meant: "amber" has two letters of "red".
+/// Similarity to a known word (1: equal) above which a word is taken for a typing error. Below it
+/// the meaning is unclear: "amber" has two letters of "red".
 const SIMILAR: f64 = 0.6;
 
-/// Compares the file with the schema, notes where every known key is, and takes unknown keys out,
-/// so that what remains can still be looked at.
+/// Compares the file with the schema, notes where every known key is, and removes unknown keys, so
+/// that the rest can still be checked.
 pub(super) fn walk(root: &mut DeTable<'_>, document: &mut Document, problems: &mut Problems) {
     Walk { document, problems }.table("", root, &ROOT);
 }
@@ -272,7 +272,7 @@ fn most_similar(
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The table that does know this key, if it is some other one.
+/// The table that does know this key, if another one does.
 fn home_of(name: &str, path: &str, table: &Table) -> Option<String> {
     table.keys.iter().find_map(|key| match key.kind {
         Kind::Table(inner) | Kind::Tables(inner) => {
@@ -283,7 +283,7 @@ fn home_of(name: &str, path: &str, table: &Table) -> Option<String> {
     })
 }
 
-/// The least that a table holds, in words.
+/// The least that a table must hold, in words.
 fn sketch(path: &str, schema: &Table) -> String {
     let required = || schema.keys.iter().filter(|key| key.required);
     let keys = required().filter(|key| !key.example.is_empty()).map(Key::written);
@@ -300,7 +300,7 @@ fn join(path: &str, name: &str) -> String {
     if path.is_empty() { name.into() } else { format!("{path}.{name}") }
 }
 
-/// A table as a person would look for it; those of a list by their number.
+/// A table as a person would look for it; tables of a list by their number.
 fn table_name(path: &str) -> String {
     match path.strip_suffix(']').and_then(|path| path.rsplit_once('[')) {
         Some((name, index)) => {
@@ -312,7 +312,7 @@ fn table_name(path: &str) -> String {
     }
 }
 
-/// The user's own text on one line, not too long.
+/// The user's own text on one line, shortened if long.
 fn shown(text: &str) -> String {
     let short: String = text.chars().take(SHOWN).collect();
     let dots = if short.len() < text.len() { "…" } else { "" };

@@ -1,18 +1,17 @@
-//! Error frames: what the driver of a CAN controller tells of the bus, as linux/can/error.h lays
-//! them out.
+//! Error frames: a CAN controller's reports on the bus, as laid out in linux/can/error.h.
 
 use crate::frame::{Frame, Kind};
 
-/// What a CAN controller does, by its error counters.
+/// State of a CAN controller, by its error counters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ControllerState {
     ErrorActive,
-    /// A counter at 96 or more.
+    /// An error counter is at 96 or more.
     Warning,
-    /// A counter at 128 or more: it may no longer mark others' frames as wrong. A sender whom no one
-    /// acknowledges stays here.
+    /// An error counter is at 128 or more: the controller may no longer mark others' frames as
+    /// wrong. A sender whose frames nobody acknowledges stays here.
     Passive,
-    /// It takes no part in the bus.
+    /// The controller takes no part in the bus.
     BusOff,
     /// The interface is down.
     Stopped,
@@ -20,7 +19,7 @@ pub enum ControllerState {
 }
 
 impl ControllerState {
-    /// All, in order.
+    /// All states, in order.
     pub const ALL: [Self; 6] = [
         Self::ErrorActive,
         Self::Warning,
@@ -30,7 +29,7 @@ impl ControllerState {
         Self::Sleeping,
     ];
 
-    /// As `ip -details link` names it, in small letters.
+    /// Name as in `ip -details link`, in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::ErrorActive => "error-active",
@@ -60,29 +59,29 @@ const WARNING: u8 = 0x04 | 0x08;
 const PASSIVE: u8 = 0x10 | 0x20;
 const ACTIVE: u8 = 0x40;
 
-/// What one error frame tells.
+/// Content of one error frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ErrorFrame {
-    /// The state that the controller has come to, if it changed.
+    /// New state of the controller, if it changed.
     pub state: Option<ControllerState>,
     /// The controller came back after bus-off.
     pub restarted: bool,
-    /// Nobody acknowledged a frame.
+    /// Whether nobody acknowledged a frame.
     pub unacknowledged: bool,
-    /// The controller had no room for frames that came: they are lost, and no socket counts them.
+    /// Whether the controller had no room for frames, which are lost and counted by no socket.
     pub receive_overflow: bool,
     pub transmit_overflow: bool,
     pub lost_arbitration: bool,
-    /// A frame on the bus was wrong.
+    /// Whether a frame on the bus was wrong.
     pub protocol: bool,
-    /// The line itself: a wire that is broken or shorted.
+    /// Whether the line itself is faulty: a wire is broken or shorted.
     pub transceiver: bool,
-    /// The controller's transmit and receive error counters.
+    /// Transmit and receive error counters of the controller.
     pub counters: Option<[u8; 2]>,
 }
 
 impl ErrorFrame {
-    /// Reads it; `None` if `frame` is of another kind.
+    /// Reads an error frame; `None` if `frame` is of another kind.
     pub fn read(frame: &Frame) -> Option<Self> {
         if frame.kind != Kind::Error {
             return None;
@@ -112,7 +111,7 @@ impl ErrorFrame {
         })
     }
 
-    /// Whether the controller went bus-off: nothing was heard from here on.
+    /// Whether the controller went bus-off, so that nothing was received from here on.
     pub fn is_bus_off(&self) -> bool {
         self.state == Some(ControllerState::BusOff)
     }

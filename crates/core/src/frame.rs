@@ -1,17 +1,19 @@
-//! A CAN frame with the time at which it was on the bus, and how it meets the drivers of `embedded_can`.
+//! A CAN frame with the time at which it was on the bus, and its conversion to and from the drivers
+//! of `embedded_can`.
 
 use crate::time::Timestamp;
 use embedded_can::{ExtendedId, StandardId};
 
-/// The longest payload: CAN FD's.
+/// Length of the longest payload, CAN FD's, bytes.
 pub const MAX_DATA: usize = 64;
 
-/// The longest payload of a classic frame.
+/// Length of the longest payload of a classic frame, bytes.
 const CLASSIC_DATA: usize = 8;
 
-/// A CAN identifier that cannot be out of range; standard and extended ones are never equal.
+/// A CAN identifier, which cannot be out of range; standard and extended identifiers are never
+/// equal.
 ///
-/// Inside it is the identifier with bit 31 set for the extended format, as in a DBC file.
+/// It is stored with bit 31 set for the extended format, as in a DBC file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Id(u32);
 
@@ -46,7 +48,8 @@ impl Id {
 }
 
 impl core::fmt::Display for Id {
-    /// As candump writes it: three hexadecimal digits, or eight for the extended format.
+    /// Writes the identifier as candump does: three hexadecimal digits, or eight for the extended
+    /// format.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         if self.is_extended() {
             write!(f, "{:08X}", self.value())
@@ -56,14 +59,14 @@ impl core::fmt::Display for Id {
     }
 }
 
-/// What kind of frame it is. Only `Data` and `Fd` carry signals.
+/// Kind of a frame. Only `Data` and `Fd` carry signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A classic data frame.
     Data,
     /// A CAN FD data frame; `flags` as in candump's `##` (1 bit-rate switch, 2 error state).
     Fd { flags: u8 },
-    /// A classic remote frame; its length is the one asked for, its payload is empty.
+    /// A classic remote frame; its length is the requested one, its payload is empty.
     Remote { length: u8 },
     /// A controller's error message; the identifier holds the error class.
     Error,
@@ -82,8 +85,7 @@ pub struct Frame {
 impl Frame {
     /// A frame with `data` as payload.
     ///
-    /// # Panics
-    /// If `data` is longer than [`MAX_DATA`]: the caller's own bug, not bad input.
+    /// # Panics `data` is longer than [`MAX_DATA`]: a bug of the caller, not bad input.
     pub fn new(timestamp: Timestamp, id: Id, kind: Kind, data: &[u8]) -> Self {
         let mut bytes = [0; MAX_DATA];
         bytes[..data.len()].copy_from_slice(data);
@@ -109,8 +111,8 @@ impl Frame {
         (bits <= u64::BITS).then(|| word & !u64::MAX.checked_shl(bits).unwrap_or(0))
     }
 
-    /// The whole buffer, so that a decoder may load eight bytes at once; beyond [`Self::length`]
-    /// it is unspecified.
+    /// The whole buffer, so that a decoder can load eight bytes at once; its content beyond
+    /// [`Self::length`] is unspecified.
     pub fn buffer(&self) -> &[u8; MAX_DATA] {
         &self.bytes
     }
@@ -122,8 +124,7 @@ impl Frame {
 
     /// Sets the payload's length after [`Self::buffer_mut`] was filled.
     ///
-    /// # Panics
-    /// If `length` exceeds [`MAX_DATA`].
+    /// # Panics `length` exceeds [`MAX_DATA`].
     pub fn set_length(&mut self, length: usize) {
         assert!(length <= MAX_DATA, "a frame holds at most {MAX_DATA} bytes");
         self.length = length as u8;
@@ -140,7 +141,7 @@ impl PartialEq for Frame {
 impl Eq for Frame {}
 
 impl Frame {
-    /// What a driver has received, at `timestamp`.
+    /// A frame that a driver has received, at `timestamp`.
     pub fn received(timestamp: Timestamp, frame: &impl embedded_can::Frame) -> Self {
         let id = frame.id().into();
         if frame.is_remote_frame() {
@@ -151,7 +152,8 @@ impl Frame {
         Self::new(timestamp, id, Kind::Data, &data[..data.len().min(CLASSIC_DATA)])
     }
 
-    /// The frame as a driver sends it; `None` where it has none such: for CAN FD and errors.
+    /// The frame for a driver to send; `None` if the driver's type cannot represent it: CAN FD and
+    /// error frames.
     pub fn for_driver<F: embedded_can::Frame>(&self) -> Option<F> {
         match self.kind {
             Kind::Data => F::new(self.id, self.data()),
@@ -181,8 +183,8 @@ impl From<embedded_can::Id> for Id {
     }
 }
 
-/// A frame that is made so has the time stamp 0. Its payload is longer than eight bytes where it is a CAN FD
-/// frame.
+/// A frame made through this trait has the time stamp 0. Its payload is longer than eight bytes
+/// only in a CAN FD frame.
 impl embedded_can::Frame for Frame {
     fn new(id: impl Into<embedded_can::Id>, data: &[u8]) -> Option<Self> {
         let id: embedded_can::Id = id.into();

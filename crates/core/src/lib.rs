@@ -9,23 +9,23 @@
 //! - [`frame`], [`error_frame`]: CAN and CAN FD frames with their time stamps. [`time`]: points and spans,
 //!   integers of nanoseconds.
 //! - [`decode`]: bit plans, from frames to values.
-//! - [`sample`]: which readings belong to one cycle, and whether they are plausible.
+//! - [`sample`]: groups readings into cycles and checks whether they are plausible.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
-//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples weighed at once, which
+//! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples together, which
 //!   transducer it is, and the end stop as a reference.
 //! - [`estimate`]: the virtual third sensor.
-//! - [`alarm`]: warnings that stand, their levels (Table 2-1), the frames that tell of them.
+//! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`monitor`]: all of them as one machine.
 //!
-//! Time comes with the frames: there is no clock, socket, file, thread or global. What a monitor is made
-//! of, [`monitor::MonitorDesign`], comes from whoever has it: the crate of the configuration makes one of
-//! a TOML file and a DBC.
+//! Time comes with the frames: there is no clock, socket, file, thread or global. The caller
+//! provides the [`monitor::MonitorDesign`] from which a monitor is made; the configuration crate
+//! makes one from a TOML file and a DBC.
 //!
-//! It has no operating system below it, and takes its functions from libm: the same frames give the same
-//! bytes with every C library and on every processor. [`frame::Frame`] is an
-//! [`embedded_can::Frame`], so that any driver of that family can bring frames and send the monitor's.
+//! The crate needs no operating system and takes its floating-point functions from libm: the same
+//! frames give the same bytes with every C library and on every processor. [`frame::Frame`] is an
+//! [`embedded_can::Frame`], so that any such driver can deliver frames and send the monitor's.
 
 // Tests compare with the functions of std.
 #![cfg_attr(not(test), no_std)]

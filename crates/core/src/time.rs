@@ -1,7 +1,7 @@
-//! Time as the monitor knows it: integers of nanoseconds, taken from frames, never from a clock.
+//! Time in the monitor: integers of nanoseconds, taken from frames, never from a clock.
 //!
-//! `Display` writes both types in seconds with every digit they have: no float comes in between, so
-//! that a time stamp can be searched for in the recording that it came from.
+//! `Display` writes both types in seconds with all their digits, without a conversion to floating
+//! point, so that a time stamp can be searched for in its recording.
 
 use core::fmt;
 
@@ -34,8 +34,8 @@ impl Timestamp {
         Self(self.0.saturating_add(span.0))
     }
 
-    /// Seconds as a float, for reckoning; 0.24 µs of resolution at today's epoch. What is written for
-    /// people and files is written with `Display`.
+    /// Seconds as a float, for calculation; its resolution is 0.24 µs at today's epoch. For people
+    /// and files use `Display`.
     pub fn as_seconds(self) -> f64 {
         self.0 as f64 / NANOS_PER_SECOND
     }
@@ -63,14 +63,15 @@ impl Span {
 }
 
 impl fmt::Display for Timestamp {
-    /// Seconds with all their digits, `1700000066.062416`: at least one decimal, no zeros behind.
+    /// Writes seconds with all digits, `1700000066.062416`: at least one decimal, without trailing
+    /// zeros.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_seconds(f, self.0)
     }
 }
 
 impl fmt::Display for Span {
-    /// As a [`Timestamp`]: `-0.02`, `300.0`.
+    /// Writes seconds as [`Timestamp`] does: `-0.02`, `300.0`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_seconds(f, self.0)
     }
@@ -120,7 +121,7 @@ impl Decay {
 /// Hours of a mean year.
 pub const HOURS_PER_YEAR: f64 = 8766.0;
 
-/// Events in a year, as events in a second.
+/// A rate in events a year as events a second.
 pub const fn per_second(per_year: f64) -> f64 {
     per_year / (HOURS_PER_YEAR * 3600.0)
 }

@@ -9,7 +9,7 @@ use super::finding::{Concern, Finding, Findings, Severity};
 use super::message::{Message, Signal};
 use super::multiplex::{Routes, disjoint, is_float, is_multiplexor, is_signed};
 use super::parse_error::ParseError;
-use tertius_core::decode::{Field, Form, Gate, NoField, SignalPlan};
+use tertius_core::decode::{BitField, MultiplexGate, NoField, NumberForm, SignalPlan};
 use tertius_core::frame::{Id, MAX_DATA};
 
 /// Steps that the search for overlaps may take in one DBC: less than a second, and more than an
@@ -20,8 +20,7 @@ const EXTENDED_FLAG: u64 = 1 << 31;
 
 /// Judges `draft` and compiles it; `None` if it has an error, which then stands in its `refused`.
 ///
-/// # Errors
-/// When `steps` are used up.
+/// # Errors `steps` are used up.
 pub(super) fn compile(
     draft: &mut Draft,
     findings: &mut Findings,
@@ -30,7 +29,7 @@ pub(super) fn compile(
     let mut own = Vec::new();
     let id = message_id(draft, &mut own);
     check_message(draft, &mut own);
-    let fields: Vec<Option<Field>> =
+    let fields: Vec<Option<BitField>> =
         draft.signals.iter().map(|signal| check_signal(draft, signal, &mut own)).collect();
     let mut routes = Routes::resolve(draft);
     own.append(&mut routes.findings);
@@ -99,7 +98,7 @@ fn check_message(draft: &Draft, own: &mut Vec<Finding>) {
             Severity::Warning,
             Concern::MessageLength,
             None,
-            format!("{length} bytes is no length of a CAN FD frame"),
+            format!("{length} bytes is not a length of a CAN FD frame"),
             "frames are padded to 12, 16, 20, 24, 32, 48 or 64 bytes",
         ));
     }
@@ -119,7 +118,7 @@ fn check_message(draft: &Draft, own: &mut Vec<Finding>) {
     }
 }
 
-fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
+fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<BitField> {
     let parsed = &signal.parsed;
     let mut note = |severity, concern, what: String, remedy| {
         own.push(draft.finding(severity, concern, Some(signal), what, remedy));
@@ -152,8 +151,9 @@ fn check_signal(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> 
     check_place(draft, signal, own)
 }
 
-/// The signal's bits, if there can be such; errors where they are no float or leave the message.
-fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<Field> {
+/// The signal's bits, if they are valid; errors where they are not a float's or lie outside the
+/// message.
+fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> Option<BitField> {
     let parsed = &signal.parsed;
     let mut error = |concern, what: String, remedy| {
         own.push(draft.finding(Severity::Error, concern, Some(signal), what, remedy));
@@ -181,7 +181,7 @@ fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> O
         );
     };
     let motorola = parsed.byte_order == ByteOrder::BigEndian;
-    match Field::new(parsed.start_bit, parsed.size, motorola, is_signed(signal)) {
+    match BitField::new(parsed.start_bit, parsed.size, motorola, is_signed(signal)) {
         Ok(field) => {
             if field.needs() as u64 > draft.length {
                 outside(format!("it ends in byte {}, counted from 1", field.needs()));
@@ -200,11 +200,11 @@ fn check_place(draft: &Draft, signal: &DraftSignal, own: &mut Vec<Finding>) -> O
     }
 }
 
-/// Errors for signals that share bits with an earlier one while both are in the frame. An overlap
-/// on purpose cannot be told from a slip that has two redundant readings come from one place.
+/// Errors for signals that share bits with an earlier one while both are in the frame. A deliberate
+/// overlap cannot be told from a mistake that takes two redundant readings from one place.
 fn check_overlaps(
     draft: &Draft,
-    fields: &[Option<Field>],
+    fields: &[Option<BitField>],
     routes: &Routes,
     own: &mut Vec<Finding>,
     steps: &mut u64,
@@ -234,7 +234,8 @@ fn check_overlaps(
     Ok(())
 }
 
-/// Whether one frame can carry both signals: no multiplexor on both ways selects but one of them.
+/// Whether one frame can carry both signals: no multiplexor on the way to both selects only one of
+/// them.
 fn can_meet(routes: &Routes, a: usize, b: usize) -> bool {
     !routes.way(a).any(|on_a| {
         routes.way(b).any(|on_b| {
@@ -258,18 +259,21 @@ fn number(value: NumericValue) -> f64 {
 }
 
 /// The signal `at`; its message has no error.
-fn signal(draft: &Draft, at: usize, fields: &[Field], routes: &Routes) -> Signal {
+fn signal(draft: &Draft, at: usize, fields: &[BitField], routes: &Routes) -> Signal {
     let source = &draft.signals[at];
     let parsed = &source.parsed;
     let form = match (is_float(source), parsed.size) {
-        (false, 64) if !is_signed(source) => Form::Unsigned64,
-        (false, _) => Form::Integer,
-        (true, 32) => Form::Float32,
-        (true, _) => Form::Float64,
+        (false, 64) if !is_signed(source) => NumberForm::Unsigned64,
+        (false, _) => NumberForm::Integer,
+        (true, 32) => NumberForm::Float32,
+        (true, _) => NumberForm::Float64,
     };
-    let mut gates: Vec<Gate> = routes
+    let mut gates: Vec<MultiplexGate> = routes
         .way(at)
-        .map(|route| Gate { field: fields[route.multiplexor], ranges: route.ranges.clone() })
+        .map(|route| MultiplexGate {
+            field: fields[route.multiplexor],
+            ranges: route.ranges.clone(),
+        })
         .collect();
     gates.reverse();
     let range = [number(parsed.min), number(parsed.max)];

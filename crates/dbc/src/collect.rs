@@ -1,4 +1,5 @@
-//! From statements to drafts of messages: what a DBC says, gathered by message, not yet judged.
+//! From statements to drafts of messages: the contents of a DBC, gathered by message but not yet
+//! judged.
 
 use std::collections::HashMap;
 
@@ -17,9 +18,8 @@ const INDEPENDENT_ID: u64 = 0xC000_0000;
 
 /// Gathers `statements`.
 ///
-/// # Errors
-/// Syntax in a statement that bears on decoding, or too much of something. A broken value table or
-/// comment is a warning.
+/// # Errors A syntax error in a statement that affects decoding, or a limit that is exceeded. A
+/// broken value table or comment is only a warning.
 pub(super) fn collect(
     statements: Vec<Statement>,
     findings: &mut Findings,
@@ -131,7 +131,7 @@ fn checked_name(name: &str, line: usize) -> Result<String, ParseError> {
     Ok(name.to_owned())
 }
 
-/// Drafts with what other statements say about them.
+/// Drafts with the data that other statements give about them.
 struct Gathered<'a> {
     drafts: Vec<Draft>,
     /// Drafts by identifier; the first of twins, which are all refused later.
@@ -201,8 +201,8 @@ impl<'a> Gathered<'a> {
         }
     }
 
-    /// A name beside the short one. One that is none, or about nothing, is left out: the short name
-    /// still leads to everything.
+    /// Attaches a long name to the short one. A statement without a name or an object is left out:
+    /// the short name still works.
     fn attach_long_name(&mut self, statement: &Statement) {
         let Some(LongName { id, signal, name }) = LongName::read(&statement.text) else {
             self.warn(statement, None, None, "not understood as a long name".to_owned());
@@ -276,7 +276,7 @@ impl<'a> Gathered<'a> {
             let ranges = entry.mappings.iter().map(|m| (m.min_value, m.max_value)).collect();
             let multiplexor = entry.multiplexor_signal_name.clone();
             if signal.multiplex.replace(Multiplex { line, multiplexor, ranges }).is_some() {
-                twice = Some("two SG_MUL_VAL_ are about it");
+                twice = Some("two SG_MUL_VAL_ name it");
             }
         }
         if let Some(ValueDescription::Signal { value_descriptions, .. }) =

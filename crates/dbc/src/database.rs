@@ -13,25 +13,25 @@ use super::statement;
 use super::text::without_bom;
 use super::{MAX_MESSAGES, MAX_TEXT};
 
-/// The messages of a DBC: the sound ones to use, the others with the reason why not.
+/// The messages of a DBC: sound ones to use, and the others with the reason why they cannot be
+/// used.
 #[derive(Clone, Debug, Default)]
 pub struct Database {
     messages: Vec<Message>,
     by_name: HashMap<String, usize>,
     by_id: HashMap<tertius_core::frame::Id, usize>,
-    /// Unusable messages' names, with the first error.
+    /// Names of unusable messages, each with its first error.
     refused: BTreeMap<String, Finding>,
     findings: Findings,
 }
 
 impl Database {
     /// Parses, checks and compiles a DBC's text (with or without byte order mark, any line ends).
-    /// VECTOR__INDEPENDENT_SIG_MSG is left out. A message with an error is kept apart: only who
-    /// asks for it is refused.
+    /// VECTOR__INDEPENDENT_SIG_MSG is left out. A message with an error is kept apart and is
+    /// refused only when it is asked for.
     ///
-    /// # Errors
-    /// If the text is no DBC, or has broken syntax in a statement that bears on decoding (BO_,
-    /// SG_, SIG_VALTYPE_, SG_MUL_VAL_), or is too big in some respect.
+    /// # Errors The text is not a DBC, has a syntax error in a statement that affects decoding
+    /// (BO_, SG_, SIG_VALTYPE_, SG_MUL_VAL_), or exceeds a limit.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         if text.len() > MAX_TEXT {
             return Err(ParseError::TooLong { bytes: text.len() });
@@ -68,7 +68,8 @@ impl Database {
         self.messages.push(message);
     }
 
-    /// Messages go by their short names, too, but for those that are another's name, or two of them.
+    /// Makes messages available by their short names, too, except for short names that are another
+    /// message's name or that two messages share.
     fn add_short_names(&mut self) {
         let mut short: HashMap<&str, Option<usize>> = HashMap::new();
         for (index, message) in self.messages.iter().enumerate() {
@@ -89,13 +90,13 @@ impl Database {
         &self.messages
     }
 
-    /// What a person should know, by line: errors, which make their message unusable, and
-    /// warnings. At most [`super::MAX_FINDINGS`].
+    /// Findings in the order of lines: errors, which make their message unusable, and warnings. At
+    /// most [`super::MAX_FINDINGS`].
     pub fn findings(&self) -> &[Finding] {
         self.findings.list()
     }
 
-    /// How many findings there were beyond those.
+    /// Number of findings beyond [`Self::findings`].
     pub fn findings_left_out(&self) -> usize {
         self.findings.left_out()
     }
@@ -112,8 +113,7 @@ impl Database {
 
     /// The message of that name, long or short, letter case respected.
     ///
-    /// # Errors
-    /// If there is none (with the nearest names), or it has an error.
+    /// # Errors There is no such message (the nearest names are given), or it has an error.
     pub fn message(&self, name: &str) -> Result<&Message, LookupError> {
         if let Some(&index) = self.by_name.get(name) {
             return Ok(&self.messages[index]);
@@ -131,8 +131,8 @@ impl Database {
 
     /// The signal that `MESSAGE.SIGNAL` names, and its message.
     ///
-    /// # Errors
-    /// As [`Self::message`]; if the message has no such signal; if `name` has no point.
+    /// # Errors See [`Self::message`]; also if the message has no such signal, or if `name` has no
+    /// point.
     pub fn signal(&self, name: &str) -> Result<(&Message, &Signal), LookupError> {
         let Some((message, signal)) = name.split_once('.') else {
             return Err(LookupError::Form { given: name.to_owned() });
@@ -147,8 +147,7 @@ impl Database {
     }
 }
 
-/// Two messages of one identifier or name: neither is usable, since it cannot be told which is
-/// meant.
+/// Refuses two messages with the same identifier or name, since it cannot be told which is meant.
 fn refuse_duplicates(drafts: &mut [Draft], findings: &mut Findings) {
     let mut by_id: HashMap<u64, Vec<usize>> = HashMap::new();
     let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();

@@ -1,33 +1,33 @@
-//! A message as a DBC has it, before it is judged.
+//! A message as the DBC gives it, before it is judged.
 
 use can_dbc::SignalExtendedValueType;
 
 use super::finding::{Concern, Finding, Findings, Severity};
 
-/// A message as the file has it.
+/// A message as the file gives it.
 pub(super) struct Draft {
     pub line: usize,
-    /// The number in the file; a number beyond u64 is u64::MAX.
+    /// Identifier number in the file; a number beyond u64 is u64::MAX.
     pub id: u64,
-    /// The long one, where it has one.
+    /// Long name, or the only one.
     pub name: String,
-    /// The one that the format has room for, where `name` is longer.
+    /// Name in the `BO_` statement, where `name` is a longer one.
     pub short: Option<String>,
     pub length: u64,
     pub comment: Option<String>,
     pub signals: Vec<DraftSignal>,
-    /// Why it cannot be used.
+    /// Error that makes the message unusable.
     pub refused: Option<Finding>,
 }
 
-/// A signal as the file has it.
+/// A signal as the file gives it.
 pub(super) struct DraftSignal {
     pub line: usize,
-    /// Its name is the one that other statements know it by.
+    /// The signal as parsed; its name is the one that other statements use.
     pub parsed: can_dbc::Signal,
-    /// A name that the format has no room for.
+    /// Long name, where there is one.
     pub long: Option<String>,
-    /// `m` without a number, which the parser takes for a plain signal.
+    /// The signal has an `m` without a number, which the parser takes for a plain signal.
     pub bare_indicator: bool,
     pub value_type: Option<SignalExtendedValueType>,
     pub multiplex: Option<Multiplex>,
@@ -43,7 +43,7 @@ pub(super) struct Multiplex {
 }
 
 impl DraftSignal {
-    /// The long name, where it has one.
+    /// The long name, or else the short one.
     pub fn name(&self) -> &str {
         self.long.as_deref().unwrap_or(&self.parsed.name)
     }

@@ -1,6 +1,6 @@
-//! What is wrong with a DBC, or odd about it.
+//! Errors and oddities of a DBC.
 
-/// How much it matters.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Noted; the message can be used.
@@ -16,7 +16,7 @@ pub enum Concern {
     DuplicateId,
     /// Two messages, or two signals of a message, have the same name.
     DuplicateName,
-    /// The identifier is not one of CAN's.
+    /// The identifier is not a CAN identifier.
     IdOutOfRange,
     /// The message is longer than any frame, or has a length that no frame has.
     MessageLength,
@@ -24,15 +24,15 @@ pub enum Concern {
     OutsideMessage,
     /// Two signals that one frame can carry share bits.
     Overlap,
-    /// A signal has no bits or too many, or a float signal not those of a float.
+    /// A signal has no bits or too many, or a float signal does not have a float's number of bits.
     SignalLength,
     /// The factor is zero, or factor or offset are not finite.
     Scale,
     /// \[min|max\] is upside down or not finite.
     Limits,
-    /// A multiplexor is missing, ambiguous, cyclic or unfit, or never selects a signal.
+    /// A multiplexor is missing, ambiguous, cyclic or unsuitable, or never selects a signal.
     Multiplexing,
-    /// A statement about a message or signal that there is not, or twice about one.
+    /// A statement refers to a message or signal that does not exist, or is repeated.
     Reference,
     /// A statement that is not understood and was left out.
     Statement,
@@ -43,7 +43,7 @@ pub enum Concern {
 pub struct Finding {
     pub severity: Severity,
     pub concern: Concern,
-    /// In the DBC, from 1.
+    /// Line in the DBC, counted from 1.
     pub line: usize,
     pub message: Option<String>,
     pub signal: Option<String>,
@@ -67,7 +67,7 @@ impl std::fmt::Display for Finding {
     }
 }
 
-/// The first findings, and how many there were beyond.
+/// The first findings, and the number of those beyond.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Findings {
     list: Vec<Finding>,
@@ -91,7 +91,7 @@ impl Findings {
         self.left_out
     }
 
-    /// In the order of the file.
+    /// Sorts the findings by their lines in the file.
     pub fn sort(&mut self) {
         self.list.sort_by_key(|finding| finding.line);
     }

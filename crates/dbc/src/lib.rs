@@ -1,7 +1,7 @@
-//! A DBC file: its text is parsed, checked and compiled into bit plans.
+//! Parses, checks and compiles the text of a DBC file into bit plans.
 //!
-//! [`Database::parse`] gives messages that are known to be sound, and [`Finding`]s about the rest. Nothing
-//! here reads files: [`text::from_bytes`] turns a file's bytes into text for whoever does.
+//! [`Database::parse`] returns messages that are known to be sound, and [`Finding`]s about the
+//! rest. Nothing here reads files; [`text::from_bytes`] turns the bytes of a file into text.
 
 mod check;
 mod collect;
@@ -38,5 +38,5 @@ pub const MAX_NAME: usize = 128;
 pub const MAX_MULTIPLEX_DEPTH: usize = 8;
 /// The most value ranges of one `SG_MUL_VAL_`.
 pub const MAX_MULTIPLEX_RANGES: usize = 1024;
-/// The most findings that are kept; the others are counted.
+/// The most findings that are kept; further ones are counted.
 pub const MAX_FINDINGS: usize = 1000;

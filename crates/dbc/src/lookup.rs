@@ -1,4 +1,4 @@
-//! Names that are looked for in a DBC.
+//! Look-up of names in a DBC.
 
 /// Why a name leads to no message or signal.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -18,11 +18,11 @@ pub enum LookupError {
         /// Up to three known names, the most similar first.
         nearest: Vec<String>,
     },
-    /// It is there, and has an error.
+    /// The message exists, but has an error.
     #[error("message {message} cannot be used: {reason}")]
     Refused {
         message: String,
-        /// The first of its findings, with line.
+        /// The first of its findings, with its line.
         reason: String,
     },
 }
@@ -31,7 +31,7 @@ fn nearest_text(nearest: &[String]) -> String {
     if nearest.is_empty() { String::new() } else { format!("; nearest: {}", nearest.join(", ")) }
 }
 
-/// Up to three of `known` that `given` may have been meant to be, the most similar first.
+/// Up to three of `known` that `given` may have been intended for, the most similar first.
 pub(super) fn nearest<'a>(given: &str, known: impl Iterator<Item = &'a str>) -> Vec<String> {
     const MOST: usize = 3;
     const SIMILAR: f64 = 0.75;

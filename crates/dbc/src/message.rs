@@ -9,14 +9,14 @@ pub struct Message {
     pub id: Id,
     /// The long name (`SystemMessageLongSymbol`), where the file has one.
     pub name: String,
-    /// The name in its `BO_`, where there is a longer one.
+    /// Name in the `BO_` statement, where there is a longer one.
     pub short: Option<String>,
     /// The payload's length in bytes, 0 to 64.
     pub length: usize,
-    /// In the file's order.
+    /// Signals in the order of the file.
     pub signals: Vec<Signal>,
     pub comment: Option<String>,
-    /// Its line in the DBC, from 1.
+    /// Line in the DBC, counted from 1.
     pub line: usize,
 }
 
@@ -33,29 +33,29 @@ impl Message {
 pub struct Signal {
     /// The long name (`SystemSignalLongSymbol`), where the file has one.
     pub name: String,
-    /// The name in its `SG_`, where there is a longer one.
+    /// Name in the `SG_` statement, where there is a longer one.
     pub short: Option<String>,
-    /// As in the file; empty where it has none.
+    /// Unit as given in the file; empty where there is none.
     pub unit: String,
-    /// \[min|max\] in the signal's unit; `None` where the file has \[0|0\] or no range that makes
-    /// sense (a finding says so).
+    /// \[min|max\] in the signal's unit; `None` where the file has \[0|0\] or an invalid range
+    /// (which is a finding).
     pub range: Option<[f64; 2]>,
-    /// The names of raw numbers (VAL_), in the file's order.
+    /// Names of raw numbers (VAL_), in the order of the file.
     pub values: Vec<(i64, String)>,
     pub comment: Option<String>,
     pub plan: SignalPlan,
-    /// Its line in the DBC, from 1.
+    /// Line in the DBC, counted from 1.
     pub line: usize,
 }
 
 impl Signal {
-    /// The name of a raw number; the first of several.
+    /// Name of a raw number; the first of several.
     pub fn value_name(&self, number: i64) -> Option<&str> {
         self.values.iter().find(|(value, _)| *value == number).map(|(_, name)| name.as_str())
     }
 
-    /// The raw numbers of that name, ASCII letter case ignored: often one, none where the name is
-    /// unknown, several where the table gives a name ("reserved") more than once.
+    /// The raw numbers with that name, ignoring ASCII letter case: usually one, none where the name
+    /// is unknown, several where the table gives a name ("reserved") more than once.
     pub fn numbers_named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = i64> + 'a {
         self.values
             .iter()

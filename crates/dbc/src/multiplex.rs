@@ -1,4 +1,4 @@
-//! Which multiplexor values select which signal.
+//! Which multiplexor values select each signal.
 
 use std::collections::HashMap;
 
@@ -8,23 +8,23 @@ use super::MAX_MULTIPLEX_DEPTH;
 use super::draft::{Draft, DraftSignal};
 use super::finding::{Concern, Finding, Severity};
 
-/// A signal's own multiplexor (its place among the message's signals) and what selects the signal:
-/// inclusive ranges, ascending, apart from each other.
+/// A signal's own multiplexor (its place among the message's signals) and the values that select
+/// the signal: inclusive ranges, ascending and disjoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Route {
     pub multiplexor: usize,
     pub ranges: Box<[(u64, u64)]>,
 }
 
-/// The route of each signal, `None` where it is always there; or what is wrong, if anything.
+/// The route of each signal, `None` where it is always present; or what is wrong.
 pub(super) struct Routes {
     pub routes: Vec<Option<Route>>,
     pub findings: Vec<Finding>,
 }
 
 impl Routes {
-    /// Resolves `m`, `M` and SG_MUL_VAL_. After a finding of severity error the routes are of no
-    /// use.
+    /// Resolves `m`, `M` and SG_MUL_VAL_. After a finding of severity error the routes must not be
+    /// used.
     pub fn resolve(draft: &Draft) -> Self {
         let multiplexors: Vec<usize> =
             (0..draft.signals.len()).filter(|&i| is_multiplexor(&draft.signals[i])).collect();
@@ -139,7 +139,7 @@ impl Resolver<'_> {
         };
         if !is_multiplexor(&self.draft.signals[multiplexor]) {
             return Err(error(
-                format!("SG_MUL_VAL_ names {}, which is no multiplexor", extended.multiplexor),
+                format!("SG_MUL_VAL_ names {}, which is not a multiplexor", extended.multiplexor),
                 "mark it M (or m0M, …), or correct the name",
             ));
         }
@@ -161,7 +161,7 @@ impl Resolver<'_> {
         self.checked(signal, multiplexor, extended.ranges.clone(), findings).map(Some)
     }
 
-    /// The route, if the multiplexor is fit to be one.
+    /// The route, if the multiplexor is suitable.
     fn checked(
         &self,
         signal: &DraftSignal,
@@ -195,7 +195,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Ascending, overlapping and adjoining ranges made one. `ranges` is not empty.
+/// `ranges`, ascending, with overlapping and adjoining ranges merged; `ranges` is not empty.
 fn merged(mut ranges: Vec<(u64, u64)>) -> Box<[(u64, u64)]> {
     ranges.sort_unstable();
     let mut merged: Vec<(u64, u64)> = Vec::with_capacity(ranges.len());
@@ -231,7 +231,7 @@ pub(super) fn is_multiplexor(signal: &DraftSignal) -> bool {
     )
 }
 
-/// The number of `m`.
+/// The number after `m`.
 fn number(signal: &DraftSignal) -> Option<u64> {
     match signal.parsed.multiplexer_indicator {
         MultiplexIndicator::MultiplexedSignal(number)

@@ -1,4 +1,4 @@
-//! Why a text is no DBC that can be used at all.
+//! Why a text is not a usable DBC.
 
 use super::{MAX_NAME, MAX_TEXT};
 
@@ -29,7 +29,7 @@ pub enum ParseError {
 }
 
 impl ParseError {
-    /// The line to look at, where there is one.
+    /// Line of the error, where there is one.
     pub fn line(&self) -> Option<usize> {
         match self {
             Self::TooLong { .. } | Self::NoMessages => None,

@@ -1,13 +1,13 @@
 //! The statements of a DBC's text, each with its line.
 //!
-//! The parser behind takes all or nothing, does not know every keyword, wants each statement on
-//! one line and `1.0` for `1.`; so it gets one cleaned statement at a time, and only of the kinds
-//! that matter. Its errors then have a line, and what it does not know costs nothing.
+//! The `can-dbc` parser accepts all or nothing, does not know every keyword, and requires each
+//! statement on one line and `1.0` for `1.`. It therefore gets one cleaned statement at a time, and
+//! only of the kinds that matter. Its errors then have a line, and unknown statements do no harm.
 
 use super::finding::{Concern, Finding, Findings, Severity};
 use super::parse_error::{ParseError, excerpt};
 
-/// A statement that is understood.
+/// Keyword of a statement that is understood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Keyword {
     /// `BO_` with all its `SG_` lines.
@@ -20,32 +20,32 @@ pub(super) enum Keyword {
     Multiplex,
     /// `CM_`
     Comment,
-    /// `BA_ "System…LongSymbol"`: a name that is longer than the format allows.
+    /// `BA_ "System…LongSymbol"`: a name longer than the format allows.
     LongName,
 }
 
-/// A statement, cleaned: no comments, no line breaks outside of strings but before `SG_`.
+/// A cleaned statement: no comments, and no line breaks outside strings except before `SG_`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Statement {
     pub keyword: Keyword,
     pub text: String,
-    /// The line of the statement; of a message, then the line of each signal.
+    /// Line of the statement, followed for a message by the line of each signal.
     pub lines: Vec<usize>,
 }
 
 impl Statement {
-    /// Where it begins.
+    /// Line where the statement begins.
     pub fn line(&self) -> usize {
         self.lines[0]
     }
 
-    /// Its word number `index`, of those between blanks; the keyword is 0.
+    /// Word number `index` of the statement, separated by blanks; the keyword is 0.
     pub fn word(&self, index: usize) -> Option<&str> {
         self.text.split_ascii_whitespace().nth(index)
     }
 }
 
-/// Keywords of the format that do not bear on decoding.
+/// Keywords of the format that do not affect decoding.
 const IGNORED: [&str; 24] = [
     "VERSION",
     "NS_",
@@ -73,12 +73,11 @@ const IGNORED: [&str; 24] = [
     "BU_EV_REL_",
 ];
 
-/// Names are 32 characters in the format; Vector's tools keep longer ones in these attributes. Nodes
-/// and environment variables have such, too, but nobody asks for them here.
+/// Attributes in which Vector's tools keep names longer than the format's 32 characters. Nodes and
+/// environment variables have such attributes, too, but they are not needed here.
 const LONG_NAMES: [&str; 2] = ["\"SystemMessageLongSymbol\"", "\"SystemSignalLongSymbol\""];
 
-/// Splits `text` into the statements that matter, in their order. Unknown keywords become
-/// warnings.
+/// Splits `text` into the statements that matter, in order. Unknown keywords become warnings.
 ///
 /// # Errors
 /// A string without an end, text outside of any statement, a signal outside of any message.
@@ -90,11 +89,11 @@ pub(super) fn split(text: &str, findings: &mut Findings) -> Result<Vec<Statement
     Ok(splitter.statements)
 }
 
-/// What a piece without a keyword continues.
+/// The statement that a piece without a keyword continues.
 #[derive(Clone, Copy, PartialEq)]
 enum Current {
     None,
-    /// The last of the statements.
+    /// The last of the statements kept so far.
     Kept,
     Skipped,
     /// `NS_` or `BU_`: names may follow on lines of their own, keywords among them.
@@ -164,7 +163,7 @@ impl Splitter<'_> {
             message: None,
             signal: None,
             what: format!("unknown keyword {}", excerpt(word)),
-            remedy: "the statement is ignored; remove it if it is a slip",
+            remedy: "the statement is ignored; remove it if it is a mistake",
         });
     }
 
@@ -201,7 +200,7 @@ struct Piece {
     complete: bool,
 }
 
-/// Never gives a piece of blanks only.
+/// Splits `text` into pieces, none of which is blank.
 fn pieces(text: &str) -> Result<Vec<Piece>, ParseError> {
     let mut pieces = Vec::new();
     let mut piece = String::new();

@@ -1,4 +1,4 @@
-//! The parser behind, one statement at a time, and its errors for people.
+//! Runs the `can-dbc` parser on one statement at a time, and words its errors for people.
 
 use can_dbc::{Dbc, DbcError};
 
@@ -6,17 +6,17 @@ use super::MAX_STATEMENT;
 use super::parse_error::{ParseError, excerpt};
 use super::statement::{Keyword, Statement};
 
-/// The identifier that is the statement's word `index`: the parser would cut it to 16 bits.
+/// The identifier in word `index` of the statement; the parser would cut it to 16 bits.
 pub(super) fn id_of(statement: &Statement, index: usize) -> Option<u64> {
     let word = statement.word(index)?;
     let digits = !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
     digits.then(|| word.parse().unwrap_or(u64::MAX))
 }
 
-/// Has the parser read one statement.
+/// Parses one statement.
 ///
-/// # Errors
-/// With the statement's own line in the DBC, what was found there, and what it should look like.
+/// # Errors A syntax error, with the statement's line in the DBC, what was found there, and what it
+/// should look like.
 pub(super) fn parse(statement: &Statement) -> Result<Dbc, ParseError> {
     // The parser takes many times a text's size in memory.
     if statement.text.len() > MAX_STATEMENT {
@@ -69,7 +69,7 @@ pub(super) fn parse(statement: &Statement) -> Result<Dbc, ParseError> {
     Ok(dbc)
 }
 
-/// The line that contains `part`, and its number; else the first.
+/// The line that contains `part`, and its number; the first line if none does.
 fn find<'a>(statement: &'a Statement, part: &str) -> (usize, &'a str) {
     let mut rows = statement.text.lines().zip(&statement.lines);
     let first = statement.text.lines().next().unwrap_or_default();
@@ -77,7 +77,7 @@ fn find<'a>(statement: &'a Statement, part: &str) -> (usize, &'a str) {
         .map_or((statement.line(), first), |(text, &line)| (line, text))
 }
 
-/// The signal line that has no `|length`, which the grammar takes and the parser then refuses.
+/// The signal line without `|length`, which the grammar accepts and the parser then refuses.
 fn without_length(statement: &Statement) -> Option<(usize, &str)> {
     let mut rows = statement.text.lines().zip(&statement.lines).skip(1);
     let place = |text: &'_ str| text.split('@').next().is_some_and(|place| !place.contains('|'));

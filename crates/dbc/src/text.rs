@@ -1,17 +1,17 @@
-//! A DBC file's bytes as text.
+//! Turns the bytes of a DBC file into text.
 
 use std::borrow::Cow;
 
 const BOM: char = '\u{FEFF}';
 
-/// What Windows-1252 has at 0x80..=0x9F; its five holes keep their Latin-1 control characters.
+/// Characters of Windows-1252 at 0x80..=0x9F; its five holes keep their Latin-1 control characters.
 const CP1252: [char; 32] = [
     '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8D}', 'Ž', '\u{8F}',
     '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9D}', 'ž', 'Ÿ',
 ];
 
-/// The text of `bytes`: UTF-8 where it is, else Windows-1252 (which contains Latin-1), as DBC
-/// editors write it. A byte order mark is dropped. Never fails: every byte has a character.
+/// The text of `bytes`: UTF-8 if valid, else Windows-1252 (which contains Latin-1), as DBC editors
+/// write it. A byte order mark is dropped. This never fails, since every byte has a character.
 pub fn from_bytes(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(without_bom(text)),

@@ -1,12 +1,12 @@
-//! What is learnt from healthy recordings.
+//! Learning from healthy recordings.
 //!
-//! - [`survey`]: the readings of a recording, cycle by cycle, for what learns from it.
+//! - [`survey`]: the readings of a recording, cycle by cycle, for the other modules.
 //! - [`identify`]: the model (4-1) (chapter 4): census, streaming QR, validation on data held back.
-//! - [`extremes`]: how large a healthy residual gets, and how seldom.
+//! - [`extremes`]: extremes of healthy residuals, and how often they occur.
 //! - [`calibrate`]: a and b of (5-20), the band of R3, the tables of the sequential detectors.
 //! - [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and the smallest faults that follow.
-//! - [`tables`]: all of it as text that the configuration reads.
-//! - [`learnt`]: what is kept of healthy recordings, so that those of several days add up.
+//! - [`tables`]: the results as text that the configuration reads.
+//! - [`learnt`]: frames kept of healthy recordings, so that those of several days add up.
 
 pub mod calibrate;
 pub mod extremes;

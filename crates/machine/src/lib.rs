@@ -1,8 +1,8 @@
 //! A machine in software, part by part, and faults put into frames.
 //!
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: the parts.
-//! - [`simulator`]: all of it as one, which sends frames. The monitor uses none of them.
-//! - [`inject`]: faults put into frames, to see that they are found.
+//! - [`simulator`]: the whole machine, which sends frames. The monitor uses none of these.
+//! - [`inject`]: puts faults into frames, to test whether they are found.
 
 pub mod controller;
 pub mod hexapod;

@@ -16,5 +16,5 @@ pub static MACHINE: LazyLock<MonitorDesign> = LazyLock::new(|| {
     design::judging(&settings, &database).expect("they fit each other")
 });
 
-/// Of the gateway at the shipped node: Fd_Status, Fd_Warning, Fd_Estimate.
+/// Identifiers of the gateway at the shipped node: Fd_Status, Fd_Warning, Fd_Estimate.
 pub static OWN: LazyLock<[Id; 3]> = LazyLock::new(|| frames::identifiers(81).expect("a node"));

@@ -81,7 +81,7 @@ impl Bench {
                 return;
             }
         }
-        let listens = MACHINE.wiring.find(frame.id).is_some()
+        let listens = MACHINE.subscriptions.find(frame.id).is_some()
             && matches!(frame.kind, Kind::Data | Kind::Fd { .. });
         if listens && (1..=LARGEST_PAUSE).contains(&step) {
             let between = frame.timestamp.after(Span::from_nanos(-(step / 3)));
@@ -115,7 +115,7 @@ fn cycle(bench: &mut Bench, number: u8, deed: &Deed) {
     let opened = bench.now;
     let reading = start.wrapping_add_signed(i16::from(slope).wrapping_mul(i16::from(number)));
     let velocity = i16::from(slope) * 54;
-    for (place, line) in MACHINE.wiring.lines().iter().enumerate() {
+    for (place, line) in MACHINE.subscriptions.all().iter().enumerate() {
         if lost & 1 << (place % 32) != 0 && number > 0 {
             continue;
         }
@@ -156,7 +156,7 @@ fuzz_target!(|deeds: Vec<Deed>| {
         match deed {
             Deed::Frame { line, after, length, payload, fd } => {
                 bench.pass(after);
-                let lines = MACHINE.wiring.lines();
+                let lines = MACHINE.subscriptions.all();
                 let id = lines[usize::from(*line) % lines.len()].id;
                 let kind = if *fd { Kind::Fd { flags: 0 } } else { Kind::Data };
                 let payload = &payload[..usize::from(length % 9)];

@@ -1,4 +1,4 @@
-//! What is known of a box before anything is judged.
+//! Facts about a computer, before anything is judged.
 
 use super::hearing::Hearing;
 use crate::bus::Stamps;
@@ -9,7 +9,7 @@ use crate::time::Span;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// All that is known.
+/// All facts.
 #[derive(Clone, Debug)]
 pub struct Facts {
     pub wanted: Wanted,
@@ -17,125 +17,126 @@ pub struct Facts {
     pub host: Host,
 }
 
-/// What the configuration and its DBC ask for.
+/// Requirements of the configuration and its DBC.
 #[derive(Clone, Debug)]
 pub struct Wanted {
     pub config: PathBuf,
-    /// The DBC's name.
+    /// Name of the DBC.
     pub dbc: String,
-    /// How much in the DBC is worth a look.
+    /// Number of findings in the DBC.
     pub dbc_findings: usize,
     pub interface: String,
-    /// bit/s.
+    /// Bit rate, bit/s.
     pub bit_rate: u32,
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
-    /// The gateway's own.
+    /// CANopen node number of the gateway.
     pub node: u8,
-    /// The identifiers that the gateway sends; its status is the first.
+    /// Identifiers that the gateway sends; its status is the first.
     pub own: [Id; 3],
     pub messages: Vec<Message>,
     pub realtime: Realtime,
 }
 
-/// A message that the monitor listens to.
+/// A message that the monitor uses.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
     pub id: Id,
     pub name: String,
-    /// Bytes up to the last that is read.
+    /// Length up to the last byte that is read, bytes.
     pub needs: usize,
-    /// It opens a cycle.
+    /// Whether it opens a cycle.
     pub sync: bool,
-    /// It carries a reading of a transducer.
+    /// Whether it carries a reading of a transducer.
     pub reading: bool,
-    /// It comes once each cycle, or once for each page.
+    /// Whether it comes once in each cycle, or once for each page.
     pub cyclic: bool,
-    /// How many pages of it are read.
+    /// Number of its pages that are read.
     pub pages: usize,
 }
 
-/// What there is of a bus.
+/// The bus.
 #[derive(Clone, Debug)]
 pub enum Bus {
-    /// `interface = "virtual"`.
+    /// The embedded bus, `interface = "virtual"`.
     Embedded,
-    Socket(Box<Interface>),
+    Socket(Box<InterfaceFacts>),
 }
 
 /// A SocketCAN interface.
 #[derive(Clone, Debug)]
-pub struct Interface {
+pub struct InterfaceFacts {
     /// Why the kernel has no CAN sockets, if it has none.
     pub no_can: Option<String>,
-    /// What the kernel knows of it; else why nothing.
+    /// State of the interface in the kernel, or why it is not known.
     pub link: Result<LinkState, String>,
-    /// Whether it is a CAN interface; `None` if that is not known.
+    /// Whether it is a CAN interface; `None` if not known.
     pub is_can: Option<bool>,
-    /// What a socket on it got; else why there is none.
+    /// Settings of a socket on it, or why there is no socket.
     pub port: Result<Receiving, String>,
-    /// net.core.rmem_max, bytes.
+    /// Kernel setting net.core.rmem_max, bytes.
     pub rmem_max: Option<u64>,
-    /// `None` if nobody listened.
+    /// Frames heard; `None` if nobody listened.
     pub hearing: Option<Hearing>,
 }
 
-/// What a socket got of what it asked for.
+/// Settings of a socket that the kernel has granted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Receiving {
-    /// Room for frames not yet received, bytes as the kernel counts them.
+    /// Receive buffer, bytes as the kernel counts them.
     pub buffer: u64,
-    /// How long a full bus takes to fill it, s.
+    /// Time in which a full bus fills the buffer, s.
     pub lasts: f64,
-    /// Whose clock stamps the frames, after what was heard.
+    /// Source of the frames' time stamps, as seen while listening.
     pub stamps: Stamps,
 }
 
-/// The box itself.
+/// The computer itself.
 #[derive(Clone, Debug)]
 pub struct Host {
     pub rights: Rights,
-    pub clock: Clock,
+    pub clock: ClockFacts,
     pub service: Service,
-    /// Where the gateway serves HTTP, and why it could not, if so; `None` if it is off.
+    /// Address at which the gateway serves HTTP, and why it could not, if so; `None` if HTTP is
+    /// off.
     pub http: Option<(SocketAddr, Option<String>)>,
 }
 
-/// What a process may do: the gateway of this configuration that runs here, else this one.
+/// Rights of a process: the gateway of this configuration that is running, or else this process.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rights {
-    /// The running gateway's process.
+    /// Process id of the running gateway.
     pub gateway: Option<u32>,
-    /// CAP_NET_ADMIN.
+    /// Whether it has CAP_NET_ADMIN.
     pub net_admin: bool,
-    /// CAP_SYS_NICE.
+    /// Whether it has CAP_SYS_NICE.
     pub sys_nice: bool,
-    /// CAP_IPC_LOCK.
+    /// Whether it has CAP_IPC_LOCK.
     pub ipc_lock: bool,
-    /// RLIMIT_RTPRIO; `None` if it has none.
+    /// Limit RLIMIT_RTPRIO; `None` if unlimited.
     pub priority: Option<u64>,
-    /// RLIMIT_MEMLOCK, bytes; `None` if it has none.
+    /// Limit RLIMIT_MEMLOCK, bytes; `None` if unlimited.
     pub locked_memory: Option<u64>,
 }
 
 /// The system's clock.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Clock {
-    /// Whether something keeps it right; `None` if that could not be found out.
+pub struct ClockFacts {
+    /// Whether it is synchronised; `None` if this could not be determined.
     pub synchronised: Option<bool>,
-    /// By how much it went ahead of a clock that nobody sets …
+    /// Step of the clock against one that nobody sets.
     pub step: Span,
-    /// … in this time, s.
+    /// Time in which the step was observed, s.
     pub watched: f64,
 }
 
-/// What starts the gateway, and again.
+/// The service manager's settings for the gateway.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Service {
-    /// Whether the box was started with systemd.
+    /// Whether the computer was started with systemd.
     pub systemd: bool,
-    /// Where the gateway's unit is.
+    /// Path of the gateway's unit.
     pub unit: Option<String>,
-    /// What the unit says of WatchdogSec.
+    /// WatchdogSec of the unit.
     pub watchdog: Option<String>,
 }

@@ -1,9 +1,9 @@
-//! What a look at one thing came to.
+//! Result of a check.
 
 use serde::Serialize;
 use std::fmt;
 
-/// Whether something is right.
+/// Verdict of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -14,14 +14,14 @@ pub enum Verdict {
     Fail,
 }
 
-/// What was found, in a line.
+/// A finding, in one line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     pub verdict: Verdict,
-    /// What was looked at.
+    /// Subject of the check.
     pub subject: &'static str,
     pub found: String,
-    /// What to do about it.
+    /// Advice on what to do.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub advice: Option<String>,
 }

@@ -1,6 +1,8 @@
 //! Collects the facts. Listens and reads; sends and changes nothing.
 
-use super::facts::{Bus, Clock, Facts, Host, Interface, Receiving, Rights, Service, Wanted};
+use super::facts::{
+    Bus, ClockFacts, Facts, Host, InterfaceFacts, Receiving, Rights, Service, Wanted,
+};
 use super::hearing::Hearing;
 use super::load::Rates;
 use super::process::gateway_config;
@@ -16,10 +18,10 @@ use std::time::{Duration, Instant, SystemTime};
 /// ARPHRD_CAN of linux/if_arp.h.
 const CAN: &str = "280";
 
-/// The longest wait for a frame, so that the end of listening is kept.
+/// Longest wait for a frame, so that listening ends in time.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Where systemd looks for units, first come first served.
+/// Directories in which systemd looks for units, in its order.
 const UNITS: [&str; 4] = [
     "/etc/systemd/system",
     "/run/systemd/system",
@@ -29,8 +31,8 @@ const UNITS: [&str; 4] = [
 
 const UNIT: &str = "tertius.service";
 
-/// All facts, after listening for that long on the bus, if there is one; `embedded` is that it is
-/// inside the program.
+/// Gathers all facts, after listening on the bus for that long, if there is one; `embedded`: the
+/// bus is inside the program.
 pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: Duration) -> Facts {
     let (monotonic, system) = (Instant::now(), SystemTime::now());
     let rights = rights(&wanted.config);
@@ -44,11 +46,11 @@ pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: 
     Facts { wanted, bus, host: Host { rights, clock, service: service(), http } }
 }
 
-fn interface(wanted: &Wanted, listen: Duration) -> Interface {
+fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
     let name = &wanted.interface;
     let link = LinkState::read(name);
     let kind = fs::read_to_string(format!("/sys/class/net/{name}/type")).ok();
-    let mut found = Interface {
+    let mut found = InterfaceFacts {
         no_can: None,
         is_can: kind.map(|kind| kind.trim() == CAN),
         port: Err(String::new()),
@@ -101,7 +103,7 @@ fn hear(port: &mut dyn Port, listen: Duration, hearing: &mut Hearing) {
     hearing.dropped = port.counts().dropped;
 }
 
-/// Of the gateway of this configuration, if /proc shows one, else of this process.
+/// Rights of the gateway of this configuration, if /proc shows one, or else of this process.
 fn rights(config: &Path) -> Rights {
     let of = |process: &str| -> Option<Rights> {
         let read = |file| fs::read_to_string(format!("/proc/{process}/{file}"));
@@ -125,22 +127,22 @@ fn gateway(config: &Path) -> Option<u32> {
     })
 }
 
-fn clock(monotonic: Instant, system: SystemTime) -> Clock {
+fn clock(monotonic: Instant, system: SystemTime) -> ClockFacts {
     let watched = monotonic.elapsed();
     let signed = |time: Duration| Span::from_seconds(time.as_secs_f64()).as_nanos();
     let passed = match SystemTime::now().duration_since(system) {
         Ok(ahead) => signed(ahead),
         Err(back) => -signed(back.duration()),
     };
-    Clock {
+    ClockFacts {
         synchronised: synchronised(),
         step: Span::from_nanos(passed.saturating_sub(signed(watched))),
         watched: watched.as_secs_f64(),
     }
 }
 
-/// Whether systemd-timesyncd keeps the clock, or the kernel was told so by whoever does (chrony,
-/// ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
+/// Whether systemd-timesyncd synchronises the clock, or another daemon has told the kernel that it
+/// does (chrony, ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
 fn synchronised() -> Option<bool> {
     if Path::new("/run/systemd/timesync/synchronized").exists() {
         return Some(true);

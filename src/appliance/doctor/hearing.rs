@@ -1,4 +1,4 @@
-//! What was heard on a bus.
+//! Statistics of the frames heard on a bus.
 
 use super::load::{Rates, seconds_on_bus};
 use crate::error_frame::{ControllerState, ErrorFrame};
@@ -6,62 +6,62 @@ use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 use std::collections::BTreeMap;
 
-/// Identifiers told apart; all standard ones, and as many extended.
+/// Most identifiers that are told apart: all standard ones, and as many extended.
 const MOST: usize = 4096;
 
-/// Where the counter of an E2E-protected frame is (profile 5).
+/// Byte of the counter in an E2E-protected frame (profile 5).
 const COUNTER: usize = 2;
 
-/// A tally of frames.
+/// Statistics of frames.
 #[derive(Clone, Debug)]
 pub struct Hearing {
-    /// How long it was listened, s.
+    /// Time of listening, s.
     pub seconds: f64,
-    /// What ended it before its time.
+    /// Reason why listening ended early.
     pub ended: Option<String>,
-    /// Frames that the kernel dropped, as nobody fetched them in time.
+    /// Frames that the kernel dropped because nobody fetched them in time.
     pub dropped: u64,
-    /// Data frames.
+    /// Number of data frames.
     pub frames: u64,
-    /// How long those occupied the bus at most, s.
+    /// Longest time that those occupied the bus, s.
     pub occupied: f64,
     pub errors: Errors,
-    /// What the gateway's own status frames say of who sends them.
+    /// Sequence of the gateway's own status frames, which shows how many senders there are.
     pub status: Sequence,
-    heard: BTreeMap<Id, Heard>,
+    heard: BTreeMap<Id, HeardMessage>,
     rates: Rates,
     status_id: Id,
 }
 
-/// What came of one identifier.
+/// Statistics of one identifier.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Heard {
+pub struct HeardMessage {
     pub count: u64,
-    /// Bytes of the shortest frame.
+    /// Length of the shortest frame, bytes.
     pub shortest: usize,
     first: Timestamp,
     last: Timestamp,
-    /// Squares of the intervals, s².
+    /// Sum of the squared intervals, s².
     squares: f64,
     /// Shortest and longest interval, s.
     extremes: [f64; 2],
 }
 
-/// The time between frames of one identifier, s.
+/// Intervals between frames of one identifier, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intervals {
     pub mean: f64,
-    /// Standard deviation.
+    /// Standard deviation, s.
     pub jitter: f64,
-    /// Of one interval from the mean.
+    /// Largest deviation of one interval from the mean, s.
     pub largest_deviation: f64,
 }
 
-/// Error frames, and what they tell.
+/// Error frames, and what they report.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Errors {
     pub frames: u64,
-    /// The last state that the controller came to.
+    /// Newest reported state of the controller.
     pub state: Option<ControllerState>,
     pub unacknowledged: u64,
     pub receive_overflows: u64,
@@ -69,11 +69,11 @@ pub struct Errors {
     pub transceiver: u64,
 }
 
-/// Frames with an alive counter: one sender counts up by one.
+/// Frames with an alive counter, which one sender increments by one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequence {
     pub frames: u64,
-    /// Frames that do not follow the one before.
+    /// Number of frames that do not follow the previous one.
     pub breaks: u64,
     last: Option<u8>,
 }
@@ -86,14 +86,15 @@ impl Sequence {
         self.last = Some(counter);
     }
 
-    /// Whether there is more than one sender. One that was started anew breaks it once.
+    /// Whether there is more than one sender. A sender that restarts breaks the sequence once.
     pub const fn is_mixed(&self) -> bool {
         self.breaks > 1 && self.breaks * 4 > self.frames
     }
 }
 
 impl Hearing {
-    /// Nothing yet, on a bus of those rates; `status` is the identifier of the gateway's own status.
+    /// Empty statistics of a bus with these rates; `status` is the identifier of the gateway's own
+    /// status.
     pub fn new(rates: Rates, status: Id) -> Self {
         Self {
             seconds: 0.0,
@@ -127,27 +128,27 @@ impl Hearing {
         if let Some(heard) = self.heard.get_mut(&frame.id) {
             heard.count(frame);
         } else if self.heard.len() < MOST {
-            self.heard.insert(frame.id, Heard::new(frame));
+            self.heard.insert(frame.id, HeardMessage::new(frame));
         }
     }
 
-    /// What came of that identifier, if anything did.
-    pub fn of(&self, id: Id) -> Option<&Heard> {
+    /// Statistics of an identifier, if it was heard.
+    pub fn of(&self, id: Id) -> Option<&HeardMessage> {
         self.heard.get(&id)
     }
 
-    /// The identifiers that came.
+    /// Identifiers that were heard.
     pub fn ids(&self) -> impl Iterator<Item = Id> {
         self.heard.keys().copied()
     }
 
-    /// The largest part of the bus that its frames took.
+    /// Largest part of the bus that its frames occupied.
     pub fn load(&self) -> Option<f64> {
         (self.seconds > 0.0).then(|| self.occupied / self.seconds)
     }
 }
 
-impl Heard {
+impl HeardMessage {
     fn new(frame: &Frame) -> Self {
         Self {
             count: 1,
@@ -168,7 +169,7 @@ impl Heard {
         self.extremes = [self.extremes[0].min(interval), self.extremes[1].max(interval)];
     }
 
-    /// `None` for fewer than three frames.
+    /// Intervals; `None` with fewer than three frames.
     pub fn intervals(&self) -> Option<Intervals> {
         if self.count < 3 {
             return None;

@@ -1,12 +1,12 @@
-//! The box besides its bus: rights, clock, HTTP, service.
+//! Checks of the computer apart from the bus: rights, clock, HTTP, service.
 
-use super::facts::{Clock, Host, Rights, Service, Wanted};
+use super::facts::{ClockFacts, Host, Rights, Service, Wanted};
 use super::finding::Finding;
 use std::net::SocketAddr;
 
-/// What two readings of two clocks may differ by, s, besides a part of the time between them that
-/// steering a clock takes (500 ppm at the most).
+/// Largest difference between readings of two clocks, s, apart from [`STEERING`].
 const READING: f64 = 2e-3;
+/// Largest steering of a clock, as a part of the time.
 const STEERING: f64 = 5e-4;
 
 const DROP_IN: &str = "tertius-realtime.conf";
@@ -25,10 +25,10 @@ pub(super) fn judge(wanted: &Wanted, host: &Host) -> Vec<Finding> {
     findings
 }
 
-/// Whose rights were looked at.
+/// Name of the process whose rights were checked.
 fn whose(rights: &Rights) -> String {
     match rights.gateway {
-        Some(process) => format!("the gateway that runs here (process {process})"),
+        Some(process) => format!("the gateway that is running here (process {process})"),
         None => "this call".to_owned(),
     }
 }
@@ -38,7 +38,7 @@ fn rights(rights: &Rights) -> Finding {
     let whose = whose(rights);
     let found = format!(
         "a CAN socket needs none; {whose} {admin} CAP_NET_ADMIN, which a receive buffer beyond \
-         net.core.rmem_max takes"
+         net.core.rmem_max needs"
     );
     Finding::ok("rights", found)
 }
@@ -67,17 +67,20 @@ fn memory(wanted: &Wanted, rights: &Rights) -> Option<Finding> {
     wanted.realtime.lock_memory.then(|| {
         let whose = whose(rights);
         match rights.locked_memory.filter(|_| !rights.ipc_lock) {
-            None => Finding::ok(subject, format!("{whose} may lock all that it needs")),
+            None => Finding::ok(subject, format!("{whose} may lock as much memory as it needs")),
             Some(bytes) => Finding::warn(
                 subject,
-                format!("{whose} may lock {} KiB, and all of it has to fit", bytes / 1024),
+                format!(
+                    "{whose} may lock only {} KiB, which must hold all of its memory",
+                    bytes / 1024
+                ),
                 format!("install {DROP_IN} (LimitMEMLOCK), or `ulimit -l unlimited`"),
             ),
         }
     })
 }
 
-fn clock(clock: &Clock) -> Vec<Finding> {
+fn clock(clock: &ClockFacts) -> Vec<Finding> {
     let subject = "clock";
     let keep = "enable systemd-timesyncd, chrony or PTP: warnings and recordings are compared by \
                 time";
@@ -90,8 +93,8 @@ fn clock(clock: &Clock) -> Vec<Finding> {
     if step.abs() > READING + STEERING * clock.watched {
         findings.push(Finding::warn(
             subject,
-            format!("was set by {step:+.3} s during this look of {:.1} s", clock.watched),
-            "have it slewed, not stepped: the gateway judges everything anew after each step",
+            format!("was set by {step:+.3} s during this check of {:.1} s", clock.watched),
+            "have it slewed, not stepped: the gateway starts to judge again after each step",
         ));
     }
     findings
@@ -102,11 +105,11 @@ fn http(address: SocketAddr, trouble: Option<&str>, rights: &Rights) -> Finding 
         (None, _) => Finding::ok("http", format!("{address} is free")),
         (Some(_), Some(process)) => Finding::ok(
             "http",
-            format!("{address} is taken, as the gateway runs here (process {process})"),
+            format!("{address} is in use, because the gateway is running (process {process})"),
         ),
         (Some(reason), None) => Finding::fail(
             "http",
-            format!("{address} cannot be listened on: {reason}"),
+            format!("cannot listen on {address}: {reason}"),
             "set http.listen to another port, or \"off\"; `ss -ltnp` shows who has it",
         ),
     }
@@ -117,8 +120,8 @@ fn service(service: &Service) -> Finding {
     if !service.systemd {
         return Finding::warn(
             subject,
-            "no systemd here: nothing starts the gateway again by a watchdog",
-            "have whatever starts it restart it, and look at its status frames' counter",
+            "no systemd here: no watchdog restarts the gateway",
+            "have its starter restart it, and watch the counter of its status frames",
         );
     }
     let Some(unit) = &service.unit else {
@@ -134,7 +137,7 @@ fn service(service: &Service) -> Finding {
         }
         _ => Finding::warn(
             subject,
-            format!("{unit} has no watchdog: a gateway that hangs is not started again"),
+            format!("{unit} has no watchdog: a gateway that hangs is not restarted"),
             "WatchdogSec=2, as in config/systemd/tertius.service",
         ),
     }

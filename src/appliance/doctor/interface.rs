@@ -1,13 +1,13 @@
-//! The interface and its controller.
+//! Checks of the interface and its controller.
 
-use super::facts::{Interface, Wanted};
+use super::facts::{InterfaceFacts, Wanted};
 use super::finding::Finding;
 use crate::bus::socket::{ControllerState, LinkState};
 
-/// More frames than this may burst out stale when a bus returns.
+/// Longest send queue: more frames would burst out stale when a bus returns.
 const LONG_QUEUE: u32 = 50;
 
-pub(super) fn judge(wanted: &Wanted, interface: &Interface) -> Vec<Finding> {
+pub(super) fn judge(wanted: &Wanted, interface: &InterfaceFacts) -> Vec<Finding> {
     let name = &wanted.interface;
     let mut findings = Vec::new();
     match &interface.no_can {
@@ -47,12 +47,12 @@ pub(super) fn judge(wanted: &Wanted, interface: &Interface) -> Vec<Finding> {
     findings
 }
 
-/// A virtual interface (vcan) has none.
+/// Whether the interface has a controller; a virtual one (vcan) does not.
 fn has_controller(link: &LinkState) -> bool {
     link.state.is_some()
 }
 
-fn up(name: &str, interface: &Interface, link: &LinkState) -> Finding {
+fn up(name: &str, interface: &InterfaceFacts, link: &LinkState) -> Finding {
     let kind = if has_controller(link) { "CAN" } else { "virtual CAN" };
     if !link.up {
         let advice = format!("`ip link set {name} up`, or 80-can0.network for systemd-networkd");
@@ -60,7 +60,8 @@ fn up(name: &str, interface: &Interface, link: &LinkState) -> Finding {
     }
     match &interface.port {
         Err(reason) if interface.no_can.is_none() => {
-            let found = format!("{name} ({kind}) is up, but cannot be listened to: {reason}");
+            let found =
+                format!("{name} ({kind}) is up, but no socket can be opened on it: {reason}");
             Finding::fail("interface", found, format!("look at `ip -details link show {name}`"))
         }
         _ => Finding::ok("interface", format!("{name} ({kind}) is up")),
@@ -94,7 +95,11 @@ fn bit_rate(name: &str, wanted: u32, link: &LinkState) -> Finding {
     let Some(rate) = link.bit_rate else {
         return match has_controller(link) {
             true => Finding::fail("bit rate", "none is set", set),
-            false => Finding::ok("bit rate", "none: a virtual interface is as fast as the box"),
+            false => Finding::ok(
+                "bit rate",
+                "none: a virtual interface is as fast as the \
+                computer",
+            ),
         };
     };
     let mut found = format!("{rate} bit/s");
@@ -116,7 +121,8 @@ fn restart(name: &str, link: &LinkState) -> Option<Finding> {
     Some(match link.restart_ms {
         Some(0) | None => Finding::warn(
             "restart",
-            "restart-ms is not set: after bus-off the controller stays away until somebody comes",
+            "restart-ms is not set: after bus-off the controller stays off until somebody restarts \
+             it",
             format!(
                 "`ip link set {name} type can restart-ms 100`, or RestartSec=100ms for networkd"
             ),
@@ -131,7 +137,7 @@ fn queue(name: &str, link: &LinkState) -> Option<Finding> {
         ..=LONG_QUEUE => Finding::ok("send queue", format!("{length} frames")),
         _ => Finding::warn(
             "send queue",
-            format!("{length} frames may wait in the kernel, and come out stale"),
+            format!("{length} frames may wait in the kernel, and are sent stale"),
             format!("`ip link set {name} txqueuelen 16`, or 80-can0.link for systemd"),
         ),
     })

@@ -1,4 +1,4 @@
-//! How long frames occupy a bus.
+//! Time for which frames occupy a bus.
 
 use crate::frame::{Frame, Kind};
 
@@ -6,15 +6,15 @@ use crate::frame::{Frame, Kind};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     pub nominal: f64,
-    /// Of CAN FD's data phase, where it is another.
+    /// Bit rate of CAN FD's data phase, bit/s; the nominal one where it does not differ.
     pub data: f64,
 }
 
 /// CAN FD's switch to the faster rate (CANFD_BRS), as candump shows it.
 const BIT_RATE_SWITCH: u8 = 0x01;
 
-/// How long `frame` occupies the bus at most, s: with interframe space, and a stuff bit wherever the
-/// worst of payloads has one. The real time is up to a fifth less.
+/// Longest time for which `frame` occupies the bus, s: with interframe space, and a stuff bit
+/// wherever the worst payload has one. The real time is up to a fifth less.
 pub fn seconds_on_bus(frame: &Frame, rates: Rates) -> f64 {
     let extended = frame.id.is_extended();
     let payload = 8 * frame.length() as u64;

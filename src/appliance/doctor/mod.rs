@@ -1,7 +1,7 @@
-//! A look at the box: what is right for the gateway, and what to do where it is not.
+//! Checks whether the computer suits the gateway, with advice where it does not.
 //!
-//! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`] judges
-//! them without looking at the world again.
+//! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`]
+//! judges them without further access to the system.
 
 pub mod facts;
 mod finding;
@@ -17,9 +17,9 @@ mod traffic;
 pub use facts::Facts;
 pub use finding::{Finding, Verdict};
 
-use facts::{Bus, Interface, Wanted};
+use facts::{Bus, InterfaceFacts, Wanted};
 
-/// Judges, one line for each thing.
+/// Judges the facts; one finding for each subject.
 pub fn examine(facts: &Facts) -> Vec<Finding> {
     let wanted = &facts.wanted;
     let mut findings =
@@ -28,7 +28,7 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
     match &facts.bus {
         Bus::Embedded => findings.push(Finding::ok(
             "interface",
-            "the embedded bus, inside the program: there is no interface to look at, and `tertius \
+            "the embedded bus, inside the program: there is no interface to check, and `tertius \
              run --play LOG` plays a recording on it",
         )),
         Bus::Socket(interface) => findings.extend(socket(wanted, interface, facts)),
@@ -37,7 +37,7 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
     findings
 }
 
-fn socket(wanted: &Wanted, interface: &Interface, facts: &Facts) -> Vec<Finding> {
+fn socket(wanted: &Wanted, interface: &InterfaceFacts, facts: &Facts) -> Vec<Finding> {
     let mut findings = interface::judge(wanted, interface);
     findings.extend(receiving::judge(interface, &facts.host.rights));
     if let Some(hearing) = &interface.hearing {

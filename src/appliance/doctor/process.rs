@@ -1,4 +1,4 @@
-//! What /proc says of a process.
+//! Data on a process from /proc.
 
 use super::facts::Rights;
 use std::ffi::OsStr;
@@ -11,7 +11,8 @@ const IPC_LOCK: u32 = 14;
 const SYS_NICE: u32 = 23;
 
 impl Rights {
-    /// From the texts of /proc/…/status and /proc/…/limits; what is not in them is not granted.
+    /// Rights from the texts of /proc/…/status and /proc/…/limits; what is missing there is not
+    /// granted.
     pub fn read(status: &str, limits: &str) -> Self {
         let capabilities = status
             .lines()
@@ -30,15 +31,15 @@ impl Rights {
     }
 }
 
-/// The soft limit of that name; `None` if there is none.
+/// Soft limit of that name; `None` if unlimited.
 fn limit(limits: &str, name: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix(name));
     let soft = line.and_then(|rest| rest.split_whitespace().next()).unwrap_or("0");
     if soft == "unlimited" { None } else { Some(soft.parse().unwrap_or(0)) }
 }
 
-/// The configuration of a live gateway, from the text of its /proc/…/cmdline; `None` if that is of
-/// another program.
+/// The configuration of a running gateway, from the text of its /proc/…/cmdline; `None` for another
+/// program.
 pub(super) fn gateway_config(cmdline: &[u8]) -> Option<&Path> {
     let mut words = cmdline.split(|&byte| byte == 0);
     let program = words.next()?;

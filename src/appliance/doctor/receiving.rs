@@ -1,13 +1,13 @@
-//! The way of frames from the interface to the gateway.
+//! Checks of the path of frames from the interface to the gateway.
 
-use super::facts::{Interface, Receiving, Rights};
+use super::facts::{InterfaceFacts, Receiving, Rights};
 use super::finding::Finding;
 use crate::bus::Stamps;
 
-/// Less than a second by no more than the kernel's rounding.
+/// A second less the kernel's rounding, s.
 const A_SECOND: f64 = 0.99;
 
-pub(super) fn judge(interface: &Interface, rights: &Rights) -> Vec<Finding> {
+pub(super) fn judge(interface: &InterfaceFacts, rights: &Rights) -> Vec<Finding> {
     let Ok(receiving) = &interface.port else { return Vec::new() };
     vec![buffer(receiving, interface.rmem_max, rights), stamps(receiving, interface)]
 }
@@ -36,11 +36,11 @@ fn buffer(receiving: &Receiving, rmem_max: Option<u64>, rights: &Rights) -> Find
     }
 }
 
-fn stamps(receiving: &Receiving, interface: &Interface) -> Finding {
+fn stamps(receiving: &Receiving, interface: &InterfaceFacts) -> Finding {
     let heard = interface.hearing.as_ref().is_some_and(|hearing| hearing.frames > 0);
     let found = match (receiving.stamps, heard) {
         (Stamps::Software, false) => {
-            "the kernel's (software), as far as can be said without a frame".to_owned()
+            "the kernel's (software), as far as known without a frame".to_owned()
         }
         (stamps, _) => stamps.to_string(),
     };

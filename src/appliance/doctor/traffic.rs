@@ -1,25 +1,25 @@
-//! What comes on the bus, against what the configuration listens to.
+//! Checks of the traffic on the bus against the configuration.
 
 use super::facts::{Message, Rights, Wanted};
 use super::finding::Finding;
 use super::hearing::{Errors, Hearing, Intervals};
 use crate::error_frame::ControllerState;
 
-/// Messages named in a line at most.
+/// Most messages that are named in a line.
 const NAMED: usize = 20;
 
-/// The cycle may be off by this part …
+/// Largest deviation of the cycle, as a part of it.
 const CYCLE_TOLERANCE: f64 = 0.02;
-/// … and is another machine's beyond this.
+/// Deviation beyond which the cycle is that of another machine.
 const CYCLE_LIMIT: f64 = 0.1;
 
-/// Part of a cycle by which its opening may move.
+/// Largest jitter of a cycle's opening, as a part of the cycle.
 const JITTER_TOLERANCE: f64 = 0.2;
 
-/// A cyclic message comes less often than once a cycle below the one, more often above the other.
+/// Rate of a cyclic message per cycle below which it comes too seldom, and above which too often.
 const ONCE: [f64; 2] = [0.9, 1.1];
 
-/// Part of the bus beyond which low priorities wait long.
+/// Load of the bus beyond which low priorities wait long.
 const BUSY: f64 = 0.7;
 
 pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<Finding> {
@@ -31,14 +31,14 @@ pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<
         findings.push(Finding::warn(
             "lost",
             format!("{} frames: the receive queue was full", hearing.dropped),
-            "a larger receive buffer, or less that runs beside",
+            "provide a larger receive buffer, or run less beside the gateway",
         ));
     }
     findings.push(node(wanted, hearing, rights));
     findings
 }
 
-/// The names, not too many of them.
+/// Names of the messages, shortened to a few.
 fn named<'a>(messages: impl Iterator<Item = &'a Message>) -> String {
     let mut names: Vec<String> =
         messages.map(|message| format!("{} ({})", message.name, message.id)).collect();
@@ -56,7 +56,7 @@ fn frames(wanted: &Wanted, hearing: &Hearing) -> Vec<Finding> {
         findings.push(Finding::fail(
             subject,
             format!("listening ended after {seconds:.1} s: {reason}"),
-            "see the interface above, and look again",
+            "see the interface above, and run the check again",
         ));
     }
     let messages = &wanted.messages;
@@ -64,7 +64,7 @@ fn frames(wanted: &Wanted, hearing: &Hearing) -> Vec<Finding> {
     if hearing.frames == 0 {
         findings.push(Finding::fail(
             subject,
-            format!("none in {seconds:.1} s, of {all} messages that are listened to"),
+            format!("none in {seconds:.1} s, of the {all} messages that the monitor uses"),
             "switch the machine on; look at wires, termination and bit rate",
         ));
         return findings;
@@ -104,10 +104,10 @@ fn short(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
         Finding::fail(
             "frames",
             format!(
-                "too short for what the DBC has in them: {}",
+                "too short for their signals in the DBC: {}",
                 named(wanted.messages.iter().filter(is_short))
             ),
-            "correct the DBC; `candump` shows what comes",
+            "correct the DBC; `candump` shows the frames",
         )
     })
 }
@@ -152,7 +152,8 @@ fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
     let off = (mean / time - 1.0).abs();
     if off > CYCLE_TOLERANCE {
         let found = format!("{found}, but machine.sample_time is {} ms", time * 1e3);
-        let advice = "correct machine.sample_time, and identify the model anew: it is of a cycle";
+        let advice = "correct machine.sample_time, and identify the model again, which depends on \
+            it";
         let limit = if off > CYCLE_LIMIT { Finding::fail } else { Finding::warn };
         return Some(limit("cycle", found, advice.to_owned()));
     }
@@ -160,7 +161,7 @@ fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
         true => Finding::warn(
             "cycle",
             found,
-            "look at the sender's cycle and the load of the bus; [realtime] if it is this box",
+            "look at the sender's cycle and the load of the bus; [realtime] if it is this computer",
         ),
         false => Finding::ok("cycle", found),
     })
@@ -200,7 +201,7 @@ fn errors(errors: &Errors) -> Finding {
     }
 }
 
-/// Whether somebody else sends what only the gateway may.
+/// Whether another node sends what only the gateway may.
 fn node(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Finding {
     let (subject, node) = ("node", wanted.node);
     let ids: Vec<String> = wanted
@@ -213,23 +214,26 @@ fn node(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Finding {
     let another = "give each gateway a node of its own (gateway.node), and no other device these \
                    identifiers";
     if ids.is_empty() {
-        return Finding::ok(subject, format!("nobody else sends as node {node}"));
+        return Finding::ok(subject, format!("no other device sends as node {node}"));
     }
     match rights.gateway {
         _ if hearing.status.is_mixed() => Finding::fail(
             subject,
-            format!("more than one sends as node {node}: the counters of its status are mixed"),
+            format!(
+                "more than one device sends as node {node}: the counters of its status are \
+                mixed"
+            ),
             another,
         ),
         Some(process) => Finding::ok(
             subject,
-            format!("{ids}: one sender, the gateway that runs here (process {process})"),
+            format!("{ids}: one sender, the gateway that is running here (process {process})"),
         ),
         None => Finding::fail(
             subject,
             format!(
-                "{ids} of node {node} come, but no gateway of this configuration runs here: \
-                 somebody else's"
+                "{ids} of node {node} come, but no gateway of this configuration is running here: \
+                 another device sends them"
             ),
             another,
         ),

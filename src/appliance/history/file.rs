@@ -1,4 +1,4 @@
-//! The file of a machine's dwells: whole, or as it was before.
+//! The file of a machine's dwells, which is replaced atomically.
 
 use crate::sequential::Archive;
 use crate::sequential::archive::{MAX_SIZE, Refusal};
@@ -8,14 +8,14 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Files that are set aside at most; somebody should have looked by then.
+/// Most files that are set aside; by then somebody should have looked.
 const ASIDE: usize = 8;
 
-/// Where the dwells of a machine are kept.
+/// Path of the file in which the dwells of a machine are kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HistoryFile(PathBuf);
 
-/// Why there is no history to go on with.
+/// Why a history cannot be restored.
 #[derive(Debug, Error)]
 pub enum ReadError {
     #[error("it cannot be read: {0}")]
@@ -33,10 +33,9 @@ impl HistoryFile {
         &self.0
     }
 
-    /// The archive of `machine` with so many cylinders; `None` where there is no file yet.
+    /// The archive of `machine` with this number of cylinders; `None` where there is no file yet.
     ///
-    /// # Errors
-    /// It cannot be read, or is none of this machine.
+    /// # Errors The file cannot be read, or belongs to another machine.
     pub fn read(&self, machine: &str, cylinders: u8) -> Result<Option<Archive>, ReadError> {
         let file = match File::open(&self.0) {
             Ok(file) => file,
@@ -48,10 +47,10 @@ impl HistoryFile {
         Ok(Some(Archive::parse(&bytes, machine, cylinders)?))
     }
 
-    /// Puts `archive` there at once: whenever the power fails, there is this one or the one before.
+    /// Writes `archive` atomically: whenever the power fails, the file is this one or the previous
+    /// one.
     ///
-    /// # Errors
-    /// It cannot be written; then what was there still is.
+    /// # Errors The file cannot be written; the previous one then remains.
     pub fn write(&self, archive: &Archive) -> io::Result<()> {
         let target = self.target();
         // Always the same name, so that crashes do not heap them up.
@@ -69,10 +68,10 @@ impl HistoryFile {
         File::open(folder(&target))?.sync_all()
     }
 
-    /// Renames the file, so that what it holds can be looked at, and says to what.
+    /// Renames the file, so that its contents can be examined, and returns the new name.
     ///
-    /// # Errors
-    /// It cannot be renamed, or many have been set aside already; it stays where it is then.
+    /// # Errors The file cannot be renamed, or many have already been set aside; it then stays
+    /// where it is.
     pub fn set_aside(&self) -> io::Result<PathBuf> {
         let target = self.target();
         let names = (1..=ASIDE).map(|n| beside(&target, &format!(".aside-{n}")));
@@ -85,7 +84,7 @@ impl HistoryFile {
         Ok(name)
     }
 
-    /// What the path leads to; a link stays one.
+    /// Target of the path; a link remains one.
     fn target(&self) -> PathBuf {
         fs::canonicalize(&self.0).unwrap_or_else(|_| self.0.clone())
     }

@@ -1,62 +1,62 @@
-//! Keeps what was read on the stops over restarts and reloads.
+//! Keeps the readings on the stops across restarts and reloads.
 
 use super::file::{HistoryFile, ReadError};
 use super::worker::{self, Order};
 use crate::appliance::telemetry::Telemetry;
 use crate::monitor::Monitor;
-use crate::sequential::{Archive, Limits};
+use crate::sequential::{Archive, DriftLimits};
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use tracing::{info, warn};
 
-/// Orders that may wait for the disk: all rods come to rest at nearly the same time. What does not
-/// fit is left to the next one, which has it, too.
+/// Most orders that wait for the disk: all rods come to rest at nearly the same time. An order that
+/// does not fit is dropped, and the next one includes its data.
 const WAITING: usize = 8;
 
-/// What is to be kept, and where.
+/// What is kept, and in which file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
-    /// The machine's name.
+    /// Name of the machine.
     pub machine: String,
     pub cylinders: u8,
-    pub limits: Limits,
-    /// `None`: in memory only.
+    pub limits: DriftLimits,
+    /// File of the history; `None`: in memory only.
     pub file: Option<HistoryFile>,
 }
 
-/// The data path's end of what is kept. Nothing here waits, but for the beginning and the end.
+/// The data path's side of the history. It waits only at the start and at the end.
 #[derive(Debug)]
 pub struct Keeper {
-    /// As it was read; of cylinders of which nothing is read now it is all there is.
+    /// Archive as it was read; for cylinders that are no longer read it is all there is.
     base: Archive,
-    limits: Limits,
-    /// Where it is written, unless that cannot be.
+    limits: DriftLimits,
+    /// File that is written; `None` if it must not be.
     file: Option<HistoryFile>,
-    /// There is something that was not handed on yet.
-    news: bool,
+    /// Whether there is something not yet handed to the worker.
+    pending: bool,
     orders: Option<SyncSender<Order>>,
     worker: Option<JoinHandle<()>>,
     telemetry: Arc<Telemetry>,
 }
 
-/// What a file gave.
+/// Result of reading a file.
 enum Loaded {
     Archive(Archive),
-    /// It may be written.
+    /// There is nothing; the file may be written.
     Nothing,
-    /// It must not be written over.
+    /// The file must not be overwritten.
     Unusable,
 }
 
 impl Keeper {
-    /// Of nothing yet.
+    /// A keeper without data.
     pub fn new(telemetry: &Arc<Telemetry>) -> Self {
         let mut keeper = Self {
             base: Archive::default(),
-            limits: Limits { maintenance: f64::INFINITY, critical: f64::INFINITY },
+            limits: DriftLimits { maintenance: f64::INFINITY, critical: f64::INFINITY },
             file: None,
-            news: false,
+            pending: false,
             orders: None,
             worker: None,
             telemetry: Arc::clone(telemetry),
@@ -65,24 +65,24 @@ impl Keeper {
         keeper
     }
 
-    /// Without a thread everything stays in memory.
+    /// Starts the worker thread; without one everything stays in memory.
     fn start(&mut self) {
         let (orders, ordered) = sync_channel(WAITING);
         let told = Arc::clone(&self.telemetry);
         let builder = std::thread::Builder::new().name("history".to_owned());
         match builder.spawn(move || worker::work(&ordered, &told)) {
             Ok(worker) => (self.orders, self.worker) = (Some(orders), Some(worker)),
-            Err(error) => warn!("what is read on the stops is kept in memory only: {error}"),
+            Err(error) => warn!("readings on the stops are kept in memory only: {error}"),
         }
     }
 
-    /// Keeps `kept` from now on, and gives what a monitor of it goes on with: what is in its file,
-    /// or what `before` knows, if that is of the same machine and the file is the same or is new.
+    /// Keeps `kept` from now on, and returns what its monitor restores: the content of its file, or
+    /// the data of `before`, if that belongs to the same machine and the file is the same or new.
     pub fn open(&mut self, kept: Kept, before: Option<&Monitor>) -> &Archive {
         let Kept { machine, cylinders, limits, file } = kept;
         if let Some(monitor) = before {
             self.turned(monitor);
-            monitor.bequeath(&mut self.base);
+            monitor.save(&mut self.base);
         }
         let size = self.base.cylinders.len();
         let same = self.base.machine == machine && size == usize::from(cylinders);
@@ -97,7 +97,7 @@ impl Keeper {
             _ => Loaded::Nothing,
         };
         // What is in memory alone is to be written to the new file.
-        self.news = same && moved && matches!(loaded, Loaded::Nothing);
+        self.pending = same && moved && matches!(loaded, Loaded::Nothing);
         self.file = file.filter(|_| !matches!(loaded, Loaded::Unusable));
         self.limits = limits;
         match loaded {
@@ -110,21 +110,21 @@ impl Keeper {
         &self.base
     }
 
-    /// A rod was read on its stop.
+    /// Notes that a rod was read on its stop.
     pub const fn dwelt(&mut self) {
-        self.news = true;
+        self.pending = true;
     }
 
-    /// The data path has done a turn: what was read in it is handed on. In a turn without a dwell that
+    /// Hands the readings of a turn of the data path to the worker. In a turn without a dwell this
     /// is a comparison, in one with a dwell a copy of at most 30 kB; the machine stands still then.
     pub fn turned(&mut self, monitor: &Monitor) {
-        if std::mem::take(&mut self.news) {
+        if std::mem::take(&mut self.pending) {
             let order = self.snapshot(monitor);
             self.order(order);
         }
     }
 
-    /// The gateway has stopped: waits until everything is written.
+    /// Waits until everything is written, after the gateway has stopped.
     pub fn finish(&mut self, monitor: &Monitor) {
         let order = self.snapshot(monitor);
         if let Some(orders) = self.orders.take() {
@@ -136,7 +136,7 @@ impl Keeper {
 
     fn snapshot(&self, monitor: &Monitor) -> Order {
         let mut archive = self.base.clone();
-        monitor.bequeath(&mut archive);
+        monitor.save(&mut archive);
         Order { archive, limits: self.limits, file: self.file.clone() }
     }
 
@@ -162,13 +162,13 @@ impl Drop for Keeper {
     }
 }
 
-/// What is in `file`, and the log hears of it. What is no history of this machine is set aside.
+/// Reads `file` and logs the result. A file that is not a history of this machine is set aside.
 fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
     let path = file.path().display();
     let refusal = match file.read(machine, cylinders) {
         Ok(Some(archive)) => {
             let dwells: usize = archive.cylinders.iter().map(|it| it.dwells().len()).sum();
-            info!(dwells, "goes on with the history of the stops in {path}");
+            info!(dwells, "continuing the history of the stops in {path}");
             return Loaded::Archive(archive);
         }
         Ok(None) => {
@@ -187,13 +187,13 @@ fn load(file: &HistoryFile, machine: &str, cylinders: u8) -> Loaded {
     match file.set_aside() {
         Ok(aside) => {
             let aside = aside.display();
-            warn!("{path}: {refusal}. It was set aside as {aside}; the history starts anew");
+            warn!("{path}: {refusal}. It was set aside as {aside}; the history restarts");
             Loaded::Nothing
         }
         Err(error) => {
             warn!(
-                "{path}: {refusal}. It cannot be set aside ({error}) and stays as it is; the history \
-                 starts anew and is kept in memory only"
+                "{path}: {refusal}. It cannot be set aside ({error}) and stays as it is; the \
+                 history restarts and is kept in memory only"
             );
             Loaded::Unusable
         }

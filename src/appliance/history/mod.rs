@@ -1,4 +1,4 @@
-//! What was read on the stops, on disk: it lives longer than the gateway.
+//! The readings on the stops, on disk, where they outlive the gateway.
 
 mod file;
 mod keeper;

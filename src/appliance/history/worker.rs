@@ -1,23 +1,23 @@
-//! Writes archives beside the data path, which waits for no disk.
+//! Writes archives on a thread of its own, since the data path must not wait for a disk.
 
 use super::file::HistoryFile;
 use crate::appliance::realtime;
 use crate::appliance::telemetry::Telemetry;
-use crate::sequential::{Archive, Limits};
+use crate::sequential::{Archive, DriftLimits};
 use std::sync::mpsc::Receiver;
 use tracing::{info, warn};
 
-/// What is to be done with what was read on the stops.
+/// An order of what to do with the readings on the stops.
 #[derive(Debug)]
 pub(super) struct Order {
     pub archive: Archive,
-    pub limits: Limits,
-    /// `None` where it is told and not kept.
+    pub limits: DriftLimits,
+    /// File to write; `None` where the readings are only reported.
     pub file: Option<HistoryFile>,
 }
 
-/// Does what is ordered until nobody can order anything any more. Of several orders for the same file
-/// the newest has everything.
+/// Carries out orders until no more can come. Of several orders for the same file the newest
+/// contains everything.
 pub(super) fn work(orders: &Receiver<Order>, telemetry: &Telemetry) {
     realtime::be_ordinary();
     let mut trouble = None;
@@ -35,7 +35,7 @@ pub(super) fn work(orders: &Receiver<Order>, telemetry: &Telemetry) {
     }
 }
 
-/// Each change of what hinders it is told once: a full disk stays full for long.
+/// Writes an order. A persisting obstacle is logged once, since a full disk stays full for long.
 fn save(
     file: &HistoryFile,
     archive: &Archive,
@@ -53,7 +53,7 @@ fn save(
         }
         (Err(told), before) if before != Some(&told) => {
             warn!(
-                "the history of the stops cannot be written, {told}; it goes on in memory and is \
+                "the history of the stops cannot be written, {told}; it continues in memory and is \
                  tried again at the next stop"
             );
             *trouble = Some(told);

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 
-/// A total. One thread alone adds to it, so that a load and a store will do.
+/// A total. Only one thread adds to it, so a load and a store are enough.
 #[derive(Debug, Default)]
 pub(super) struct Total(AtomicU64);
 
@@ -13,8 +13,8 @@ impl Total {
         }
     }
 
-    /// Takes over how far a count has come since it was `last`. One that began again has come as
-    /// far as it shows.
+    /// Adds the growth of a count since it was `last`. A count that restarted has grown by its
+    /// present value.
     pub fn follow(&self, last: u64, now: u64) {
         self.add(now.checked_sub(last).unwrap_or(now));
     }
@@ -24,7 +24,7 @@ impl Total {
     }
 }
 
-/// A number that comes and goes; not-a-number inside stands for none.
+/// A number that may be absent; inside, not-a-number stands for none.
 #[derive(Debug)]
 pub(super) struct Gauge(AtomicU64);
 
@@ -49,7 +49,7 @@ impl Gauge {
 #[derive(Debug)]
 pub(super) struct State(AtomicU8);
 
-/// No enumeration here has so many.
+/// Number for no state; no enumeration here has this many.
 const NO_STATE: u8 = u8::MAX;
 
 impl Default for State {
@@ -68,23 +68,23 @@ impl State {
     }
 }
 
-/// How often values fell between fixed bounds.
+/// Number of values between fixed bounds.
 #[derive(Debug)]
 pub(super) struct Histogram {
     bounds: &'static [f64],
-    /// One for each bound, which belongs to it, and one for what is beyond.
+    /// One count for each bound, which includes the bound, and one for values beyond.
     counts: Box<[AtomicU64]>,
     sum: AtomicU64,
 }
 
 impl Histogram {
-    /// `bounds` ascend.
+    /// A histogram with these `bounds`, which ascend.
     pub fn new(bounds: &'static [f64]) -> Self {
         let counts = (0..=bounds.len()).map(|_| AtomicU64::new(0)).collect();
         Self { bounds, counts, sum: AtomicU64::new(0.0_f64.to_bits()) }
     }
 
-    /// Counts `value`. As with [`Total`], one thread alone does.
+    /// Counts `value`. As with [`Total`], only one thread may do so.
     pub fn observe(&self, value: f64) {
         let place = self.bounds.partition_point(|&bound| bound < value);
         let count = &self.counts[place];
@@ -96,7 +96,8 @@ impl Histogram {
         f64::from_bits(self.sum.load(Ordering::Relaxed))
     }
 
-    /// Upper bounds, the last one infinite, and how many fell between each and the one before.
+    /// Upper bounds, the last one infinite, and the number of values between each and the previous
+    /// one.
     pub fn buckets(&self) -> Vec<(f64, u64)> {
         let bounds = self.bounds.iter().copied().chain([f64::INFINITY]);
         bounds.zip(self.counts.iter().map(|count| count.load(Ordering::Relaxed))).collect()

@@ -1,9 +1,9 @@
-//! The clocks that the telemetry is reckoned by, so that a test can own them.
+//! Clocks of the telemetry, as a trait so that a test can provide them.
 
 use crate::time::Timestamp;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// A clock that only ever goes on, and the one that people and kernels write time stamps with.
+/// A monotonic clock, and the system's clock, by which people and kernels write time stamps.
 pub trait Clock: Send + Sync {
     /// Time since this clock was made; never goes back.
     fn uptime(&self) -> Duration;
@@ -12,7 +12,7 @@ pub trait Clock: Send + Sync {
     fn system(&self) -> Timestamp;
 }
 
-/// The machine's own clocks.
+/// The computer's own clocks.
 #[derive(Clone, Copy, Debug)]
 pub struct SystemClock {
     start: Instant,

@@ -16,19 +16,19 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// What the text is, for HTTP.
+/// Content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
-/// By the numbers of Fd_Status.
+/// Names of the modes, by the numbers of Fd_Status.
 pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
 
-/// By the numbers of Fd_Status.
+/// Names of the transducers' states, by the numbers of Fd_Status.
 const TRANSDUCER_STATES: [&str; 4] = ["unknown", "healthy", "suspect", "faulty"];
 
-/// By the numbers of Fd_Status.
+/// Names of the alarm levels, by the numbers of Fd_Status.
 pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];
 
-/// By the numbers of the telemetry.
+/// Names of the controller's states, by the numbers of the telemetry.
 pub(super) const CONTROLLER_STATES: [&str; 6] =
     ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
 
@@ -36,21 +36,20 @@ const CYLINDERS: [&str; 6] = ["1", "2", "3", "4", "5", "6"];
 const RESIDUALS: [&str; 3] = ["r1", "r2", "r3"];
 pub(super) const TRANSDUCERS: [&str; 2] = ["c1", "c2"];
 
-/// In the order of the telemetry.
+/// Names of the forecasts, in the order of the telemetry.
 const LEFT: [(&str, &str); 3] = [
     (
         "stop_months_until_maintenance",
         "Months from the newest dwell until the reading will have drifted by \
          sequential.maintenance. Absent where it does not drift.",
     ),
-    ("stop_earliest_months_until_maintenance", "The fewest that the dwells allow."),
-    ("stop_latest_months_until_maintenance", "The most that the dwells allow."),
+    ("stop_earliest_months_until_maintenance", "The smallest value that the dwells allow."),
+    ("stop_latest_months_until_maintenance", "The largest value that the dwells allow."),
 ];
 
-/// The whole of `telemetry` as it is now by `clock`.
+/// The text of `telemetry` as it is now by `clock`.
 ///
-/// # Errors
-/// None that is known: a text takes whatever is written to it.
+/// # Errors None in practice: writing to a text does not fail.
 pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<String, fmt::Error> {
     let mut registry = Registry::with_prefix("tertius");
     registry.register_collector(Box::new(View {
@@ -90,7 +89,7 @@ impl View {
                 .encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)?;
         }
         let totals = &self.telemetry.totals;
-        let help = "Times that the configuration was read again, by what became of it.";
+        let help = "Times that the configuration was read again, by result.";
         let mut reloads = out.family("configuration_reloads", help, None, MetricType::Counter)?;
         count(&mut reloads, &[("result", "accepted")], &totals.reloads_accepted)?;
         count(&mut reloads, &[("result", "refused")], &totals.reloads_refused)
@@ -99,11 +98,15 @@ impl View {
     fn bus(&self, out: &mut Out<'_, '_>) -> fmt::Result {
         let link = &self.telemetry.link;
         let open = Some(f64::from(u8::from(self.telemetry.is_open())));
-        out.gauge("bus_up", "1 while the interface is open and is listened to, else 0.", open)?;
+        out.gauge(
+            "bus_up",
+            "1 while the interface is open and is being received from, else 0.",
+            open,
+        )?;
         let help = "1 while the interface is brought up; a controller that is bus-off still is.";
         out.gauge("link_up", help, link.up.get())?;
-        let help = "What the CAN controller does: 1 for its state, 0 for the others. Absent where \
-                    there is none.";
+        let help = "State of the CAN controller: 1 for the present state, 0 for the others. Absent \
+            without a controller.";
         let mut family = out.family("controller_state", help, None, MetricType::Gauge)?;
         if link.state.get().is_some() {
             one_of(&mut family, &[], &CONTROLLER_STATES, link.state.get())?;
@@ -114,7 +117,7 @@ impl View {
         out.gauge("controller_receive_errors", help, link.receive_errors.get())
     }
 
-    /// The cylinders that there are, by their number.
+    /// Cylinders of the machine, by their number.
     fn numbered(&self) -> impl Iterator<Item = (&'static str, &Cylinder)> {
         CYLINDERS.into_iter().zip(self.telemetry.cylinders())
     }
@@ -153,13 +156,13 @@ impl View {
             }
         }
         let standing = f64::from(self.telemetry.standing.load(Ordering::Relaxed));
-        out.gauge("warnings_standing", "Warnings that stand.", Some(standing))?;
-        let help = "The highest level of the warnings that stand: 0 none, 1 yellow, 2 orange, \
+        out.gauge("warnings_standing", "Standing warnings.", Some(standing))?;
+        let help = "The highest level of the standing warnings: 0 none, 1 yellow, 2 orange, \
                     3 red, 4 black.";
         let level = f64::from(self.telemetry.level.load(Ordering::Relaxed));
         out.gauge("alarm_level", help, Some(level))?;
-        let help = "What the monitor does: 1 for its mode, 0 for the others; all 0 while the bus \
-                    is not served.";
+        let help = "Mode of the monitor: 1 for the present mode, 0 for the others; all 0 while the \
+            bus is not served.";
         let mut family = out.family("mode", help, None, MetricType::Gauge)?;
         let mode = self.telemetry.mode.get().filter(|_| self.telemetry.lives(self.uptime));
         one_of(&mut family, &[], &MODES, mode)?;
@@ -172,7 +175,7 @@ impl View {
     }
 
     fn transducers(&self, out: &mut Out<'_, '_>) -> fmt::Result {
-        let help = "What is known of a transducer: 1 for its state, 0 for the others.";
+        let help = "State of a transducer: 1 for the present state, 0 for the others.";
         let mut family = out.family("transducer_state", help, None, MetricType::Gauge)?;
         let evidence = self.telemetry.has_evidence(self.uptime);
         for (number, cylinder) in self.numbered() {
@@ -186,22 +189,22 @@ impl View {
         Ok(())
     }
 
-    /// What was read on the stops. Without enough dwells nothing is claimed.
+    /// Writes the readings on the stops. Without enough dwells there are none.
     fn stops(&self, out: &mut Out<'_, '_>) -> fmt::Result {
-        let help = "Times that the rod was read on its stop, as many as are kept.";
+        let help = "Number of readings of the rod on its stop that are kept.";
         let mut family = out.family("stop_dwells", help, None, MetricType::Gauge)?;
         for (number, cylinder) in self.numbered() {
             if let Some(dwells) = cylinder.stop.dwells.get() {
                 family.encode_family(&[("cylinder", number)])?.encode_gauge(&dwells)?;
             }
         }
-        let help = "What the newest dwell on the stop reads more than the first ones.";
+        let help = "Move of the newest reading on the stop from the first ones.";
         let moved = |reading: &Reading| reading.moved.get();
         self.readings(out, ("stop_moved", help, Some(Unit::Meters)), moved)?;
-        let help = "By how much the reading on the stop drifts in a month, metres.";
+        let help = "Drift of the reading on the stop in a month, metres.";
         let drift = |reading: &Reading| reading.drift.get();
         self.readings(out, ("stop_drift_meters_per_month", help, None), drift)?;
-        let help = "The standard error of that, metres.";
+        let help = "Standard error of the drift in a month, metres.";
         let error = |reading: &Reading| reading.error.get();
         self.readings(out, ("stop_drift_error_meters_per_month", help, None), error)?;
         for (i, (name, help)) in LEFT.into_iter().enumerate() {
@@ -210,7 +213,7 @@ impl View {
         Ok(())
     }
 
-    /// A gauge of each transducer on its stop: name, help and unit.
+    /// Writes a gauge for each transducer on its stop: name, help and unit.
     fn readings(
         &self,
         out: &mut Out<'_, '_>,
@@ -236,21 +239,21 @@ impl View {
             .encode_info(&[("version", env!("CARGO_PKG_VERSION"))])?;
         let help = "When the gateway started, since 1970.";
         out.time("start_time", help, Some(telemetry.started))?;
-        let help = "When the data path last turned, since 1970. Absent before it did.";
+        let help = "When the data path last turned, since 1970. Absent before the first turn.";
         out.time("last_turn_timestamp", help, self.ago(telemetry.since_turn(self.uptime)))?;
-        let help = "When the last frame of the machine was taken, since 1970. Absent before one \
-                    was taken from the bus as it is open now.";
+        let help = "When the last frame of the machine was received, since 1970. Absent before the \
+            first one since the bus was opened.";
         out.time("last_frame_timestamp", help, self.ago(telemetry.since_frame(self.uptime)))
     }
 
-    /// The system's time so long ago.
+    /// The system's time at that time before now.
     fn ago(&self, time: Option<Duration>) -> Option<Timestamp> {
         let nanos = i64::try_from(time?.as_nanos()).ok()?;
         Some(self.system.after(Span::from_nanos(-nanos)))
     }
 }
 
-/// Where families go to.
+/// Output of metric families.
 struct Out<'a, 'b>(&'a mut DescriptorEncoder<'b>);
 
 impl Out<'_, '_> {
@@ -269,7 +272,7 @@ impl Out<'_, '_> {
         self.0.encode_descriptor(name, help, unit, kind)
     }
 
-    /// A number that may be absent.
+    /// Writes a number that may be absent.
     fn gauge(&mut self, name: &str, help: &str, value: Option<f64>) -> fmt::Result {
         let mut family = self.family(name, help, None, MetricType::Gauge)?;
         value.map_or(Ok(()), |value| family.encode_gauge(&value))
@@ -287,7 +290,7 @@ fn count(family: &mut MetricEncoder<'_>, labels: &Labels<'_>, total: &Total) -> 
     family.encode_family(&labels)?.encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)
 }
 
-/// A sample for each of `names`: 1 for the one of `number`, 0 for the others.
+/// Writes a sample for each of `names`: 1 for the one of `number`, 0 for the others.
 fn one_of(
     family: &mut MetricEncoder<'_>,
     labels: &Labels<'_>,

@@ -1,4 +1,4 @@
-//! Is all well? What the health endpoint says, from what is stored and the time that it is now.
+//! The health report of the HTTP endpoint, from the telemetry and the present time.
 
 use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
 use super::stops::Drifting;
@@ -8,11 +8,11 @@ use serde::Serialize;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-/// The whole in a word, best first.
+/// Overall condition, best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Condition {
-    /// Everything is judged, and nothing is found.
+    /// Everything is judged, and there are no findings.
     Ok,
     /// There is no evidence either way.
     Unknown,
@@ -22,25 +22,27 @@ pub enum Condition {
     Down,
 }
 
-/// What the health endpoint says.
+/// The health report.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HealthReport {
     pub status: Condition,
-    /// For people.
+    /// Reason, for people.
     pub reason: String,
-    /// As Fd_Status has it.
+    /// Mode, as in Fd_Status.
     pub mode: Option<&'static str>,
-    /// `open` or `closed`.
+    /// State of the bus, `open` or `closed`.
     pub bus: &'static str,
-    /// What the kernel says of the controller, where there is one.
+    /// State of the controller in the kernel, where there is one.
     pub controller: Option<&'static str>,
     pub level: &'static str,
     pub warnings_standing: u32,
-    /// Since the data path last turned; `null` if it never did.
+    /// Time since the last turn of the data path, s; `null` if there was none.
     pub seconds_since_turn: Option<f64>,
-    /// Since the last frame of the machine; `null` if there was none since the bus was opened.
+    /// Time since the last frame of the machine, s; `null` if there was none since the bus was
+    /// opened.
     pub seconds_since_frame: Option<f64>,
-    /// Transducers whose readings on the stops drift, beyond what chance makes of so many dwells.
+    /// Transducers whose readings on the stops drift more than chance explains with this number of
+    /// dwells.
     pub drifting: Vec<Drifting>,
 }
 
@@ -109,9 +111,9 @@ impl Telemetry {
             return Some("the interface is not open; the log says why".to_owned());
         }
         match self.since_turn(now) {
-            None => Some("the data path has not begun".to_owned()),
+            None => Some("the data path has not started".to_owned()),
             Some(time) if time > EVIDENCE => {
-                Some(format!("the data path stands still for {:.1} s", time.as_secs_f64()))
+                Some(format!("the data path has not turned for {:.1} s", time.as_secs_f64()))
             }
             Some(_) => None,
         }
@@ -128,8 +130,8 @@ impl Telemetry {
         }
     }
 
-    /// Each cylinder has a healthy transducer, and no transducer anything against it. One that is
-    /// not configured is never known.
+    /// Whether each cylinder has a healthy transducer, and no transducer is suspect or faulty. One
+    /// that is not configured is never known.
     fn all_healthy(&self) -> bool {
         let healthy = Some(Health::Healthy as u8);
         let unknown = Some(Health::Unknown as u8);

@@ -1,9 +1,9 @@
-//! What the live gateway tells of itself: numbers that its data path stores and that others read.
+//! Telemetry of the live gateway: numbers that its data path stores and that others read.
 //!
-//! [`Recorder`] belongs to the data path. What it does there for a frame is nothing, for a cycle
-//! and a turn a few relaxed stores: no lock, no allocation, no call of the system but the reading
-//! of a clock. [`Telemetry`] is what it writes to, and everyone may read it at any time:
-//! [`exposition`] for Prometheus, [`health`] for people and load balancers.
+//! [`Recorder`] belongs to the data path. It does nothing for a frame, and a few relaxed stores for
+//! a cycle and a turn: no lock, no allocation, and no system call except reading a clock. It writes
+//! to [`Telemetry`], which everyone may read at any time: [`exposition`] for Prometheus, [`health`]
+//! for people and load balancers.
 
 mod cell;
 pub mod clock;
@@ -24,31 +24,32 @@ use std::time::Duration;
 use stops::Stop;
 use totals::Totals;
 
-/// Without a frame of the machine for this long nothing is known of its transducers, and without a
-/// turn of the data path nothing at all.
+/// Time without a frame of the machine after which nothing is known of its transducers, and without
+/// a turn of the data path after which nothing is known at all.
 pub const EVIDENCE: Duration = Duration::from_secs(1);
 
-/// |R1|, |R2| and |R3|, m. The thresholds of the thesis, 0.75, 1 and 1.5 mm, are among them.
+/// Bounds of |R1|, |R2| and |R3|, m. The thresholds of the thesis, 0.75, 1 and 1.5 mm, are among
+/// them.
 const RESIDUAL_BOUNDS: [f64; 13] =
     [1e-5, 2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 7.5e-4, 1e-3, 1.5e-3, 2.5e-3, 5e-3, 1e-2, 5e-2];
 
-/// From the time stamp of a frame to the hand-over of its warning, s.
+/// Bounds of the time from the time stamp of a frame to the hand-over of its warning, s.
 const LATENCY_BOUNDS: [f64; 16] = [
     1e-5, 2.5e-5, 5e-5, 1e-4, 2.5e-4, 5e-4, 1e-3, 2.5e-3, 5e-3, 1e-2, 2.5e-2, 5e-2, 0.1, 0.25, 0.5,
     1.0,
 ];
 
-/// Places for the detectors of [`crate::alarm::Detector::ALL`].
+/// Number of detectors in [`crate::alarm::Detector::ALL`].
 const DETECTORS: usize = crate::alarm::Detector::ALL.len();
 
-/// The numbers of one cylinder.
+/// Telemetry of one cylinder.
 #[derive(Debug)]
 struct Cylinder {
-    /// |R1|, |R2|, |R3| of the newest cycle, m.
+    /// Newest |R1|, |R2| and |R3|, m.
     residuals: [Gauge; 3],
     sizes: [Histogram; 3],
     raised: [Total; DETECTORS],
-    /// [`Health`] of C1 and C2.
+    /// State ([`Health`]) of C1 and C2.
     transducers: [State; 2],
     stop: Stop,
 }
@@ -65,42 +66,43 @@ impl Cylinder {
     }
 }
 
-/// What the kernel last said of the interface; none on a bus without one.
+/// State of the interface as last reported by the kernel; absent on a bus without one.
 #[derive(Debug, Default)]
 struct Link {
-    /// 0 or 1.
+    /// Whether the interface is up: 0 or 1.
     up: Gauge,
-    /// [`ControllerState`].
+    /// State of the controller ([`ControllerState`]).
     state: State,
     transmit_errors: Gauge,
     receive_errors: Gauge,
 }
 
-/// Everything that is known of a running gateway, for others to read.
+/// All telemetry of a running gateway.
 #[derive(Debug)]
 pub struct Telemetry {
     /// The system's time at the start.
     started: Timestamp,
     totals: Totals,
     cylinders: [Cylinder; MAX_CYLINDERS],
-    /// How many of them the machine has.
+    /// Number of cylinders that the machine has.
     used: AtomicU8,
-    /// A port is open.
+    /// Whether a port is open.
     open: AtomicBool,
-    /// [`crate::alarm::status::Mode`].
+    /// Mode ([`crate::alarm::status::Mode`]).
     mode: State,
-    /// [`crate::alarm::Level`].
+    /// Highest level ([`crate::alarm::Level`]).
     level: AtomicU8,
     standing: AtomicU32,
     latency: Histogram,
-    /// Uptime of the last turn and of the last frame of the machine, ns, plus one; zero is never.
+    /// Uptime at the last turn, ns, plus one; zero means never.
     turned: AtomicU64,
+    /// Uptime at the last frame of the machine, ns, plus one; zero means never.
     heard: AtomicU64,
     link: Link,
 }
 
 impl Telemetry {
-    /// Of a gateway that starts now, by `clock`.
+    /// Telemetry of a gateway that starts now, by `clock`.
     pub fn new(clock: &dyn Clock) -> Self {
         Self {
             started: clock.system(),
@@ -118,7 +120,7 @@ impl Telemetry {
         }
     }
 
-    /// Takes over what the kernel says of the interface.
+    /// Takes the state of the interface from the kernel.
     pub fn link(&self, link: &LinkState) {
         self.link.up.set(Some(f64::from(u8::from(link.up))));
         self.link.state.set(link.state.map(controller_number));
@@ -126,7 +128,7 @@ impl Telemetry {
         self.link.receive_errors.set(link.receive_errors.map(f64::from));
     }
 
-    /// The interface is gone, or the kernel cannot be asked.
+    /// Notes that the interface is gone, or that the kernel cannot be asked.
     pub fn link_unknown(&self) {
         self.link.up.set(None);
         self.link.state.set(None);
@@ -153,12 +155,12 @@ impl Telemetry {
         since(&self.heard, now)
     }
 
-    /// The data path does its work: a port is open and is being served.
+    /// Whether the data path does its work: a port is open and is being served.
     fn lives(&self, now: Duration) -> bool {
         self.is_open() && self.since_turn(now).is_some_and(|time| time <= EVIDENCE)
     }
 
-    /// There is something by which the machine can be judged now.
+    /// Whether there is evidence by which the machine can be judged now.
     fn has_evidence(&self, now: Duration) -> bool {
         self.lives(now) && self.since_frame(now).is_some_and(|time| time <= EVIDENCE)
     }
@@ -174,7 +176,7 @@ impl Telemetry {
         self.standing.store(status.active_warnings, Ordering::Relaxed);
     }
 
-    /// Nothing is known of the machine any more; what was found stands.
+    /// Marks everything about the machine as unknown; findings stand.
     fn forget_evidence(&self) {
         for cylinder in &self.cylinders {
             cylinder.residuals.iter().for_each(|residual| residual.set(None));
@@ -196,7 +198,7 @@ fn since(place: &AtomicU64, now: Duration) -> Option<Duration> {
     Some(now.saturating_sub(Duration::from_nanos(nanos)))
 }
 
-/// In the order of [`exposition`]'s names.
+/// Number of a state in the order of [`exposition`]'s names.
 const fn controller_number(state: ControllerState) -> u8 {
     match state {
         ControllerState::ErrorActive => 0,

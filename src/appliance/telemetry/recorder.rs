@@ -1,4 +1,4 @@
-//! The data path's pen: what happens there is written to the telemetry.
+//! Writes the events of the data path to the telemetry.
 
 use super::clock::Clock;
 use super::{DETECTORS, Telemetry, mark};
@@ -6,27 +6,28 @@ use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, State, Warning};
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
-use crate::live::outbox::{Limits, OutboxCounts};
+use crate::live::outbox::{OutboxCounts, OutboxLimits};
 use crate::monitor::{Counts, Record};
 use crate::time::Timestamp;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// Warnings whose frame may still wait to be sent; as many as can be on their way at once.
-const ON_THEIR_WAY: usize = Limits::WAITING;
+/// Most warnings whose frame may still wait to be sent.
+const ON_THEIR_WAY: usize = OutboxLimits::WAITING;
 
-/// Writes to a [`Telemetry`]. There is one alone for each, since what it adds to has one writer.
+/// Writes to a [`Telemetry`]. Each has exactly one recorder, since its totals allow only one
+/// writer.
 pub struct Recorder {
     telemetry: Arc<Telemetry>,
     clock: Arc<dyn Clock>,
     port: PortCounts,
     outbox: OutboxCounts,
     monitor: Counts,
-    /// A port was lost and none is open since.
+    /// Whether a port was lost and none has been opened since.
     lost: bool,
     /// Time of the newest status that was taken over.
     status_at: Option<Timestamp>,
-    /// Times of the newest warnings: their frames bear them.
+    /// Times of the newest warnings, by which their frames are recognised.
     warned: [Option<Timestamp>; ON_THEIR_WAY],
     next: usize,
 }
@@ -54,7 +55,7 @@ impl Recorder {
         &self.clock
     }
 
-    /// A cycle of one cylinder.
+    /// Takes a cycle of one cylinder.
     pub fn record(&mut self, record: &Record) {
         let index = usize::from(record.cylinder).wrapping_sub(1);
         let Some(cylinder) = self.telemetry.cylinders.get(index) else { return };
@@ -80,8 +81,9 @@ impl Recorder {
         cylinder.raised[detector].add(1);
     }
 
-    /// `frame` was handed to the interface. That of a warning bears the time of the frame or the
-    /// deadline that caused it; repetitions and statuses are caused by the clock and do not count.
+    /// Notes that `frame` was handed to the interface. A warning's frame bears the time of the
+    /// frame or the deadline that caused it; repetitions and statuses are caused by the clock and
+    /// do not count.
     pub fn sent(&mut self, frame: &OwnFrame) {
         let at = frame.as_frame().timestamp;
         if frame.is_warning() && self.warned.contains(&Some(at)) {
@@ -91,7 +93,7 @@ impl Recorder {
         }
     }
 
-    /// A port is open.
+    /// Notes that a port is open.
     pub fn opened(&mut self) {
         let telemetry = &self.telemetry;
         telemetry.totals.opens.add(1);
@@ -101,7 +103,7 @@ impl Recorder {
         self.port = PortCounts::default();
     }
 
-    /// `port` is lost.
+    /// Notes that `port` is lost.
     pub fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.catch_up(gateway, port);
         self.telemetry.totals.losses.add(1);
@@ -110,7 +112,7 @@ impl Recorder {
         self.lost = true;
     }
 
-    /// A turn was done.
+    /// Notes a turn of the data path.
     pub fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
         let now = self.clock.uptime();
         let heard = gateway.monitor().counts().used != self.monitor.used;
@@ -130,7 +132,7 @@ impl Recorder {
         }
     }
 
-    /// A new configuration is in force: another gateway, which knows nothing yet.
+    /// Notes that a new configuration is in force: another gateway, which knows nothing yet.
     pub fn reloaded(&mut self) {
         let telemetry = &self.telemetry;
         telemetry.totals.reloads_accepted.add(1);
@@ -142,7 +144,7 @@ impl Recorder {
         self.warned = [None; ON_THEIR_WAY];
     }
 
-    /// A new configuration was refused.
+    /// Notes that a new configuration was refused.
     pub fn refused(&mut self) {
         self.telemetry.totals.reloads_refused.add(1);
     }

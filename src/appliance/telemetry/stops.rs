@@ -1,33 +1,35 @@
-//! What was read on the stops, and where it is going. Written by the thread that keeps the history.
+//! Readings on the stops and their trends, written by the thread that keeps the history.
 
 use super::Telemetry;
 use super::cell::Gauge;
 use super::exposition::TRANSDUCERS;
-use crate::sequential::{Archive, DwellHistory, Judgement, Limits, stops};
+use crate::sequential::{Archive, DriftLimits, DwellHistory, Judgement, stops};
 use serde::Serialize;
 
-/// Of one cylinder.
+/// Telemetry of one cylinder on its stop.
 #[derive(Debug, Default)]
 pub(super) struct Stop {
-    /// How many dwells are kept.
+    /// Number of dwells that are kept.
     pub dwells: Gauge,
-    /// C1 and C2.
+    /// Readings of C1 and C2.
     pub readings: [Reading; 2],
 }
 
-/// Of one transducer; none where there are too few dwells.
+/// Trend of one transducer; absent where there are too few dwells.
 #[derive(Debug, Default)]
 pub(super) struct Reading {
-    /// What the newest dwell reads more than the first ones, m.
+    /// Move of the newest dwell from the first ones, m.
     pub moved: Gauge,
-    /// m a month, and its standard error.
+    /// Drift, m a month.
     pub drift: Gauge,
+    /// Standard error of the drift, m a month.
     pub error: Gauge,
-    /// Months until it is due, expected, earliest and latest; none where the stops do not name it.
+    /// Months until maintenance is due, expected, earliest and latest; absent where the stops do
+    /// not name the transducer.
     pub left: [Gauge; 3],
 }
 
-/// A transducer that drifts, for the health endpoint.
+/// A drifting transducer, for the health endpoint.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Drifting {
     pub cylinder: usize,
@@ -35,14 +37,16 @@ pub struct Drifting {
     pub moved_mm: f64,
     pub mm_per_month: f64,
     pub error_mm_per_month: f64,
-    /// From the newest dwell until it has moved by `sequential.maintenance`.
+    /// Months from the newest dwell until it has moved by `sequential.maintenance`.
     pub months_until_maintenance: Option<f64>,
+    /// Earliest such time, months.
     pub earliest_months: Option<f64>,
+    /// Latest such time, months.
     pub latest_months: Option<f64>,
 }
 
 impl Stop {
-    fn set(&self, history: Option<&DwellHistory>, judged: Option<Judgement>, limits: Limits) {
+    fn set(&self, history: Option<&DwellHistory>, judged: Option<Judgement>, limits: DriftLimits) {
         self.dwells.set(history.map(|history| history.dwells().len() as f64));
         for (which, reading) in self.readings.iter().enumerate() {
             let trend = history.and_then(|history| history.trend(which));
@@ -60,26 +64,27 @@ impl Stop {
 }
 
 impl Telemetry {
-    /// Takes over what was read on the stops.
-    pub fn stops(&self, archive: &Archive, limits: Limits) {
+    /// Takes the readings on the stops.
+    pub fn stops(&self, archive: &Archive, limits: DriftLimits) {
         let judged = stops::judge(&archive.cylinders);
         for (i, cylinder) in self.cylinders.iter().enumerate() {
             cylinder.stop.set(archive.cylinders.get(i), judged.get(i).copied().flatten(), limits);
         }
     }
 
-    /// The history was written, or could not be.
+    /// Notes whether the history was written.
     pub fn history_written(&self, written: bool) {
         self.totals.history_writes.add(u64::from(written));
         self.totals.history_failures.add(u64::from(!written));
     }
 
-    /// The history was not handed on to be written, as too much was waiting. The next time has it.
+    /// Notes that the history was not handed over, because too many orders wait. The next order
+    /// includes it.
     pub fn history_crowded(&self) {
         self.totals.history_crowded.add(1);
     }
 
-    /// The transducers that drift.
+    /// Transducers that drift.
     pub(super) fn drifting(&self) -> Vec<Drifting> {
         let cylinders = (1..).zip(&self.cylinders);
         let readings = cylinders.flat_map(|(cylinder, it)| {
@@ -113,7 +118,7 @@ mod tests {
     use std::sync::Arc;
     use std::time::Duration;
 
-    /// Of two cylinders, a dwell a day; C2 of the second drifts by 0.1 mm a day.
+    /// An archive of two cylinders with one dwell a day; C2 of the second drifts by 0.1 mm a day.
     fn archive(days: i64) -> Archive {
         let mut archive = Archive::new("a machine", 2);
         for day in 0..days {
@@ -133,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_drift_is_told_and_with_few_dwells_nothing_is() {
-        let limits = Limits { maintenance: 5e-3, critical: 0.05 };
+        let limits = DriftLimits { maintenance: 5e-3, critical: 0.05 };
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
         telemetry.used.store(2, std::sync::atomic::Ordering::Relaxed);
         telemetry.stops(&archive(2), limits);

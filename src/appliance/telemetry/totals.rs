@@ -1,11 +1,11 @@
-//! Totals that only grow, whatever begins again meanwhile.
+//! Totals that only grow, even if their sources restart.
 
 use super::cell::Total;
 use crate::bus::PortCounts;
 use crate::live::outbox::OutboxCounts;
 use crate::monitor::Counts;
 
-/// Everything that is counted, from the start of the process on.
+/// Totals since the start of the process.
 #[derive(Debug, Default)]
 pub(super) struct Totals {
     pub received: Total,
@@ -37,14 +37,15 @@ pub(super) struct Totals {
     pub reconnects: Total,
     pub reloads_accepted: Total,
     pub reloads_refused: Total,
-    /// By the thread that keeps the history, as is the next.
+    /// Writes of the history, counted by the thread that keeps it.
     pub history_writes: Total,
+    /// Failed writes of the history, counted by the thread that keeps it.
     pub history_failures: Total,
     pub history_crowded: Total,
 }
 
 impl Totals {
-    /// A port counts from its opening on.
+    /// Adds a port's counts, which start when it is opened.
     pub fn port(&self, last: &PortCounts, now: &PortCounts) {
         self.received.follow(last.received, now.received);
         self.error_frames.follow(last.error_frames, now.error_frames);
@@ -54,7 +55,7 @@ impl Totals {
         self.refused.follow(last.refused, now.refused);
     }
 
-    /// An outbox counts from the reading of the configuration on.
+    /// Adds an outbox's counts, which start when the configuration is read.
     pub fn outbox(&self, last: &OutboxCounts, now: &OutboxCounts) {
         self.sent.follow(last.sent, now.sent);
         self.too_old.follow(last.too_old, now.too_old);
@@ -64,7 +65,7 @@ impl Totals {
         self.held_back.follow(last.held_back, now.held_back);
     }
 
-    /// A monitor counts from its making on.
+    /// Adds a monitor's counts, which start when it is made.
     pub fn monitor(&self, last: &Counts, now: &Counts) {
         self.used.follow(last.used, now.used);
         self.ignored.follow(last.ignored, now.ignored);
@@ -83,40 +84,43 @@ impl Totals {
 type Described<'a> = (&'static str, &'static str, &'a Total);
 
 impl Totals {
-    /// Those that are one number each: name, help, total.
+    /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
     pub fn described(&self) -> [Described<'_>; 30] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
-            ("frames_used", "Frames that the monitor listens to.", &self.used),
+            ("frames_used", "Frames that the monitor uses.", &self.used),
             ("frames_ignored", "Frames of other identifiers, remote frames and error frames.", &self.ignored),
             ("error_frames", "Error messages of the controller.", &self.error_frames),
             ("frames_dropped", "Frames lost because the kernel's receive queue was full.", &self.dropped),
-            ("frames_malformed", "What was read from the interface and is no frame.", &self.malformed),
+            ("frames_malformed", "Data read from the interface that are not a frame.", &self.malformed),
             ("frames_unstamped", "Frames without a time stamp, which got the time of their reading.", &self.unstamped),
             ("frames_sent", "Frames handed to the interface.", &self.sent),
             ("frames_refused", "Times that the interface had no room for a frame.", &self.refused),
             ("frames_too_old", "Frames dropped instead of being sent late.", &self.too_old),
             ("frames_crowded_out", "Frames dropped because too many waited to be sent.", &self.crowded_out),
-            ("statuses_superseded", "Statuses whose place a newer one took before they were sent.", &self.superseded),
-            ("estimates_outdated", "Estimates that gave way to newer ones before they were sent.", &self.outdated),
+            ("statuses_superseded", "Statuses that a newer one replaced before they were sent.", &self.superseded),
+            ("estimates_outdated", "Estimates that newer ones replaced before they were sent.", &self.outdated),
             ("frames_held_back", "Times that sending had to wait for the rate limit.", &self.held_back),
             ("cycles", "Cycles that opened.", &self.cycles),
             ("cycles_incomplete", "Cycles in which something configured did not arrive.", &self.incomplete),
             ("cycles_missing", "Cycles that should have opened and did not.", &self.missing),
-            ("frames_late", "Frames that came when their cycle was decided.", &self.late),
+            ("frames_late", "Frames that came after their cycle was decided.", &self.late),
             ("frames_repeated", "Frames that came twice.", &self.repeated),
             ("frames_held", "Frames that came before their cycle opened, and were kept for it.", &self.held),
-            ("signals_bad", "Signals that their frame was too short for, or that are no finite number.", &self.bad_signals),
-            ("frames_backwards", "Frames with a time stamp before that of the one before.", &self.backwards),
-            ("time_jumps", "Jumps in time after which everything started anew.", &self.time_jumps),
+            ("signals_bad", "Signals for which the frame was too short, or that are not a finite \
+                number.", &self.bad_signals),
+            ("frames_backwards", "Frames with a time stamp earlier than that of the previous \
+                one.", &self.backwards),
+            ("time_jumps", "Jumps in time, after which everything restarted.", &self.time_jumps),
             ("turns", "Turns of the data path.", &self.turns),
             ("port_opens", "Times that the interface was opened.", &self.opens),
             ("port_losses", "Times that the open interface was lost.", &self.losses),
             ("port_reconnects", "Times that the interface was opened after a loss.", &self.reconnects),
             ("history_writes", "Times that the history of the stops was written to its file.", &self.history_writes),
             ("history_failures", "Times that the history of the stops could not be written.", &self.history_failures),
-            ("history_crowded", "Times that the history of the stops was not handed on, as too much waited to be written; the next time has it.", &self.history_crowded),
+            ("history_crowded", "Times that the history of the stops was not handed over, because \
+                too much waited to be written; the next write includes it.", &self.history_crowded),
         ]
     }
 }

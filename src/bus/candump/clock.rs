@@ -1,53 +1,53 @@
-//! From time stamps as they stand in the lines to instants.
+//! Converts the time stamps in the lines to instants.
 
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
 use super::{Extent, Line, MAX_LINE, Reason, blank_frame};
 
-/// Lines that are looked at to tell `-td` from `-tz`.
+/// Number of lines by which `-td` and `-tz` are told apart.
 const VOTERS: usize = 64;
-/// Bytes that are looked at for them: enough for as many lines of any length.
+/// Number of bytes examined for them: enough for that many lines of any length.
 const HORIZON: usize = VOTERS * MAX_LINE;
 
-/// How short time stamps, those with fewer than nine digits before the point, are understood.
-/// Longer ones and dates are always absolute.
+/// Interpretation of short time stamps, those with fewer than nine digits before the point. Longer
+/// ones and dates are always absolute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimeStamps {
-    /// In the console form: as [`Self::Delta`] if among the first 64 lines one is earlier than its
-    /// predecessor, else as [`Self::Zero`]. In the log form: as they stand.
+    /// In the console form: [`Self::Delta`] if one of the first 64 lines is earlier than its
+    /// predecessor, else [`Self::Zero`]. In the log form: [`Self::Absolute`].
     #[default]
     Auto,
-    /// As they stand.
+    /// As they stand in the lines.
     Absolute,
-    /// Each counts from the line before (`candump -td`); the input's first line is its zero.
+    /// Each counts from the previous line (`candump -td`), the first line of the input from zero.
     Delta,
-    /// They count from the recording's start (`candump -tz`): as they stand.
+    /// Counted from the recording's start (`candump -tz`), as they stand.
     Zero,
 }
 
-/// What short time stamps of one input mean.
+/// Meaning of the short time stamps of one input.
 #[derive(Debug)]
 enum Meaning {
-    /// The lines were not looked at yet, or up to somewhere.
+    /// Not yet decided, after examining some of the lines or none.
     Undecided(Vote),
     AsTheyStand,
-    /// In the console form each counts from the line before.
+    /// In the console form each counts from the previous line.
     ConsoleDelta,
-    /// In both forms.
+    /// In both forms each counts from the previous line.
     Delta,
 }
 
-/// Turns the time stamps of one input into instants.
+/// Converts the time stamps of one input to instants.
 #[derive(Debug)]
-pub struct Clock {
+pub struct StampClock {
     option: TimeStamps,
     meaning: Meaning,
-    /// The sum of the deltas, ns.
+    /// Sum of the deltas, ns.
     elapsed: i64,
 }
 
-impl Clock {
+impl StampClock {
     pub fn new(option: TimeStamps) -> Self {
         let meaning = match option {
             TimeStamps::Auto => Meaning::Undecided(Vote::default()),
@@ -57,7 +57,7 @@ impl Clock {
         Self { option, meaning, elapsed: 0 }
     }
 
-    /// For the next input, which has a zero of its own.
+    /// Restarts for the next input, which has its own zero.
     pub fn restart(&mut self) {
         *self = Self::new(self.option);
     }
@@ -67,8 +67,8 @@ impl Clock {
         matches!(self.meaning, Meaning::Undecided(_)) && line.is_short_console()
     }
 
-    /// Looks at the unread bytes, which begin with the line that must wait; `whole` when no more
-    /// will come. False: call again with more bytes behind the same ones.
+    /// Examines the unread bytes, which begin with the line that must wait; `whole` when no more
+    /// will come. Returns false if it must be called again with more bytes behind the same ones.
     pub fn look_ahead(&mut self, unread: &[u8], whole: bool) -> bool {
         if let Meaning::Undecided(vote) = &mut self.meaning {
             match vote.count(unread, whole) {
@@ -80,10 +80,10 @@ impl Clock {
         true
     }
 
-    /// The line's instant. To be called once for every line, bad frame or not: deltas add up.
+    /// The line's instant. Must be called once for every line, even with a bad frame, because
+    /// deltas add up.
     ///
-    /// # Errors
-    /// The deltas' sum leaves the range.
+    /// # Errors The sum of the deltas is out of range.
     pub fn instant(&mut self, line: &Line<'_>) -> Result<Timestamp, Reason> {
         let is_delta = match self.meaning {
             Meaning::ConsoleDelta => line.is_short_console(),
@@ -98,18 +98,18 @@ impl Clock {
     }
 }
 
-/// A look at the first lines with short time stamps.
+/// Examination of the first lines with short time stamps.
 #[derive(Debug, Default)]
 struct Vote {
-    /// Bytes that were looked at, up to the start of a line.
+    /// Number of bytes examined, up to the start of a line.
     seen: usize,
     voters: usize,
     last: Option<i64>,
 }
 
 impl Vote {
-    /// Whether they are deltas; `None` where more bytes are needed to tell. The answer depends on
-    /// the bytes alone, not on how they come in.
+    /// Whether they are deltas; `None` where more bytes are needed. The answer depends on the bytes
+    /// alone, not on the sizes of the reads.
     fn count(&mut self, unread: &[u8], whole: bool) -> Option<bool> {
         let horizon = &unread[..unread.len().min(HORIZON)];
         let mut scratch = blank_frame();

@@ -1,48 +1,48 @@
-//! The line that nearly all of a recording consists of, read without looking for its end:
-//! `(1700000000.000516) can0 181#E02D00000000`. Whatever differs is left to [`super::Line`],
-//! which reads these lines the same way.
+//! A fast reader for the most common line of a recording, which does not search for its end:
+//! `(1700000000.000516) can0 181#E02D00000000`. Other lines are left to [`super::Line`], which
+//! reads these lines the same way.
 
 use crate::frame::{Frame, Id, Kind, MAX_DATA};
 use crate::time::Timestamp;
 
 use super::hex;
 
-/// Bytes that must be there so that no look beyond the end needs a check; more than the longest
-/// line read here.
+/// Number of bytes that must be available so that no access beyond the end needs a check; more than
+/// the longest line read here.
 const WINDOW: usize = 64;
-/// Bytes of a classic frame.
+/// Most bytes of a classic frame.
 const MAX_CLASSIC: usize = 8;
-/// Their digits and a line end.
+/// Length of the longest payload with its line end, characters.
 const LONGEST_DATA: usize = 2 * MAX_CLASSIC + 2;
-/// `(1700000000.`
+/// Length of `(1700000000.`.
 const PREFIX: usize = 12;
-/// `(1700000000.000516) `, where the interface stands.
+/// Position of the interface, after `(1700000000.000516) `.
 const NAME: usize = PREFIX + 8;
-/// The last second whose every nanosecond is in range.
+/// Last second all of whose nanoseconds are in range.
 const LAST_SECOND: i64 = i64::MAX / NANOS_PER_SECOND - 1;
 const NANOS_PER_SECOND: i64 = 1_000_000_000;
 
 /// An interface that was seen before.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
-    /// Its place in the list of interfaces.
+    /// Index in the list of interfaces.
     pub place: usize,
-    /// Its frames are given out.
+    /// Whether its frames are returned.
     pub wanted: bool,
 }
 
-/// Reads lines that begin as the one before did: the same second, the same interface.
+/// Reads lines that begin like the previous one: the same second, the same interface.
 #[derive(Debug)]
 pub struct Common {
     /// The first eight and the next four bytes.
     prefix: (u64, u32),
-    /// The second that they say, in nanoseconds.
+    /// The second that they state, in nanoseconds.
     base: i64,
-    /// The interface and the blank behind it.
+    /// The interface and the blank after it.
     name: u64,
-    /// Which bytes of `name` count.
+    /// Mask of the significant bytes of `name`.
     mask: u64,
-    /// How many they are, eight at most.
+    /// Number of these bytes, at most eight.
     name_length: u8,
     interface: Known,
 }
@@ -60,9 +60,9 @@ impl Common {
         self.interface
     }
 
-    /// Reads the line at the start of `text` into `frame`, if it begins as the one before did; gives its
-    /// length with its line end. `None`, and anything in `frame`, if it is another line, or too near the
-    /// end of `text`.
+    /// Reads the line at the start of `text` into `frame`, if it begins like the previous one;
+    /// returns its length with its line end. `None`, with `frame` undefined, if it is another line,
+    /// or too near the end of `text`.
     #[inline(always)]
     pub fn read(&self, text: &[u8], frame: &mut Frame) -> Option<usize> {
         let window: &[u8; WINDOW] = text.first_chunk()?;
@@ -76,8 +76,8 @@ impl Common {
         self.read_frame(window, NAME, fraction, frame)
     }
 
-    /// Reads the line all the same, if all that is new is its second or its interface, or if its stamp
-    /// has nine decimals. `find` knows the interfaces.
+    /// Reads a line that differs only in its second or its interface, or has nine decimals. `find`
+    /// looks interfaces up.
     #[inline(never)]
     pub fn read_new(
         &mut self,
@@ -99,7 +99,7 @@ impl Common {
         self.read_frame(window, name_at, fraction, frame)
     }
 
-    /// Reads what is behind the interface, which stands at `name_at`.
+    /// Reads the rest of the line after the interface, which is at `name_at`.
     #[inline(always)]
     fn read_frame(
         &self,
@@ -125,7 +125,7 @@ impl Common {
         Some(data_at + end + ending)
     }
 
-    /// Takes the second from the line; `None` if it is of another form.
+    /// Takes the second from the line; `None` if it has another form.
     #[cold]
     fn learn_second(&mut self, window: &[u8; WINDOW]) -> Option<()> {
         let [b'(', digits @ .., b'.'] = window.first_chunk::<PREFIX>()? else { return None };
@@ -159,7 +159,7 @@ impl Common {
     }
 }
 
-/// Nine decimals behind the prefix, as a clock in the controller gives them.
+/// Nine decimals after the prefix, as written for a clock in the controller.
 #[inline(never)]
 fn nine_decimals(window: &[u8; WINDOW]) -> Option<u32> {
     let last = hex::six_decimals(word(window, PREFIX + 3)?)? / 1000;
@@ -186,8 +186,8 @@ fn extended_identifier(window: &[u8; WINDOW], at: usize) -> Option<(Id, usize)> 
     Some((Id::extended(hex::bytes(digits).swap_bytes())?, at + 9))
 }
 
-/// Reads digits by twos, up to the first two that are no byte or to eight bytes, and gives their
-/// number.
+/// Reads digits in pairs, up to eight bytes or the first pair that is no byte, and returns the
+/// number of bytes.
 #[inline(always)]
 fn payload(text: &[u8; LONGEST_DATA], bytes: &mut [u8; MAX_DATA]) -> usize {
     // Iterators zipped and counted here cost ten instructions a byte more.
@@ -205,13 +205,14 @@ fn prefix(window: &[u8; WINDOW]) -> Option<(u64, u32)> {
     Some((word(window, 0)?, u32::from_le_bytes(*chunk(window, 8)?)))
 }
 
-/// Eight bytes, the first lowest.
+/// Eight bytes as a word, the first lowest.
 #[inline(always)]
 fn word(window: &[u8; WINDOW], at: usize) -> Option<u64> {
     Some(u64::from_le_bytes(*chunk(window, at)?))
 }
 
-/// The bytes from `at` on. One comparison, where a slice of the rest and a chunk of that are two.
+/// The bytes from `at` on, with one comparison, where a slice of the rest and a chunk of that need
+/// two.
 #[inline(always)]
 fn chunk<const N: usize>(window: &[u8; WINDOW], at: usize) -> Option<&[u8; N]> {
     window.get(at..at + N)?.first_chunk()

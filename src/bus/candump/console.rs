@@ -1,4 +1,4 @@
-//! A frame as the console form writes it: `181   [2]  E0 2D`, `12345678  [03]  11 22 33`.
+//! A frame in the console form: `181   [2]  E0 2D`, `12345678  [03]  11 22 33`.
 
 use crate::frame::{Frame, Kind, MAX_DATA};
 
@@ -17,7 +17,7 @@ enum Length {
     Fd(usize),
 }
 
-/// Reads the frame, with what `-x` writes before it and `-a` behind it.
+/// Reads the frame, with the flags that `-x` adds before it and the text that `-a` adds after it.
 pub fn read(text: &[u8], frame: &mut Frame) -> Result<(), Reason> {
     let (flags, text) = message_flags(text)?;
     let (digits, text) = token(text);
@@ -50,7 +50,7 @@ pub fn read(text: &[u8], frame: &mut Frame) -> Result<(), Reason> {
     Ok(())
 }
 
-/// `RX - -`, `TX B E` and so on where the line has them.
+/// Reads `RX - -`, `TX B E` and so on, if present.
 fn message_flags(text: &[u8]) -> Result<(u8, &[u8]), Reason> {
     let (direction, rest) = token(text);
     if !matches!(direction, b"RX" | b"TX") {
@@ -66,7 +66,7 @@ fn message_flags(text: &[u8]) -> Result<(u8, &[u8]), Reason> {
     Ok((flag(switch, b"B", BIT_RATE_SWITCH)? | flag(state, b"E", ERROR_STATE)?, rest))
 }
 
-/// `[8]`, `{B}` (a raw length code, `candump -8`) or `[08]`.
+/// Reads `[8]`, `{B}` (a raw length code, `candump -8`) or `[08]`.
 fn announced(word: &[u8]) -> Result<Length, Reason> {
     match *word {
         [b'[', digit @ b'0'..=b'8', b']'] => Ok(Length::Classic(usize::from(digit - b'0'))),
@@ -88,7 +88,7 @@ fn announced(word: &[u8]) -> Result<Length, Reason> {
     }
 }
 
-/// Reads exactly `count` bytes and gives the text behind them.
+/// Reads exactly `count` bytes and returns the text after them.
 fn data<'a>(
     mut text: &'a [u8],
     count: usize,
@@ -114,7 +114,8 @@ fn data<'a>(
     Ok(text)
 }
 
-/// Nothing, `ERRORFRAME` behind an error frame, or `count` characters in quotes.
+/// Checks the end of the line: nothing, `ERRORFRAME` after an error frame, or `count` characters in
+/// quotes.
 fn ending(text: &[u8], count: usize, is_error: bool) -> Result<(), Reason> {
     let text = text.trim_ascii();
     match text {

@@ -3,10 +3,10 @@
 const ONES: u64 = u64::MAX / 0xFF;
 const HIGH: u64 = ONES * 0x80;
 
-/// Set in a pair's value where one of its characters is no digit.
+/// Bit that is set in a pair's value where one of its characters is no digit.
 const STRANGE: u16 = 1 << 15;
-/// By character: its value as the second digit of a byte, then as the first: one table, so that one
-/// register leads to both.
+/// Values by character: as the second digit of a byte, then as the first, in one table, so that one
+/// register points to both.
 static VALUES: [[u16; 256]; 2] = [values(0), values(4)];
 
 const fn values(shift: u32) -> [u16; 256] {
@@ -21,16 +21,16 @@ const fn values(shift: u32) -> [u16; 256] {
     table
 }
 
-/// The byte that two hexadecimal digits of either case make; `None` if one of them is none. Two loads
-/// from tables: fewer instructions than eight digits at a time in a word, since most payloads fill
-/// none to the end.
+/// The byte of two hexadecimal digits of either case; `None` if one of them is not a digit. Two
+/// table look-ups take fewer instructions than eight digits at a time in a word, since most
+/// payloads do not fill one.
 #[inline(always)]
 pub fn byte(first: u8, second: u8) -> Option<u8> {
     let value = VALUES[1][usize::from(first)] | VALUES[0][usize::from(second)];
     (value & STRANGE == 0).then_some(value as u8)
 }
 
-/// The number that three hexadecimal digits make.
+/// The number of three hexadecimal digits.
 #[inline(always)]
 pub fn three(digits: [u8; 3]) -> Option<u16> {
     let [first, second, third] = digits.map(usize::from);
@@ -43,15 +43,15 @@ pub fn digit(byte: u8) -> Option<u8> {
     char::from(byte).to_digit(16).map(|value| value as u8)
 }
 
-/// The value of up to eight hexadecimal digits; the byte that is none as error.
+/// The value of up to eight hexadecimal digits; as an error, the first byte that is not a digit.
 pub fn number(text: &[u8]) -> Result<u32, u8> {
     debug_assert!(text.len() <= 8);
     let add = |value: u32, &byte| digit(byte).map(|d| value << 4 | u32::from(d)).ok_or(byte);
     text.iter().try_fold(0, add)
 }
 
-/// How many of eight characters (the first in the lowest byte) are hexadecimal digits before the
-/// first that is none.
+/// Number of hexadecimal digits among eight characters (the first in the lowest byte) before the
+/// first other character.
 #[inline(always)]
 pub fn leading_digits(word: u64) -> u32 {
     // Adding 0x80 − c sets a byte's high bit exactly when its low seven bits are at least c.
@@ -65,7 +65,7 @@ pub fn leading_digits(word: u64) -> u32 {
 }
 
 /// Eight hexadecimal digits (the first in the lowest byte) as four bytes, the first lowest. A pair
-/// with a character that is no digit, and every pair after it, comes out as anything.
+/// with a character that is no digit, and every pair after it, is undefined.
 #[inline(always)]
 pub fn bytes(word: u64) -> u32 {
     // 'A' and 'a' have 1 in their low four bits: nine short of their value.
@@ -75,7 +75,8 @@ pub fn bytes(word: u64) -> u32 {
     (quads | (quads >> 16)) as u32
 }
 
-/// Six decimal digits and then `") "`, the first in the lowest byte, as thousands; `None` for all else.
+/// The value of six decimal digits followed by `") "`, the first in the lowest byte, in thousands;
+/// `None` for other characters.
 #[inline(always)]
 pub fn six_decimals(word: u64) -> Option<u32> {
     let digits = word ^ u64::from_le_bytes(*b"000000) ");

@@ -1,4 +1,4 @@
-//! A line taken apart: time stamp, interface, and the frame's text in one of two forms.
+//! A line split into time stamp, interface, and the frame's text in one of two forms.
 
 use crate::frame::Frame;
 
@@ -6,12 +6,12 @@ use super::stamp::Stamp;
 use super::token::token;
 use super::{Extent, Found, MAX_INTERFACE, Reason, console, log};
 
-/// How the frame is written.
+/// Form of the frame's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
-    /// `181#E02D`
+    /// Log form, `181#E02D`.
     Log,
-    /// `181   [2]  E0 2D`
+    /// Console form, `181   [2]  E0 2D`.
     Console,
 }
 
@@ -25,7 +25,7 @@ pub struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// Reads up to the interface; `None` where a line says nothing.
+    /// Reads up to the interface; `None` for a line without content.
     pub fn parse(text: &'a [u8]) -> Result<Option<Self>, Reason> {
         // Editors put a byte order mark before the first line.
         let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
@@ -50,12 +50,12 @@ impl<'a> Line<'a> {
         Ok(Some(Self { stamp, interface, form, frame }))
     }
 
-    /// Whether its time stamp may count from the line before: as `-td` and `-tz` write them.
+    /// Whether its time stamp may count from the previous line, as written by `-td` and `-tz`.
     pub fn is_short_console(&self) -> bool {
         self.form == Form::Console && self.stamp.extent == Extent::Short
     }
 
-    /// Reads the frame into `frame`, all but its time stamp. After an error `frame` is anything.
+    /// Reads everything except the time stamp into `frame`. After an error `frame` is undefined.
     pub fn read_frame(&self, frame: &mut Frame) -> Result<(), Reason> {
         match self.form {
             Form::Log => log::read(self.frame, frame),

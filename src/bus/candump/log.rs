@@ -1,4 +1,4 @@
-//! A frame as the log form writes it: `181#E02D`, `12345678##3…`, `123#R8`.
+//! A frame in the log form: `181#E02D`, `12345678##3…`, `123#R8`.
 
 use crate::frame::{Frame, Id, Kind, MAX_DATA};
 
@@ -9,7 +9,7 @@ const MAX_CLASSIC: usize = 8;
 /// CAN_ERR_FLAG of linux/can.h.
 const ERROR_FLAG: u32 = 1 << 29;
 
-/// Reads the frame and what `-x` writes behind it.
+/// Reads the frame and the flags that `-x` adds after it.
 pub fn read(text: &[u8], frame: &mut Frame) -> Result<(), Reason> {
     let (word, rest) = token(text);
     let (direction, rest) = token(rest);
@@ -39,7 +39,7 @@ pub fn read(text: &[u8], frame: &mut Frame) -> Result<(), Reason> {
     Ok(())
 }
 
-/// An identifier and whether it is an error frame's.
+/// An identifier, and whether it belongs to an error frame.
 pub fn identifier(digits: &[u8]) -> Result<(Id, bool), Reason> {
     match digits.len() {
         3 | 8 => {}
@@ -56,7 +56,7 @@ pub fn identifier(digits: &[u8]) -> Result<(Id, bool), Reason> {
     Ok((id, is_error))
 }
 
-/// Whether a CAN FD frame can have so many bytes.
+/// Whether a CAN FD frame can have this length, bytes.
 pub fn is_fd_length(length: usize) -> bool {
     matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64)
 }
@@ -66,7 +66,7 @@ fn fd_flags(text: &[u8]) -> Result<u8, Reason> {
     flags.ok_or(Reason::FdFlags(Found::first(text)))
 }
 
-/// The length behind `R`: absent, a digit, or 8 with a raw length code.
+/// The length after `R`: absent, a digit, or 8 with a raw length code.
 fn remote_length(text: &[u8]) -> Result<u8, Reason> {
     match text {
         [] => Ok(0),
@@ -77,7 +77,7 @@ fn remote_length(text: &[u8]) -> Result<u8, Reason> {
     }
 }
 
-/// The data length code that a controller really saw; the frame has 8 bytes all the same.
+/// The data length code that the controller saw; the frame still has 8 bytes.
 fn raw_length(text: &[u8]) -> Result<(), Reason> {
     match text {
         [b'9' | b'A'..=b'F' | b'a'..=b'f'] => Ok(()),
@@ -107,8 +107,8 @@ fn classic_data(text: &[u8], bytes: &mut [u8; MAX_DATA]) -> Result<usize, Reason
     }
 }
 
-/// Reads up to `limit` bytes, each with a point before it or not, and gives their number and the
-/// text behind them. As in can-utils a last point may follow.
+/// Reads up to `limit` bytes, each optionally preceded by a point, and returns their number and the
+/// text after them. As in can-utils a final point may follow.
 fn data<'a>(
     mut text: &'a [u8],
     bytes: &mut [u8; MAX_DATA],

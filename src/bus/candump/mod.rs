@@ -13,7 +13,7 @@ mod reason;
 mod stamp;
 mod token;
 
-pub(super) use clock::Clock;
+pub(super) use clock::StampClock;
 pub use clock::TimeStamps;
 pub(super) use common::{Common, Known};
 pub(super) use line::Line;
@@ -23,11 +23,11 @@ pub(super) use stamp::Extent;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
-/// The longest line that is read, in bytes without its newline; candump's own stay below 400.
+/// Longest line that is read, bytes without its newline; candump's own stay below 400.
 pub const MAX_LINE: usize = 1024;
-/// Longer interface names are refused; Linux itself allows 15 bytes.
+/// Longest interface name that is accepted; Linux itself allows 15 bytes.
 const MAX_INTERFACE: usize = 64;
-/// Seconds with at least so many digits count from 1970: candump pads absolute ones to ten digits.
+/// Least number of digits of seconds since 1970: candump pads absolute time stamps to ten digits.
 const ABSOLUTE_DIGITS: usize = 9;
 
 /// A frame for a reader to fill.

@@ -1,4 +1,4 @@
-//! Why a line is no frame, for people.
+//! Why a line is not a frame, for people.
 
 use super::MAX_LINE;
 
@@ -6,10 +6,11 @@ use super::MAX_LINE;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
     #[error(
-        "the line is longer than {MAX_LINE} bytes: this is no candump recording, or it lost its line ends"
+        "the line is longer than {MAX_LINE} bytes: this is not a candump recording, or it lost its \
+         line ends"
     )]
     LineTooLong,
-    #[error("the line is cut off where the file is damaged")]
+    #[error("the line is truncated where the file is damaged")]
     CutOff,
     #[error("candump reports here that it lost frames")]
     DropCount,

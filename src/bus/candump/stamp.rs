@@ -1,15 +1,15 @@
-//! What stands between a line's parentheses.
+//! The text between a line's parentheses.
 
 use super::{ABSOLUTE_DIGITS, Reason};
 
 const NANOS_PER_SECOND: i128 = 1_000_000_000;
 
-/// Since when a time stamp counts, as far as its form tells.
+/// Origin of a time stamp, as far as its form shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extent {
-    /// Since 1970: many digits, or a date.
+    /// Counted from 1970: many digits, or a date.
     Absolute,
-    /// Since the recording's start or since the line before.
+    /// Counted from the recording's start or from the previous line.
     Short,
 }
 
@@ -65,7 +65,7 @@ fn seconds(text: &[u8]) -> Result<u64, Reason> {
     text.iter().try_fold(0u64, add).ok_or(Reason::StampRange)
 }
 
-/// `YYYY-MM-DD HH:MM:SS` with or without decimals, taken as UTC.
+/// Reads `YYYY-MM-DD HH:MM:SS` with or without decimals, taken as UTC.
 fn date(text: &[u8]) -> Result<i64, Reason> {
     let (whole, fraction) = split_fraction(text)?;
     let shape = b"0000-00-00 00:00:00";

@@ -9,7 +9,7 @@ use nix::sys::time::TimeSpec;
 use super::wire;
 use crate::time::Timestamp;
 
-/// Frames read in one system call.
+/// Number of frames read in one system call.
 pub(super) const BATCH: usize = 64;
 
 /// Buffers for one system call's frames.
@@ -17,15 +17,15 @@ pub(super) struct Batch {
     buffers: Box<[[u8; wire::FD]; BATCH]>,
 }
 
-/// A frame as the kernel handed it over.
+/// A frame as the kernel delivers it.
 pub(super) struct Message<'a> {
-    /// `struct can_frame` or `struct canfd_frame`; empty if it was longer than either.
+    /// A `struct can_frame` or `struct canfd_frame`; empty if it was longer than either.
     pub(super) bytes: &'a [u8],
-    /// The kernel's time stamp.
+    /// Time stamp of the kernel.
     pub(super) software: Option<Timestamp>,
-    /// The controller's.
+    /// Time stamp of the controller.
     pub(super) hardware: Option<Timestamp>,
-    /// The kernel's count of frames dropped, if any were.
+    /// Kernel's count of dropped frames, if there are any.
     pub(super) drops: Option<u32>,
 }
 
@@ -34,12 +34,11 @@ impl Batch {
         Self { buffers: Box::new([[0; wire::FD]; BATCH]) }
     }
 
-    /// Gives `each` what is in the queue, oldest first, at most [`BATCH`], and how many that were.
-    /// Fewer means that the queue was empty, or that an error follows at the next call. With `wait`
-    /// it waits for the first, as long as the socket is set to.
+    /// Passes the frames in the queue to `each`, oldest first, at most [`BATCH`], and returns their
+    /// number. A smaller number means that the queue is empty, or that the next call will return an
+    /// error. With `wait` it waits for the first frame, for as long as the socket is set to.
     ///
-    /// # Errors
-    /// EAGAIN if there is nothing; else what befell the socket.
+    /// # Errors EAGAIN if there are no frames; otherwise the socket's error.
     pub(super) fn read(
         &mut self,
         socket: RawFd,
@@ -85,7 +84,7 @@ impl<'a> From<&RecvMsg<'_, 'a, ()>> for Message<'a> {
     }
 }
 
-/// `None` for zero, which the kernel writes where it has no stamp.
+/// The time stamp; `None` for zero, which the kernel writes where it has none.
 fn timestamp(spec: TimeSpec) -> Option<Timestamp> {
     let nanos = spec.tv_sec().saturating_mul(1_000_000_000).saturating_add(spec.tv_nsec());
     (nanos != 0).then(|| Timestamp::from_nanos(nanos))

@@ -1,6 +1,6 @@
 //! The kernel's count of frames that found the receive queue full.
 
-/// Follows SO_RXQ_OVFL, which counts from the socket's opening, in 32 bits that wrap.
+/// Follows SO_RXQ_OVFL, which counts from the socket's opening in 32 bits that wrap.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Drops {
     last: u32,
@@ -8,7 +8,7 @@ pub(super) struct Drops {
 }
 
 impl Drops {
-    /// Takes the count that came with a frame. The kernel leaves it out while it is zero.
+    /// Takes the count delivered with a frame. The kernel omits it while it is zero.
     pub(super) fn saw(&mut self, count: u32) {
         self.total += u64::from(count.wrapping_sub(self.last));
         self.last = count;

@@ -6,40 +6,40 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    #[error("there is no interface {interface}; `ip -br link` lists those that there are")]
+    #[error("there is no interface {interface}; `ip -br link` lists them")]
     NoInterface {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
     },
     #[error(
         "the interface {interface} is not a CAN interface; `ip -details link` shows each's kind"
     )]
     NotCan {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
     },
     #[error("the interface {interface} is down; `ip link set up {interface}` starts it")]
     Down {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
     },
-    #[error("this kernel has no CAN sockets: {error}; `modprobe can-raw` loads them where it can")]
+    #[error("this kernel has no CAN sockets: {error}; try `modprobe can-raw`")]
     NoCan {
         #[source]
         error: io::Error,
     },
     #[error("{count} identifiers to receive; the kernel filters at most {most}")]
     TooManyIdentifiers {
-        /// Identifiers asked for, each counted once.
+        /// Number of different identifiers requested.
         count: usize,
         /// The kernel's limit.
         most: usize,
     },
     #[error("cannot {step} on {interface}: {error}")]
     Step {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
-        /// What was being done, such as `set the filters`.
+        /// Step that failed, such as `set the filters`.
         step: &'static str,
         #[source]
         error: io::Error,
@@ -47,8 +47,8 @@ pub enum OpenError {
 }
 
 impl OpenError {
-    /// Whether it may pass by itself, so that trying again makes sense: an interface that is down,
-    /// or not there.
+    /// Whether the error may pass by itself, so that a retry makes sense: the interface is down, or
+    /// not there.
     pub fn may_pass(&self) -> bool {
         matches!(self, Self::NoInterface { .. } | Self::Down { .. })
     }

@@ -1,4 +1,4 @@
-//! Whether an interface is a bus of wires.
+//! Whether an interface is a real bus.
 
 use super::LinkError;
 use neli::consts::nl::NlmF;
@@ -11,14 +11,13 @@ use neli::utils::Groups;
 use std::error::Error;
 use std::io;
 
-/// What `ip -details link` calls the interfaces that end in this computer.
+/// Kinds of interfaces, as named by `ip -details link`, that do not leave this computer.
 const VIRTUAL: [&str; 2] = ["vcan", "vxcan"];
 
-/// Whether nothing beyond this computer hears what is sent on `interface`: a vcan or vxcan. Asks the
-/// kernel; needs no privilege. What the kernel does not call by a name is taken for real.
+/// Whether frames on `interface` cannot leave this computer: a vcan or vxcan. Asks the kernel;
+/// needs no privilege. An interface whose kind the kernel does not name counts as real.
 ///
-/// # Errors
-/// No such interface, or netlink is not to be had.
+/// # Errors There is no such interface, or netlink is not available.
 pub fn is_virtual(interface: &str) -> Result<bool, LinkError> {
     let index = nix::net::if_::if_nametoindex(interface)
         .map_err(|_| LinkError::NoInterface { interface: interface.to_owned() })?;
@@ -29,7 +28,7 @@ pub fn is_virtual(interface: &str) -> Result<bool, LinkError> {
     Ok(kind.is_some_and(|kind| VIRTUAL.contains(&&*kind)))
 }
 
-/// IFLA_INFO_KIND; `None` where the driver has none.
+/// Kind of the interface (IFLA_INFO_KIND); `None` where the driver has none.
 fn kind(index: u32) -> Result<Option<String>, Box<dyn Error>> {
     let socket = NlSocketHandle::connect(NlFamily::Route, None, Groups::empty())?;
     let wanted = IfinfomsgBuilder::default()

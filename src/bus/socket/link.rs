@@ -1,4 +1,4 @@
-//! What the kernel knows of an interface and its controller.
+//! State of an interface and its controller in the kernel.
 
 use crate::error_frame::ControllerState;
 use std::io;
@@ -6,45 +6,45 @@ use std::io;
 use socketcan::CanInterface;
 use socketcan::nl::CanState;
 
-/// An interface as the kernel sees it now. A virtual one (vcan) has no bit rate and no controller.
+/// State of an interface in the kernel. A virtual one (vcan) has no bit rate and no controller.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkState {
-    /// The kernel's number for it: another one each time it is created.
+    /// Index of the interface in the kernel: a new one each time it is created.
     pub index: u32,
-    /// Whether it was brought up; a controller that is bus-off still is.
+    /// Whether it was brought up; a bus-off controller still is.
     pub up: bool,
-    /// Largest frame, bytes of SocketCAN: 16 classic, 72 CAN FD. `None` if it is another.
+    /// Largest frame, bytes of SocketCAN: 16 classic, 72 CAN FD. `None` for another size.
     pub mtu: Option<u32>,
-    /// bit/s.
+    /// Nominal bit rate, bit/s.
     pub bit_rate: Option<u32>,
-    /// Where in a bit it is read, in tenths of a percent of the bit.
+    /// Sample point within a bit, tenths of a percent.
     pub sample_point: Option<u32>,
-    /// Of CAN FD's data phase, bit/s.
+    /// Bit rate of CAN FD's data phase, bit/s.
     pub data_bit_rate: Option<u32>,
-    /// The controller's state.
+    /// State of the controller.
     pub state: Option<ControllerState>,
-    /// The controller's transmit error counter; bus-off from 256, which it does not show.
+    /// Transmit error counter of the controller; bus-off from 256, which it does not show.
     pub transmit_errors: Option<u16>,
-    /// The controller's receive error counter.
+    /// Receive error counter of the controller.
     pub receive_errors: Option<u16>,
-    /// After how many milliseconds bus-off ends by itself; zero is never.
+    /// Time after which bus-off ends by itself, ms; zero means never.
     pub restart_ms: Option<u32>,
-    /// Frames that may wait to be sent.
+    /// Most frames that may wait to be sent.
     pub queue_length: Option<u32>,
 }
 
-/// Why nothing is known of an interface.
+/// Why the state of an interface is not known.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    #[error("there is no interface {interface}; `ip -br link` lists those that there are")]
+    #[error("there is no interface {interface}; `ip -br link` lists them")]
     NoInterface {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
     },
     #[error("cannot ask the kernel about {interface}: {error}")]
     Netlink {
-        /// As the caller named it.
+        /// Name as given by the caller.
         interface: String,
         #[source]
         error: io::Error,
@@ -52,10 +52,9 @@ pub enum LinkError {
 }
 
 impl LinkState {
-    /// Asks the kernel (netlink, one round trip). Needs no privilege.
+    /// Reads the state from the kernel (netlink, one round trip). Needs no privilege.
     ///
-    /// # Errors
-    /// No such interface, or netlink is not to be had.
+    /// # Errors There is no such interface, or netlink is not available.
     pub fn read(interface: &str) -> Result<Self, LinkError> {
         let index = nix::net::if_::if_nametoindex(interface)
             .map_err(|_| LinkError::NoInterface { interface: interface.to_owned() })?;
@@ -84,19 +83,19 @@ impl LinkState {
         })
     }
 
-    /// Whether frames longer than classic ones can be sent.
+    /// Whether CAN FD frames can be sent.
     pub fn is_fd(&self) -> bool {
         self.mtu == Some(socketcan::nl::Mtu::Fd as u32)
     }
 }
 
-/// The crate does not ask for it.
+/// Length of the send queue, which the crate does not read.
 fn queue_length(interface: &str) -> Option<u32> {
     let path = format!("/sys/class/net/{interface}/tx_queue_len");
     std::fs::read_to_string(path).ok()?.trim().parse().ok()
 }
 
-/// What the kernel says of the controller, in our words.
+/// The controller's state in our terms.
 const fn controller_state(state: CanState) -> ControllerState {
     match state {
         CanState::ErrorActive => ControllerState::ErrorActive,

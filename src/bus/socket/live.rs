@@ -17,36 +17,36 @@ use crate::bus::unrestricted::{HandOver, Unrestricted};
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
-/// Batches that one call takes at most: 256 frames, 10 ms of a full bus at 1 Mbit/s.
+/// Most batches in one call: 256 frames, 10 ms of a full bus at 1 Mbit/s.
 const BATCHES: usize = 4;
 
-/// Nothing shorter is told apart from waiting for ever.
+/// Shortest wait: the kernel takes a shorter one for an infinite one.
 const SHORTEST_WAIT: Duration = Duration::from_micros(1);
 const LONGEST_WAIT: Duration = Duration::from_secs(3600);
 
-/// A SocketCAN interface. It sends the gateway's own frames and no other.
+/// A SocketCAN interface. It sends only the gateway's own frames.
 pub struct SocketPort {
     interface: String,
     opened: Opened,
     batch: Batch,
     intake: Intake,
-    /// More frames are known, or not known not, to wait.
+    /// Whether more frames are or may be waiting.
     waiting: bool,
-    /// How long the kernel was told to wait.
+    /// Time that the kernel was told to wait.
     patience: Option<Duration>,
     ended: Option<Ended>,
     sent: u64,
     refused: u64,
 }
 
-/// What the interface came to, for good as far as this socket goes.
+/// Final state of the interface, for this socket.
 #[derive(Clone, Copy)]
 enum Ended {
     Down,
     Gone,
 }
 
-/// From the kernel's messages to frames.
+/// Converts the kernel's messages to frames.
 struct Intake {
     frame: Frame,
     choice: Choice,
@@ -55,8 +55,8 @@ struct Intake {
 }
 
 impl SocketPort {
-    /// Opens the interface of this name as it is now: after it went down or was deleted, call it
-    /// again.
+    /// Opens the interface of this name. It must be called again after the interface went down or
+    /// was deleted.
     ///
     /// # Errors
     /// See [`OpenError`]; [`OpenError::may_pass`] tells whether to try again.
@@ -74,22 +74,22 @@ impl SocketPort {
         })
     }
 
-    /// The kernel's number of the interface that this port is bound to.
+    /// Index of the interface in the kernel that this port is bound to.
     pub fn index(&self) -> u32 {
         self.opened.index
     }
 
-    /// The room for frames not yet received, in bytes as the kernel counts them.
+    /// Receive buffer, bytes as the kernel counts them.
     pub fn receive_buffer(&self) -> usize {
         self.opened.buffer
     }
 
-    /// How long a full bus takes to fill that room, s.
+    /// Time in which a full bus fills the receive buffer, s.
     pub fn buffer_lasts(&self) -> f64 {
         self.opened.rates.lasts(self.opened.buffer as u64)
     }
 
-    /// The kernel waits in ticks of up to 10 ms, in exchange for which a frame costs no second
+    /// Sets the waiting time. The kernel waits in ticks of up to 10 ms, but a frame costs no second
     /// system call.
     fn be_patient(&mut self, patience: Duration) -> Result<(), PortError> {
         let patience = patience.clamp(SHORTEST_WAIT, LONGEST_WAIT);
@@ -100,7 +100,8 @@ impl SocketPort {
         Ok(())
     }
 
-    /// Up to when all has been taken, after a reading that began at `looked_at`, if not by waiting.
+    /// Time up to which everything has been taken, after a read that began at `looked_at`, if it
+    /// did not wait.
     fn drained_at(&self, frames: usize, looked_at: Option<Timestamp>) -> Option<Timestamp> {
         if self.waiting {
             return None;
@@ -244,7 +245,7 @@ impl Intake {
         }
     }
 
-    /// `false` if it is no frame.
+    /// Converts a message; returns `false` if it is not a frame.
     fn take(&mut self, message: &Message<'_>, take: &mut dyn FnMut(&Frame)) -> bool {
         if let Some(count) = message.drops {
             self.drops.saw(count);
@@ -272,8 +273,8 @@ impl Intake {
     }
 }
 
-/// In whole microseconds, as candump records them: what falls due between two frames then does so
-/// between the same two in a replay of its recording.
+/// Rounds to whole microseconds, as candump does, so that a deadline between two frames also falls
+/// between the same two in a replay of the recording.
 fn as_recorded(stamp: Timestamp) -> Timestamp {
     Timestamp::from_nanos(stamp.as_nanos() - stamp.as_nanos().rem_euclid(1000))
 }
@@ -298,21 +299,20 @@ impl From<Ended> for PortError {
 }
 
 impl Unrestricted<SocketPort> {
-    /// As [`SocketPort::open`], but what it gives sends whatever it is given.
+    /// Opens as [`SocketPort::open`] does, for a port that may send any frame.
     ///
-    /// # Errors
-    /// As [`SocketPort::open`].
+    /// # Errors See [`SocketPort::open`].
     pub fn open(interface: &str, options: &Options) -> Result<Self, OpenError> {
         SocketPort::open(interface, options).map(Self)
     }
-    /// As [`SocketPort::index`].
+    /// Index of the interface, see [`SocketPort::index`].
     pub fn index(&self) -> u32 {
         self.0.index()
     }
 }
 
-/// For whoever waits for several interfaces at once: readable as long as frames or the end of the
-/// interface are to be received.
+/// File descriptor for waiting on several interfaces at once: readable while frames or the end of
+/// the interface are to be received.
 impl AsFd for Unrestricted<SocketPort> {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.0.opened.socket.as_fd()

@@ -1,31 +1,35 @@
-//! What a full bus can bring in a second, and what the kernel needs to hold it.
+//! Frames that a full bus brings in a second, and the buffer that the kernel needs for them.
 
-/// What the kernel charges to the receive queue for one frame, bytes: the socket buffer's
-/// structures, hardly the frame. 576 to 768 were measured; drivers that let the kernel round a
-/// frame's memory up to 1 KiB come to this.
+/// Bytes that the kernel charges to the receive queue for one frame, mostly for the socket buffer's
+/// structures. 576 to 768 were measured; drivers that let the kernel round a frame's memory up to 1
+/// KiB reach this value.
 const CHARGE: u64 = 1280;
 
-/// Shortest classic frame: no data, 11-bit identifier, no stuff bit, interframe space.
+/// Length of the shortest classic frame, bits: no data, 11-bit identifier, no stuff bit, interframe
+/// space.
 const CLASSIC_BITS: f64 = 47.0;
-/// Shortest CAN FD frame: what goes at the nominal bit rate, and what at that of the data phase.
+/// Length of the shortest CAN FD frame, bits: the part at the nominal bit rate.
 const FD_NOMINAL_BITS: f64 = 29.0;
+/// Length of the shortest CAN FD frame, bits: the part at the bit rate of the data phase.
 const FD_DATA_BITS: f64 = 32.0;
 
-/// Where the interface does not say (vcan): the fastest that CAN and usual CAN FD controllers go.
+/// Nominal bit rate assumed where the interface does not tell it (vcan), bit/s: that of the fastest
+/// controllers, like [`ASSUMED_DATA`].
 const ASSUMED_NOMINAL: u32 = 1_000_000;
+/// Bit rate of the data phase assumed where the interface does not tell it, bit/s.
 const ASSUMED_DATA: u32 = 8_000_000;
 
-/// The bit rates of a bus, bit/s.
+/// Bit rates of a bus, bit/s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct BitRates {
     nominal: u32,
-    /// Of the data phase; `None` on a classic bus.
+    /// Bit rate of the data phase; `None` on a classic bus.
     data: Option<u32>,
     assumed: bool,
 }
 
 impl BitRates {
-    /// Those that the interface says, with an assumption where it does not.
+    /// Bit rates of an interface, with assumptions where it does not tell them.
     pub(super) fn new(nominal: Option<u32>, data: Option<u32>, is_fd: bool) -> Self {
         match nominal {
             Some(nominal) => Self { nominal, data, assumed: false },
@@ -37,7 +41,7 @@ impl BitRates {
         }
     }
 
-    /// The most frames that the bus can carry in a second.
+    /// Most frames that the bus can carry in a second.
     pub(super) fn frames_per_second(self) -> f64 {
         let nominal = f64::from(self.nominal);
         let classic = nominal / CLASSIC_BITS;
@@ -45,12 +49,12 @@ impl BitRates {
         self.data.map_or(classic, |data| classic.max(fd(data)))
     }
 
-    /// What the kernel charges for a second of a full bus, bytes.
+    /// Bytes that the kernel charges for a second of a full bus.
     pub(super) fn second(self) -> u64 {
         self.frames_per_second().ceil() as u64 * CHARGE
     }
 
-    /// How long a full bus takes to fill a receive queue of `bytes`, s.
+    /// Time in which a full bus fills a receive queue of `bytes`, s.
     pub(super) fn lasts(self, bytes: u64) -> f64 {
         bytes as f64 / CHARGE as f64 / self.frames_per_second()
     }
@@ -62,7 +66,7 @@ impl std::fmt::Display for BitRates {
         if let Some(data) = self.data {
             write!(f, " ({} kbit/s data)", f64::from(data) / 1e3)?;
         }
-        f.write_str(if self.assumed { ", assumed as the interface says none" } else { "" })
+        f.write_str(if self.assumed { ", assumed because the interface does not tell" } else { "" })
     }
 }
 

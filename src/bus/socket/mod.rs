@@ -1,6 +1,6 @@
-//! SocketCAN, live: a RAW socket behind [`Port`](super::Port).
+//! Live SocketCAN: a RAW socket behind [`Port`](super::Port).
 //!
-//! No unsafe code: nix has `recvmmsg`, socketcan the addresses, options and netlink.
+//! There is no unsafe code: nix provides `recvmmsg`, socketcan the addresses, options and netlink.
 
 mod batch;
 mod drops;

@@ -1,4 +1,4 @@
-//! A RAW socket, made ready before it is bound: whatever it gives has passed its filters.
+//! A RAW socket that is set up before it is bound, so that every frame has passed its filters.
 
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
@@ -14,42 +14,43 @@ use super::load::BitRates;
 use super::wire;
 use crate::bus::port::Identifiers;
 
-/// The most filters that the kernel takes (CAN_RAW_FILTER_MAX).
+/// Most filters that the kernel takes (CAN_RAW_FILTER_MAX).
 const MOST_FILTERS: usize = 512;
 
-/// What to receive, and into how much room.
+/// Frames to receive, and the size of the buffer for them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     pub identifiers: Identifiers,
-    /// Bytes that the kernel may hold for frames not yet received; `None` is a second of a full bus.
+    /// Receive buffer, bytes; `None` is a second of a full bus.
     pub receive_buffer: Option<usize>,
-    /// Lets only the fewest frames that the kernel allows (some six) be under way to the controller,
-    /// so that what cannot be sent now waits with its owner, where it has an age, and does not burst
-    /// out stale when the bus returns.
+    /// Whether as few frames as the kernel allows (about six) may be under way to the controller.
+    /// Frames that cannot be sent then wait with their owner, where they have an age, and do not
+    /// burst out stale when the bus returns.
     pub few_under_way: bool,
 }
 
-/// A socket bound to an interface, and what it got of what it asked for.
+/// A socket bound to an interface, with the settings that the kernel granted.
 pub(super) struct Opened {
     pub(super) socket: Bound,
     pub(super) index: u32,
-    /// Bytes that the kernel may hold, by its own count.
+    /// Receive buffer, bytes by the kernel's count.
     pub(super) buffer: usize,
     pub(super) rates: BitRates,
     pub(super) stamping: Stamping,
     pub(super) filters: Option<usize>,
 }
 
-/// Which option gives the time stamps.
+/// Socket option that provides the time stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stamping {
-    /// SO_TIMESTAMPING: the kernel's and the controller's.
+    /// SO_TIMESTAMPING: time stamps of the kernel and of the controller.
     Both,
-    /// SO_TIMESTAMPNS: the kernel's.
+    /// SO_TIMESTAMPNS: time stamps of the kernel.
     Kernel,
 }
 
-/// A CAN_RAW socket to be bound. Only this one can be set up, so that nothing comes before it is.
+/// A CAN_RAW socket before it is bound. Only this type can be set up, so that no frame comes
+/// earlier.
 struct Unbound(Socket);
 
 /// A CAN_RAW socket on an interface.
@@ -76,12 +77,12 @@ impl AsRawFd for Bound {
 }
 
 impl Bound {
-    /// Without waiting.
+    /// Sends without waiting.
     pub(super) fn send(&self, bytes: &[u8]) -> io::Result<usize> {
         self.0.send_with_flags(bytes, libc::MSG_DONTWAIT)
     }
 
-    /// How long a reading waits that does.
+    /// Sets the longest wait of a read.
     pub(super) fn set_patience(&self, patience: Duration) -> io::Result<()> {
         self.0.set_read_timeout(Some(patience))
     }
@@ -101,7 +102,7 @@ impl Unbound {
         self.set_socket_option_bytes(libc::SOL_CAN_RAW, option, value)
     }
 
-    /// The kernel doubles what it is asked for, as it counts its own structures.
+    /// Sets the receive buffer. The kernel doubles the size, because it counts its own structures.
     fn set_receive_buffer(&self, bytes: usize) -> io::Result<usize> {
         let half = libc::c_int::try_from(bytes.div_ceil(2)).unwrap_or(libc::c_int::MAX / 2);
         // Beyond net.core.rmem_max, for those who may.
@@ -112,7 +113,7 @@ impl Unbound {
             .map(|bytes| usize::try_from(bytes).unwrap_or_default())
     }
 
-    /// The kernel makes the smallest that it allows of it, room for some six frames.
+    /// Sets the send buffer to the smallest that the kernel allows, about six frames.
     fn set_smallest_send_buffer(&self) -> io::Result<()> {
         self.set(libc::SO_SNDBUF, 1)
     }
@@ -129,7 +130,7 @@ impl Unbound {
     }
 }
 
-/// Opens `interface`, whose index is asked for anew.
+/// Opens `interface`, whose index is looked up again.
 pub(super) fn open(interface: &str, options: &Options) -> Result<Opened, OpenError> {
     let failed =
         |step| move |error| OpenError::Step { interface: interface.to_owned(), step, error };
@@ -176,7 +177,7 @@ pub(super) fn open(interface: &str, options: &Options) -> Result<Opened, OpenErr
     Ok(Opened { socket, index, buffer, rates, stamping, filters: count })
 }
 
-/// Binds to the interface that has the name now; also gives its index.
+/// Binds to the interface that has the name now; also returns its index.
 fn bind(Unbound(socket): Unbound, interface: &str) -> Result<(Bound, u32), OpenError> {
     let name = || interface.to_owned();
     let no_interface = |_| OpenError::NoInterface { interface: name() };

@@ -1,16 +1,16 @@
-//! Which of a frame's time stamps to take.
+//! Choice among a frame's time stamps.
 
 use crate::bus::port::Stamps;
 use crate::time::{Span, Timestamp};
 
-/// How far a controller's stamp may be from the kernel's of the same frame. The kernel's is later
-/// by what interrupt and driver take; beyond this the two clocks do not go together. Most
-/// controllers' clocks are set when the interface comes up and run on their own from there, some
-/// 20 µs astray per second.
+/// Largest difference of a controller's stamp from the kernel's of the same frame. The kernel's is
+/// later by the time of interrupt and driver; a larger difference means that the two clocks are
+/// independent. Most controllers' clocks are set when the interface comes up and then drift by some
+/// 20 µs per second.
 pub const HARDWARE_TOLERANCE: Span = Span::from_nanos(1_000_000);
 
-/// Takes the controller's stamps while they can be compared with the system's clock, on which all
-/// deadlines stand, and the kernel's for good once they cannot.
+/// Uses the controller's stamps while they agree with the system's clock, to which all deadlines
+/// refer, and the kernel's for good once they do not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Choice(Stamps);
 
@@ -21,7 +21,7 @@ impl Choice {
         self.0
     }
 
-    /// The stamp of a frame that carries these two; `None` if it carries neither that would do.
+    /// The stamp of a frame that carries these two; `None` if neither can be used.
     pub(super) fn of(
         &mut self,
         software: Option<Timestamp>,

@@ -3,25 +3,25 @@
 
 use crate::frame::{Frame, Id, Kind};
 
-/// `sizeof(struct can_frame)`: identifier 4, length 1, padding 3, data 8.
+/// Size of `struct can_frame`: identifier 4, length 1, padding 3, data 8.
 pub(super) const CLASSIC: usize = 16;
-/// `sizeof(struct canfd_frame)`: identifier 4, length 1, flags 1, padding 2, data 64.
+/// Size of `struct canfd_frame`: identifier 4, length 1, flags 1, padding 2, data 64.
 pub(super) const FD: usize = 72;
-/// `sizeof(struct can_filter)`.
+/// Size of `struct can_filter`.
 pub(super) const FILTER: usize = 8;
 
 const EXTENDED_FLAG: u32 = libc::CAN_EFF_FLAG;
 const REMOTE_FLAG: u32 = libc::CAN_RTR_FLAG;
 const ERROR_FLAG: u32 = libc::CAN_ERR_FLAG;
 
-/// Bit-rate switch and error state. The kernel may also set CANFD_FDF, which says nothing but that
-/// it is an FD frame.
+/// Flags that are kept: bit-rate switch and error state. The kernel may also set CANFD_FDF, which
+/// only says that it is an FD frame.
 const FD_FLAGS: u8 = (libc::CANFD_BRS | libc::CANFD_ESI) as u8;
 
 const CLASSIC_DATA: u8 = 8;
 const DATA: usize = 8;
 
-/// Where the kernel wants an identifier with its flags.
+/// An identifier with its flags, as the kernel expects it.
 fn to_kernel(id: Id) -> u32 {
     if id.is_extended() { id.value() | EXTENDED_FLAG } else { id.value() }
 }
@@ -35,7 +35,8 @@ fn from_kernel(word: u32) -> Id {
     id.expect("a masked identifier is in range")
 }
 
-/// Fills all but the time stamp; `false`, and `frame` is not to be used, if it is no frame.
+/// Fills everything except the time stamp; returns `false`, with `frame` undefined, if `bytes` are
+/// not a frame.
 pub(super) fn read(bytes: &[u8], frame: &mut Frame) -> bool {
     let Some((&[i0, i1, i2, i3, length, flags, ..], data)) = bytes.split_first_chunk::<DATA>()
     else {
@@ -60,14 +61,14 @@ pub(super) fn read(bytes: &[u8], frame: &mut Frame) -> bool {
     true
 }
 
-/// A frame as the kernel takes it; see [`Self::as_bytes`].
+/// A frame in the kernel's format; see [`Self::as_bytes`].
 pub(super) struct Outgoing {
     bytes: [u8; FD],
     size: usize,
 }
 
 impl Outgoing {
-    /// Of a frame that a bus can carry.
+    /// Converts a frame that a bus can carry.
     pub(super) fn new(frame: &Frame) -> Self {
         let data = frame.data();
         let (size, flags, word, length) = match frame.kind {
@@ -88,10 +89,10 @@ impl Outgoing {
     }
 }
 
-/// The value of CAN_RAW_FILTER that lets the data frames (classic and FD) of exactly these
-/// identifiers pass, each once: `struct can_filter` is identifier and mask.
+/// Value of CAN_RAW_FILTER that passes the data frames (classic and FD) of exactly these
+/// identifiers, each once: `struct can_filter` is identifier and mask.
 ///
-/// The masks are the ones for which the kernel has a look-up by identifier (`can_rcv_list_find`).
+/// The masks are those for which the kernel has a look-up by identifier (`can_rcv_list_find`).
 pub(super) fn filters(ids: &[Id]) -> Vec<u8> {
     let mut ids = ids.to_vec();
     ids.sort_unstable();
@@ -105,7 +106,7 @@ pub(super) fn filters(ids: &[Id]) -> Vec<u8> {
         .collect()
 }
 
-/// The value of CAN_RAW_FILTER that lets all pass, remote frames included.
+/// Value of CAN_RAW_FILTER that passes everything, remote frames included.
 pub(super) fn no_filter() -> Vec<u8> {
     vec![0; FILTER]
 }

@@ -1,11 +1,11 @@
-//! Who watches the gateway in the demonstration.
+//! Audience of the demonstration.
 
 use super::listener::{Heard, Listener};
 use super::programme::{ACTS, CURTAIN, window};
 use super::scene::Scene;
 use super::score::Score;
 use super::screen::Screen;
-use super::{view, words};
+use super::{view, wording};
 use crate::bus::embedded::Endpoint;
 use crate::bus::{LogWriter, Port, append_log_line};
 use crate::cli::Failure;
@@ -16,7 +16,7 @@ use crate::cli::stage::{Record, Stage};
 use crate::cli::virtual_bus::NAME;
 use crate::frame::Frame;
 use crate::live::gateway::{Gateway, Journal};
-use crate::live::supervisor::{Opener, Surroundings, Wish};
+use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor;
 use crate::simulator::EPOCH;
 use std::io;
@@ -24,30 +24,30 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Hears the bus, shows what happens, and keeps score.
+/// Receives the frames on the bus, shows what happens, and keeps score.
 pub struct Audience {
     pub stage: Stage<Simulation>,
     pub ear: Endpoint,
     pub listener: Listener,
     pub screen: Screen,
     pub record: Option<Record>,
-    /// From the first fault on.
+    /// Pace from the first fault on.
     pub pace: Pace,
-    /// Of R1, R2 and R3, m.
+    /// Limits of R1, R2 and R3, m.
     pub limits: [f64; 3],
     pub over: Arc<AtomicBool>,
     pub interrupted: Arc<AtomicBool>,
     pub scene: Scene,
     pub score: Score,
-    /// Frames that are nobody's or broken.
+    /// Number of frames that are unknown or damaged.
     pub strangers: u64,
-    /// Acts that were announced, and that were said to be over.
+    /// Number of acts that were announced, and that were announced as over.
     pub begun: [usize; 2],
     pub failure: Option<Failure>,
 }
 
 impl Audience {
-    /// Hears what has come on the bus since, and shows it.
+    /// Shows the frames that have come on the bus since the last call.
     pub fn attend(&mut self) {
         self.scene.now = self.stage.now().since(EPOCH).as_seconds().max(0.0);
         self.announce();
@@ -66,7 +66,7 @@ impl Audience {
         }
     }
 
-    /// A line for those without a drawing.
+    /// Prints a line for output without a drawing.
     fn tell(&mut self, line: impl FnOnce() -> String) {
         if !self.screen.is_terminal() {
             let said = self.screen.say(&[line()]);
@@ -111,7 +111,7 @@ impl Audience {
                 if status != self.scene.status {
                     let line = candump(frame);
                     self.tell(|| {
-                        format!("{at:7.2} s  {}\n{:11}{line}", words::status(&status), "")
+                        format!("{at:7.2} s  {}\n{:11}{line}", wording::status(&status), "")
                     });
                     self.scene.status = status;
                 }
@@ -121,7 +121,7 @@ impl Audience {
                 self.scene.send(candump(frame) + "  Fd_Warning");
                 if self.score.take(at, &warning) {
                     let level = if warning.raised { &*warning.level } else { "clear" };
-                    let line = format!("{at:7.2} s {level:<6} {}", words::warning(&warning));
+                    let line = format!("{at:7.2} s {level:<6} {}", wording::warning(&warning));
                     self.tell(|| format!("{line}\n{:11}{}", "", candump(frame)));
                     self.scene.warn(line);
                 }
@@ -145,12 +145,12 @@ impl Journal for Audience {
 }
 
 impl Surroundings for Audience {
-    fn wish(&mut self) -> Wish {
+    fn request(&mut self) -> Request {
         let wanted = [&self.over, &self.interrupted].iter().any(|it| it.load(Ordering::Relaxed));
-        if wanted || self.failure.is_some() { Wish::Stop } else { Wish::GoOn }
+        if wanted || self.failure.is_some() { Request::Stop } else { Request::GoOn }
     }
 
-    /// The bus inside the program has always room.
+    /// Does not wait, since the embedded bus always has room.
     fn wait(&mut self, _: Duration) {}
 
     fn opened(&mut self, _: &dyn Port) {}
@@ -159,8 +159,8 @@ impl Surroundings for Audience {
         self.failure = Some(Failure::Failed(format!("the embedded bus: {reason}")));
     }
 
-    /// Likewise: it takes every frame.
-    fn unsaid(&mut self, _: &str) {}
+    /// Does nothing, since the embedded bus takes every frame.
+    fn not_told(&mut self, _: &str) {}
 
     fn turned(&mut self, _: &Gateway, _: &dyn Port) {
         self.attend();

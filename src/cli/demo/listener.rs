@@ -1,17 +1,17 @@
-//! Hears the bus as any other node would: frames, by the DBC.
+//! A listener that decodes the bus like any other node: frames, by the DBC.
 
 use crate::alarm::e2e;
 use crate::cli::Failure;
 use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
 
-/// Cylinders of the demonstration's machine.
+/// Number of cylinders of the demonstration's machine.
 pub const CYLINDERS: usize = 6;
 
-/// What a frame tells who watches the gateway.
+/// Meaning of a frame for the audience.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
-    /// Plc_State: the platform's state.
+    /// State of the platform, from Plc_State.
     Platform(String),
     Status(Status),
     Warning(Warning),
@@ -19,32 +19,33 @@ pub enum Heard {
     Damaged,
     /// One of the machine's other frames.
     Machine,
-    /// One that neither the machine nor the gateway has any business to send.
+    /// A frame that neither the machine nor the gateway should send.
     Stranger,
 }
 
-/// Fd_Status.
+/// Contents of Fd_Status.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Status {
-    /// Of C1 and C2 of each cylinder.
+    /// States of C1 and C2 of each cylinder.
     pub states: [[String; 2]; CYLINDERS],
     pub level: String,
     pub mode: String,
     pub active: i64,
 }
 
-/// Fd_Warning.
+/// Contents of Fd_Warning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: i64,
     pub detector: String,
     pub fault: String,
     pub suspect: String,
     pub level: String,
     pub raised: bool,
-    /// m; `None` where the detector has none.
+    /// Residual, m; `None` where the detector has none.
     pub residual: Option<f64>,
+    /// Threshold, m; `None` where the detector has none.
     pub threshold: Option<f64>,
 }
 
@@ -145,7 +146,7 @@ impl Own {
     }
 }
 
-/// What the DBC calls the signal's number.
+/// Name of the signal's number in the DBC.
 fn name(signal: &Signal, frame: &Frame) -> String {
     let number = signal.plan.decode(frame).value().and_then(|value| value.raw.as_i64());
     let name = number.and_then(|number| signal.value_name(number));

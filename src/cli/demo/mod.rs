@@ -7,7 +7,7 @@ mod scene;
 mod score;
 mod screen;
 mod view;
-mod words;
+mod wording;
 
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
@@ -33,30 +33,30 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How much faster the platform comes up, of which there is little to see.
+/// Speed of the start-up of the platform, during which there is little to see.
 const PRELUDE: f64 = 6.0;
 
 /// Shows the gateway at work on a simulated machine: faults arrive, it warns.
 ///
-/// Simulator, embedded bus and gateway run in this process. But for readings and residuals, all that
-/// is shown is read from the frames on the bus.
+/// Simulator, embedded bus and gateway run in this process. Except for readings and residuals,
+/// everything shown is read from the frames on the bus.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
   tertius demo
   tertius demo --speed max --record demo.log --force
   tertius replay demo.log --config config/e-type-simulated.toml
 
-On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as it goes.
+On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as possible.
 Exit code 1: a fault was not found as announced.")]
 pub struct Demo {
-    /// How many times as fast as the machine; max: as fast as it goes [default: 1 on a terminal,
-    /// else max]
+    /// Speed as a multiple of real time; max: as fast as possible [default: 1 on a terminal, else
+    /// max]
     #[arg(long, value_name = "N")]
     speed: Option<Pace>,
-    /// Seeds everything random: the sea, the noise
+    /// Seed of everything random: the sea, the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Writes all frames of the bus as candump -l would
+    /// Writes all frames of the bus in the format of candump -l
     #[arg(long, value_name = "FILE.log")]
     record: Option<PathBuf>,
     #[command(flatten)]
@@ -64,10 +64,9 @@ pub struct Demo {
 }
 
 impl Demo {
-    /// Shows it.
+    /// Runs the command.
     ///
-    /// # Errors
-    /// A fault that was not found as announced, or an output that cannot be written.
+    /// # Errors A fault was not found as announced, or an output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::simulated()?;
         let stage = self.stage(&machine)?;
@@ -76,12 +75,12 @@ impl Demo {
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(run::gateway(machine), opener, &mut audience);
-        // Its last words.
+        // Its stopping status.
         audience.attend();
         end(audience)
     }
 
-    /// The bus with the machine on it.
+    /// The bus with the machine connected to it.
     fn stage(&self, machine: &Machine) -> Result<Stage<Simulation>, Failure> {
         let settings = &machine.loaded.settings;
         let built_in = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
@@ -141,13 +140,13 @@ impl Demo {
 }
 
 const INTRODUCTION: [&str; 4] = [
-    "Here run a simulated gangway, its CAN bus, and the gateway that listens to it.",
+    "This is a simulated gangway, its CAN bus, and the gateway that listens to it.",
     "Each of six cylinders has two position transducers, C1 and C2. R1 and R2 are",
-    "their readings less what an observer predicts, R3 is C1 less C2: the largest of",
+    "their readings minus an observer's prediction, R3 is C1 minus C2: the largest of",
     "a second. Five faults will come, one after the other. Ctrl-C ends it.",
 ];
 
-/// Says how it went.
+/// Prints the result.
 fn end(mut audience: Audience) -> Result<(), Failure> {
     if let Some(record) = audience.record.take() {
         record.into_inner().finish().map_err(|error| Failure::writing("the record", &error))?;
@@ -171,10 +170,14 @@ fn end(mut audience: Audience) -> Result<(), Failure> {
     drop(screen);
     let stopped = interrupted.load(Ordering::Relaxed);
     if strangers > 0 {
-        return Err(Failure::Failed(format!("{strangers} frames on the bus are nobody's")));
+        return Err(Failure::Failed(format!("{strangers} frames on the bus are unknown")));
     }
     if right < over || !(stopped || over == ACTS.len()) {
-        return Err(Failure::Failed("it did not go as announced; see the table".to_owned()));
+        return Err(Failure::Failed(
+            "not everything was found as announced; see the \
+            table"
+                .to_owned(),
+        ));
     }
     Ok(())
 }

@@ -1,20 +1,20 @@
-//! What happens in the demonstration, and when.
+//! Programme of the demonstration.
 
 use crate::inject::{Fault, SpecError};
 
 /// A fault of the demonstration.
 #[derive(Clone, Copy, Debug)]
 pub struct Act {
-    /// The fault, as `--fault` takes it; when it comes stands in the programme.
+    /// The fault in the syntax of `--fault`, without its time, which the programme sets.
     spec: &'static str,
     pub title: &'static str,
-    /// What there is to see.
+    /// Hint at what to watch.
     pub hint: &'static str,
-    /// Whom the gateway should suspect, as Fd_Warning.Suspect calls it.
+    /// Suspect that the gateway should name, as in Fd_Warning.Suspect.
     pub suspect: &'static str,
 }
 
-/// One of each sort: of thesis, Table 5-1, and two that need no model.
+/// One fault of each kind: those of the thesis, Table 5-1, and two that need no model.
 pub const ACTS: [Act; 5] = [
     Act {
         spec: "step,cylinder=3,sensor=c1,size=0.002",
@@ -31,37 +31,38 @@ pub const ACTS: [Act; 5] = [
     Act {
         spec: "drift,cylinder=2,sensor=c1,rate=0.001",
         title: "C1 of cylinder 2 drifts by 1 mm/s",
-        hint: "an observer follows a drift: only R3 grows, which one stays undecided",
+        hint: "observers follow a drift: only R3 grows, the suspect stays undecided",
         suspect: "undecided",
     },
     Act {
         spec: "freeze,cylinder=6,sensor=c2",
         title: "C2 of cylinder 6 freezes",
-        hint: "the command moves, the reading does not: that takes no model to see",
+        hint: "the command moves, the reading does not: this needs no model to see",
         suspect: "c2",
     },
     Act {
         spec: "broken_wire,cylinder=4,sensor=c1",
         title: "the wire of C1 of cylinder 4 breaks",
-        hint: "a broken wire's code is no length, and no observer is given it",
+        hint: "the code of a broken wire is not a length, and no observer gets it",
         suspect: "c1",
     },
 ];
 
-/// s from the start to the first fault: the platform is engaged at 26 s, and observers take a second
-/// to settle.
+/// Time from the start to the first fault, s: the platform is engaged at 26 s, and observers take a
+/// second to settle.
 const FIRST: f64 = 30.0;
-/// s from fault to fault, and how long each lasts: then what was raised clears.
+/// Interval between faults, s.
 const EVERY: f64 = 6.0;
+/// Duration of each fault, s, after which warnings clear.
 const LASTS: f64 = 4.0;
 
-/// s from the start: from when on there is something to watch.
+/// Time from the start at which there is something to watch, s.
 pub const CURTAIN: f64 = 28.0;
 
-/// s from the start: the end.
+/// End of the demonstration, s from the start.
 pub const END: f64 = FIRST + ACTS.len() as f64 * EVERY;
 
-/// When fault `index`, from 0, is there: its begin and its end, s from the start.
+/// Beginning and end of fault `index`, from 0, s from the start.
 pub const fn window(index: usize) -> [f64; 2] {
     let from = FIRST + index as f64 * EVERY;
     [from, from + LASTS]
@@ -69,8 +70,7 @@ pub const fn window(index: usize) -> [f64; 2] {
 
 /// The fault of the act `index`, from 0.
 ///
-/// # Errors
-/// None: a test reads each.
+/// # Errors None, since a test reads each.
 pub fn fault(index: usize) -> Result<Fault, SpecError> {
     let [from, until] = window(index);
     Fault::parse(&format!("{},at={from},until={until}", ACTS[index].spec))

@@ -1,14 +1,15 @@
-//! What there is to see at a moment.
+//! The scene at a moment.
 
 use super::listener::{CYLINDERS, Status};
 use super::programme::{ACTS, window};
 use crate::monitor::Record;
 use std::collections::VecDeque;
 
-/// s for which the largest residual is shown: a step's is over after a few cycles.
+/// Time for which the largest residual is shown, s, since that of a step is over after a few
+/// cycles.
 const HOLD: f64 = 1.0;
 
-/// Lines that are kept of what was told.
+/// Number of printed lines that are kept.
 pub const TOLD: usize = 4;
 pub const FRAMES: usize = 2;
 
@@ -16,19 +17,19 @@ pub const FRAMES: usize = 2;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     pub readings: [Option<f64>; 2],
-    /// The largest of R1, R2 and R3, and when they were.
+    /// Largest R1, R2 and R3, and their times.
     peaks: [Option<(f64, f64)>; 3],
 }
 
 /// Readings, residuals, states, and the newest lines.
 #[derive(Debug, Default)]
 pub struct Scene {
-    /// s since the start.
+    /// Time since the start, s.
     pub now: f64,
     pub rows: [Row; CYLINDERS],
     pub platform: String,
     pub status: Status,
-    /// Frames of the gateway: Fd_Status and Fd_Warning.
+    /// Number of frames of the gateway: Fd_Status and Fd_Warning.
     pub sent: [u64; 2],
     pub warnings: VecDeque<String>,
     pub last_status: String,
@@ -36,14 +37,14 @@ pub struct Scene {
 }
 
 impl Row {
-    /// The largest residual of the last second, m.
+    /// Largest residual of the last second, m.
     pub fn residual(&self, which: usize) -> Option<f64> {
         self.peaks[which].map(|(value, _)| value)
     }
 }
 
 impl Scene {
-    /// Takes what the monitor made of a cycle.
+    /// Takes the monitor's record of a cycle.
     pub fn record(&mut self, record: &Record) {
         let now = self.now;
         let Some(row) = self.rows.get_mut(usize::from(record.cylinder).wrapping_sub(1)) else {
@@ -66,7 +67,7 @@ impl Scene {
         push(&mut self.frames, line, FRAMES);
     }
 
-    /// The fault that is there now, or the next one; `None` after the last.
+    /// The present fault, or the next one; `None` after the last.
     pub fn act(&self) -> Option<(usize, bool)> {
         let next = (0..ACTS.len()).find(|&index| self.now < window(index)[1])?;
         Some((next, self.now >= window(next)[0]))

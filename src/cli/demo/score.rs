@@ -1,29 +1,30 @@
-//! How the gateway did.
+//! Score of the gateway.
 
 use super::listener::Warning;
 use super::programme::{ACTS, fault, window};
-use super::words;
+use super::wording;
 use std::collections::BTreeMap;
 
-/// s after a fault's end in which a warning is still owed to it: what it leaves behind is a fault's
-/// own jump back, and what stands clears.
+/// Time after a fault's end in which a warning still counts for it, s: the end of a fault is a jump
+/// in itself, and standing warnings clear.
 const AFTERMATH: f64 = 1.9;
 
 /// What became of a fault.
 #[derive(Clone, Debug, Default)]
 struct Outcome {
-    /// s after its begin.
+    /// Delay after the fault's beginning, s.
     found: Option<f64>,
     suspect: String,
     named: String,
-    /// By a plausibility check.
+    /// Whether a plausibility check found it.
     known: bool,
 }
 
-/// Which warning: cylinder, detector, and whom plausibility blames, which judges each transducer.
+/// Identity of a warning: cylinder, detector, and the suspect of plausibility, which judges each
+/// transducer.
 type Key = (i64, String, Option<String>);
 
-/// What a warning tells, but for its residual.
+/// Contents of a warning apart from its residual.
 type Tells = [String; 3];
 
 /// Follows the warnings on the bus.
@@ -32,7 +33,7 @@ pub struct Score {
     outcomes: [Outcome; ACTS.len()],
     cylinders: Vec<i64>,
     standing: BTreeMap<Key, Tells>,
-    /// Warnings raised where there was no fault.
+    /// Number of warnings raised without a fault.
     unfounded: u64,
 }
 
@@ -42,7 +43,7 @@ impl Score {
         Self { cylinders: (0..ACTS.len()).map(cylinder).collect(), ..Self::default() }
     }
 
-    /// Takes a warning that was on the bus at `at`, s; whether it tells anything new.
+    /// Takes a warning that was on the bus at `at`, s; returns whether it contains anything new.
     pub fn take(&mut self, at: f64, warning: &Warning) -> bool {
         let whom = (warning.detector == "plausibility").then(|| warning.suspect.clone());
         let key = (warning.cylinder, warning.detector.clone(), whom);
@@ -84,7 +85,7 @@ impl Score {
         (at >= window(index)[1]).then_some(right)
     }
 
-    /// A table of the faults, and what was found of them by `at`, s.
+    /// A table of the faults, and of what was found by `at`, s.
     pub fn table(&self, at: f64) -> Vec<String> {
         let row = |title: &str, found: &str, suspect: &str, named: &str, right: &str| {
             let row = format!("{title:<38} {found:>7}  {suspect:<8}  {named:<11}  {right}");
@@ -96,7 +97,8 @@ impl Score {
                 (None, _) => row(act.title, "–", "", "", "not over"),
                 (Some(_), None) => row(act.title, "never", "", "", "NOT FOUND"),
                 (Some(right), Some(found)) => {
-                    let (found, whom) = (format!("{found:.3} s"), words::suspect(&outcome.suspect));
+                    let (found, whom) =
+                        (format!("{found:.3} s"), wording::suspect(&outcome.suspect));
                     row(act.title, &found, whom, &outcome.named, verdict(right))
                 }
             });
@@ -104,7 +106,7 @@ impl Score {
         rows
     }
 
-    /// How many of the faults that were over at `at`, s, were found as announced, and of how many.
+    /// Number of faults over at `at`, s, that were found as announced, and number of faults over.
     pub fn tally(&self, at: f64) -> [usize; 2] {
         let over: Vec<bool> = (0..ACTS.len()).filter_map(|index| self.over(index, at)).collect();
         [over.iter().filter(|right| **right).count(), over.len()]
@@ -140,7 +142,7 @@ mod tests {
         }
     }
 
-    /// The row of act `index`, from 0, as it stands at `at`.
+    /// Row of act `index`, from 0, at `at`.
     fn row(score: &Score, index: usize, at: f64) -> String {
         score.table(at)[index + 1].clone()
     }

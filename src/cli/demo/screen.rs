@@ -1,32 +1,32 @@
-//! Where it is shown: a terminal, in place, or lines one after the other.
+//! Output of the demonstration: a terminal, drawn in place, or successive lines.
 
 use console::{Term, truncate_str};
 use std::io::{self, Stdout, Write};
 use std::time::{Duration, Instant};
 
-/// The terminal is drawn anew this often.
+/// Interval at which the terminal is redrawn.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Wipes what is behind the cursor in its line.
+/// Escape sequence that clears the rest of the line.
 const TO_END_OF_LINE: &str = "\x1b[K";
 
-/// Somebody who watches.
+/// Kind of output.
 pub enum Screen {
     Terminal(Terminal),
-    /// Nobody draws over what a pipe has got.
+    /// Lines, on a pipe that cannot be redrawn.
     Lines(Stdout),
 }
 
 /// A part of a terminal.
 pub struct Terminal {
     term: Term,
-    /// Lines of the drawing before.
+    /// Number of lines of the previous drawing.
     drawn: usize,
     due: Instant,
 }
 
 impl Screen {
-    /// The terminal, or lines where standard output is none that can be drawn on.
+    /// A terminal, or lines where standard output cannot be drawn on.
     pub fn new() -> Self {
         let term = Term::buffered_stdout();
         if !term.features().is_attended() || console::is_dumb() {
@@ -41,10 +41,9 @@ impl Screen {
         matches!(self, Self::Terminal(_))
     }
 
-    /// Writes lines that stay; a drawing gives way to them.
+    /// Writes lines that stay, above the drawing.
     ///
-    /// # Errors
-    /// What the output says.
+    /// # Errors Errors of the output.
     pub fn say(&mut self, lines: &[String]) -> io::Result<()> {
         match self {
             Self::Terminal(terminal) => terminal.say(lines),
@@ -52,10 +51,9 @@ impl Screen {
         }
     }
 
-    /// Draws, if there is something to draw on and it is time.
+    /// Draws, if the output is a terminal and it is time.
     ///
-    /// # Errors
-    /// What the output says.
+    /// # Errors Errors of the output.
     pub fn draw(&mut self, lines: impl FnOnce() -> Vec<String>) -> io::Result<()> {
         match self {
             Self::Terminal(terminal) if Instant::now() >= terminal.due => terminal.draw(&lines()),

@@ -4,10 +4,10 @@ use super::programme::{ACTS, window};
 use super::scene::{FRAMES, Row, Scene, TOLD};
 use console::{Color, style};
 
-/// Cells of a bar, up to the limit; one more says that it is crossed.
+/// Number of cells of a bar up to the limit; one more shows that it is crossed.
 const CELLS: usize = 5;
 
-/// The lines; `limits` are of R1, R2 and R3, m.
+/// Lines of the scene; `limits` are those of R1, R2 and R3, m.
 pub fn lines(scene: &Scene, limits: [f64; 3]) -> Vec<String> {
     let mut lines = vec![heading(scene), header(limits)];
     for (index, row) in scene.rows.iter().enumerate() {
@@ -69,7 +69,7 @@ fn residual(residual: Option<f64>, limit: f64) -> String {
     format!(" {number:>6} {}", style(bar).fg(colour))
 }
 
-/// Two lines: the fault that is there, and what there is to see of it.
+/// Two lines: the present fault, and what to watch.
 fn now(scene: &Scene) -> [String; 2] {
     match scene.act() {
         Some((index, true)) => {
@@ -81,7 +81,7 @@ fn now(scene: &Scene) -> [String; 2] {
             let state = match (index, &*scene.platform) {
                 (0, "engaged") => "the platform is engaged, its observers settle",
                 (0, _) => "the platform comes up; this is played faster",
-                _ => "that is over, what it raised clears",
+                _ => "that is over, and its warnings clear",
             };
             [state.to_owned(), dim(&format!("in {left:.0} s: {}", ACTS[index].title))]
         }
@@ -94,7 +94,7 @@ fn fill(lines: &mut Vec<String>, mut told: Vec<String>, count: usize) {
     lines.append(&mut told);
 }
 
-/// A line that begins with its time and its level.
+/// A line that begins with its time and its level, in colour.
 fn coloured(line: &str) -> String {
     let (time, rest) = line.split_at_checked(10).unwrap_or(("", line));
     let (name, rest) = rest.split_at_checked(6).unwrap_or(("", rest));
@@ -138,7 +138,7 @@ mod tests {
     use crate::time::Timestamp;
     use console::measure_text_width;
 
-    /// The widest and the emptiest that there can be.
+    /// The widest and the emptiest possible scene.
     #[test]
     fn it_fits_a_terminal_of_80_columns_and_24_lines() {
         let limits = [1e-3, 1e-3, 1.5e-3];

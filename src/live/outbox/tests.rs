@@ -9,9 +9,9 @@ fn at(ms: i64) -> Timestamp {
     Timestamp::from_nanos(ms * MS)
 }
 
-fn limits() -> Limits {
+fn limits() -> OutboxLimits {
     // 13,500 bits a second: 100 frames, one every 10 ms.
-    Limits {
+    OutboxLimits {
         waiting: 4,
         estimates: 6,
         age: Span::from_seconds(0.05),
@@ -71,7 +71,7 @@ fn a_status_is_not_displaced_by_warnings() {
 #[test]
 fn frames_go_out_in_the_order_in_which_they_came_to_be() {
     let mut encoder = encoder();
-    let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
+    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() }, outbox().status_id);
     outbox.put(warning(&mut encoder, 0, 1));
     outbox.put(encoder.status(at(0), &Status::default()));
     outbox.put(warning(&mut encoder, 0, 2));
@@ -86,7 +86,7 @@ fn frames_go_out_in_the_order_in_which_they_came_to_be() {
 #[test]
 fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
     let mut encoder = encoder();
-    let mut outbox = Outbox::new(Limits { burst: 9, ..limits() }, outbox().status_id);
+    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() }, outbox().status_id);
     for cycle in 0..3 {
         for cylinder in 1..=6 {
             outbox.put(encoder.estimate(at(cycle * 20), cylinder, None));
@@ -106,11 +106,11 @@ fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
     assert_eq!((outbox.counts().outdated, outbox.counts().superseded), (12, 0));
 }
 
-/// 300 estimates a second, and 100 frames that may go out.
+/// 300 estimates a second, with 100 frames that may be sent at once.
 #[test]
 fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
     let (mut outbox, mut encoder) = (outbox(), encoder());
-    outbox.limits = Limits { burst: 20, ..outbox.limits };
+    outbox.limits = OutboxLimits { burst: 20, ..outbox.limits };
     let (mut estimates, mut warnings) = (0, 0);
     for ms in 0..2000 {
         if ms % 20 == 0 {
@@ -133,11 +133,11 @@ fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
     assert!((190..=200 + 20).contains(&(estimates + warnings)), "{estimates} {warnings}");
 }
 
-/// Everything that can stand is raised in one cycle, with a status, after the estimates of two.
+/// Every warning that can stand is raised in one cycle, with a status, after the estimates of two.
 #[test]
 fn every_place_at_once_goes_out_at_once() {
-    let (waiting, burst) = (Limits::WAITING, Limits::BURST);
-    let mut outbox = Outbox::new(Limits { waiting, burst, ..limits() }, outbox().status_id);
+    let (waiting, burst) = (OutboxLimits::WAITING, OutboxLimits::BURST);
+    let mut outbox = Outbox::new(OutboxLimits { waiting, burst, ..limits() }, outbox().status_id);
     let (mut encoder, mut register) = (encoder(), Register::new(MAX_CYLINDERS));
     let finding = Finding {
         fault: Fault::Abrupt,
@@ -190,7 +190,7 @@ fn every_place_at_once_goes_out_at_once() {
 }
 
 #[test]
-fn the_last_words_go_out_without_credit_and_are_the_last() {
+fn the_stopping_status_goes_out_without_credit_and_is_the_last() {
     let (mut outbox, mut encoder) = (outbox(), encoder());
     (0..4).for_each(|_| outbox.put(warning(&mut encoder, 0, 1)));
     while outbox.next(at(0)).is_some() {

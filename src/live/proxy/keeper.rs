@@ -1,14 +1,14 @@
-//! Keeps a proxy going: opens both interfaces, and anew after each loss.
+//! Keeps a proxy running: opens both interfaces, and opens them again after each loss.
 
 use super::Proxy;
 use super::side::{Change, Side};
 use crate::bus::UnrestrictedPort;
 use std::time::Duration;
 
-/// The longest wait without a look around.
+/// Longest wait between two checks.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Between two tries to send to an interface that takes nothing more.
+/// Pause between two attempts to send to an interface that accepts no frames.
 const FULL_PAUSE: Duration = Duration::from_millis(2);
 
 /// Everything outside of the data path that a proxy depends on. A side is 0 for the interface whose
@@ -20,13 +20,13 @@ pub trait Bench<P> {
     fn is_over(&mut self) -> bool;
     /// Waits until one of `ports` has something to receive, at most for `longest`.
     fn wait(&mut self, ports: [Option<&P>; 2], longest: Duration);
-    /// An interface is open.
+    /// Notes that an interface is open.
     fn opened(&mut self, side: usize, port: &P);
-    /// An interface is lost, or could not be opened. Told once for each new reason.
+    /// Notes that an interface is lost, or could not be opened. Called once for each new reason.
     fn lost(&mut self, side: usize, reason: &str);
 }
 
-/// Runs `proxy` from `sides[0]` to `sides[1]` and back until the bench says that it is over.
+/// Runs `proxy` from `sides[0]` to `sides[1]` and back until the bench ends it.
 pub fn run<P: UnrestrictedPort>(
     proxy: &mut Proxy,
     sides: &mut [Side<P>; 2],

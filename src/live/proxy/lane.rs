@@ -1,55 +1,55 @@
-//! One direction of the proxy: frames on their way to an interface, bounded in number and age.
+//! One direction of the proxy: frames on their way to an interface, limited in number and age.
 
 use crate::bus::{PortError, Sent, UnrestrictedPort};
 use crate::frame::Frame;
 use crate::time::{Span, Timestamp};
 use std::collections::VecDeque;
 
-/// What a lane keeps to.
+/// Limits of a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Frames that wait at most; the oldest gives way.
+pub struct LaneLimits {
+    /// Most frames that wait; the oldest gives way.
     pub waiting: usize,
-    /// An older frame is dropped, never sent late.
+    /// Age at which a frame is dropped instead of being sent late.
     pub age: Span,
 }
 
-/// What became of the frames of a lane. Each that was received is in exactly one of `sent`, `lost`,
-/// `too_old`, `crowded_out`, `away` and `rejected`, or still waits.
+/// Counts of what became of the frames of a lane. Each received frame is in exactly one of `sent`,
+/// `lost`, `too_old`, `crowded_out`, `away` and `rejected`, or still waits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LaneCounts {
-    /// Frames that came to be forwarded.
+    /// Frames received for forwarding.
     pub received: u64,
-    /// Error frames beside them, which tell of one bus only and are never forwarded.
+    /// Error frames, which concern one bus only and are never forwarded.
     pub error_frames: u64,
     pub sent: u64,
-    /// Of those received, frames whose payload a fault changed.
+    /// Frames whose payload a fault changed.
     pub changed: u64,
-    /// Lost to a fault.
+    /// Frames lost to a fault.
     pub lost: u64,
-    /// Dropped for their age.
+    /// Frames dropped for their age.
     pub too_old: u64,
-    /// Dropped because too many waited.
+    /// Frames dropped because too many waited.
     pub crowded_out: u64,
-    /// Dropped because an interface was not there.
+    /// Frames dropped because an interface was not there.
     pub away: u64,
     /// Frames that the interface does not carry, such as CAN FD on a classic one.
     pub rejected: u64,
 }
 
-/// Frames on their way, in order.
+/// Frames that wait, in order.
 #[derive(Clone, Debug)]
 pub struct Lane {
-    limits: Limits,
+    limits: LaneLimits,
     waiting: VecDeque<Frame>,
-    /// On the clock of the time stamps.
+    /// Present time, on the clock of the time stamps.
     now: Timestamp,
     counts: LaneCounts,
     rejection: Option<String>,
 }
 
 impl Lane {
-    pub fn new(limits: Limits) -> Self {
+    pub fn new(limits: LaneLimits) -> Self {
         Self {
             limits,
             waiting: VecDeque::with_capacity(limits.waiting),
@@ -72,17 +72,17 @@ impl Lane {
         self.rejection.as_deref()
     }
 
-    /// Frames that wait.
+    /// Number of frames that wait.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }
 
-    /// The lane's time, which only its frames' ages depend on.
+    /// Sets the lane's time, on which only its frames' ages depend.
     pub fn set_time(&mut self, now: Timestamp) {
         self.now = now;
     }
 
-    /// Takes the next frame; its time stamp is when it was received.
+    /// Takes the next frame; its time stamp is the time of its reception.
     pub fn put(&mut self, frame: &Frame) {
         if self.waiting.len() >= self.limits.waiting {
             self.waiting.pop_front();
@@ -91,10 +91,9 @@ impl Lane {
         self.waiting.push_back(frame.clone());
     }
 
-    /// Sends what `port` takes.
+    /// Sends the frames that `port` accepts.
     ///
-    /// # Errors
-    /// If the port is finished; the frames still wait.
+    /// # Errors The port is finished; the frames still wait.
     pub fn send(&mut self, port: &mut impl UnrestrictedPort) -> Result<(), PortError> {
         self.drop_old();
         while let Some(frame) = self.waiting.front() {
@@ -113,8 +112,8 @@ impl Lane {
         Ok(())
     }
 
-    /// Forgets what waits: an end of the lane is lost, and it would burst out stale when that
-    /// returns.
+    /// Drops the waiting frames after an end of the lane is lost, since they would burst out stale
+    /// when it returns.
     pub fn clear(&mut self) {
         self.counts.away += self.waiting.len() as u64;
         self.waiting.clear();

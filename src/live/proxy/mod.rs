@@ -1,9 +1,8 @@
-//! A proxy between two interfaces: what comes on one goes to the other with faults, what comes on
-//! the other goes back unchanged.
+//! A proxy between two interfaces: frames of one go to the other with faults, frames of the other
+//! go back unchanged.
 //!
-//! It sends whatever identifiers it hears, so it is for test benches only; the gateway has no part
-//! in it. A port never hears its own frames, and nothing goes back to where it came from, so a
-//! proxy makes no loop.
+//! It forwards all identifiers, so it is for test benches only; the gateway does not use it. A port
+//! never receives its own frames, and no frame goes back to its origin, so a proxy makes no loop.
 
 mod keeper;
 mod lane;
@@ -13,25 +12,25 @@ use crate::bus::{Port, PortError, UnrestrictedPort};
 use crate::frame::{Frame, Kind};
 use crate::inject::Injector;
 pub use keeper::{Bench, run};
-pub use lane::{Lane, LaneCounts, Limits};
+pub use lane::{Lane, LaneCounts, LaneLimits};
 pub use side::{Open, Side};
 use std::time::Duration;
 
-/// The data path of the proxy. It has no clock: the ports' time stamps say how late it is.
+/// The data path of the proxy. It has no clock: the ports' time stamps provide the time.
 #[derive(Clone, Debug)]
 pub struct Proxy {
     injector: Injector,
-    /// A frame was given to the injector, whose time runs since.
+    /// Whether a frame has reached the injector, whose time then runs.
     begun: bool,
     there: Lane,
     back: Lane,
 }
 
-/// What a turn did at one interface: the frames received, or why its port is finished.
+/// Result of a turn at one interface: the number of frames received, or why its port is finished.
 pub type Outcome = Result<usize, PortError>;
 
 impl Proxy {
-    pub fn new(injector: Injector, limits: Limits) -> Self {
+    pub fn new(injector: Injector, limits: LaneLimits) -> Self {
         Self { injector, begun: false, there: Lane::new(limits), back: Lane::new(limits) }
     }
 
@@ -39,23 +38,23 @@ impl Proxy {
         &self.injector
     }
 
-    /// From the first interface to the second, with the faults.
+    /// Lane from the first interface to the second, with the faults.
     pub const fn there(&self) -> &Lane {
         &self.there
     }
 
-    /// From the second interface to the first, unchanged.
+    /// Lane from the second interface to the first, unchanged.
     pub const fn back(&self) -> &Lane {
         &self.back
     }
 
-    /// Takes what both ports have received, without waiting, and passes it on. A port that is not
-    /// there now is `None`; what should go to it is dropped and counted.
+    /// Forwards what both ports have received, without waiting. A port that is not there now is
+    /// `None`; frames for it are dropped and counted.
     ///
-    /// Every frame of the first port passes the injector in the order of arrival, so that what
-    /// comes out is what the injector makes of a recording of that port, less what was dropped.
-    /// Only while no frame has passed yet and the second port is away, nothing is injected: the time
-    /// of the faults begins with the first frame that can go through.
+    /// Every frame of the first port passes the injector in the order of arrival, so that the
+    /// output equals that of the injector for a recording of that port, except for dropped frames.
+    /// The time of the faults begins with the first frame that can be forwarded: nothing is
+    /// injected while no frame has passed yet and the second port is away.
     pub fn turn<P: UnrestrictedPort>(
         &mut self,
         mut from: Option<&mut P>,
@@ -86,13 +85,13 @@ impl Proxy {
         [at_from, at_to]
     }
 
-    /// Frames that wait for room on either interface.
+    /// Number of frames that wait for room on either interface.
     pub fn waiting(&self) -> usize {
         self.there.waiting() + self.back.waiting()
     }
 }
 
-/// Gives `forward` each frame that `port` has and that may leave its bus.
+/// Passes to `forward` each frame of `port` that may leave its bus.
 fn receive(
     port: Option<&mut impl Port>,
     lane: &mut Lane,

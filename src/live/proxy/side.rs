@@ -1,28 +1,28 @@
-//! One interface of the proxy, opened anew after each loss.
+//! One interface of the proxy, opened again after each loss.
 
 use crate::bus::UnrestrictedPort;
 use std::time::Duration;
 
-/// Opens the interface, or says for people why not.
+/// Opens the interface, or returns the reason for people.
 pub type Open<P> = Box<dyn FnMut() -> Result<P, String>>;
 
-/// The first and the longest wait between two tries to open a port.
+/// First and longest wait between two attempts to open a port.
 const BACK_OFF: (Duration, Duration) = (Duration::from_millis(50), Duration::from_secs(2));
 
-/// An interface that comes and goes.
+/// An interface that may come and go.
 pub struct Side<P> {
     open: Open<P>,
     port: Option<P>,
     back_off: Duration,
-    /// The next try to open it, on the bench's clock.
+    /// Time of the next attempt to open it, on the bench's clock.
     retry_at: Duration,
-    /// The reason of a loss that was told already.
+    /// Reason of a loss that was already reported.
     told: Option<String>,
-    /// Frames that the ports before this one lost for want of room.
+    /// Number of frames that earlier ports lost for lack of room.
     overrun: u64,
 }
 
-/// What happened to a side that someone should be told.
+/// A change of a side that is to be reported.
 pub(super) enum Change {
     Opened,
     Lost(String),
@@ -48,12 +48,12 @@ impl<P: UnrestrictedPort> Side<P> {
         self.port.as_mut()
     }
 
-    /// Frames that were lost because the receive queue was full.
+    /// Number of frames lost because the receive queue was full.
     pub fn overrun(&self) -> u64 {
         self.overrun + self.port.as_ref().map_or(0, |port| port.counts().dropped)
     }
 
-    /// Opens the port if it is closed and time for a try.
+    /// Opens the port if it is closed and an attempt is due.
     pub(super) fn attend(&mut self, now: Duration) -> Option<Change> {
         if self.port.is_some() || now < self.retry_at {
             return None;
@@ -67,7 +67,7 @@ impl<P: UnrestrictedPort> Side<P> {
         }
     }
 
-    /// The port is finished, or there is none. Told once for each new reason.
+    /// Notes that the port is finished, or that there is none. Reported once for each new reason.
     pub(super) fn lose(&mut self, reason: String, now: Duration) -> Option<Change> {
         self.overrun = self.overrun();
         self.port = None;
@@ -80,13 +80,13 @@ impl<P: UnrestrictedPort> Side<P> {
         Some(Change::Lost(reason))
     }
 
-    /// The interface carries frames: the next loss is a new one.
+    /// Notes that the interface carries frames, so that the next loss is a new one.
     pub(super) fn works(&mut self) {
         self.back_off = BACK_OFF.0;
         self.told = None;
     }
 
-    /// How long until something has to be done without a frame: the next try to open it.
+    /// Time until something has to be done without a frame: the next attempt to open it.
     pub(super) fn idle(&self, now: Duration) -> Option<Duration> {
         self.port.is_none().then(|| self.retry_at.saturating_sub(now))
     }

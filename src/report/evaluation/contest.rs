@@ -1,4 +1,4 @@
-//! The detectors against each other, as tables.
+//! Tables of the comparison of the detectors.
 
 use super::{percent, rate, seconds, suspects};
 use crate::evaluate::contest::{GradeResult, Rival, RowFigures};
@@ -12,7 +12,7 @@ pub(super) fn sections(results: &[GradeResult]) -> Vec<Section> {
     sections
 }
 
-/// A level of the curves that a person looks at: false alarms a year.
+/// Rates of false alarms, a year, for which levels of the curves are shown.
 const TOLD: [f64; 3] = [1.0, 100.0, 8766.0];
 
 fn hours(results: &[GradeResult]) -> Section {
@@ -101,7 +101,7 @@ fn rows(result: &GradeResult) -> Section {
     ))
 }
 
-/// What each rival would need at the same rate of false alarms.
+/// What each rival needs at the same rate of false alarms.
 fn curves(result: &GradeResult) -> Section {
     let mut header = vec!["fault".to_owned()];
     for per_year in TOLD {
@@ -122,8 +122,8 @@ fn curves(result: &GradeResult) -> Section {
         sheet.add_row(cells);
     }
     sheet.about(format!(
-        "median delay at equal rates of false alarms, each detector at the lowest level that has no \
-         more: {} transducers",
+        "median delay at equal rates of false alarms, each detector at the lowest level with no \
+         more false alarms: {} transducers",
         result.grade
     ))
 }

@@ -1,4 +1,4 @@
-//! An evaluation as text for a terminal and as JSON. The page of HTML is made of the same tables.
+//! An evaluation as text for a terminal and as JSON. The HTML page is made from the same tables.
 
 mod contest;
 mod weights;
@@ -9,10 +9,10 @@ use crate::evaluate::{
     SuspectFigures, WITHIN,
 };
 
-/// What the JSON begins with, between the values.
+/// Fixed parts of the JSON, between the values.
 pub const JSON_PARTS: [&str; 3] = ["{\n  \"machine\": \"", "\",\n  \"seed\": ", ",\n  \"rows\": ["];
 
-/// All of it, for scripts: the same evaluation is the same text.
+/// The evaluation as JSON for scripts: the same evaluation gives the same text.
 pub fn json(evaluation: &Evaluation) -> String {
     let mut text = serde_json::to_string_pretty(evaluation)
         .expect("names are strings, and JSON has a word for what is no number");
@@ -30,7 +30,7 @@ pub fn text(plan: &Plan, evaluation: &Evaluation) -> String {
     text
 }
 
-/// How much was tried, and what the columns mean.
+/// Extent of the evaluation, and the meaning of the columns.
 pub fn extent(plan: &Plan) -> String {
     format!(
         "simulated, seed {}, {} faults a row (a quarter for the loop); intervals of {:.0} % \
@@ -53,7 +53,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections
 }
 
-/// A cell as a person says it.
+/// A cell in words.
 pub fn place(grade: &str, [height, period]: [f64; 2]) -> String {
     format!("{grade} transducers, sea of {height} m and {period} s")
 }
@@ -122,7 +122,7 @@ fn detection(cell: Cell, evaluation: &Evaluation) -> Section {
     sheet.about(format!("what is found: {}", place(cell.grade.name(), cell.sea)))
 }
 
-/// The same faults beside the loop and in it.
+/// Table of the same faults beside the loop and in it.
 fn loops(evaluation: &Evaluation) -> Section {
     let mut sheet = Sheet::new(&[
         "fault of C1",
@@ -230,7 +230,7 @@ fn estimates(results: &[EstimateResult]) -> Section {
     }
     sheet.about(
         "the virtual sensor while it lasts: cycles with a valid estimate; errors against the rod on the \
-         scale of C1; errors of no more than two of the standard deviations that were told",
+         scale of C1; errors within two of the standard deviations given",
     )
 }
 
@@ -261,7 +261,7 @@ fn suspects(figures: &SuspectFigures) -> String {
     format!("{right}/{undecided}/{process}/{wrong}")
 }
 
-/// Events a year, to as many digits as they are worth.
+/// Events a year, with as many digits as are significant.
 fn rate(per_year: f64) -> String {
     match per_year {
         0.0 => "0".to_owned(),

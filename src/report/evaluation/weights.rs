@@ -1,4 +1,4 @@
-//! The observers' weights against each other.
+//! Table of the comparison of the observers' weights.
 
 use super::{percent, rate};
 use crate::evaluate::weights::{FAULTS, SetResult};
@@ -44,7 +44,7 @@ pub fn section(results: &[SetResult]) -> Section {
     sheet.about(
         "weights, each with its own thresholds: crossings of the thesis's δ_h on healthy machines, all \
          cylinders together; δ_h for a rate of false alarms, by the tails of the largest of each \
-         alarm.clear; faults of which the observer on the faulty transducer sees the first reading (steps), \
-         what follows within 0.1 s (incipient), or anything within 10 s (noise)",
+         alarm.clear; faults that the observer on the faulty transducer sees in the first reading \
+         (steps), within 0.1 s (incipient), or within 10 s (noise)",
     )
 }

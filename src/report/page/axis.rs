@@ -1,13 +1,13 @@
-//! Axes: what they reach over, where their ticks are, and what stands beside them.
+//! Axes: their ranges, ticks and labels.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
 
-/// How an axis counts.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Linear,
-    /// Decades.
+    /// Logarithmic.
     Log,
     /// Seconds, written as hours, minutes and seconds.
     Clock,
@@ -20,7 +20,7 @@ pub struct Axis {
     low: f64,
     high: f64,
     kind: Kind,
-    /// Ticks at most.
+    /// Most ticks.
     most: usize,
 }
 
@@ -30,30 +30,30 @@ const CLOCK_STEPS: [f64; 22] = [
     900.0, 1800.0, 3600.0, 7200.0, 14_400.0, 21_600.0,
 ];
 
-/// Fewer ticks do not tell how an axis counts.
+/// Least number of ticks by which a scale can be read.
 const FEWEST: f64 = 3.0;
 
 const DAY: f64 = 86_400.0;
 
 impl Axis {
-    /// From `low` to `high`, widened where they are the same or no numbers.
+    /// A linear axis from `low` to `high`, widened where they are equal or not numbers.
     pub fn linear(label: &str, low: f64, high: f64) -> Self {
         Self::new(label, low, high, Kind::Linear)
     }
 
-    /// Of time, s.
+    /// An axis of time, s.
     pub fn clock(label: &str, low: f64, high: f64) -> Self {
         Self::new(label, low, high, Kind::Clock)
     }
 
-    /// In decades from `low` to `high`, both above 0; a decade at least.
+    /// A logarithmic axis from `low` to `high`, both above 0; at least one decade.
     pub fn log(label: &str, low: f64, high: f64) -> Self {
         let sound = low > 0.0 && high >= low && high < 1e300;
         let (low, high) = if sound { (low, high.max(10.0 * low)) } else { (0.1, 10.0) };
         Self::new(label, low, high, Kind::Log)
     }
 
-    /// Linear over all of `values` with a little room; what is not finite is left out.
+    /// A linear axis over all of `values` with a margin; values that are not finite are ignored.
     pub fn over(label: &str, values: impl IntoIterator<Item = f64>) -> Self {
         let mut ends: Option<(f64, f64)> = None;
         for value in values.into_iter().filter(|value| value.is_finite()) {
@@ -74,7 +74,7 @@ impl Axis {
         Self { label: label.to_owned(), low, high, kind, most: 8 }
     }
 
-    /// The same with at most `most` ticks.
+    /// This axis with at most `most` ticks.
     #[must_use]
     pub fn with_ticks(mut self, most: usize) -> Self {
         self.most = most.max(2);
@@ -89,12 +89,12 @@ impl Axis {
         self.high
     }
 
-    /// Whether `value` is drawn where it is, and not at the border.
+    /// Whether `value` is within the axis, and not drawn at its border.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
 
-    /// The place of `value`: 0 is the lower end, 1 the upper one.
+    /// Relative position of `value`: 0 is the lower end, 1 the upper one.
     fn part(&self, value: f64) -> f64 {
         match self.kind {
             Kind::Log if value <= 0.0 => 0.0,
@@ -103,7 +103,7 @@ impl Axis {
         }
     }
 
-    /// Where the ticks are.
+    /// Values of the ticks.
     pub fn ticks(&self) -> Vec<f64> {
         if self.kind == Kind::Log {
             let place = |value: f64, room: f64| (value.log10() + room).floor() as i32;
@@ -118,7 +118,8 @@ impl Axis {
         (0..=count).map(|k| (first + k as f64) * step).filter(|tick| self.holds(*tick)).collect()
     }
 
-    /// From tick to tick: so many that an axis can be read, if not more than asked for.
+    /// Distance between ticks: small enough that the axis can be read, within the limit of their
+    /// number.
     fn step(&self) -> f64 {
         let least = (self.high - self.low) / self.most as f64;
         let step = self.round(least);
@@ -126,7 +127,7 @@ impl Axis {
         if count < FEWEST { self.round(step / 2.6) } else { step }
     }
 
-    /// The next round step that is not below `least`.
+    /// The next round step that is at least `least`.
     fn round(&self, least: f64) -> f64 {
         if self.kind == Kind::Clock && least > CLOCK_STEPS[0] {
             let known = CLOCK_STEPS.iter().copied().find(|step| *step >= least);
@@ -135,7 +136,7 @@ impl Axis {
         nice(least)
     }
 
-    /// What stands at the tick `value`.
+    /// Label of the tick `value`.
     pub fn text(&self, value: f64) -> String {
         match self.kind {
             Kind::Linear => decimal(value, self.step()),
@@ -152,14 +153,14 @@ impl Axis {
     }
 }
 
-/// The next of 1, 2, 5, 10, … that is not below `least`.
+/// The next of 1, 2, 5, 10, … that is at least `least`.
 fn nice(least: f64) -> f64 {
     let unit = 10_f64.powf(least.log10().floor());
     let times = [1.0, 2.0, 5.0].into_iter().find(|times| times * unit >= least * (1.0 - 1e-9));
     times.unwrap_or(10.0) * unit
 }
 
-/// With as many decimals as `step` has.
+/// `value` with as many decimals as `step` has.
 fn decimal(value: f64, step: f64) -> String {
     let places = (-(step.log10() + 1e-9).floor()).clamp(0.0, 9.0) as usize;
     let value = if value.abs() < 1e-6 * step { 0.0 } else { value };
@@ -182,7 +183,7 @@ fn clock(value: f64, step: f64) -> String {
     format!("{sign}{minutes}:{rest:0width$.places$}")
 }
 
-/// A whole number as an exponent.
+/// An integer as an exponent.
 fn raised(number: i32) -> String {
     let digit = |c: char| match c {
         '-' => '⁻',
@@ -199,7 +200,7 @@ impl Ranged for Axis {
     type ValueType = f64;
     type FormatOption = DefaultFormatting;
 
-    /// What is beyond an end is drawn at it.
+    /// Maps a value to the drawing; values beyond an end are drawn at it.
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
         let part = self.part(*value).clamp(0.0, 1.0);
         from + (part * f64::from(to - from)).round() as i32
@@ -248,7 +249,7 @@ mod tests {
         );
     }
 
-    /// Steps of 5 would leave 0 alone, those of 2 do not.
+    /// Steps of 5 would leave 0 alone; those of 2 do not.
     #[test]
     fn there_are_enough_ticks_to_read_it() {
         for k in 1..500 {
@@ -262,7 +263,7 @@ mod tests {
         }
     }
 
-    /// Whatever the values, there is an axis, and its ticks are few.
+    /// For any values there is an axis with few ticks.
     #[test]
     fn degenerate_axes_are_axes() {
         let inf = f64::INFINITY;

@@ -7,7 +7,7 @@ use super::differences::{Difference, Differences};
 use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::palette;
-use crate::calibrate::{Calibration, CylinderCalibration, Tried};
+use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
 use crate::tables::provenance::four_digits;
@@ -16,7 +16,7 @@ use plotters::style::RGBColor;
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];
 const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 
-/// The whole page; `configured`: the bound of R3 that the configuration has, m.
+/// The whole page; `configured` is the bound of R3 in the configuration, m.
 pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&result.inputs);
@@ -24,7 +24,7 @@ pub fn page(result: &Calibration, differences: &Differences, configured: f64) ->
     page.finish()
 }
 
-/// All of it that is not about where it comes from.
+/// Adds everything except the origin of the data.
 pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, configured: f64) {
     page.paragraph(&capitalised(&text::parts(result)));
     page.lines(&text::remarks(result));
@@ -48,7 +48,7 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     let profiles: Vec<(Figure, String)> =
         profiles.filter_map(|(cylinder, profile)| coverage::figure(cylinder, profile)).collect();
     if !profiles.is_empty() {
-        page.heading("Where on the stroke the sequential detectors know what C1 − C2 is");
+        page.heading("Where on the stroke the sequential detectors know C1 − C2");
         page.figures(profiles.iter().map(|(figure, caption)| (figure, caption.as_str())));
     }
 }
@@ -110,9 +110,9 @@ fn bound(result: &Calibration) -> Option<f64> {
     result.bound.map(|bound| four_digits(bound.level))
 }
 
-/// What was seen but for faulty samples, and both bounds around what is corrected.
+/// A scale for everything except faulty samples, with both bounds around the corrected values.
 fn scale(
-    tried: Option<&Tried>,
+    tried: Option<&TriedBand>,
     curve: &Curve,
     which: usize,
     bound: Option<f64>,
@@ -120,7 +120,7 @@ fn scale(
 ) -> Axis {
     let seen = tried.filter(|tried| tried.after.count > 0);
     let mut values: Vec<f64> = match seen {
-        Some(Tried { before, after, .. }) => {
+        Some(TriedBand { before, after, .. }) => {
             let spread = [before, after][which];
             // Room for what the first part had and the second had not.
             let room = 0.25 * spread.range();

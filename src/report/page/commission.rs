@@ -7,8 +7,8 @@ use super::{Differences, Page, calibration, identification, palette, tuning};
 use crate::commission::Commissioned;
 use crate::report::commission as text;
 
-/// The whole page; `differences` of its calibration where there is one, `configured`: the bound of R3 that
-/// the configuration had, m.
+/// The whole page, with the `differences` of its calibration if there is one; `configured` is the
+/// bound of R3 that the configuration had, m.
 pub fn page(result: &Commissioned, differences: Option<&Differences>, configured: f64) -> String {
     let mut page = Page::new("commission", &format!("Commissioning: {}", result.machine));
     let verdict = &result.verdict;
@@ -28,7 +28,7 @@ pub fn page(result: &Commissioned, differences: Option<&Differences>, configured
     }
     let wins = text::wins(result);
     if !result.coverage.is_empty() {
-        page.heading("What a longer recording would win");
+        page.heading("What a longer recording would add");
         page.lines(&capitalised_lines(&wins));
         page.figure(&strokes(result), "What the sequential detectors know of the strokes");
     }
@@ -49,7 +49,7 @@ fn capitalised_lines(lines: &[String]) -> String {
     lines.iter().map(|line| capitalised(line)).collect::<Vec<_>>().join("\n")
 }
 
-/// Each cylinder a line, drawn where its stroke is known.
+/// A line for each cylinder, drawn where its stroke is known.
 fn strokes(result: &Commissioned) -> Figure {
     let ends = result.coverage.iter().flat_map(|it| it.stroke);
     let x = Axis::over("C2 (m)", ends).with_ticks(8);

@@ -1,4 +1,4 @@
-//! What is known of a cylinder along its stroke, as a picture.
+//! A figure of what is known of a cylinder along its stroke.
 
 use super::axis::Axis;
 use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
@@ -8,10 +8,10 @@ use crate::report::coverage;
 use crate::sequential::reference::{DOUBTED, LARGEST_DOUBT};
 use crate::sequential::statistic::DEAD_BAND;
 
-/// The band around the profile, in standard deviations.
+/// Width of the band around the profile, standard deviations.
 const BAND: f64 = 2.0;
 
-/// So much of the stroke is shown beyond what was seen of it, m.
+/// Length of the stroke that is shown beyond what was seen, m.
 const BESIDE: f64 = 0.2;
 
 /// The profile with its band, and the time spent at each place; `None` where nothing is known.
@@ -63,7 +63,7 @@ fn shade(name: &str, colour: plotters::style::RGBColor, [from, to]: [f64; 2]) ->
     Band { name: name.to_owned(), colour, from, to }
 }
 
-/// What C1 − Ĉ2 is, mm, within the spans that are `known`.
+/// The profile of C1 − Ĉ2, mm, within the spans that are `known`.
 fn profile_panel(profile: &Profile, line: Line, known: &[[f64; 2]]) -> Panel {
     let reference = &profile.reference;
     let at = |length: f64| {

@@ -11,7 +11,7 @@ use crate::report::nonlinear as text;
 
 type Captioned = (Figure, String);
 
-/// Points that a friction curve is drawn with.
+/// Number of points of a friction curve.
 const STEPS: u32 = 120;
 
 /// Adds both sections.
@@ -90,7 +90,7 @@ fn flow(
     (Figure::single(HALF, x, panel), caption)
 }
 
-/// (3-13) with the speeds that it is from.
+/// Friction curve (3-13), with the speeds that it was fitted to.
 fn friction(number: usize, curve: &FrictionCurve) -> Captioned {
     let speeds = curve.points.iter().map(|point| point.velocity);
     let (low, high) = speeds.fold((0.0_f64, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));

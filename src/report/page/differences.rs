@@ -1,11 +1,11 @@
-//! What C1 and C2 are apart in a whole recording, before and after the correction.
+//! Differences of C1 and C2 over a whole recording, before and after the correction.
 
 use super::traces::Trace;
 use crate::calibrate::{Calibration, Line};
 use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
 
-/// Samples by position that are kept of a cylinder.
+/// Number of samples by position that are kept of a cylinder.
 const POINTS: usize = 600;
 
 /// One cylinder's differences.
@@ -25,7 +25,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Of the cylinders that have a line.
+    /// Differences of the cylinders that have a line.
     pub fn new(result: &Calibration, sample_time: f64) -> Self {
         let difference = |cylinder: &crate::calibrate::CylinderCalibration| {
             let line = cylinder.result.as_ref().ok()?.line;
@@ -35,7 +35,7 @@ impl Differences {
         Self { cylinders: result.cylinders.iter().map(difference).collect() }
     }
 
-    /// Those of the cylinder `number` (from 1).
+    /// Differences of the cylinder `number` (from 1).
     pub fn of(&self, number: u8) -> Option<&Difference> {
         self.cylinders.get(usize::from(number).checked_sub(1)?)?.as_ref()
     }

@@ -1,9 +1,9 @@
-//! Figures as SVG, by plotters.
+//! Draws figures as SVG, with plotters.
 //!
 //! plotters draws in whole units; there are two of them to a CSS pixel, so that curves are smooth.
 
 use super::axis::Axis;
-use super::figure::{Curve, Figure, Mark, Panel, Shape};
+use super::figure::{Curve, Figure, FigureMark, Panel, Shape};
 use super::html::escaped;
 use super::palette::{GREY, INK};
 use plotters::chart::ChartContext;
@@ -13,20 +13,23 @@ use plotters::prelude::{
     RGBColor, Rectangle, SVGBackend, TRANSPARENT,
 };
 
-/// Units of a CSS pixel.
+/// Units of the drawing in a CSS pixel.
 const FINE: u32 = 2;
 
-/// Around a plot, CSS pixels: room for accents of the label of y; ticks and label of y, of x; room
-/// for flags above, and for half a tick's text at the right.
+/// Margin around a plot, CSS pixels: room for accents of the y label.
 const MARGIN: u32 = 5;
+/// Margin at the left of a plot, CSS pixels: ticks and label of y.
 const LEFT: u32 = 71;
+/// Margin below a plot, CSS pixels: ticks and label of x.
 const BELOW: u32 = 42;
+/// Margin above a plot, CSS pixels: flags.
 const ABOVE: u32 = 10;
+/// Margin at the right of a plot, CSS pixels: half a tick's text.
 const RIGHT: u32 = 22;
-/// Under a panel that has another one below.
+/// Space under a panel that has another one below, CSS pixels.
 const BETWEEN: u32 = 4;
 
-/// plotters writes a font size divided by 1.24: this is 12 CSS pixels.
+/// Font size: plotters divides it by 1.24, so this is 12 CSS pixels.
 const TEXT: u32 = 30;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -116,8 +119,8 @@ fn draw_mesh(chart: &mut Chart, x: &Axis, panel: &Panel, last: bool) -> Drawn {
     Ok(())
 }
 
-/// A translucent line behind the curves, with a flag above the plot that none of them hides.
-fn draw_mark(chart: &mut Chart, screen: &Area, panel: &Panel, mark: &Mark) -> Drawn {
+/// Draws a translucent line behind the curves, with a flag above the plot that no curve hides.
+fn draw_mark(chart: &mut Chart, screen: &Area, panel: &Panel, mark: &FigureMark) -> Drawn {
     let ends = [(mark.at, panel.y.low()), (mark.at, panel.y.high())];
     let line = PathElement::new(ends.to_vec(), mark.colour.mix(0.5).stroke_width(3));
     chart.plotting_area().draw(&line)?;
@@ -155,12 +158,12 @@ fn draw_curve(chart: &mut Chart, panel: &Panel, curve: &Curve) -> Drawn {
     Ok(())
 }
 
-/// From each x to the next at its own height; the last point ends it.
+/// Steps from each x to the next at its own height; the last point ends the line.
 fn steps(run: &[(f64, f64)]) -> Vec<(f64, f64)> {
     run.windows(2).flat_map(|pair| [pair[0], (pair[1].0, pair[0].1)]).collect()
 }
 
-/// Small triangles where a line leaves the panel.
+/// Draws small triangles where a line leaves the panel.
 fn draw_overflow(chart: &Chart, screen: &Area, panel: &Panel, curve: &Curve) -> Drawn {
     if !matches!(curve.shape, Shape::Line | Shape::Hairline) {
         return Ok(());

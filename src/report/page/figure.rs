@@ -1,25 +1,25 @@
-//! Figures as data: panels over each other that share the axis below.
+//! Figures as data: panels above each other that share the x axis.
 
 use super::axis::Axis;
 use plotters::style::RGBColor;
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     Line,
-    /// A line of half the weight, for what is behind.
+    /// A line of half the weight, for the background.
     Hairline,
     Dots,
-    /// From the lower end of the panel to the points, from each x to the next.
+    /// Bars from the lower end of the panel to the points, from each x to the next.
     Bars,
-    /// From each x to the next.
+    /// Steps from each x to the next.
     Steps,
 }
 
-/// One curve; where data are missing it is in several runs.
+/// One curve, in several runs where data are missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// For the legend.
+    /// Name for the legend.
     pub name: String,
     pub colour: RGBColor,
     pub shape: Shape,
@@ -36,13 +36,13 @@ pub struct Level {
 
 /// A vertical line behind the curves.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub struct FigureMark {
     pub name: String,
     pub colour: RGBColor,
     pub at: f64,
 }
 
-/// Shading behind everything, along the axis below.
+/// A shaded band behind everything, along the x axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     pub name: String,
@@ -51,29 +51,31 @@ pub struct Band {
     pub to: f64,
 }
 
-/// One field of a figure.
+/// One panel of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Of the plot itself, CSS pixels.
+    /// Height of the plot itself, CSS pixels.
     pub height: u32,
     pub y: Axis,
     pub curves: Vec<Curve>,
-    /// Along the axis below.
+    /// Levels, horizontal lines along the x axis.
     pub levels: Vec<Level>,
-    pub marks: Vec<Mark>,
+    /// Vertical lines.
+    pub marks: Vec<FigureMark>,
+    /// Shaded bands along the x axis.
     pub bands: Vec<Band>,
 }
 
-/// Panels with one common axis below.
+/// Panels with a common x axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// CSS pixels.
+    /// Width, CSS pixels.
     pub width: u32,
     pub x: Axis,
     pub panels: Vec<Panel>,
 }
 
-/// What a legend's entry looks like.
+/// Symbol of a legend's entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sample {
     Line,
@@ -90,9 +92,9 @@ pub struct Entry {
     pub sample: Sample,
 }
 
-/// The width of a figure over the whole page, CSS pixels.
+/// Width of a figure over the whole page, CSS pixels.
 pub const WIDE: u32 = 960;
-/// And of one of two beside each other.
+/// Width of one of two figures beside each other, CSS pixels.
 pub const HALF: u32 = 470;
 
 impl Curve {
@@ -105,14 +107,14 @@ impl Curve {
         Self { name: name.to_owned(), colour, shape: Shape::Dots, runs: vec![points] }
     }
 
-    /// The same, drawn as `shape`.
+    /// This curve, drawn as `shape`.
     #[must_use]
     pub fn shaped(mut self, shape: Shape) -> Self {
         self.shape = shape;
         self
     }
 
-    /// The points of `values`, split where one is missing.
+    /// A curve of the points of `values`, split where one is missing.
     pub fn broken(
         name: &str,
         colour: RGBColor,
@@ -130,19 +132,19 @@ impl Curve {
         Self { name: name.to_owned(), colour, shape: Shape::Line, runs }
     }
 
-    /// All y.
+    /// All y values.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.runs.iter().flatten().map(|(_, y)| *y)
     }
 }
 
 impl Panel {
-    /// With curves only.
+    /// A panel with curves only.
     pub fn new(height: u32, y: Axis, curves: Vec<Curve>) -> Self {
         Self { height, y, curves, levels: Vec::new(), marks: Vec::new(), bands: Vec::new() }
     }
 
-    /// How many dots are beyond the scale, and not drawn.
+    /// Number of dots beyond the scale, which are not drawn.
     pub fn beyond(&self) -> usize {
         let dots = self.curves.iter().filter(|curve| curve.shape == Shape::Dots);
         dots.flat_map(Curve::values).filter(|y| !self.y.holds(*y)).count()
@@ -159,12 +161,12 @@ impl Panel {
 }
 
 impl Figure {
-    /// Of one panel.
+    /// A figure with one panel.
     pub fn single(width: u32, x: Axis, panel: Panel) -> Self {
         Self { width, x, panels: vec![panel] }
     }
 
-    /// What its curves, levels, marks and bands are called, each once, where they are drawn at all.
+    /// Legend of the curves, levels, marks and bands, each name once, if they are drawn at all.
     pub fn legend(&self) -> Vec<Entry> {
         let mut entries: Vec<Entry> = Vec::new();
         let mut add = |name: &str, colour: RGBColor, sample: Sample| {
@@ -191,7 +193,7 @@ impl Figure {
         entries
     }
 
-    /// The same as SVG; `label` says what it is to who cannot see it.
+    /// The figure as SVG; `label` describes it for people who cannot see it.
     pub fn svg(&self, label: &str) -> String {
         super::drawing::svg(self, label)
     }

@@ -1,15 +1,15 @@
-//! How often a residual was how large, against its threshold.
+//! Histogram of a residual against its threshold.
 
-/// Bins on either side of zero.
+/// Number of bins on either side of zero.
 const SIDE: usize = 60;
 
-/// The scale reaches to this many thresholds.
+/// Range of the scale, as a multiple of the threshold.
 const REACH: f64 = 3.0;
 
-/// Equal bins around zero; what is beyond the scale is counted by its side.
+/// Equal bins around zero; values beyond the scale are counted by their side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// Of a bin, in the unit of the values.
+    /// Width of a bin, in the unit of the values.
     width: f64,
     counts: [u64; 2 * SIDE],
     beyond: u64,
@@ -23,7 +23,7 @@ impl Histogram {
         Self { width: reach / SIDE as f64, counts: [0; 2 * SIDE], beyond: 0 }
     }
 
-    /// Takes a value; one that is no number is left out.
+    /// Adds a value; not-a-number is ignored.
     pub fn add(&mut self, value: f64) {
         let place = (value / self.width).floor() + SIDE as f64;
         if (0.0..(2 * SIDE) as f64).contains(&place) {
@@ -33,7 +33,7 @@ impl Histogram {
         }
     }
 
-    /// The end of the scale.
+    /// End of the scale.
     pub fn reach(&self) -> f64 {
         self.width * SIDE as f64
     }
@@ -42,24 +42,24 @@ impl Histogram {
         self.width
     }
 
-    /// Values beyond the scale.
+    /// Number of values beyond the scale.
     pub const fn beyond(&self) -> u64 {
         self.beyond
     }
 
-    /// All values, those beyond the scale among them.
+    /// Number of all values, including those beyond the scale.
     pub fn count(&self) -> u64 {
         self.counts.iter().sum::<u64>() + self.beyond
     }
 
-    /// The lower end of each bin and its count, and the end of the last one.
+    /// Lower end of each bin and its count, and the end of the last one.
     pub fn steps(&self) -> Vec<(f64, f64)> {
         let place = |k: usize| (k as f64 - SIDE as f64) * self.width;
         let bins = self.counts.iter().enumerate().map(|(k, count)| (place(k), *count as f64));
         bins.chain([(place(2 * SIDE), 0.0)]).collect()
     }
 
-    /// Both together; their scales are the same.
+    /// Adds the counts of `other`, whose scale is the same.
     pub fn merge(&mut self, other: &Self) {
         self.counts.iter_mut().zip(other.counts).for_each(|(count, more)| *count += more);
         self.beyond += other.beyond;

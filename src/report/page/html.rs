@@ -1,14 +1,14 @@
-//! The skeleton of a page: one file, no network, no script, sound as XML, too.
+//! The skeleton of a page: one file, without network or script, also valid as XML.
 
 use super::figure::{Entry, Figure, Sample};
 use crate::report::sheet::Section;
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
-/// Tables of more columns are written smaller.
+/// Number of columns beyond which a table is written smaller.
 const WIDE: usize = 10;
 
-/// Loads nothing, runs nothing, whatever a name in it says.
+/// Content security policy: loads nothing and runs nothing, whatever names are in the page.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
 
 const STYLE: &str = "
@@ -65,27 +65,27 @@ pub struct Page {
     command: &'static str,
     title: String,
     body: String,
-    /// Headings are those of a part, not of the page.
+    /// Whether headings are those of a part, and not of the page.
     within: bool,
 }
 
 impl Page {
-    /// An empty page of `command`, which the page names as what made it.
+    /// An empty page by `command`, which the page names as its generator.
     pub fn new(command: &'static str, title: &str) -> Self {
         Self { command, title: title.to_owned(), body: String::new(), within: false }
     }
 
-    /// A section.
+    /// Begins a section.
     pub fn heading(&mut self, text: &str) {
         self.element(if self.within { "h3" } else { "h2" }, text);
     }
 
-    /// A part of a section.
+    /// Begins a part of a section.
     pub fn subheading(&mut self, text: &str) {
         self.element(if self.within { "h4" } else { "h3" }, text);
     }
 
-    /// What would be a page of its own as a part of this one.
+    /// Adds what would be a page of its own as a part of this one.
     pub fn part(&mut self, text: &str, add: impl FnOnce(&mut Self)) {
         self.element("h2", text);
         let within = std::mem::replace(&mut self.within, true);
@@ -93,15 +93,15 @@ impl Page {
         self.within = within;
     }
 
-    /// A paragraph; nothing where there is nothing to say.
+    /// Adds a paragraph; nothing if `text` is empty.
     pub fn paragraph(&mut self, text: &str) {
         if !text.trim().is_empty() {
             self.element("p", text);
         }
     }
 
-    /// What has to be read before anything else, each line on a line of its own; nothing where there is
-    /// nothing to say.
+    /// Adds a text that must be read first, each line on a line of its own; nothing if `text` is
+    /// empty.
     pub fn alarm(&mut self, text: &str) {
         if !text.trim().is_empty() {
             self.body += "<div class=\"alarm\" role=\"alert\">\n";
@@ -110,14 +110,14 @@ impl Page {
         }
     }
 
-    /// As [`Self::alarm`], where all is well.
+    /// Adds a text as [`Self::alarm`] does, where all is well.
     pub fn good(&mut self, text: &str) {
         self.body += "<div class=\"good\">\n";
         self.lines(text);
         self.body += "</div>\n";
     }
 
-    /// Each line of `text` on a line of its own, empty ones left out.
+    /// Adds each line of `text` on a line of its own, without empty ones.
     pub fn lines(&mut self, text: &str) {
         let lines: Vec<&str> =
             text.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
@@ -131,7 +131,7 @@ impl Page {
         self.body += "</ul>\n";
     }
 
-    /// A table; nothing where it has no rows. Numbers stand at the right.
+    /// Adds a table; nothing if it has no rows. Numbers are right-aligned.
     pub fn table<T: AsRef<str>>(&mut self, header: &[T], rows: &[Vec<String>]) {
         if rows.is_empty() {
             return;
@@ -159,7 +159,7 @@ impl Page {
         self.body += "</tbody></table></div>\n";
     }
 
-    /// A table with what it is about; nothing where it has no rows.
+    /// Adds a table with its introduction; nothing if it has no rows.
     pub fn section(&mut self, section: &Section) {
         if !section.sheet.rows.is_empty() {
             self.paragraph(&capitalised(&section.about));
@@ -167,7 +167,7 @@ impl Page {
         }
     }
 
-    /// A figure under the first line of `caption`, with its legend and the other lines below.
+    /// Adds a figure under the first line of `caption`, with its legend and the other lines below.
     pub fn figure(&mut self, figure: &Figure, caption: &str) {
         let mut lines = caption.lines().filter(|line| !line.is_empty());
         let title = lines.next().unwrap_or_default();
@@ -181,7 +181,7 @@ impl Page {
         self.body += "</figure>\n";
     }
 
-    /// Figures of half the width beside each other, two in a row.
+    /// Adds figures of half the width beside each other, two in a row.
     pub fn figures<'a>(&mut self, figures: impl IntoIterator<Item = (&'a Figure, &'a str)>) {
         self.body += "<div class=\"pair\">\n";
         for (figure, caption) in figures {
@@ -190,7 +190,7 @@ impl Page {
         self.body += "</div>\n";
     }
 
-    /// The whole file.
+    /// Text of the whole file.
     pub fn finish(self) -> String {
         let title = escaped(&self.title);
         format!(
@@ -235,20 +235,21 @@ fn legend(entries: &[Entry]) -> String {
     text + "</ul>\n"
 }
 
-/// With a capital at the beginning, as a line of its own.
+/// `text` with a capital at the beginning, as a line of its own.
 pub fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
     rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
 }
 
-/// Whether a cell is read as a number: it has a digit at its beginning, behind a sign at most, or
-/// stands for one that is not there.
+/// Whether a cell is a number: it begins with a digit, after an optional sign, or stands for a
+/// missing number.
 fn is_number(cell: &str) -> bool {
     let cell = cell.trim_start_matches(['-', '−', '+', '±', ' ', '<', '>', '≥', '≤']);
     cell.is_empty() || matches!(cell, "–" | "?") || cell.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// `text` as the content of an element or of an attribute. What XML has no place for is replaced.
+/// `text` as the content of an element or of an attribute. Characters that XML does not allow are
+/// replaced.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -10,7 +10,7 @@ use crate::identify::outcome::{CylinderOutcome, Outcome};
 use crate::identify::validate::{Shown, Trials};
 use crate::report::identification as text;
 
-/// Of the excerpt, shown where single cycles count, s.
+/// Length of the excerpt that shows single cycles, s.
 const STRETCH: f64 = 12.0;
 
 const TIME: &str = "time since the first frame";
@@ -25,7 +25,7 @@ pub fn page(outcome: &Outcome) -> String {
     page.finish()
 }
 
-/// All of it that is not about where it comes from.
+/// Adds everything except the origin of the data.
 pub fn add(page: &mut Page, outcome: &Outcome) {
     page.lines(&capitalised(&text::parts(outcome)));
     page.lines(&text::remarks(outcome));
@@ -53,7 +53,7 @@ fn show(page: &mut Page, figures: &[Captioned]) {
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// The figures that `of` makes of each cylinder that was tried.
+/// Figures by `of` for each cylinder that was tried.
 fn shown(
     outcome: &Outcome,
     of: impl Fn(&Outcome, &CylinderOutcome, &Trials) -> Vec<Captioned>,
@@ -62,7 +62,7 @@ fn shown(
     tried.flat_map(|(cylinder, trials)| of(outcome, cylinder, trials)).collect()
 }
 
-/// `of` each cycle, broken where cycles are missing.
+/// Values by `of` for each cycle, broken where cycles are missing.
 fn over_time(
     name: &str,
     colour: plotters::style::RGBColor,
@@ -92,7 +92,7 @@ fn time_axis(excerpt: &[Shown], ticks: usize) -> Axis {
     Axis::clock(TIME, ends[0], ends[1]).with_ticks(ticks)
 }
 
-/// The model against the readings, on the part that was held back.
+/// Adds the comparison of the model with the readings, on the part that was held back.
 fn tried(page: &mut Page, outcome: &Outcome) {
     let figures = shown(outcome, |outcome, cylinder, trials| {
         simulated(outcome, cylinder, trials).into_iter().collect()
@@ -212,7 +212,7 @@ fn correlations(outcome: &Outcome, cylinder: &CylinderOutcome, _: &Trials) -> Ve
     ]
 }
 
-/// What was recorded and what the fit saw of it.
+/// Adds the recorded signals and those that the fit used.
 fn show_data(page: &mut Page, outcome: &Outcome) {
     let figures = shown(outcome, |outcome, cylinder, trials| {
         smoothed(outcome, cylinder, trials).into_iter().collect()

@@ -1,10 +1,9 @@
-//! Pages of HTML: one file each, with figures as SVG inside, that needs no network and no script.
+//! HTML pages: one file each, with figures as SVG inside, without network or script.
 //!
-//! [`html`] is the skeleton, [`figure`] what a figure shows, [`axis`] and `drawing` how it is drawn.
-//! What a figure of a whole recording needs is gathered while it streams by, in bounded memory:
-//! [`traces`] (extremes by time), [`histogram`], [`zoom`] (the cycles around warnings),
-//! [`differences`] (C1 − C2 by time and by position). Beside them
-//! there is a file for each page.
+//! [`html`] is the skeleton, [`figure`] the data of a figure, [`axis`] and `drawing` its drawing.
+//! The data of a whole recording are gathered while it streams, in bounded memory: [`traces`]
+//! (extremes by time), [`histogram`], [`zoom`] (the cycles around warnings), [`differences`] (C1 −
+//! C2 by time and by position). Each page also has a file of its own.
 
 pub mod axis;
 pub mod calibration;
@@ -28,4 +27,4 @@ pub mod zoom;
 
 pub use differences::Differences;
 pub use html::Page;
-pub use recorder::Recorder;
+pub use recorder::PageRecorder;

@@ -1,4 +1,4 @@
-//! Colours for a light background, told apart by who sees few colours, too (Okabe and Ito).
+//! Colours for a light background that colour-blind people can also distinguish (Okabe and Ito).
 
 use crate::alarm::Level;
 use plotters::style::RGBColor;
@@ -14,11 +14,12 @@ pub const GREEN: RGBColor = RGBColor(0, 128, 96);
 pub const PURPLE: RGBColor = RGBColor(176, 84, 140);
 pub const RED: RGBColor = RGBColor(200, 16, 46);
 
-/// The threshold that raises, and the one that clears.
+/// Colour of the threshold that raises.
 pub const HIGH: RGBColor = RED;
+/// Colour of the threshold that clears.
 pub const LOW: RGBColor = ORANGE;
 
-/// Of cylinders 1 to 6.
+/// Colours of cylinders 1 to 6.
 pub const CYLINDERS: [RGBColor; 6] = [BLUE, VERMILION, GREEN, PURPLE, SKY, INK];
 
 /// The colour of the cylinder `number` (from 1).
@@ -26,7 +27,7 @@ pub const fn cylinder(number: usize) -> RGBColor {
     CYLINDERS[(number + CYLINDERS.len() - 1) % CYLINDERS.len()]
 }
 
-/// Of an alarm level.
+/// Colour of an alarm level.
 pub const fn level(level: Level) -> RGBColor {
     match level {
         Level::None => GREY,

@@ -1,4 +1,4 @@
-//! Gathers what the page of a replay shows, beside the replay and in bounded memory.
+//! Gathers the data of a replay's page during the replay, in bounded memory.
 
 use super::histogram::Histogram;
 use super::traces::Trace;
@@ -9,22 +9,22 @@ use crate::monitor::{MonitorDesign, Notice, Record};
 use crate::report::episode;
 use crate::time::{Span, Timestamp};
 
-/// Jumps in time that are marked, and losses of the bus; the others are counted.
+/// Most jumps in time, and losses of the bus, that are marked; further ones are counted.
 const MARKED: usize = 100;
 
-/// The thresholds of one residual, m.
+/// Thresholds of one residual, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// δ_l: below it the residual counts towards clearing.
+    /// Lower threshold δ_l, below which the residual counts towards clearing.
     pub low: f64,
-    /// δ_h, or the bound of R3.
+    /// Upper threshold δ_h, or the bound of R3.
     pub high: f64,
 }
 
-/// What is drawn of one cylinder.
+/// Data that are drawn of one cylinder.
 #[derive(Clone, Debug)]
 pub struct Gathered {
-    /// Of R1, R2 and R3.
+    /// Bounds of R1, R2 and R3.
     pub bounds: [Bounds; 3],
     /// R1 and R2 where they are judged, and R3; shaded where neither FDE1 nor FDE2 judges.
     pub residuals: Trace<3>,
@@ -41,41 +41,42 @@ pub struct Raised {
     pub level: Level,
 }
 
-/// The figures' time: seconds since the first frame, and where the time stamps jump it goes on as if
-/// no time had passed.
+/// Time axis of the figures: seconds since the first frame; where the time stamps jump it continues
+/// as if no time had passed.
 #[derive(Clone, Debug, Default)]
 struct Axis {
     skipped: Span,
     jumps: u64,
-    /// When they were.
+    /// Times of the jumps.
     at: Vec<f64>,
 }
 
-/// Takes what the monitor gives.
+/// Takes the monitor's output.
 #[derive(Clone, Debug)]
-pub struct Recorder {
+pub struct PageRecorder {
     axis: Axis,
     cylinders: Vec<Gathered>,
     zooms: Zooms,
     raised: Vec<Raised>,
     count: usize,
-    /// When the bus was lost.
+    /// Times at which the bus was lost.
     lost_at: Vec<f64>,
 }
 
-/// Everything gathered.
+/// Everything that was gathered.
 #[derive(Clone, Debug)]
 pub struct Recorded {
     pub cylinders: Vec<Gathered>,
     pub zooms: Vec<super::zoom::Zoom>,
-    /// Warnings that no zoom shows.
+    /// Number of warnings that no zoom shows.
     pub not_zoomed: u64,
     /// The first warnings, as many as are kept for the page's table.
     pub raised: Vec<Raised>,
-    /// How often the time stamps jumped, and where (of the first ones).
+    /// Number of jumps of the time stamps.
     pub jumps: u64,
+    /// Times of the first jumps of the time stamps.
     pub jumped_at: Vec<f64>,
-    /// When the bus was lost (the first times).
+    /// Times at which the bus was lost (the first ones).
     pub lost_at: Vec<f64>,
 }
 
@@ -95,8 +96,8 @@ impl Axis {
     }
 }
 
-impl Recorder {
-    /// For a monitor of `design`.
+impl PageRecorder {
+    /// A recorder for a monitor of `design`.
     pub fn new(design: &MonitorDesign) -> Self {
         let sample_time = design.timing.sample_time.as_seconds();
         let gathered = |cylinder: &crate::monitor::cylinder::CylinderDesign| {
@@ -120,7 +121,7 @@ impl Recorder {
         }
     }
 
-    /// A cycle of one cylinder; `first` is the time stamp of the recording's first frame.
+    /// Takes a cycle of one cylinder; `first` is the time stamp of the recording's first frame.
     pub fn record(&mut self, first: Timestamp, record: &Record) {
         let t = self.axis.place(first, record.timestamp);
         let Some(cylinder) = self.cylinders.get_mut(usize::from(record.cylinder).wrapping_sub(1))
@@ -169,7 +170,7 @@ impl Recorder {
         }
     }
 
-    /// Values before and behind `t` do not belong together.
+    /// Separates the values before and after `t`, which do not belong together.
     fn interrupt(&mut self, t: f64) {
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.residuals.interrupt());
         self.zooms.interrupt(t);
@@ -189,7 +190,7 @@ impl Recorder {
 }
 
 impl Recorded {
-    /// The newest time on the figures' axis, s.
+    /// Newest time on the figures' axis, s.
     pub fn end(&self) -> f64 {
         self.cylinders.iter().map(|cylinder| cylinder.residuals.end()).fold(0.0, f64::max)
     }

@@ -1,7 +1,7 @@
 //! The page of a replay.
 
 use super::axis::Axis;
-use super::figure::{Band, Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
+use super::figure::{Band, Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::palette;
 use super::recorder::{Bounds, Gathered, Raised, Recorded};
 use super::zoom::Zoom;
@@ -14,7 +14,8 @@ const TIME: &str = "time since the first frame";
 
 const RESIDUALS: [&str; 3] = ["R1", "R2", "R3"];
 
-/// Residuals are drawn up to this many thresholds; what is beyond is a triangle at the border.
+/// Range of the residuals' scale, as a multiple of the threshold; values beyond are drawn as
+/// triangles at the border.
 const SCALE: f64 = 8.0;
 
 /// The whole page, from the same facts as the text for a terminal.
@@ -68,8 +69,8 @@ fn over_time(page: &mut Page, recorded: &Recorded) {
     );
     if recorded.jumps > 0 {
         page.paragraph(&format!(
-            "The time stamps jumped {}. The figures go on there as if no time had passed, so \
-             that behind the first jump their time is not that of the table of warnings.",
+            "The time stamps jumped {}. The figures continue there as if no time had passed, so \
+             that after the first jump their time differs from that in the table of warnings.",
             wording::times(recorded.jumps)
         ));
     }
@@ -100,7 +101,7 @@ fn residuals(number: u8, cylinder: &Gathered, recorded: &Recorded) -> Option<(Fi
     (!panels.is_empty()).then_some((Figure { width: WIDE, x, panels }, caption))
 }
 
-/// The panel of one residual, and what is to be said of values beyond its scale.
+/// Panel of one residual, with a remark on values beyond its scale.
 fn residual(
     i: usize,
     number: u8,
@@ -126,7 +127,8 @@ fn residual(
     };
     panel.marks.extend(recorded.raised.iter().filter(shows).map(mark));
     for (name, places) in [("time jump", &recorded.jumped_at), ("bus lost", &recorded.lost_at)] {
-        let broken = |at: &f64| Mark { name: name.to_owned(), colour: palette::GREY, at: *at };
+        let broken =
+            |at: &f64| FigureMark { name: name.to_owned(), colour: palette::GREY, at: *at };
         panel.marks.extend(places.iter().map(broken));
     }
     if i < 2 {
@@ -154,7 +156,7 @@ fn thresholds(panel: Panel, i: usize, bounds: Bounds) -> Panel {
     panel.with_bounds(&clears, palette::LOW, low).with_bounds(&raises, palette::HIGH, high)
 }
 
-/// Which residual a detector judges; `None` where it judges none.
+/// Index of the residual that a detector judges; `None` where it judges none.
 fn place(detector: Detector) -> Option<usize> {
     match detector {
         Detector::Fde1 => Some(0),
@@ -164,8 +166,8 @@ fn place(detector: Detector) -> Option<usize> {
     }
 }
 
-fn mark(raised: &Raised) -> Mark {
-    Mark {
+fn mark(raised: &Raised) -> FigureMark {
+    FigureMark {
         name: format!("warning, {}", raised.level.name()),
         colour: palette::level(raised.level),
         at: raised.t,
@@ -297,7 +299,7 @@ fn histograms(page: &mut Page, recorded: &Recorded) {
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// The counts of one residual by its size, all cylinders together and each.
+/// Histograms of one residual, for all cylinders together and for each.
 fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
     let bounds = recorded.cylinders.first()?.bounds[i];
     let mut all = Histogram::new(bounds.high);
@@ -329,7 +331,7 @@ fn distribution(i: usize, recorded: &Recorded) -> Option<(Figure, String)> {
     // The same names as the levels of the panels above.
     let levels =
         thresholds(Panel::new(0, Axis::linear("", 0.0, 1.0), Vec::new()), i, bounds).levels;
-    let upright = |Level { name, colour, value }| Mark { name, colour, at: value };
+    let upright = |Level { name, colour, value }| FigureMark { name, colour, at: value };
     panel.marks = levels.into_iter().map(upright).collect();
     let x = Axis::linear(&format!("{} (mm)", RESIDUALS[i]), -reach, reach).with_ticks(7);
     let mut caption = format!("{}: {} values", RESIDUALS[i], all.count());

@@ -1,4 +1,4 @@
-//! What was read on the stops, on the page of a replay.
+//! The section on the stops, on the page of a replay.
 
 use super::Page;
 use super::axis::Axis;
@@ -9,13 +9,14 @@ use crate::sequential::Dwell;
 
 const DAY: f64 = 86_400.0;
 
-/// Histories of fewer days are drawn on a clock.
+/// Length of a history, days, below which it is drawn on a clock.
 const FEW_DAYS: f64 = 2.0;
 
-/// Scatter is drawn no larger than this lets it, mm: a reading repeats to no better.
+/// Least scale of the figure, mm, which keeps the scatter small: a reading does not repeat more
+/// accurately.
 const LEAST: f64 = 0.05;
 
-/// The section; nothing where nothing was read.
+/// Adds the section; nothing where nothing was read.
 pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     if stops.is_empty() {
         return;
@@ -23,10 +24,11 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.heading("On the stops");
     page.paragraph(&stops.verdict());
     page.paragraph(
-        "Where the rods stand on their mechanical stops a reading repeats. What all cylinders do alike is \
-         the temperature, what both transducers of one do alike is its stop. A drift is told where the two \
-         have come apart beyond chance, of the one that has moved as soon as that is clear, and the time \
-         left with the earliest and the latest that the dwells allow.",
+        "Where the rods stand on their mechanical stops a reading repeats. A movement common to \
+         all cylinders is the temperature; one common to both transducers of a cylinder is its \
+        stop. A drift is reported where the two have come apart beyond chance, with the transducer \
+        that has moved as soon as that is clear, and with the expected, earliest and latest time \
+        left.",
     );
     page.table(&stops.columns(), &stops.rows());
     let figures: Vec<(Figure, String)> =
@@ -34,7 +36,7 @@ pub(super) fn section(page: &mut Page, stops: &Stops<'_>) {
     page.figures(figures.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
-/// How the readings of one cylinder have moved, which may move by `limit`, m; `None` with too few dwells.
+/// Moves of the readings of one cylinder, whose limit is `limit`, m; `None` with too few dwells.
 fn figure(stop: &Stop<'_>, limit: f64) -> Option<(Figure, String)> {
     let history = stop.history;
     let (first, newest) = (history.dwells().first()?.at, history.dwells().last()?);

@@ -1,19 +1,21 @@
-//! Curves of a whole recording in bounded memory: the least and the largest of each time bucket.
+//! Curves of a whole recording in bounded memory: the least and the largest value of each time
+//! bucket.
 
-/// Buckets of a trace at most; at least half of them are used once a recording is long enough.
+/// Most buckets of a trace; at least half of them are used once a recording is long enough.
 pub const BUCKETS: usize = 2048;
 
-/// Empty buckets in a row beyond which a curve is broken.
+/// Number of consecutive empty buckets beyond which a curve is broken.
 const GAP: usize = 2;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Bucket<const N: usize> {
     low: [f64; N],
     high: [f64; N],
-    /// Cycles, and those of them that are to be shaded.
+    /// Number of cycles.
     count: u32,
+    /// Number of cycles that are to be shaded.
     shaded: u32,
-    /// What came before it does not belong to it.
+    /// Whether the values before do not belong to this bucket.
     breaks: bool,
 }
 
@@ -37,15 +39,15 @@ impl<const N: usize> Bucket<N> {
     }
 }
 
-/// `N` signals on one time axis, which begins at 0. No value is lost however long it gets: extremes
-/// are kept, and only *when* in a bucket they were is forgotten.
+/// A trace of `N` signals on one time axis, which begins at 0. No extreme value is lost however
+/// long it gets; only its exact time within a bucket is forgotten.
 #[derive(Clone, Debug)]
 pub struct Trace<const N: usize> {
-    /// s.
+    /// Width of a bucket, s.
     width: f64,
     buckets: Vec<Bucket<N>>,
     end: f64,
-    /// What comes next does not belong to what came before.
+    /// Whether the next values do not belong to the earlier ones.
     broken: bool,
 }
 
@@ -56,7 +58,7 @@ impl<const N: usize> Trace<N> {
     }
 
     /// Takes the values at `t` seconds; `shaded`: this cycle is part of a shaded stretch. A time
-    /// before 0 counts as 0, and one that is no number is left out.
+    /// before 0 counts as 0, and not-a-number is ignored.
     pub fn add(&mut self, t: f64, values: [Option<f64>; N], shaded: bool) {
         if !t.is_finite() {
             return;
@@ -82,7 +84,7 @@ impl<const N: usize> Trace<N> {
         }
     }
 
-    /// What comes next does not belong to what came before: no line goes from the one to the other.
+    /// Breaks the curve: the next values are not connected to the earlier ones.
     pub const fn interrupt(&mut self) {
         self.broken = true;
     }
@@ -93,17 +95,17 @@ impl<const N: usize> Trace<N> {
         self.width *= 2.0;
     }
 
-    /// The newest time, s.
+    /// Newest time, s.
     pub const fn end(&self) -> f64 {
         self.end
     }
 
-    /// How long a bucket is, s.
+    /// Width of a bucket, s.
     pub const fn width(&self) -> f64 {
         self.width
     }
 
-    /// The least and the largest of the signal `i`; `None` where it never came.
+    /// Least and largest value of the signal `i`; `None` where it never came.
     pub fn extremes(&self, i: usize) -> Option<[f64; 2]> {
         let known = self.buckets.iter().filter(|bucket| bucket.low[i] <= bucket.high[i]);
         known
@@ -111,8 +113,8 @@ impl<const N: usize> Trace<N> {
             .reduce(|[a, b], [low, high]| [a.min(low), b.max(high)])
     }
 
-    /// The signal `i` as a line that goes through the extremes of each bucket, broken where nothing
-    /// came and where it was interrupted.
+    /// The signal `i` as a line through the extremes of each bucket, broken where nothing came and
+    /// where it was interrupted.
     pub fn runs(&self, i: usize) -> Vec<Vec<(f64, f64)>> {
         let mut runs: Vec<Vec<(f64, f64)>> = Vec::new();
         let mut newest: Option<usize> = None;
@@ -141,7 +143,7 @@ impl<const N: usize> Trace<N> {
         runs
     }
 
-    /// Stretches in which everything that came is to be shaded, from and to.
+    /// Stretches in which every cycle is to be shaded, from and to.
     pub fn shaded(&self) -> Vec<(f64, f64)> {
         let mut stretches: Vec<(f64, f64)> = Vec::new();
         let mut open = false;
@@ -177,7 +179,7 @@ mod tests {
         assert!(from == 0.0 && (to - 0.2).abs() < 1e-9);
     }
 
-    /// A single spike in a day at 50 Hz is still there, at its place, and memory is bounded.
+    /// A single spike in a day at 50 Hz stays at its place, and memory is bounded.
     #[test]
     fn a_spike_survives_a_day() {
         let mut trace = Trace::<2>::new(0.02);

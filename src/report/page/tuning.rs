@@ -1,7 +1,7 @@
 //! The page of a tuning.
 
 use super::axis::Axis;
-use super::figure::{Curve, Figure, HALF, Level, Mark, Panel, Shape, WIDE};
+use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
 use crate::extremes::{Tail, per_second};
@@ -12,13 +12,13 @@ use crate::tune::{Detector, Tuning};
 
 type Captioned = (Figure, String);
 
-/// Bins of the sketch that are one of the figure: 4 % of the magnitude.
+/// Number of bins of the sketch that form one of the figure: 4 % of the magnitude.
 const GROUP: usize = 8;
 
-/// Points of a fitted tail.
+/// Number of points of a fitted tail.
 const STEPS: u32 = 80;
 
-/// Levels that are so many times apart are shown in decades.
+/// Ratio of levels beyond which the axis is logarithmic.
 const FAR: f64 = 12.0;
 
 const HOUR: f64 = 3600.0;
@@ -31,7 +31,7 @@ pub fn page(result: &Tuning) -> String {
     page.finish()
 }
 
-/// All of it that is not about where it comes from.
+/// Adds everything except the origin of the data.
 pub fn add(page: &mut Page, result: &Tuning) {
     page.paragraph(&capitalised(&text::part(result)));
     page.lines(&result.remarks.join("\n"));
@@ -40,8 +40,8 @@ pub fn add(page: &mut Page, result: &Tuning) {
     page.section(&text::ladder(result));
     page.lines(text::sequential(result).trim());
     page.figure(&together(result), &format!(
-        "False alarms of all detectors together\nWhere the curve is above the grey line the recording \
-         speaks of it: it is {:.3} h long; beyond it is extrapolation",
+        "False alarms of all detectors together\nAbove the grey line the curve is supported by the \
+         recording, which is {:.3} h long; below it is extrapolated",
         result.thresholds.hours
     ));
     page.heading("Smallest faults");
@@ -61,12 +61,12 @@ fn show(page: &mut Page, figures: &[Captioned]) {
     }
 }
 
-/// Thresholds as uprights on `x`; δ_h as it is written.
-fn thresholds(result: &Tuning, x: &Axis) -> Vec<Mark> {
+/// Thresholds as vertical lines on `x`; δ_h as it is written.
+fn thresholds(result: &Tuning, x: &Axis) -> Vec<FigureMark> {
     let mark = |name: &str, colour, value: f64| {
         let beyond = if 1e3 * value > x.high() { ", beyond the scale" } else { "" };
         let name = format!("{name}: {}{beyond}", length(value));
-        Mark { name, colour, at: 1e3 * value }
+        FigureMark { name, colour, at: 1e3 * value }
     };
     let thresholds = &result.thresholds;
     vec![
@@ -75,8 +75,8 @@ fn thresholds(result: &Tuning, x: &Axis) -> Vec<Mark> {
     ]
 }
 
-/// From `floor` to a little beyond `end`, m, in decades where they are far apart: the axis in mm, and
-/// levels to draw a curve at.
+/// A scale from `floor` to a little beyond `end`, m, logarithmic if they are far apart: the axis in
+/// mm, and levels at which to draw a curve.
 fn scale(label: &str, floor: f64, end: f64) -> (Axis, Vec<f64>) {
     let end = if end.is_finite() { 1.15 * end.max(floor) } else { 1e3 * floor };
     let part = |k: u32| f64::from(k) / f64::from(STEPS);
@@ -88,7 +88,7 @@ fn scale(label: &str, floor: f64, end: f64) -> (Axis, Vec<f64>) {
     (Axis::linear(label, 0.95e3 * floor, 1e3 * end), levels.collect())
 }
 
-/// What all tails together come to.
+/// Figure of all tails together.
 fn together(result: &Tuning) -> Figure {
     let tails: Vec<&Tail> = result.detectors.iter().filter_map(|it| it.tail.as_ref()).collect();
     let floor = tails.iter().map(|tail| tail.floor).fold(0.0, f64::max);
@@ -110,7 +110,7 @@ fn together(result: &Tuning) -> Figure {
     Figure::single(WIDE, x.with_ticks(9), panel)
 }
 
-/// How the residual of each observer answers a step; the same curves once.
+/// Responses of each observer's residual to a step; identical curves are drawn once.
 fn responses(result: &Tuning) -> Figure {
     let mut curves: Vec<Curve> = Vec::new();
     for detector in result.detectors.iter().filter(|it| !it.response.is_empty()) {
@@ -154,7 +154,7 @@ fn pairs(result: &Tuning) -> Vec<Captioned> {
         .collect()
 }
 
-/// Cycles by magnitude; bins grow with it, so that it is told for each µm.
+/// Cycles by magnitude; the bins grow with it, so counts are given for each µm.
 fn histogram(result: &Tuning, detector: &Detector) -> Figure {
     let bins: Vec<(f64, f64, u64)> = detector.magnitudes.bins(GROUP).collect();
     let density = |(low, high, count): &(f64, f64, u64)| *count as f64 / (1e6 * (high - low));
@@ -208,7 +208,7 @@ fn extrapolation(result: &Tuning, detector: &Detector, tail: &Tail) -> Figure {
     Figure::single(HALF, x.with_ticks(6), panel)
 }
 
-/// The largest ones all, of the many others some.
+/// All of the largest values, and some of the many others.
 fn thinned(seen: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let stride = |place: usize| if place < 60 { 1 } else { 8 };
     let kept = seen.into_iter().enumerate().filter(|(place, _)| place % stride(*place) == 0);

@@ -3,45 +3,46 @@
 use crate::monitor::Record;
 use std::collections::VecDeque;
 
-/// Cycles that are shown before a warning, and after it.
+/// Number of cycles that are shown before a warning.
 pub const BEFORE: usize = 50;
+/// Number of cycles that are shown after a warning.
 pub const AFTER: usize = 100;
 
-/// Of these, at least so many where a zoom is as long as it gets.
+/// Least number of cycles after a warning in a zoom of the greatest length.
 const LEAST_AFTER: usize = 25;
 
-/// The longest zoom, cycles: warnings that come that close share one.
+/// Length of the longest zoom, cycles; warnings closer together share one.
 pub const LONGEST: usize = 500;
 
-/// Places that are zoomed into; of the others, warnings are counted.
+/// Most zooms; further warnings are counted.
 pub const ZOOMS: usize = 40;
 
 /// One cylinder in one cycle, for a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// On the figures' time axis, s.
+    /// Time on the figures' axis, s.
     pub t: f64,
     /// C1 and Ĉ2, m.
     pub readings: [Option<f64>; 2],
-    /// Of both observers, m; that of C2 corrected as C2 is.
+    /// Estimates of both observers, m; that of C2 is corrected as C2 is.
     pub estimates: [Option<f64>; 2],
     /// R1 and R2 where they are judged, and R3, m.
     pub residuals: [Option<f64>; 3],
-    /// Neither FDE1 nor FDE2 judged.
+    /// Whether neither FDE1 nor FDE2 judged.
     pub gated: bool,
 }
 
-/// A stretch of one cylinder around one warning or several.
+/// A stretch of one cylinder around one or several warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zoom {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub moments: Vec<Moment>,
-    /// The warnings by the order of their raise, from 0, and when that was.
+    /// Warnings: their index in the order of raise, from 0, and their time.
     pub warnings: Vec<(usize, f64)>,
 }
 
-/// The newest cycles of one cylinder, and the zoom that is still open.
+/// Newest cycles of one cylinder, and the zoom that is still open.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     newest: VecDeque<Moment>,
@@ -58,13 +59,13 @@ pub struct Zooms {
 }
 
 impl Moment {
-    /// Nothing is known.
+    /// A moment of which nothing is known.
     pub const fn nothing(t: f64) -> Self {
         let (readings, estimates, residuals) = ([None; 2], [None; 2], [None; 3]);
         Self { t, readings, estimates, residuals, gated: true }
     }
 
-    /// With the `residuals` that are judged; `correct` makes Ĉ2 of C2.
+    /// A moment with the `residuals` that are judged; `correct` converts C2 to Ĉ2.
     pub fn new(
         t: f64,
         record: &Record,
@@ -83,12 +84,12 @@ impl Moment {
 }
 
 impl Zooms {
-    /// Of `count` cylinders.
+    /// Zooms for `count` cylinders.
     pub fn new(count: usize) -> Self {
         Self { watches: vec![Watch::default(); count], ..Self::default() }
     }
 
-    /// The next cycle of the cylinder `number` (from 1).
+    /// Takes the next cycle of the cylinder `number` (from 1).
     pub fn moment(&mut self, number: u8, moment: Moment) {
         let Some(watch) = self.watches.get_mut(usize::from(number).wrapping_sub(1)) else { return };
         if watch.newest.len() > BEFORE {
@@ -103,14 +104,15 @@ impl Zooms {
         }
     }
 
-    /// At `t` the bus was lost or the time jumped: no curve goes on over it.
+    /// Breaks all curves at `t`, where the bus was lost or the time jumped.
     pub fn interrupt(&mut self, t: f64) {
         for number in 1..=self.watches.len() {
             self.moment(number as u8, Moment::nothing(t));
         }
     }
 
-    /// A warning of the cylinder `number` is raised at `t`, the `order`-th of all (from 0).
+    /// Notes that a warning of the cylinder `number` is raised at `t`, the `order`-th of all (from
+    /// 0).
     pub fn warning(&mut self, number: u8, order: usize, t: f64) {
         let Some(watch) = self.watches.get_mut(usize::from(number).wrapping_sub(1)) else { return };
         if let Some((zoom, left)) = &mut watch.open {
@@ -133,7 +135,7 @@ impl Zooms {
         watch.open = Some((zoom, AFTER));
     }
 
-    /// Warnings that no zoom shows.
+    /// Number of warnings that no zoom shows.
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
@@ -194,8 +196,8 @@ mod tests {
         assert_eq!(zooms[0].moments.last().map(|moment| moment.t), Some(390.0));
     }
 
-    /// However many warnings come however close, zooms are few and short, and no warning is lost
-    /// without being counted.
+    /// However many warnings come however close together, zooms are few and short, and every
+    /// warning is counted.
     #[test]
     fn zooms_are_bounded_and_the_rest_is_counted() {
         let warnings: Vec<usize> = (0..30_000).collect();

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use tertius::alarm::frames::identifiers;
 use tertius::appliance::doctor::Facts;
 use tertius::appliance::doctor::facts::{
-    Bus, Clock, Host, Interface, Message, Receiving, Rights, Service, Wanted,
+    Bus, ClockFacts, Host, InterfaceFacts, Message, Receiving, Rights, Service, Wanted,
 };
 use tertius::appliance::doctor::hearing::Hearing;
 use tertius::appliance::doctor::load::Rates;
@@ -93,8 +93,8 @@ fn wanted() -> Wanted {
     }
 }
 
-fn interface(hearing: Hearing) -> Interface {
-    Interface {
+fn interface(hearing: Hearing) -> InterfaceFacts {
+    InterfaceFacts {
         no_can: None,
         link: Ok(LinkState {
             index: 3,
@@ -119,7 +119,7 @@ fn interface(hearing: Hearing) -> Interface {
 fn host() -> Host {
     Host {
         rights: Rights { priority: Some(20), ..Rights::default() },
-        clock: Clock { synchronised: Some(true), watched: 2.0, ..Clock::default() },
+        clock: ClockFacts { synchronised: Some(true), watched: 2.0, ..ClockFacts::default() },
         service: Service {
             systemd: true,
             unit: Some("/etc/systemd/system/tertius.service".to_owned()),

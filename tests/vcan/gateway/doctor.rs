@@ -74,7 +74,8 @@ fn a_second_gateway_with_the_same_node_is_told_from_the_one_that_runs_here() {
     let bench = Bench::up("t-doctor");
     let gateway = bench.gateway();
     let (_, said) = look(&bench, &[]);
-    let node = said.lines().find(|line| line.contains("one sender, the gateway that runs here"));
+    let node =
+        said.lines().find(|line| line.contains("one sender, the gateway that is running here"));
     assert!(node.is_some_and(|line| line.starts_with("ok")), "{said}");
     drop(gateway);
     // Another's status, now and again.
@@ -111,6 +112,6 @@ fn a_bus_that_is_silent_or_down_fails() {
     tertius_testing::bench::ip(&["link", "set", "up", "t-doctor"]);
     let (code, said) = doctor();
     assert_eq!(code, Some(1), "{said}");
-    let nothing = listened(&said, "FAIL  frames         none in ", 0.2, "s, of 20 messages");
+    let nothing = listened(&said, "FAIL  frames         none in ", 0.2, "s, of the 20 messages");
     assert!(nothing, "{said}");
 }

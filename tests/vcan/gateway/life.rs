@@ -31,7 +31,7 @@ fn a_bad_configuration_is_refused_and_the_old_one_goes_on() {
     let sound = bench.configuration();
     bench.configure(&sound.replace("cylinders = 6", "cylinders = 66"));
     gateway.signal("HUP");
-    wait_for("the refusal", || bench.said("the old one goes on") == 1);
+    wait_for("the refusal", || bench.said("the old one stays in force") == 1);
     assert_eq!(bench.said("machine.cylinders"), 1, "with its reason");
     bench.configure(&sound);
     gateway.signal("HUP");
@@ -86,7 +86,7 @@ fn what_waits_on_a_jammed_bus_does_not_burst_out_when_it_moves_again() {
     bench.play(&excerpt(20.0, 21.0));
     jam("t-jam");
     let before = bench.own_lines().len();
-    wait_for("it to see that nothing goes out", || bench.said("has taken no frame") == 1);
+    wait_for("it to see that nothing goes out", || bench.said("has accepted no frame") == 1);
     run(
         "tc",
         &[

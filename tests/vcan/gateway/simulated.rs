@@ -77,7 +77,7 @@ fn a_simulated_recording_that_canplayer_plays_has_the_warnings_of_its_replay() {
     run("canplayer", &["-I", &bench.name("machine.log")]);
     gateway.signal("TERM");
     wait_for("the end", || bench.said("stopped") == 1);
-    wait_for("its last words", || {
+    wait_for("its stopping status", || {
         wire(&bench.own_lines())
             .last()
             .and_then(|frame| Status::read(frame))

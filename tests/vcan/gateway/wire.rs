@@ -14,7 +14,7 @@ fn record(bench: &Bench, from: f64, to: f64) -> Vec<String> {
     bench.play(&excerpt(from, to));
     gateway.signal("TERM");
     wait_for("the end", || bench.said("stopped") == 1);
-    wait_for("its last words", || {
+    wait_for("its stopping status", || {
         wire(&bench.own_lines())
             .last()
             .and_then(|frame| Status::read(frame))

@@ -1,4 +1,4 @@
-//! What a longer recording would win, and where on the stroke.
+//! What a longer recording would add, and where on the stroke.
 
 use super::stages::Taught;
 use tertius_core::sequential::Reference;
@@ -11,20 +11,21 @@ use tertius_learn::tune::LEAST_HIGH;
 /// Where on its stroke a cylinder has been.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     /// The part of the stroke that the sequential detector knows.
     pub seen: f64,
-    /// From and to, m.
+    /// Ends of the part of the stroke that is judged, from and to, m.
     pub stroke: [f64; 2],
-    /// From and to, m, where it knows nothing: where nobody was, or not long enough.
+    /// Parts of the stroke that the detector does not know, from and to, m: where the cylinder
+    /// never was, or not for long enough.
     pub unseen: Vec<[f64; 2]>,
 }
 
-/// More than this above what is asked for at least is worth a word.
+/// A required level is worth mentioning when it exceeds the minimum by this factor.
 const WORTH: f64 = 1.05;
 
-/// Of every cylinder that has a profile.
+/// Coverage of every cylinder that has a profile.
 pub fn of(taught: &Taught) -> Vec<Coverage> {
     let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
     let profiles = cylinders.filter_map(|it| Some((it.number, &it.sequential.as_ref()?.0)));
@@ -44,7 +45,7 @@ impl Coverage {
         Self { cylinder, seen: seen / (end - begin), stroke: [begin, end], unseen }
     }
 
-    /// From and to, m, where it knows something.
+    /// Parts of the stroke that the profile knows, from and to, m.
     pub fn known(&self) -> Vec<[f64; 2]> {
         let [begin, end] = self.stroke;
         let from = [begin].into_iter().chain(self.unseen.iter().map(|place| place[1]));
@@ -58,15 +59,16 @@ impl Coverage {
     }
 }
 
-/// What a longer recording would win, a line for each.
+/// What a longer recording would add, one line for each point.
 pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let mut wins = places(coverage);
     wins.extend(levels(taught));
     let bound = taught.calibration.as_ref().and_then(|it| it.bound);
     wins.extend(bound.filter(|bound| bound.level > WORTH * LEAST_BOUND).map(|bound| {
         format!(
-            "R3's bound of {:.2} mm instead of the thesis's {:.1} mm is said of {:.0} times the evidence; \
-             it falls with more of it, to 1.2 times the largest difference at the least, {:.2} mm",
+            "R3's bound is {:.2} mm instead of the thesis's {:.1} mm because it is extrapolated to \
+             {:.0} times the evidence; with more evidence it falls, at best to 1.2 times the \
+            largest difference, {:.2} mm",
             bound.level * 1e3,
             LEAST_BOUND * 1e3,
             (HOURS_PER_YEAR / bound.per_year / bound.hours).ceil(),
@@ -76,8 +78,8 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     let thresholds = taught.tuning.as_ref().map(|it| it.thresholds);
     wins.extend(thresholds.filter(|it| it.high > WORTH * LEAST_HIGH).map(|it| {
         format!(
-            "a δ_h of {:.2} mm instead of the thesis's {:.0} mm is said of {:.0} times the evidence; with more \
-             of it, it may fall",
+            "δ_h is {:.2} mm instead of the thesis's {:.0} mm because it is extrapolated to {:.0} \
+             times the evidence; with more evidence it may fall",
             it.high * 1e3,
             LEAST_HIGH * 1e3,
             (HOURS_PER_YEAR / it.per_year / it.hours).ceil()
@@ -86,7 +88,7 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
     wins
 }
 
-/// Where nobody has been, those cylinders together that have not been in the same places.
+/// Where no cylinder has been; cylinders that missed the same places share a line.
 fn places(coverage: &[Coverage]) -> Vec<String> {
     let mut alike: Vec<(String, Vec<String>)> = Vec::new();
     for one in coverage.iter().filter(|one| !one.unseen.is_empty()) {
@@ -121,8 +123,8 @@ fn levels(taught: &Taught) -> Option<String> {
         .collect();
     (!raised.is_empty()).then(|| {
         format!(
-            "levels above the least, {least:.1} nats, are what this recording asks for ({}); a longer one \
-             says more of it",
+            "this recording requires levels above the least, {least:.1} nats ({}); a longer one \
+             would tell more",
             raised.join(", ")
         )
     })

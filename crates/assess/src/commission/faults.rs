@@ -6,34 +6,34 @@ use tertius_core::time::Span;
 use tertius_core::verdict::Suspect;
 use tertius_machine::inject::{Fault, Shape, Wanted, Window};
 
-/// A fault of each transducer.
+/// Kind of fault that a trial puts on each transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum FaultKind {
     /// Type I (5-15), m.
     Step(f64),
     /// Type II (5-17), m.
     Noise(f64),
-    /// m/s.
+    /// Drift, m/s.
     Drift(f64),
 }
 
-/// What is tried. Noise is 2σ of section 5-4-3, eight counts.
-pub const KINDS: [Kind; 5] = [
-    Kind::Step(5e-4),
-    Kind::Step(1e-3),
-    Kind::Noise(8.68e-4),
-    Kind::Drift(1e-4),
-    Kind::Drift(1e-5),
+/// Faults that are tried. Noise is 2σ of section 5-4-3, eight counts.
+pub const KINDS: [FaultKind; 5] = [
+    FaultKind::Step(5e-4),
+    FaultKind::Step(1e-3),
+    FaultKind::Noise(8.68e-4),
+    FaultKind::Drift(1e-4),
+    FaultKind::Drift(1e-5),
 ];
 
-/// Faults of a kind of each transducer.
+/// Faults of each kind for each transducer.
 const EACH: usize = 2;
 
-/// Offsets that are spread evenly, however many of them are taken: the golden section.
+/// Golden section: offsets by multiples of it are spread evenly, however many are taken.
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-impl Kind {
-    /// How long it is listened for, s.
+impl FaultKind {
+    /// How long the monitor is watched after the fault, s.
     pub const fn watch(self) -> f64 {
         match self {
             Self::Step(_) | Self::Noise(_) => 4.0,
@@ -51,7 +51,7 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for FaultKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Step(size) => write!(f, "step of {} mm", size * 1e3),
@@ -64,14 +64,14 @@ impl fmt::Display for Kind {
 /// A fault that is to be tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
-    pub kind: Kind,
-    /// From 1.
+    pub kind: FaultKind,
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub transducer: Suspect,
     pub sign: f64,
-    /// From when on, and until when at the latest, it may begin, s.
+    /// Earliest and latest time at which the fault may begin, s.
     pub begin: [f64; 2],
-    /// How long it is listened for, s.
+    /// How long the monitor is watched after the fault, s.
     pub watch: f64,
 }
 
@@ -85,8 +85,8 @@ impl Planned {
     }
 }
 
-/// All faults of `cylinders`, spread over the `blocks`, in the order of their beginnings; `second`: there
-/// is a C2.
+/// All faults of `cylinders`, spread over the `blocks`, in the order in which they begin; `second`:
+/// the cylinders have a C2.
 pub fn plan(blocks: &Blocks, cylinders: &[u8], second: bool) -> Vec<Planned> {
     let spans = blocks.spans();
     let transducers = if second { &[Suspect::C1, Suspect::C2][..] } else { &[Suspect::C1] };

@@ -1,50 +1,50 @@
-//! What is left out of a recording.
+//! Blocks of a recording that are held back for the trial.
 
 use tertius_learn::calibrate::{Cuts, Cutting, Division};
 use tertius_learn::survey::{Recording, Surveyor, Window};
 
-/// One block in so many is held back. Odd, so that both halves of a calibration, which alternate, lose
-/// the same.
+/// One block in this many is held back. The number is odd, so that both halves of a calibration,
+/// which alternate, lose equally.
 const ONE_IN: u64 = 3;
 
-/// Less than this part of a block is none.
+/// A remainder shorter than this part of a block is not used as a block.
 const SHORTEST: f64 = 0.5;
 
-/// The blocks of a recording that a trial is made on, and nothing is learnt from.
+/// Blocks of a recording that the trial uses and nothing is learnt from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blocks {
     window: Window,
-    /// s.
+    /// Length of a block, s.
     length: f64,
 }
 
 impl Blocks {
-    /// Of what is within `window`, as long as those of a calibration.
+    /// Blocks of `window`, as long as those of a calibration.
     pub fn of(window: Window) -> Self {
         let length = Division::new(window, window).block().unwrap_or(window.length());
         Self { window, length }
     }
 
-    /// s.
+    /// Length of a block, s.
     pub const fn length(&self) -> f64 {
         self.length
     }
 
-    /// The row at `t`, s, is held back.
+    /// Whether the row at `t`, s, is held back.
     pub fn hold(&self, t: f64) -> bool {
         let block = (t / self.length).max(0.0) as u64;
         self.window.holds(t) && self.span(block).is_some()
     }
 
-    /// From when until when each of them lasts, s.
+    /// Beginning and end of each block that is held back, s.
     pub fn spans(&self) -> Vec<[f64; 2]> {
         let first = (self.window.from / self.length).max(0.0) as u64;
         let last = (self.window.to / self.length).max(0.0) as u64;
         (first..=last).filter_map(|block| self.span(block)).collect()
     }
 
-    /// That of a block, where it is held back: what the ends of a recording leave of one may be too short for
-    /// a fault.
+    /// Beginning and end of `block`, s, if it is held back. At the ends of a recording a block may
+    /// be too short for a fault.
     fn span(&self, block: u64) -> Option<[f64; 2]> {
         let from = block as f64 * self.length;
         let [from, to] = [from.max(self.window.from), (from + self.length).min(self.window.to)];
@@ -52,7 +52,7 @@ impl Blocks {
     }
 }
 
-/// A recording without what is left out of it.
+/// A recording without the blocks that are held back.
 #[derive(Debug)]
 pub struct Without<'a, R> {
     pub recording: R,

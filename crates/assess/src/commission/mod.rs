@@ -6,13 +6,13 @@
 //! ```
 //!
 //! - [`stages`]: the three rooms that learn, each with the tables of the one before ([`Taught`]).
-//! - [`holding`]: what is left out of a recording: the blocks of the trial, and places with a fault.
-//! - [`trial`]: the monitor on the blocks that its tables do not know: what it says of a healthy machine,
+//! - [`holding`]: what is held back from learning: the blocks of the trial, and places with a fault.
+//! - [`trial`]: the monitor on blocks that its tables do not know: what it reports of a healthy machine,
 //!   and of [`faults`] that are put into them.
-//! - [`coverage`]: what a longer recording would win, and where on the stroke.
+//! - [`coverage`]: what a longer recording would add, and where on the stroke.
 //! - [`verdict`]: fit for use or not, in a sentence.
 //!
-//! The room writes nothing: it gives the text of a configuration, which the caller puts where it belongs.
+//! The room writes nothing. It returns the text of a configuration, which the caller stores.
 
 pub mod coverage;
 pub mod faults;
@@ -32,55 +32,55 @@ use tertius_dbc::Database;
 use tertius_learn::calibrate::Cuts;
 use tertius_learn::survey::{Frames, Origin};
 
-/// A machine that is to be commissioned.
+/// A machine to be commissioned.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
-    /// What problems call the configuration.
+    /// Name of the configuration in messages.
     pub name: &'a str,
-    /// The configuration as it is.
+    /// Text of the configuration before commissioning.
     pub text: &'a str,
     pub database: &'a Database,
     pub origin: &'a Origin,
-    /// What is known to be no healthy machine, s of each cylinder: nothing is learnt from it.
+    /// Times at which each cylinder is known not to be healthy, s; nothing is learnt from them.
     pub cuts: &'a Cuts,
-    /// False alarms that a year may bring: of R1 and R2, of R3, and of the sequential detectors.
+    /// Wanted false alarms a year: of R1 and R2, of R3, and of the sequential detectors.
     pub per_year: f64,
-    /// The program's, for the tables.
+    /// Version of the program, which is written into the tables.
     pub version: &'a str,
 }
 
-/// What came of a [`Task`].
+/// Result of a [`Task`].
 #[derive(Clone, Debug)]
 pub struct Commissioned {
     pub machine: String,
     pub inputs: String,
-    /// Of the recording, s.
+    /// Length of the recording, s.
     pub length: f64,
-    /// Taught by all of the recording: what is written.
+    /// Tables learnt from the whole recording: these are written.
     pub taught: Taught,
-    /// What the tables are worth that were taught without the blocks it is made on; `None` where there
-    /// are none.
+    /// Trial of tables that were learnt without the blocks held back for it; `None` where there are
+    /// no such tables.
     pub trial: Option<Trial>,
     pub coverage: Vec<Coverage>,
     pub verdict: Verdict,
 }
 
-/// What is done now, for who waits.
+/// The step that is about to begin, for progress messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Taught by all of the recording.
+    /// A stage learns from the whole recording.
     Learn(Stage),
-    /// Taught by what is not held back.
+    /// A stage learns from what is not held back.
     Rehearse(Stage),
     Try,
 }
 
 impl Task<'_> {
-    /// Learns from `frames`, tries what can be learnt without a part of them, and judges; `tell` hears of
-    /// each step before it is done.
+    /// Learns from `frames`, tries the tables on blocks that were held back, and judges the result;
+    /// `tell` is called before each step.
     ///
-    /// # Errors
-    /// The frames cannot be read any more. What they do not teach is in the verdict.
+    /// # Errors The frames can no longer be read. What could not be learnt from them is stated in
+    /// the verdict.
     pub fn run<F: Frames>(
         &self,
         frames: &F,

@@ -1,4 +1,4 @@
-//! The three rooms that learn, each with the tables of the one before.
+//! The three stages that learn, each with the tables of the one before.
 
 use super::Task;
 use super::holding::{Blocks, Without};
@@ -11,14 +11,14 @@ use tertius_learn::calibrate;
 use tertius_learn::calibrate::{Calibration, Cuts};
 use tertius_learn::identify;
 use tertius_learn::identify::Outcome;
-use tertius_learn::identify::course::Wishes;
+use tertius_learn::identify::course::Options;
 use tertius_learn::survey::{Frames, Recording, Rows};
 use tertius_learn::tables;
 use tertius_learn::tune;
 use tertius_learn::tune::Tuning;
 use tertius_learn::tune::course::{SIGMA, Untuned};
 
-/// One of the three.
+/// One of the three stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     Identify,
@@ -39,33 +39,33 @@ impl fmt::Display for Stage {
 /// A cylinder from which nothing is learnt.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub by: Stage,
     pub why: String,
 }
 
-/// What the stages came to.
+/// Result of the stages.
 #[derive(Clone, Debug)]
 pub struct Taught {
     pub machine: String,
-    /// The configuration with all tables up to where it failed.
+    /// Text of the configuration with all tables up to the stage that failed.
     pub text: String,
     pub identification: Option<Outcome>,
     pub calibration: Option<Calibration>,
     pub tuning: Option<Tuning>,
     pub refused: Vec<Refused>,
-    /// The stage that came to nothing, and why; those after it were not tried.
+    /// The stage that failed, and why; later stages were not tried.
     pub failed: Option<(Stage, String)>,
 }
 
 impl Taught {
-    /// Every stage came to something.
+    /// Whether every stage succeeded.
     pub const fn is_whole(&self) -> bool {
         self.failed.is_none() && self.tuning.is_some()
     }
 
-    /// What the calibration has left out, as no healthy cylinder reads so.
+    /// Times that the calibration left out because no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
         self.calibration.as_ref().map(Calibration::cuts).unwrap_or_default()
     }
@@ -90,7 +90,7 @@ impl Taught {
     }
 }
 
-/// Lets the stages learn from frames, but for what is held back.
+/// Gives the stages the frames that are not held back.
 #[derive(Debug)]
 pub(super) struct Lesson<'a, F> {
     pub task: &'a Task<'a>,
@@ -98,14 +98,14 @@ pub(super) struct Lesson<'a, F> {
     pub blocks: Option<Blocks>,
 }
 
-/// A stage failed, or the frames cannot be read any more.
+/// A stage failed, or the frames can no longer be read.
 enum Stopped<E> {
     Failed(Stage, String),
     Recording(E),
 }
 
 impl<F: Frames> Lesson<'_, F> {
-    /// Goes from stage to stage, as far as it gets; nothing is learnt from `cuts`.
+    /// Runs the stages in turn until one fails; nothing is learnt from `cuts`.
     ///
     /// # Errors
     /// The frames' own.
@@ -145,8 +145,9 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         taught.machine.clone_from(&settings.machine.name);
         // What it is worth is tried by the monitor, on blocks that were left out: nothing more is held back.
-        let (origin, wishes) = (self.task.origin, Wishes { held_back: 0, ..Wishes::default() });
-        let course = identify::course::Course { settings: &settings, origin, wishes };
+        let (origin, options) = (self.task.origin, Options { held_back: 0, ..Options::default() });
+        let course =
+            identify::course::IdentificationCourse { settings: &settings, origin, options };
         let outcome = course.run(&self.recording(&design, cuts)).map_err(Stopped::Recording)?;
         taught.refuse(Stage::Identify, outcome.refusals());
         let learnt = tables::model::of(&outcome, self.task.version, false);
@@ -166,7 +167,8 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, .. } = *self.task;
         let all = origin.window;
-        let course = calibrate::Course { settings: &settings, fitted: all, tried: all, per_year };
+        let course =
+            calibrate::CalibrationCourse { settings: &settings, fitted: all, tried: all, per_year };
         let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
             .map_err(Stopped::Recording)?;
         taught.refuse(Stage::Calibrate, result.refusals());
@@ -184,7 +186,7 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, database, .. } = *self.task;
         design::judging(&settings, database).map_err(|flaws| failed(told(&flaws)))?;
-        let course = tune::course::Course {
+        let course = tune::course::TuningCourse {
             settings: &settings,
             design: &design,
             origin,
@@ -205,7 +207,7 @@ impl<F: Frames> Lesson<'_, F> {
         self.machine(taught).map(drop).map_err(failed)
     }
 
-    /// The machine with what was learnt so far.
+    /// The machine with what has been learnt so far.
     fn machine(&self, taught: &Taught) -> Result<(Settings, MonitorDesign), String> {
         let Task { name, database, .. } = *self.task;
         let (settings, _) = config::parse(name, &taught.text).map_err(|it| it.to_string())?;
@@ -224,13 +226,13 @@ impl<F: Frames> Lesson<'_, F> {
     }
 }
 
-/// What a design lacks, in a line.
+/// The flaws of a design, on one line.
 pub(super) fn told(flaws: &[Flaw]) -> String {
     let told = flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message));
     told.collect::<Vec<_>>().join("; ")
 }
 
-/// That no cylinder is left, and why not.
+/// Message that no cylinder is left, and why.
 fn nothing(taught: &Taught, what: &str) -> String {
     match taught.refused.len() {
         0 => what.to_owned(),

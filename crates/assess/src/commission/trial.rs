@@ -1,11 +1,12 @@
-//! The monitor on blocks that its tables do not know: healthy, and with faults put into them.
+//! The monitor on blocks that its tables do not know, first healthy and then with faults put into
+//! them.
 //!
-//! One monitor reads the whole recording, so that it is warm where a block begins. Where a fault is to
-//! begin it is copied, and the copy goes on with the fault while the original goes on without: faults do
-//! not disturb each other, and nothing has to recover from one.
+//! One monitor reads the whole recording, so that it is warm where a block begins. Where a fault
+//! begins the monitor is copied. The copy continues with the fault and the original without it, so
+//! faults do not disturb each other and nothing has to recover from one.
 
 use super::Task;
-use super::faults::{self, Kind, Planned};
+use super::faults::{self, FaultKind, Planned};
 use super::holding::Blocks;
 use super::stages::{Taught, told};
 use crate::evaluate::{Blame, Outcome};
@@ -20,29 +21,31 @@ use tertius_learn::calibrate::Cuts;
 use tertius_learn::survey::{Frames, Timeline};
 use tertius_machine::inject::{Injector, place};
 
-/// Those that find what is wrong with a reading that looks sound.
+/// Detectors that find a fault in a reading that looks plausible.
 pub const DETECTORS: [Detector; 4] =
     [Detector::Fde1, Detector::Fde2, Detector::Fde3, Detector::Sequential];
 
-/// A warning of a machine that is taken for healthy.
+/// A warning on a machine that is taken for healthy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FalseAlarm {
-    /// s since the first frame.
+    /// Time since the first frame, s.
     pub t: f64,
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub detector: Detector,
 }
 
-/// What became of the faults of a kind.
+/// What became of the faults of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KindResult {
-    pub kind: Kind,
-    /// Faults that began where nothing was wrong.
+    pub kind: FaultKind,
+    /// Faults that were begun: nothing was wrong at that place before.
     pub tried: usize,
-    /// Faults for which there was no such place, as the sequential detector was unknown or a warning stood.
+    /// Faults that could not be placed, because the sequential detector knew nothing there or a
+    /// warning stood.
     pub unplaced: usize,
-    /// From the first frame with it to the first warning of each that was found, s, in order.
+    /// Delays of the faults that were found, from the first frame with the fault to the first
+    /// warning, s, ascending.
     pub delays: Vec<f64>,
     pub right: usize,
     pub undecided: usize,
@@ -50,36 +53,36 @@ pub struct KindResult {
 }
 
 impl KindResult {
-    /// s; `None` where fewer than half were found.
+    /// Median delay, s; `None` where fewer than half were found.
     pub fn median(&self) -> Option<f64> {
         self.delays.get(self.tried.saturating_sub(1) / 2).copied()
     }
 }
 
-/// What a trial came to.
+/// Result of a trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
-    /// What was held back, s.
+    /// Time that was held back, s.
     pub held: f64,
     pub false_alarms: Vec<FalseAlarm>,
-    /// The part of what was held back in which the sequential detector of each cylinder that has one
+    /// For each cylinder with a sequential detector, the part of the time held back in which it
     /// judged.
     pub known: Vec<(u8, f64)>,
     pub kinds: Vec<KindResult>,
 }
 
-/// What a trial is made with.
+/// Inputs of a trial.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course<'a> {
     pub task: &'a Task<'a>,
     pub rehearsal: &'a Taught,
     pub blocks: Blocks,
-    /// Cylinders that are refused by all of the recording.
+    /// Cylinders that commissioning from the whole recording refuses.
     pub refused: &'a [u8],
     pub cuts: &'a Cuts,
 }
 
-/// Hears what is said, and notes which cylinders had a cycle.
+/// Collects the warnings and notes which cylinders had a cycle.
 #[derive(Clone, Debug, Default)]
 struct Heard {
     warnings: Vec<Warning>,
@@ -96,19 +99,20 @@ impl Sink for Heard {
     }
 }
 
-/// A fault at work in a monitor of its own.
+/// A fault at work in its own copy of the monitor.
 struct Attempt {
     planned: Planned,
     monitor: Monitor,
     injector: Injector,
     heard: Vec<Warning>,
-    /// The first frame with the fault.
+    /// Time of the first frame with the fault.
     onset: Option<Timestamp>,
     begun: Timestamp,
 }
 
 impl Course<'_> {
-    /// Reads `frames` once; `None` where the tables make no monitor.
+    /// Runs the trial in one pass over `frames`; `None` where no monitor can be made from the
+    /// tables.
     ///
     /// # Errors
     /// The frames' own.
@@ -152,23 +156,23 @@ impl Course<'_> {
     }
 }
 
-/// A trial in the making.
+/// A trial in progress.
 struct Trying<'a> {
     course: &'a Course<'a>,
     first: Timestamp,
-    /// The latest frame.
+    /// Time of the latest frame.
     newest: Timestamp,
-    /// That are tried.
+    /// Cylinders that are tried.
     cylinders: Vec<u8>,
     monitor: Monitor,
     heard: Heard,
-    /// Of each cylinder with a sequential detector: cycles in which it judged, and all of them.
+    /// For each cylinder with a sequential detector: cycles in which it judged, and all cycles.
     known: Vec<(u8, [u64; 2])>,
-    /// Faults to come, the next one last.
+    /// Faults still to begin, the next one last.
     waiting: Vec<(Planned, Injector)>,
     attempts: Vec<Attempt>,
-    /// What became of those that ended; `None` of those that had no place.
-    entries: Vec<(Kind, Option<Outcome>)>,
+    /// Outcomes of the faults that have ended; `None` for those that could not be placed.
+    entries: Vec<(FaultKind, Option<Outcome>)>,
 }
 
 impl Trying<'_> {
@@ -190,7 +194,7 @@ impl Trying<'_> {
         }
     }
 
-    /// Begins what is due at `t` s, where there is a place for it.
+    /// Begins the faults that are due at `t`, s, where they can be placed.
     fn start(&mut self, t: f64, now: Timestamp) {
         if self.waiting.last().is_none_or(|(planned, _)| planned.begin[0] > t) {
             return;
@@ -214,7 +218,8 @@ impl Trying<'_> {
         self.waiting.sort_by(|(one, _), (other, _)| other.begin[0].total_cmp(&one.begin[0]));
     }
 
-    /// Nothing is wrong with the cylinder, and its sequential detector judges where it has one.
+    /// Whether a fault can be placed: nothing is wrong with the cylinder, and its sequential
+    /// detector, if any, judges.
     fn has_place(&self, cylinder: u8, t: f64) -> bool {
         let judges = |number: u8| {
             let mut detectors = self.monitor.sequential();
@@ -231,7 +236,7 @@ impl Trying<'_> {
         !standing && judges(cylinder) && !self.course.cuts.hold(cylinder, t)
     }
 
-    /// Notes which detectors judged in the cycles that have come.
+    /// Counts which detectors judged in the cycles that have come.
     fn judge(&mut self) {
         for (cylinder, at) in self.heard.recorded.drain(..) {
             let t = at.since(self.first).as_seconds();
@@ -278,7 +283,7 @@ impl Trying<'_> {
     }
 }
 
-fn result(kind: Kind, entries: &[(Kind, Option<Outcome>)]) -> KindResult {
+fn result(kind: FaultKind, entries: &[(FaultKind, Option<Outcome>)]) -> KindResult {
     let own: Vec<_> = entries.iter().filter(|(of, _)| *of == kind).map(|(_, it)| it).collect();
     let outcomes: Vec<&Outcome> = own.iter().filter_map(|it| it.as_ref()).collect();
     let delay = |outcome: &Outcome| {

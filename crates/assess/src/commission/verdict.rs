@@ -1,6 +1,6 @@
-//! Fit for use or not, in a sentence.
+//! Whether the configuration is fit for use, in a sentence.
 
-use super::faults::Kind;
+use super::faults::FaultKind;
 use super::stages::{Refused, Stage, Taught};
 use super::trial::{KindResult, Trial};
 use crate::evaluate::poisson_upper;
@@ -10,40 +10,41 @@ use tertius_learn::extremes::HOURS_PER_YEAR;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fitness {
     Fit,
-    /// But for these cylinders.
+    /// It can be used except for these cylinders.
     Partly(Vec<u8>),
     Unfit,
 }
 
-/// What is said of the whole.
+/// Verdict on the whole configuration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Verdict {
     pub fitness: Fitness,
     pub sentence: String,
-    /// Why not, a line for each.
+    /// Reasons against use, one line each.
     pub reasons: Vec<String>,
-    /// What to do about it.
+    /// What to do about them.
     pub advice: Vec<String>,
 }
 
-/// That more than so many false alarms are no chance.
+/// More false alarms than expected count against the tables when chance explains them with a
+/// probability below this.
 const DOUBT: f64 = 0.05;
 
-/// Of steps of a millimetre, which the thesis's thresholds find, at least this part has to be found, …
+/// Least part of the 1 mm steps that has to be found, since the thesis's thresholds find them.
 const LEAST_FOUND: f64 = 0.5;
 
-/// … where so many were tried.
+/// Least number of steps that were tried before [`LEAST_FOUND`] applies.
 const ENOUGH: usize = 8;
 
-/// Who would live with more false alarms a year: two an hour.
+/// Most false alarms a year that anyone would accept: two an hour.
 const MOST_PER_YEAR: f64 = 2.0 * HOURS_PER_YEAR;
 
-/// So many false alarms are told one by one.
+/// At most this many false alarms are listed one by one.
 const TOLD: usize = 6;
 
 impl Verdict {
-    /// Of what was `taught` by all of the recording, `rehearsed` without what was held back, and the
-    /// `trial` of that.
+    /// Verdict on the tables learnt from the whole recording (`taught`), those learnt without the
+    /// blocks held back (`rehearsed`), and the `trial` of the latter.
     pub fn of(taught: &Taught, rehearsed: Option<&Taught>, trial: Option<&Trial>) -> Self {
         let refused = taught.refused_cylinders();
         let mut reasons: Vec<String> = taught.refused.iter().map(told).collect();
@@ -71,7 +72,10 @@ impl Verdict {
             (None, _, trial) => {
                 advice.push(PARTLY.to_owned());
                 let finds = trial.map(finds).unwrap_or_default();
-                let sentence = format!("{name} is fit for use but for cylinder {machine}: {finds}");
+                let sentence = format!(
+                    "{name} is fit for use except for cylinder {machine}: \
+                    {finds}"
+                );
                 (Fitness::Partly(refused.clone()), sentence)
             }
         };
@@ -79,13 +83,14 @@ impl Verdict {
     }
 }
 
-const ADVICE: &str = "mend what is named above and record again; `tertius identify`, `calibrate` and \
+const ADVICE: &str = "correct what is named above and record again; `tertius identify`, \
+    `calibrate` and \
                       `tune` show what each step saw (--report)";
 
-const PARTLY: &str = "mend the cylinder and record again, or take the tables of the others \
-                      (--accept-refused): the refused one keeps what it has, and is watched by that";
+const PARTLY: &str = "repair the cylinder and record again, or accept the tables of the others \
+    (--accept-refused): the refused one keeps its present tables";
 
-/// What a stage that failed leaves nobody with.
+/// What is missing when a stage has failed.
 const fn nothing(stage: Stage) -> &'static str {
     match stage {
         Stage::Identify => "no model can be identified",
@@ -107,15 +112,13 @@ fn untried(rehearsed: Option<&Taught>) -> (String, String) {
     let why = rehearsed.and_then(|it| it.failed.as_ref()).map_or_else(
         || "without a third of the recording there are no tables to try".to_owned(),
         |(stage, why)| {
-            format!(
-                "without the third that is held back for the trial, {stage} comes to nothing: {why}"
-            )
+            format!("without the third that is held back for the trial, {stage} fails: {why}")
         },
     );
     (why, "record for longer; a quarter of an hour at work is enough".to_owned())
 }
 
-/// What a trial says against the tables.
+/// What the trial found against the tables.
 fn wrongs(
     taught: &Taught,
     trial: &Trial,
@@ -130,25 +133,25 @@ fn wrongs(
             format!("{detector} of cylinder {cylinder} warns at {t:.1} s")
         }));
         advice.push(
-            "look there (`replay --report`): a fault, or readings that stand off now and then? Leave a \
-             fault out (--from, --to), or record again"
+            "look there (`replay --report`): is it a fault, or are readings off now and then? \
+             Leave a fault out (--from, --to), or record again"
                 .to_owned(),
         );
         let per_year = (heard as f64 / trial.held * 3600.0 * HOURS_PER_YEAR).ceil();
         if per_year <= MOST_PER_YEAR {
             advice.push(format!(
-                "if that is how the machine is, ask for as many false alarms as it makes \
+                "if the machine is like that, allow as many false alarms as it causes \
                  (--false-alarms-per-year {per_year:.0})"
             ));
         }
         let held = trial.held / 60.0;
         return Some(format!("{} in {held:.1} min that were held back", counted(heard)));
     }
-    let one = trial.kinds.iter().find(|it| it.kind == Kind::Step(1e-3))?;
+    let one = trial.kinds.iter().find(|it| it.kind == FaultKind::Step(1e-3))?;
     let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
     blind.then(|| {
         advice.push(ADVICE.to_owned());
-        format!("of {} steps of 1 mm it finds {}", one.tried, one.delays.len())
+        format!("it finds only {1} of {0} steps of 1 mm", one.tried, one.delays.len())
     })
 }
 
@@ -156,7 +159,7 @@ fn counted(alarms: u64) -> String {
     if alarms == 1 { "1 false alarm".to_owned() } else { format!("{alarms} false alarms") }
 }
 
-/// So many events are more than chance makes of so many that are expected.
+/// Whether `events` are more than chance explains where `expected` are expected.
 fn beyond(events: u64, expected: f64) -> bool {
     // At least so many come with a probability below the doubt: the exact bound from below.
     events > 0 && poisson_lower(events) > expected
@@ -168,7 +171,7 @@ fn poisson_lower(events: u64) -> f64 {
     poisson_upper(events - 1, DOUBT)
 }
 
-/// What is found, in half a sentence.
+/// What the trial found, as half a sentence.
 fn finds(trial: &Trial) -> String {
     let found = |it: &KindResult| {
         let median = it.median().map_or("rarely".to_owned(), |delay| format!("{delay:.2} s"));
@@ -210,10 +213,10 @@ mod tests {
         }
     }
 
-    /// Of 300 s, with so many of twelve steps of 1 mm found.
+    /// A trial of 300 s in which `found` of twelve steps of 1 mm were found.
     fn trial(found: usize) -> Trial {
         let one = KindResult {
-            kind: Kind::Step(1e-3),
+            kind: FaultKind::Step(1e-3),
             tried: 12,
             unplaced: 0,
             delays: vec![0.04; found],
@@ -256,13 +259,13 @@ mod tests {
         }
         let verdict = Verdict::of(&partly, Some(&taught()), Some(&trial(12)));
         assert_eq!(verdict.fitness, Fitness::Partly(vec![3]));
-        assert!(verdict.sentence.starts_with("It is fit for use but for cylinder 3: no false"));
+        assert!(verdict.sentence.starts_with("It is fit for use except for cylinder 3: no false"));
         assert_eq!(verdict.reasons.len(), 2);
         let mut short = taught();
         short.failed = Some((Stage::Tune, "too little".to_owned()));
         let untried = Verdict::of(&taught(), Some(&short), None);
         assert_eq!(untried.fitness, Fitness::Unfit);
-        assert!(untried.reasons[0].ends_with("tune comes to nothing: too little"));
+        assert!(untried.reasons[0].ends_with("tune fails: too little"));
         assert_eq!(Verdict::of(&short, None, None).fitness, Fitness::Unfit);
     }
 }

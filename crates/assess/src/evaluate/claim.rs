@@ -4,18 +4,18 @@ use super::outcome::Outcome;
 use super::proportion::Proportion;
 use serde::Serialize;
 
-/// A sentence of the thesis about the residual of the faulty transducer's own observer.
+/// A claim of the thesis about the residual of the faulty transducer's own observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claim {
-    /// Every one is found within one sample (section 5-4-2).
+    /// Every fault is found within one sample (section 5-4-2).
     AtOnce,
-    /// Not all of them are found.
+    /// Not all faults are found.
     NotAlways,
     /// δ_h is not crossed (section 5-4-3).
     Never,
     /// δ_h is crossed.
     Found,
-    /// Every one is found within so many seconds (section 5-4-4).
+    /// Every fault is found within this many seconds (section 5-4-4).
     Within(f64),
 }
 
@@ -32,7 +32,7 @@ pub struct Judged {
 
 impl Claim {
     /// The claim in words.
-    pub fn words(self) -> String {
+    pub fn text(self) -> String {
         match self {
             Self::AtOnce => "found at once".to_owned(),
             Self::NotAlways => "not always found".to_owned(),
@@ -42,7 +42,7 @@ impl Claim {
         }
     }
 
-    /// Holds it for these? "Every one" is every one that was tried.
+    /// Whether the claim holds for `outcomes`. "Every" fault means every one that was tried.
     pub fn judge(self, outcomes: &[Outcome], sample_time: f64) -> Judged {
         let limit = match self {
             Self::AtOnce => sample_time,
@@ -58,6 +58,6 @@ impl Claim {
             Self::NotAlways => found.count < found.of,
             Self::Never => found.count == 0,
         };
-        Judged { claim: self.words(), found, by_any, holds }
+        Judged { claim: self.text(), found, by_any, holds }
     }
 }

@@ -1,4 +1,4 @@
-//! How far the virtual sensor is from the rod, and what its standard deviation is worth.
+//! How far the virtual sensor is from the rod, and how reliable its standard deviation is.
 
 use super::plan::{Cell, Extent};
 use super::proportion::Proportion;
@@ -14,26 +14,28 @@ use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{Options, Simulator};
 
-/// From the start to the earliest fault, s: what the model is worth has to be measured first.
+/// Time from the start to the earliest fault, s: the accuracy of the model has to be measured
+/// first.
 const LEAD: f64 = 60.0;
 
-/// Faults begin within this time of each other, s.
+/// Span of time within which all faults begin, s.
 const SPREAD: f64 = 5.0;
 
-/// Something that befalls the transducers of a cylinder.
+/// Faults of the transducers of one cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case {
     pub name: &'static str,
-    /// Of C1; of C2, too, where it is `both`.
+    /// Fault of C1, and of C2 where `both` is set.
     pub wanted: Option<Wanted>,
+    /// Whether C2 has the fault, too.
     pub both: bool,
     /// The controller reads the fault.
     pub in_loop: bool,
-    /// How long it lasts, and is watched, s.
+    /// How long the fault lasts and is watched, s.
     pub lasting: f64,
 }
 
-/// What is tried.
+/// Cases that are tried.
 pub const CASES: [Case; 11] = {
     const NOTHING: Case =
         Case { name: "healthy", wanted: None, both: false, in_loop: false, lasting: 20.0 };
@@ -65,11 +67,11 @@ pub const CASES: [Case; 11] = {
 /// Errors of estimates, m, cycle by cycle while a case lasted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Cycles, whether anything was told or not.
+    /// Number of cycles, with or without an estimate.
     pub cycles: u64,
     /// Sizes of the errors of valid estimates.
     pub sizes: Vec<f64>,
-    /// Of these, no larger than two of the standard deviations that were told.
+    /// Number of errors within two of the standard deviations that were sent.
     pub covered: u64,
 }
 
@@ -80,22 +82,24 @@ pub struct EstimateResult {
     pub grade: &'static str,
     /// Significant wave height, m, and peak period, s.
     pub sea: [f64; 2],
-    /// Cylinders and cycles that were watched.
+    /// Number of cylinders that were watched.
     pub cylinders: u64,
+    /// Number of cycles that were watched.
     pub cycles: u64,
-    /// Of all cycles.
+    /// Part of all cycles with a valid estimate.
     pub valid: f64,
-    /// Of the valid estimates, m: the root of the mean square, the size that 95 of 100 do not exceed,
-    /// and the largest.
+    /// Root mean square of the errors of the valid estimates, m.
     pub rms: f64,
+    /// 95th percentile of the errors of the valid estimates, m.
     pub p95: f64,
+    /// Largest error of the valid estimates, m.
     pub largest: f64,
     /// Valid estimates within two standard deviations of the rod.
     pub within: Proportion,
 }
 
 impl Extent {
-    /// Machines of each case: each has its fault on every cylinder.
+    /// Machines of each case; each has its fault on every cylinder.
     pub(super) fn estimated(&self) -> u32 {
         let asked = self.studies.contains(&Study::Estimate);
         if asked { self.trials.div_ceil(CYLINDERS as u32) } else { 0 }
@@ -155,17 +159,18 @@ impl Stand<'_> {
     }
 }
 
-/// The lengths of all cylinders as a C1 without noise would read them, m: how far C1's own calibration
-/// is from the rod, nobody on the bus can know.
+/// Lengths of all cylinders as a noiseless C1 would read them, m. C1's own calibration error is
+/// unknown to anyone on the bus.
 fn sound(simulator: &Simulator) -> [f64; CYLINDERS] {
     std::array::from_fn(|leg| simulator.machine().calibrated(leg))
 }
 
-/// Compares what is told with the truth.
+/// Compares the estimates with the truth.
 struct Watch {
     windows: [[Timestamp; 2]; CYLINDERS],
     half: Span,
-    /// Of the newest two cycles: a cycle that lacks something is told during the next.
+    /// True lengths of the newest two cycles: a cycle that lacks something is reported during the
+    /// next.
     truth: [(Timestamp, [f64; CYLINDERS]); 2],
     errors: Errors,
 }

@@ -1,4 +1,4 @@
-//! What the outcomes of a row come to.
+//! Figures of the outcomes of a row.
 
 use super::outcome::{Blame, Outcome};
 use super::proportion::Proportion;
@@ -7,29 +7,29 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_core::alarm::Detector;
 
-/// Probabilities of detection are told for these times, s.
+/// Times for which probabilities of detection are given, s.
 pub const WITHIN: [f64; 3] = [0.2, 1.0, 10.0];
 
-/// The figures of a row. Faults that began while a warning of their cylinder stood are spoilt, and
-/// in none of the others.
+/// The figures of a row. Faults that began while a warning of their cylinder stood count as spoilt
+/// and are excluded from all other figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figures {
     pub faults: u64,
     pub spoilt: u64,
     /// Warnings before the faults.
     pub early: u64,
-    /// By any detector, within each of [`WITHIN`].
+    /// Faults found by any detector within each of [`WITHIN`].
     pub found: [Found; WITHIN.len()],
-    /// By any detector, as long as they were watched.
+    /// Part of the faults that any detector found while they were watched.
     pub found_watched: Proportion,
     pub delay: Delay,
-    /// Whom the first warning blamed, of those found.
+    /// Suspect of the first warning, for the faults that were found.
     pub suspect_first: SuspectFigures,
-    /// Whom all of them blamed in the end.
+    /// Suspect of all warnings in the end.
     pub suspect: SuspectFigures,
-    /// Called by its name, of those found; `None` where it has none.
+    /// How often the fault was named correctly, for those found; `None` where it has no name.
     pub kind: Option<KindFigures>,
-    /// The observer on the faulty transducer.
+    /// Faults found by the observer of the faulty transducer.
     pub own: DetectorFigures,
     pub detectors: BTreeMap<&'static str, DetectorFigures>,
     /// Warnings of cylinders without a fault; `None` where every cylinder has one.
@@ -39,17 +39,17 @@ pub struct Figures {
     pub moved: Option<Moved>,
 }
 
-/// What was found within a time.
+/// Faults found within a time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Found {
-    /// s.
+    /// Time after the onset, s.
     pub within: f64,
     #[serde(flatten)]
     pub found: Proportion,
 }
 
-/// Quantiles of the delay of whichever detector was first, s. A fault that was not found has a
-/// delay beyond all others, so a quantile is `None` where too few were found.
+/// Quantiles of the delay of the first detector, s. A fault that was not found counts as the
+/// longest delay, so a quantile is `None` where too few were found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Delay {
     pub p05: Option<f64>,
@@ -60,17 +60,17 @@ pub struct Delay {
     pub p99: Option<f64>,
 }
 
-/// How often who was blamed.
+/// How often each suspect was blamed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SuspectFigures {
     pub right: u64,
     pub undecided: u64,
     pub process: u64,
-    /// The other transducer.
+    /// The other transducer was blamed.
     pub wrong: u64,
 }
 
-/// How often a fault was called by its name.
+/// How often a fault was named correctly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct KindFigures {
     pub expected: &'static str,
@@ -81,18 +81,21 @@ pub struct KindFigures {
 /// What one detector found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DetectorFigures {
-    /// As long as they were watched.
+    /// Part of the faults found while they were watched.
     pub found: Proportion,
     pub delay: Delay,
 }
 
-/// How far the machine went, in the loop or beside it, m.
+/// Displacement of the machine by the fault, in the loop or beside it, m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Moved {
-    /// The rod, from where it would be without the fault: median and largest of the farthest.
+    /// Largest distance of the rod from where it would be without the fault: median over the
+    /// faults.
     pub rod_median: f64,
+    /// Largest distance of the rod over all faults, m.
     pub rod_largest: f64,
-    /// C1's reading, from what it would be without the fault, in the last second: median of the RMS.
+    /// Difference of C1's reading from what it would be without the fault, RMS over the last
+    /// second: median over the faults.
     pub reading_median: f64,
 }
 
@@ -135,14 +138,14 @@ impl Figures {
 }
 
 impl DetectorFigures {
-    /// Of the delays, `None` where it was not found, s.
+    /// Figures of the delays, s; a delay is `None` where the fault was not found.
     pub(super) fn of(delays: Vec<Option<f64>>) -> Self {
         Self { found: Proportion::counting(&delays, Option::is_some), delay: Delay::of(delays) }
     }
 }
 
 impl Delay {
-    /// Of the delays, `None` where it was not found, s.
+    /// Quantiles of the delays, s; a delay is `None` where the fault was not found.
     pub(super) fn of(delays: Vec<Option<f64>>) -> Self {
         let all: Vec<f64> = delays.iter().map(|delay| delay.unwrap_or(f64::INFINITY)).collect();
         let sorted = sorted(all);
@@ -172,7 +175,7 @@ impl SuspectFigures {
         figures
     }
 
-    /// How many were blamed at all.
+    /// Number of faults for which a transducer was blamed.
     pub const fn all(&self) -> u64 {
         self.right + self.undecided + self.process + self.wrong
     }

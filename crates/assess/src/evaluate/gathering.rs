@@ -1,4 +1,4 @@
-//! Puts together what the jobs bring, in whatever order they do.
+//! Collects the results of the jobs, in any order.
 
 use super::claim::Judged;
 use super::contest;
@@ -23,11 +23,11 @@ pub struct Evaluation {
     pub seed: u64,
     pub rows: Vec<RowResult>,
     pub healthy: Vec<HealthyCell>,
-    /// The detectors against each other, by grade.
+    /// Comparison of the detectors, by grade.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contest: Vec<contest::GradeResult>,
     pub estimates: Vec<EstimateResult>,
-    /// Weights of the observers against each other.
+    /// Comparison of sets of weights for the observers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<weights::SetResult>,
 }
@@ -44,45 +44,45 @@ pub struct RowResult {
     pub in_loop: bool,
     pub label: String,
     pub fault: &'static str,
-    /// m, m/s of a drift, or a part of the reading of a scale.
+    /// Size of the fault: m, m/s for a drift, or a part of the reading for a scale.
     pub size: Option<f64>,
     /// b of an incipient fault, or a probability.
     pub parameter: Option<f64>,
-    /// s.
+    /// How long the fault was watched, s.
     pub watched: f64,
     pub thesis: Option<Judged>,
     #[serde(flatten)]
     pub figures: Figures,
 }
 
-/// What was said of healthy machines of one cell.
+/// Figures of healthy machines of one cell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HealthyCell {
     pub grade: &'static str,
     pub sea: [f64; 2],
     /// Hours of a machine that were judged.
     pub hours: f64,
-    /// Warnings of cylinders of which none stood: what a person takes for one.
+    /// Warnings on cylinders on which none stood: what a person counts as one false alarm.
     pub false_alarms: Rate,
     pub detectors: BTreeMap<&'static str, Rate>,
-    /// By the name of the fault.
+    /// Number of warnings by the name of the fault.
     pub faults: BTreeMap<&'static str, u64>,
     /// R1, R2 and R3 within δ_h, or within R3's bound.
     pub within: [Proportion; 3],
-    /// m.
+    /// Largest residuals, m.
     pub largest: [f64; 3],
 }
 
-/// Outcomes that are still being gathered; a row becomes figures as soon as it is complete.
+/// Outcomes that are being collected; a row becomes figures as soon as it is complete.
 #[derive(Clone, Debug)]
 pub struct Gathering<'a> {
     plan: &'a Plan,
     sample_time: f64,
     rows: Vec<Part>,
     healthy: Vec<Healthy>,
-    contest: Option<contest::Gathering<'a>>,
-    weights: Option<weights::Gathering<'a>>,
-    /// By cell, case and number of the machine.
+    contest: Option<contest::ContestGathering<'a>>,
+    weights: Option<weights::WeightsGathering<'a>>,
+    /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
 
@@ -93,20 +93,20 @@ struct Part {
 }
 
 impl<'a> Gathering<'a> {
-    /// `sample_time` is that of the machine, s.
+    /// A collection for `plan`; `sample_time` is the machine's, s.
     pub fn new(plan: &'a Plan, sample_time: f64) -> Self {
         Self {
             plan,
             sample_time,
             rows: vec![Part::default(); plan.rows.len()],
             healthy: vec![Healthy::default(); plan.cells.len()],
-            contest: plan.contest.as_ref().map(contest::Gathering::new),
-            weights: plan.weighing.as_ref().map(weights::Gathering::new),
+            contest: plan.contest.as_ref().map(contest::ContestGathering::new),
+            weights: plan.weighing.as_ref().map(weights::WeightsGathering::new),
             estimates: BTreeMap::new(),
         }
     }
 
-    /// Takes what a job brought; each job once.
+    /// Takes the result of a job; each job once.
     pub fn take(&mut self, job: Job, product: Product) {
         match (job, product) {
             (Job::Trial { row: index, number }, Product::Trial(outcomes)) => {
@@ -144,8 +144,8 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    /// The result, of the rows that are complete; `learnt` is what the contest's detectors knew, `block` the
-    /// time that one warning is, s.
+    /// The result of all rows that are complete; `learnt` is what the detectors of the contest
+    /// knew, `block` the time that counts as one warning, s.
     pub fn finish(self, machine: &str, learnt: &[Learnt], block: f64) -> Evaluation {
         let cells = self.plan.cells.iter().zip(&self.healthy);
         let healthy = cells.filter(|(_, healthy)| healthy.judged[0] > 0);

@@ -1,4 +1,4 @@
-//! How finely the transducers read.
+//! Resolution of the transducers.
 
 use serde::Serialize;
 use tertius_machine::simulator::Tables;
@@ -9,14 +9,14 @@ use tertius_machine::simulator::Tables;
 pub enum Grade {
     /// Readings of one count (5-3), and now and then off by four counts for a while (Figure 5-9).
     Fine,
-    /// Readings in steps of four counts: Figure 5-9 taken for the resolution.
+    /// Readings in steps of four counts: Figure 5-9 taken as the resolution.
     Coarse,
 }
 
 /// Standard deviation of the noise before rounding, m: half a count.
 const NOISE: f64 = 5e-5;
 
-/// Counts in a step of the coarse ones.
+/// Counts in a step of the coarse transducers.
 const COUNTS: f64 = 4.0;
 
 impl Grade {

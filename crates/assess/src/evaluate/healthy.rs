@@ -1,4 +1,4 @@
-//! A machine on which nothing is wrong: whatever is said of it is false.
+//! A machine with nothing wrong: every warning is false.
 
 use super::outcome::DETECTORS;
 use super::plan::Cell;
@@ -11,20 +11,20 @@ use tertius_machine::simulator::Options;
 /// How long one healthy machine is watched, s.
 pub const STRETCH: f64 = 600.0;
 
-/// What was said of healthy machines, all cylinders together.
+/// Warnings on healthy machines, all cylinders together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Healthy {
-    /// Warnings of cylinders of which none stood.
+    /// Warnings on cylinders on which none stood.
     pub events: u64,
     /// Warnings of each detector, in the order of [`tertius_core::alarm::Detector::ALL`].
     pub raises: [u64; DETECTORS],
-    /// And by the name of the fault.
+    /// Warnings by the name of the fault.
     pub faults: BTreeMap<&'static str, u64>,
-    /// R1, R2 and R3 that were judged.
+    /// Number of R1, R2 and R3 that were judged.
     pub judged: [u64; 3],
-    /// Of these, beyond δ_h, or the bound of R3.
+    /// Number of R1, R2 and R3 beyond δ_h, or beyond the bound of R3.
     pub beyond: [u64; 3],
-    /// The largest of them, m.
+    /// Largest |R1|, |R2| and |R3|, m.
     pub largest: [f64; 3],
     standing: [u32; CYLINDERS],
     limits: [f64; 3],
@@ -53,7 +53,7 @@ impl Stand<'_> {
 }
 
 impl Healthy {
-    /// Adds what was said of another machine.
+    /// Adds the figures of another machine.
     pub fn add(&mut self, other: &Self) {
         self.events += other.events;
         for (mine, more) in self.raises.iter_mut().zip(other.raises) {
@@ -69,7 +69,7 @@ impl Healthy {
         }
     }
 
-    /// Hours of a machine, by what its observers judged.
+    /// Hours of one machine, by what its observers judged.
     pub fn hours(&self, sample_time: f64) -> f64 {
         self.judged[0] as f64 / CYLINDERS as f64 * sample_time / 3600.0
     }

@@ -2,11 +2,11 @@
 
 use statrs::distribution::{Beta, ChiSquared, ContinuousCDF};
 
-/// Of every interval and bound.
+/// Confidence of every interval and bound.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// The interval of Clopper and Pearson for a probability of which `count` of `of` were seen;
-/// [0, 1] where nothing was tried. Each side is exact: its tail is (1 − `confidence`)/2 at most.
+/// The Clopper-Pearson interval of a probability when `count` of `of` trials succeeded; [0, 1]
+/// where nothing was tried. Each side is exact: its tail is (1 − `confidence`)/2 at most.
 pub fn clopper_pearson(count: u64, of: u64, confidence: f64) -> [f64; 2] {
     let count = count.min(of);
     let tail = (1.0 - confidence) / 2.0;
@@ -17,8 +17,8 @@ pub fn clopper_pearson(count: u64, of: u64, confidence: f64) -> [f64; 2] {
     [low.unwrap_or(0.0), high.unwrap_or(1.0)]
 }
 
-/// The exact one-sided upper bound of the expected number of events where `events` were seen. None
-/// seen is the rule of three: −ln 0.05 = 2.996.
+/// The exact one-sided upper bound of the expected number of events where `events` were seen. With
+/// no events it is the rule of three: −ln 0.05 = 2.996.
 pub fn poisson_upper(events: u64, confidence: f64) -> f64 {
     if events == 0 {
         return -(-confidence).ln_1p();

@@ -1,5 +1,5 @@
-//! What the sequential detectors know of a grade of transducers, learnt as an engineer would teach
-//! it: calibrated on one healthy run, and their level from another.
+//! What the sequential detectors learn of a grade of transducers, taught as an engineer would:
+//! calibrated on one healthy run, with their level from another.
 
 use super::grade::Grade;
 use super::stand::{Stand, StandError};
@@ -8,17 +8,17 @@ use tertius_config::settings::Settings;
 use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::sequential::{self, Sequential};
 use tertius_learn::calibrate::watch::{Level, Watch};
-use tertius_learn::calibrate::{Course, Recording};
+use tertius_learn::calibrate::{CalibrationCourse, Recording};
 use tertius_learn::survey::{Survey, Surveyor, Window};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{EPOCH, Options};
 
-/// How much is learnt from, hours in each sea.
+/// Hours to learn from in each sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lessons {
-    /// For the calibration, half of it to fit and half to try.
+    /// Hours for the calibration, half of them to fit and half to validate.
     pub calibration: f64,
-    /// For the level.
+    /// Hours for the level.
     pub level: f64,
 }
 
@@ -28,15 +28,15 @@ pub struct Learnt {
     pub grade: Grade,
     /// The monitor with the detectors.
     pub design: MonitorDesign,
-    /// h, nats.
+    /// Level h, nats.
     pub nats: f64,
-    /// What it was made from; `None` where it is configured.
+    /// What the level was made from; `None` where it is configured.
     pub level: Option<Level>,
-    /// Of each cylinder, with a level that nothing reaches.
+    /// Detector design of each cylinder, with a level that nothing reaches.
     pub detectors: Vec<sequential::Design>,
 }
 
-/// The same run of a machine each time, in one sea after the other.
+/// The same run of a machine in one sea after the other.
 struct Run<'a> {
     stand: &'a Stand<'a>,
     grade: Grade,
@@ -48,7 +48,7 @@ struct Run<'a> {
 impl Recording for Run<'_> {
     type Error = StandError;
 
-    /// `window` is a part of the time in each sea.
+    /// Reads the run into `surveyor`; `window` is a part of the time in each sea.
     fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), StandError> {
         let Self { stand, grade, seas, settings, seed } = *self;
         let design = design::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
@@ -77,8 +77,8 @@ fn untaught(error: impl std::fmt::Display) -> StandError {
 }
 
 impl Stand<'_> {
-    /// Calibrates the detectors to the healthy machine in `seas`, and finds their level; as they are
-    /// configured, where they are.
+    /// Calibrates the detectors to the healthy machine in `seas` and finds their level; detectors
+    /// that are configured are taken as they are.
     ///
     /// # Errors
     /// If there is no such machine, or nothing can be learnt from it.
@@ -96,7 +96,7 @@ impl Stand<'_> {
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
         let per_year = settings.sequential.false_alarms_per_year;
         let sample_time = settings.machine.sample_time;
-        let course = Course { settings: self.settings, fitted, tried, per_year };
+        let course = CalibrationCourse { settings: self.settings, fitted, tried, per_year };
         let tables = course.run(&run)?.cylinders.into_iter().map(|cylinder| {
             let missing = || format!("cylinder {} has no profile", cylinder.number);
             let table = cylinder.table().filter(|table| table.sequential.is_some());
@@ -127,7 +127,7 @@ impl Stand<'_> {
     }
 }
 
-/// Those of all cylinders, with a level that nothing reaches.
+/// Detector designs of all cylinders, with a level that nothing reaches.
 fn detectors(design: &MonitorDesign) -> Result<Vec<sequential::Design>, StandError> {
     let monitor = Monitor::new(design.clone());
     let unbounded = |detector: &Sequential| sequential::Design {

@@ -5,19 +5,19 @@
 //! Plan ─ jobs ─→ Stand: machine, faults, monitor ─ outcomes ─→ Gathering ─ figures ─→ Evaluation
 //! ```
 //!
-//! A [`Plan`] says which rows of faults are tried and how long nothing is wrong. Each of its jobs is
-//! one simulated machine, and all that is random in it comes from the plan's seed and the job's own
-//! number. So jobs can run in any order and on any number of cores: the [`Gathering`] puts what they
-//! bring in its place, and the same seed gives the same [`Evaluation`].
+//! A [`Plan`] lists the rows of faults and the fault-free hours. Each of its jobs is one simulated
+//! machine, and everything random in it comes from the plan's seed and the job's number. Jobs can
+//! therefore run in any order and on any number of cores: the [`Gathering`] puts the results in
+//! their places, and the same seed gives the same [`Evaluation`].
 //!
-//! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; what they know
-//! of the machine they learn from it first ([`Stand::learn`]).
+//! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; they learn
+//! the machine first ([`Stand::learn`]).
 //!
-//! Sets of the observers' weights, each with its threshold, are compared by [`weights`].
+//! [`weights`] compares sets of the observers' weights, each with its threshold.
 //!
-//! A fault begins on a machine that is engaged, with observers that have settled; its delay counts
-//! from the Sync at which the first faulty reading was sampled. Where it is *in the loop* the
-//! machine's controller reads it, too: the second recommendation of the thesis's chapter 6.
+//! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
+//! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
+//! controller also reads the fault: the second recommendation of the thesis's chapter 6.
 
 mod claim;
 pub mod contest;

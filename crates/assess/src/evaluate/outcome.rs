@@ -6,10 +6,10 @@ use tertius_core::alarm::{Detector, Finding, State, Warning};
 use tertius_core::time::Timestamp;
 use tertius_core::verdict::{Fault, Suspect};
 
-/// How many detectors there are.
+/// Number of detectors.
 pub const DETECTORS: usize = Detector::ALL.len();
 
-/// The places of the warnings that say that the data of C1 and C2 are bad.
+/// Places of the detectors that warn of bad data of C1 and of C2.
 const DATA: [usize; 2] = [3, 4];
 
 /// The first warning after the onset.
@@ -19,14 +19,14 @@ pub struct First {
     pub fault: Fault,
 }
 
-/// Whom the warnings blame, as seen by who knows.
+/// Whom the warnings blame, compared with the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Blame {
     Right,
     Undecided,
     Process,
-    /// The other transducer.
+    /// The other transducer is blamed.
     Wrong,
 }
 
@@ -41,37 +41,39 @@ impl Blame {
     }
 }
 
-/// What the monitor said of one fault.
+/// What the monitor reported of one fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// C1 or C2.
+    /// The faulty transducer, C1 or C2.
     pub transducer: Suspect,
-    /// A warning of the cylinder stood already when the fault began: what followed says nothing.
+    /// A warning of the cylinder already stood when the fault began, so later ones mean nothing.
     pub spoilt: bool,
-    /// Warnings of the cylinder before.
+    /// Warnings of the cylinder before the fault.
     pub early: u32,
     /// From the sampling of the first faulty reading to the raise of each detector, in the order of
     /// [`Detector::ALL`], s.
     pub delays: [Option<f64>; DETECTORS],
     pub first: Option<First>,
-    /// What the fault was called in the end: by a warning that the data are bad, which no model is
-    /// asked about, or else by the first warning.
+    /// Name of the fault in the end: that of a warning of bad data, which no model judges, or else
+    /// that of the first warning.
     pub kind: Option<Fault>,
-    /// Of all warnings in the end: somebody innocent before the right one, before nobody.
+    /// Blame of all warnings in the end: an innocent one takes precedence over the right one, and
+    /// that over nobody.
     pub blame: Option<Blame>,
     /// Warnings of cylinders without a fault, after the onset.
     pub beside: u32,
     /// Largest |R1|, |R2|, |R3| while it was watched, m.
     pub worst: [f64; 3],
-    /// How far the rod went from where it would be without the fault, at the most, m; known where
-    /// the machine has a healthy twin.
+    /// Largest distance of the rod from where it would be without the fault, m; known where the
+    /// machine has a healthy twin.
     pub rod: Option<f64>,
-    /// And how far C1 read from what it would read, in the last second, RMS, m.
+    /// Difference of C1's reading from what it would be without the fault, RMS over the last
+    /// second, m.
     pub reading: Option<f64>,
 }
 
 impl Outcome {
-    /// The delay of whichever was first, s.
+    /// Delay of the first detector, s.
     pub fn delay(&self) -> Option<f64> {
         self.delays.iter().flatten().copied().reduce(f64::min)
     }
@@ -81,8 +83,8 @@ impl Outcome {
         self.delays[usize::from(self.transducer == Suspect::C2)]
     }
 
-    /// What `warnings` of a whole run say of a fault of `transducer` of `cylinder` (from 1) that is
-    /// first in a reading at `onset` and is watched until `end`.
+    /// What the `warnings` of a whole run say of a fault of `transducer` of `cylinder` (from 1)
+    /// whose first reading is at `onset` and which is watched until `end`.
     pub fn read(
         warnings: &[Warning],
         cylinder: u8,

@@ -9,13 +9,13 @@ use super::outcome::Outcome;
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
-use super::weights::{self, Kind, Weighing};
+use super::weights::{self, TransducerKind, Weighing};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_learn::tune::Weights;
 use tertius_machine::plant::CYLINDERS;
 
-/// Transducers in a sea.
+/// Transducers in one sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     pub grade: Grade,
@@ -23,24 +23,25 @@ pub struct Cell {
     pub sea: [f64; 2],
 }
 
-/// How much is tried.
+/// Extent of the evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
-    /// Faults in a row, rounded up to whole machines; the rows of [`Study::Loop`], which need two
-    /// machines for each fault, have a quarter.
+    /// Number of faults in a row, rounded up to whole machines; the rows of [`Study::Loop`], which
+    /// need two machines for each fault, have a quarter.
     pub trials: u32,
     /// Hours of a healthy machine in each cell, rounded up to whole stretches.
     pub hours: f64,
-    /// Significant wave height, m, and peak period, s. The first is the one for which the loop is
-    /// studied.
+    /// Significant wave height, m, and peak period, s, of each sea. The loop is studied in the
+    /// first.
     pub seas: Vec<[f64; 2]>,
     pub studies: Vec<Study>,
-    /// Hours of a healthy machine of each grade in each sea for the contest, and what its detectors
-    /// learn from.
+    /// Hours of a healthy machine of each grade in each sea for the contest.
     pub contest_hours: f64,
+    /// Hours that the detectors of the contest learn from.
     pub lessons: Lessons,
-    /// Hours of a healthy machine of each grade in each sea for the weights, and the sets that are tried.
+    /// Hours of a healthy machine of each grade in each sea for the weights.
     pub weights_hours: f64,
+    /// Sets of weights that are tried.
     pub weights: Vec<Weights>,
 }
 
@@ -62,25 +63,25 @@ const MOST_HOURS: f64 = 100_000.0;
 /// One simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Job {
-    /// The machine of that number of a row.
+    /// The machine of this number in a row.
     Trial { row: usize, number: u32 },
-    /// A stretch of a cell without faults.
+    /// A fault-free stretch of a cell.
     Healthy { cell: usize, number: u32 },
-    /// One of the contest.
-    Contest(contest::Job),
-    /// One of the weights.
-    Weights(weights::Job),
-    /// The machine of that number of a cell and one of [`CASES`].
+    /// A job of the contest.
+    Contest(contest::ContestJob),
+    /// A job of the weights.
+    Weights(weights::WeightsJob),
+    /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
 
-/// What a job brings.
+/// Result of a job.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Product {
     Trial(Vec<Outcome>),
     Healthy(Box<Healthy>),
-    Contest(contest::Product),
-    Weights(weights::Product),
+    Contest(contest::ContestProduct),
+    Weights(weights::WeightsProduct),
     Estimate(Errors),
 }
 
@@ -91,16 +92,17 @@ pub struct Plan {
     pub extent: Extent,
     pub rows: Vec<Row>,
     pub cells: Vec<Cell>,
-    /// The detectors against each other, if that is asked for.
+    /// Comparison of the detectors, if requested.
     pub contest: Option<Contest>,
-    /// And the observers' weights.
+    /// Comparison of the observers' weights, if requested.
     pub weighing: Option<Weighing>,
 }
 
-/// Above every stream of a row.
+/// First stream of healthy machines, above every stream of a row.
 const HEALTHY_STREAMS: u64 = 1 << 62;
 
-/// Above those. Cases of a cell are tried on the same machines at the same times.
+/// First stream of estimates, above [`HEALTHY_STREAMS`]. All cases of a cell are tried on the same
+/// machines at the same times.
 const ESTIMATE_STREAMS: u64 = 1 << 63;
 
 /// Numbers of machines that a stream has room for: more than any row or cell has.
@@ -109,8 +111,7 @@ const NUMBERS: u64 = 1 << 21;
 impl Plan {
     /// The plan for every grade in every sea of `extent`.
     ///
-    /// # Errors
-    /// If that is too much.
+    /// # Errors The extent exceeds a limit.
     pub fn new(seed: u64, extent: Extent) -> Result<Self, PlanError> {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
@@ -129,7 +130,7 @@ impl Plan {
             Contest::new(seed, &extent.seas, extent.trials, hours)
         });
         let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
-            kinds: Kind::ALL.to_vec(),
+            kinds: TransducerKind::ALL.to_vec(),
             sets: extent.weights.clone(),
             seas: extent.seas.clone(),
             trials: extent.trials,
@@ -139,18 +140,18 @@ impl Plan {
         Ok(Self { seed, extent, rows, cells, contest, weighing })
     }
 
-    /// The machines of a row.
+    /// The number of machines of a row.
     pub fn machines(&self, row: &Row) -> u32 {
         let trials = self.extent.trials;
         if row.is_alone() { trials.div_ceil(4) } else { trials.div_ceil(CYLINDERS as u32) }
     }
 
-    /// The healthy machines of a cell.
+    /// The number of healthy machines of a cell.
     pub fn stretches(&self) -> u32 {
         (self.extent.hours * 3600.0 / STRETCH).ceil() as u32
     }
 
-    /// All jobs. They may be done in any order.
+    /// All jobs, which may be done in any order.
     pub fn jobs(&self) -> Vec<Job> {
         let trials = self.rows.iter().enumerate().flat_map(|(row, it)| {
             (0..self.machines(it)).map(move |number| Job::Trial { row, number })

@@ -1,16 +1,16 @@
-//! So many of so many.
+//! A proportion: a count out of a total.
 
 use super::interval::{CONFIDENCE, clopper_pearson};
 use serde::Serialize;
 
-/// A count with what it says of the probability behind it.
+/// A count out of a total, with what it says of the probability behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Proportion {
     pub count: u64,
     pub of: u64,
-    /// `None` where nothing was tried.
+    /// Estimated probability; `None` where nothing was tried.
     pub probability: Option<f64>,
-    /// The interval of [`CONFIDENCE`], exact.
+    /// Exact interval of [`CONFIDENCE`].
     pub interval: [f64; 2],
 }
 
@@ -24,7 +24,7 @@ impl Proportion {
         }
     }
 
-    /// How many of `all` are `so`.
+    /// The proportion of `all` for which `so` holds.
     pub fn counting<T>(all: &[T], so: impl Fn(&T) -> bool) -> Self {
         Self::new(all.iter().filter(|one| so(one)).count() as u64, all.len() as u64)
     }

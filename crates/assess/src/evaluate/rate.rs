@@ -10,12 +10,12 @@ pub struct Rate {
     pub events: u64,
     /// Events in a year of monitored time.
     pub per_year: f64,
-    /// With [`CONFIDENCE`] there are no more than these; the rule of three where none was seen.
+    /// Upper bound of `per_year` with [`CONFIDENCE`]; the rule of three where no event was seen.
     pub at_most: f64,
 }
 
 impl Rate {
-    /// `events` in so many `hours`; not a number where there were none.
+    /// The rate of `events` in `hours`; not a number where `hours` is 0.
     pub fn new(events: u64, hours: f64) -> Self {
         let yearly = |events: f64| events / hours * HOURS_PER_YEAR;
         Self {

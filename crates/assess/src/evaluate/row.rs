@@ -1,4 +1,4 @@
-//! What is tried: one kind of fault of one size, on one grade of transducers in one sea.
+//! One kind of fault of one size, on one grade of transducers in one sea.
 
 use super::claim::Claim;
 use super::plan::Cell;
@@ -6,10 +6,10 @@ use serde::Serialize;
 use tertius_core::verdict::Fault;
 use tertius_machine::inject::{Shape, Wanted};
 
-/// The standard deviation that noise (5-17) is counted in, m: four counts.
+/// Unit of noise amplitudes (5-17), a standard deviation of four counts, m.
 pub const SIGMA: f64 = 4.34e-4;
 
-/// What rows belong together.
+/// Groups of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Study {
@@ -21,17 +21,17 @@ pub enum Study {
     Incipient,
     Drift,
     Scale,
-    /// What the checks before any model are for.
+    /// Faults of the data, which are checked before any model.
     Data,
-    /// No fault at all: what is found in its time is found by chance.
+    /// No fault: whatever is found is found by chance.
     Chance,
-    /// The same faults of C1 beside the loop and in it.
+    /// Faults of C1, each beside the loop and in it.
     Loop,
-    /// The detectors against each other.
+    /// Comparison of the detectors.
     Contest,
-    /// The virtual sensor, which has cases of its own instead of rows.
+    /// The virtual sensor, which has its own cases instead of rows.
     Estimate,
-    /// Weights of the observers against each other.
+    /// Comparison of the observers' weights.
     Weights,
 }
 
@@ -72,31 +72,33 @@ impl Study {
 pub struct Row {
     pub study: Study,
     pub cell: Cell,
-    /// The controller reads the fault, which is of C1, and there is one fault a machine.
+    /// The controller reads the fault, which is of C1, and each machine has one fault.
     pub in_loop: bool,
-    /// Its size positive; `None`: no fault.
+    /// The fault, its size positive; `None`: no fault.
     pub wanted: Option<Wanted>,
     /// How long the fault is watched, s.
     pub watch: f64,
     pub claim: Option<Claim>,
-    /// Rows of the same stream try their faults on the same machines at the same times.
+    /// Stream of random numbers: rows with the same stream try their faults on the same machines at
+    /// the same times.
     pub stream: u64,
 }
 
-/// Watched so long, s, where nothing needs longer.
+/// How long a fault is watched unless it needs longer, s.
 const WATCH: f64 = 10.0;
 
-/// (5-15) and (5-16), m.
+/// Steps (5-15), (5-16), m.
 const STEPS: [f64; 10] = [1e-3, 1.25e-3, 1.5e-3, 1.75e-3, 2e-3, 2.5e-3, 5e-3, 0.01, 0.025, 0.05];
 
-/// Section 5-4-4, φ in m and b: its own first, then slower ones that reach the same in the end.
+/// Incipient faults of section 5-4-4, φ in m and b: the thesis's first, then slower ones that end
+/// at the same size.
 const INCIPIENT: [(f64, f64); 4] = [(0.07, 1.0), (0.07, 0.3), (0.07, 0.1), (0.035, 1.0)];
 
-/// m/s, with the time that is watched, s.
+/// Drifts, m/s, with the time that each is watched, s.
 const DRIFTS: [(f64, f64); 5] =
     [(5e-5, 60.0), (1e-4, 30.0), (5e-4, 10.0), (1e-3, 10.0), (5e-3, 10.0)];
 
-/// Parts of the reading.
+/// Gain errors, as parts of the reading.
 const GAINS: [f64; 4] = [1e-3, 2e-3, 5e-3, 1e-2];
 
 /// The rows of all studies, in each of `cells`; the loop is studied in the first of them.
@@ -117,7 +119,7 @@ pub fn rows(cells: &[Cell]) -> Vec<Row> {
     rows
 }
 
-/// Types I, II and III with what the thesis says of each.
+/// Types I, II and III with the thesis's claim about each.
 fn thesis(open: Row) -> impl Iterator<Item = Row> {
     let steps = STEPS.map(|size| {
         let claim = if size < 1.25e-3 { Claim::NotAlways } else { Claim::AtOnce };
@@ -187,17 +189,17 @@ fn loops(cell: Cell) -> Vec<Row> {
 }
 
 impl Row {
-    /// A fault that nothing reads, without a claim.
+    /// A row without a claim whose fault the controller does not read.
     pub const fn open(study: Study, cell: Cell, wanted: Option<Wanted>) -> Self {
         Self { study, cell, in_loop: false, wanted, watch: WATCH, claim: None, stream: 0 }
     }
 
-    /// Whether it has one fault of C1 a machine, instead of one a cylinder.
+    /// Whether each machine has one fault of C1 instead of one on every cylinder.
     pub fn is_alone(&self) -> bool {
         self.study == Study::Loop
     }
 
-    /// The name of its fault, as `inject` has it.
+    /// The name of the row's fault, as in `inject`.
     pub const fn fault(&self) -> &'static str {
         match self.wanted {
             None => "none",
@@ -207,7 +209,7 @@ impl Row {
         }
     }
 
-    /// How large it is: m, m/s (a drift) or a part of the reading (a scale).
+    /// Size of the fault: m, m/s (a drift) or a part of the reading (a scale).
     pub const fn size(&self) -> Option<f64> {
         let Some(Wanted::Shape(shape)) = self.wanted else { return None };
         match shape {
@@ -231,7 +233,7 @@ impl Row {
         }
     }
 
-    /// What its warnings should call it; `None` where Table 5-1 has no name for it.
+    /// The name that warnings should give the fault; `None` where Table 5-1 has none.
     pub const fn kind(&self) -> Option<Fault> {
         match self.wanted {
             None => None,
@@ -252,7 +254,7 @@ impl Row {
         }
     }
 
-    /// Its fault as a person says it.
+    /// The fault in words.
     pub fn label(&self) -> String {
         match self.wanted {
             Some(Wanted::Shape(shape)) => label(shape),
@@ -261,7 +263,7 @@ impl Row {
     }
 }
 
-/// The name of a fault of that shape, as `inject` has it.
+/// The name of a fault of that shape, as in `inject`.
 const fn name(shape: Shape) -> &'static str {
     match shape {
         Shape::Step { .. } => "step",
@@ -277,7 +279,7 @@ const fn name(shape: Shape) -> &'static str {
     }
 }
 
-/// A fault of that shape as a person says it.
+/// A fault of that shape in words.
 pub fn label(shape: Shape) -> String {
     let name = name(shape);
     match shape {
@@ -294,7 +296,7 @@ pub fn label(shape: Shape) -> String {
     }
 }
 
-/// Without what the binary fraction left behind.
+/// `value` without the rounding residue of binary fractions.
 fn tidy(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

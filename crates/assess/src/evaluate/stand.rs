@@ -1,4 +1,4 @@
-//! Where trials are made: the simulated machine and the monitor that watches it.
+//! The test stand: the simulated machine and the monitor that watches it.
 
 use super::grade::Grade;
 use super::learning::Learnt;
@@ -20,18 +20,18 @@ pub enum StandError {
     Untaught(String),
 }
 
-/// A test stand; many trials can be made on it at once.
+/// A test stand, on which many trials can run at once.
 #[derive(Clone, Debug)]
 pub struct Stand<'a> {
     pub settings: &'a Settings,
     pub database: &'a Database,
     pub design: &'a MonitorDesign,
-    /// Monitors with sequential detectors, of the grades that were learnt.
+    /// Monitors with sequential detectors, for the grades that were learnt.
     pub monitors: Vec<Learnt>,
-    /// Monitors by the sets of weights that are compared.
+    /// Monitors with the sets of weights that are compared.
     pub weighed: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
-    /// Without the fluctuations of Figure 5-9.
+    /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
 }
 
@@ -59,10 +59,9 @@ impl<'a> Stand<'a> {
         }
     }
 
-    /// What was learnt of `grade`.
+    /// The monitor that has learnt `grade`.
     ///
-    /// # Errors
-    /// If nothing was.
+    /// # Errors Nothing was learnt of it.
     pub fn learnt(&self, grade: Grade) -> Result<&Learnt, StandError> {
         let learnt = self.monitors.iter().find(|learnt| learnt.grade == grade);
         learnt.ok_or_else(|| StandError::Untaught(format!("{} was not learnt", grade.name())))
@@ -78,16 +77,14 @@ impl<'a> Stand<'a> {
 
     /// The machine with transducers of `grade`, in the sea of `options`.
     ///
-    /// # Errors
-    /// As [`Self::simulator`].
+    /// # Errors See [`Self::simulator`].
     pub fn graded(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
         self.simulate(&self.tables, grade, options)
     }
 
     /// The machine with transducers of `grade` that do not fluctuate.
     ///
-    /// # Errors
-    /// As [`Self::simulator`].
+    /// # Errors See [`Self::simulator`].
     pub fn steady(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
         self.simulate(&self.steady, grade, options)
     }
@@ -103,7 +100,7 @@ impl<'a> Stand<'a> {
         Ok(Simulator::new(tables, self.settings, self.database, options)?)
     }
 
-    /// The cycles that so many seconds have.
+    /// The number of cycles in `seconds`.
     pub fn cycles(&self, seconds: f64) -> u64 {
         (seconds / self.settings.machine.sample_time).ceil() as u64
     }

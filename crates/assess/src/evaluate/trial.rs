@@ -13,38 +13,38 @@ use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{Options, Simulator};
 
-/// From when the observers have settled until the earliest fault, s.
+/// Time from when the observers have settled until the earliest fault, s.
 const LEAD: f64 = 3.0;
 
-/// Faults begin within this time of each other, s.
+/// Span of time within which all faults begin, s.
 const SPREAD: f64 = 1.0;
 
-/// The last second of a watch is where C1 is compared with its twin's, s.
+/// Time at the end of a watch in which C1 is compared with its twin's, s.
 const AT_LAST: f64 = 1.0;
 
 /// A fault that is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tried {
-    /// From 1.
+pub struct TriedFault {
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// C1 or C2.
+    /// The faulty transducer, C1 or C2.
     pub transducer: Suspect,
-    /// With its sign; `None`: nothing happens.
+    /// The fault with its sign; `None`: nothing happens.
     pub wanted: Option<Wanted>,
-    /// s after the first frame.
+    /// Time of the fault after the first frame, s.
     pub at: f64,
 }
 
-/// A machine and what befalls it.
+/// A machine and its faults.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Try {
     pub seed: u64,
-    pub faults: Vec<Tried>,
+    pub faults: Vec<TriedFault>,
 }
 
 impl Try {
-    /// Draws a trial of `row` from `rng`; `settle` is how long the observers take, s. Rows that
-    /// differ in kind and size only draw the same.
+    /// Draws a trial of `row` from `rng`; `settle` is how long the observers take to settle, s.
+    /// Rows that differ only in kind and size draw the same trial.
     pub fn draw(row: &Row, number: u32, settle: f64, rng: &mut ChaCha8Rng) -> Self {
         let seed = rng.random();
         let alone = row.is_alone();
@@ -55,7 +55,7 @@ impl Try {
                 let at = settle + LEAD + SPREAD * rng.random::<f64>();
                 let second = rng.random::<bool>() && !alone;
                 let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
-                Tried {
+                TriedFault {
                     cylinder: index as u8 + 1,
                     transducer: if second { Suspect::C2 } else { Suspect::C1 },
                     wanted: row.wanted.map(|wanted| signed(wanted, sign)),
@@ -67,7 +67,7 @@ impl Try {
     }
 }
 
-/// The same fault, towards the other side where `sign` is −1.
+/// `wanted`, towards the other side where `sign` is −1.
 fn signed(wanted: Wanted, sign: f64) -> Wanted {
     let Wanted::Shape(shape) = wanted else { return wanted };
     Wanted::Shape(match shape {
@@ -88,10 +88,11 @@ fn signed(wanted: Wanted, sign: f64) -> Wanted {
 /// Hears the monitor.
 #[derive(Default)]
 struct Listener {
-    /// At most a few for each of the cycles of a trial.
+    /// Warnings so far: at most a few in each cycle of a trial.
     warnings: Vec<Warning>,
-    /// The newest of each cylinder: R1, R2, R3, and C1 as it was read, m.
+    /// Newest R1, R2, R3 of each cylinder, m.
     residuals: [[Option<f64>; 3]; CYLINDERS],
+    /// Newest reading of C1 of each cylinder, m.
     c1: [Option<f64>; CYLINDERS],
 }
 
@@ -107,20 +108,22 @@ impl Sink for Listener {
     }
 }
 
-/// What is followed of one fault beside the warnings.
+/// State of one fault beside its warnings.
 #[derive(Clone, Copy, Default)]
 struct Followed {
     /// The Sync at which the first faulty reading was sampled.
     onset: Option<Timestamp>,
     worst: [f64; 3],
     rod: f64,
-    /// Of C1's differences from its twin's in the last second: squares, and how many.
+    /// Sum of the squared differences of C1 from its twin's in the last second, m².
     squares: f64,
+    /// Number of differences in `squares`.
     readings: u32,
 }
 
 impl Stand<'_> {
-    /// Plays `one`, a trial of `row`: an outcome for each of its faults, in their order.
+    /// Plays `one`, a trial of `row`, and returns an outcome for each of its faults, in their
+    /// order.
     ///
     /// # Errors
     /// If there is no such machine, or no place for such a fault on it.
@@ -199,7 +202,7 @@ impl Followed {
     /// Compares the machine with the same one without the fault.
     fn twin(
         &mut self,
-        fault: &Tried,
+        fault: &TriedFault,
         simulator: &Simulator,
         twin: &Simulator,
         listener: &Listener,

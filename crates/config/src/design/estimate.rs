@@ -1,12 +1,12 @@
 //! From settings to a virtual sensor.
 
-use super::Wirer;
+use super::Connector;
 use tertius_core::compare::Comparator;
-use tertius_core::estimate::{Design, Drive, Dynamics, Parameters, Scale};
+use tertius_core::estimate::{Drive, Dynamics, LengthScale, Parameters, SensorDesign};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// The virtual sensor of cylinder `n`, with what its `sequential` detector was calibrated to, if it
     /// was; valid `lengths`, m.
     pub(super) fn estimate(
@@ -14,7 +14,7 @@ impl Wirer<'_> {
         n: u8,
         sequential: Option<&sequential::Design>,
         lengths: (f64, f64),
-    ) -> Design {
+    ) -> SensorDesign {
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
         let parameters = &Parameters::DEFAULT;
@@ -32,9 +32,9 @@ impl Wirer<'_> {
                 Dynamics::model(&model, offset, q, r, sample_time, parameters)
             }
         };
-        Design {
+        SensorDesign {
             dynamics,
-            scale: Scale {
+            scale: LengthScale {
                 comparator: Comparator { gain, offset },
                 reference: sequential.map(|design| design.reference.clone()),
             },

@@ -12,25 +12,25 @@ use tertius_core::alarm::frames;
 use tertius_core::compare::Comparator;
 use tertius_core::monitor::cylinder::CylinderDesign;
 use tertius_core::monitor::gate::Gate;
-use tertius_core::monitor::wiring::{Line, Target, Wire, Wiring};
+use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::sample::cycle::CycleTiming;
-use tertius_core::sample::plausibility::Limits;
+use tertius_core::sample::plausibility::PlausibilityLimits;
 use tertius_core::sample::{Field, Transducer};
 use tertius_core::time::Span;
 use tertius_core::verdict::fault::Signatures;
 use tertius_core::verdict::{self, BankDesign, Thresholds};
 use tertius_dbc::{Database, LookupError, Message, Signal};
 
-/// Something in the configuration that does not fit the DBC or cannot be computed.
+/// A setting that does not fit the DBC or cannot be computed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// The key to blame, for example `signals.cylinder.c1`.
+    /// Key at fault, for example `signals.cylinder.c1`.
     pub key: String,
     pub message: String,
-    /// What to do.
+    /// Advice on what to do.
     pub help: String,
 }
 
@@ -40,37 +40,36 @@ impl Flaw {
     }
 }
 
-/// The monitor that `settings` ask for, with the signals of `database`.
+/// The monitor for `settings`, with the signals of `database`.
 ///
 /// # Errors
 /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
 /// that are the gateway's own, states without a number, weights without an observer gain, models
 /// and tables of another sample time, estimates that do not fit Fd_Estimate.
 pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    let mut wirer = Wirer::new(settings, database, false);
-    wirer.refuse_other_times();
-    wirer.build()
+    let mut connector = Connector::new(settings, database, false);
+    connector.refuse_other_times();
+    connector.build()
 }
 
-/// The same whatever sample time model and tables are of: for who asks where the signals are, and
-/// judges nothing.
+/// The monitor for `settings`, whatever sample time its model and tables were made for: for callers
+/// that need the signals and judge nothing.
 ///
-/// # Errors
-/// As [`judging`], but for sample times.
+/// # Errors See [`judging`], except for sample times.
 pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    Wirer::new(settings, database, false).build()
+    Connector::new(settings, database, false).build()
 }
 
-/// The same, and the pressures of the cylinders are read, too: for who learns from a recording.
-/// They are waited for until the deadline of a cycle, and are never missed.
+/// The monitor for `settings` that also reads the cylinders' pressures, for callers that learn from
+/// a recording. The monitor waits for the pressures until the deadline of a cycle, and never
+/// reports them missing.
 ///
-/// # Errors
-/// As [`unjudging`]; and pressures that are not in bar.
+/// # Errors See [`unjudging`]; also pressures that are not in bar.
 pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
-    Wirer::new(settings, database, true).build()
+    Connector::new(settings, database, true).build()
 }
 
-/// The first flaw of each key: a misspelt signal is one mistake, not one for each cylinder.
+/// The first flaw of each key: a misspelt signal is one mistake, and not one for each cylinder.
 fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
     let mut kept: Vec<Flaw> = Vec::new();
     for flaw in flaws {
@@ -81,10 +80,10 @@ fn once_per_key(flaws: Vec<Flaw>) -> Vec<Flaw> {
     kept
 }
 
-struct Wirer<'a> {
+struct Connector<'a> {
     settings: &'a Settings,
     database: &'a Database,
-    wiring: Wiring,
+    subscriptions: Subscriptions,
     surveys: bool,
     flaws: Vec<Flaw>,
 }
@@ -95,9 +94,9 @@ struct Connected<'a> {
     signal: &'a Signal,
 }
 
-impl<'a> Wirer<'a> {
+impl<'a> Connector<'a> {
     fn new(settings: &'a Settings, database: &'a Database, surveys: bool) -> Self {
-        Self { settings, database, wiring: Wiring::new(), surveys, flaws: Vec::new() }
+        Self { settings, database, subscriptions: Subscriptions::new(), surveys, flaws: Vec::new() }
     }
 
     fn build(mut self) -> Result<MonitorDesign, Vec<Flaw>> {
@@ -111,7 +110,7 @@ impl<'a> Wirer<'a> {
         self.refuse_crowded_cycles();
         match self.encoder() {
             Some(encoder) if self.flaws.is_empty() => Ok(MonitorDesign {
-                wiring: self.wiring,
+                subscriptions: self.subscriptions,
                 timing: CycleTiming {
                     sample_time: Span::from_seconds(settings.machine.sample_time),
                     deadline: Span::from_seconds(settings.cycle_deadline()),
@@ -134,7 +133,7 @@ impl<'a> Wirer<'a> {
     fn connect_sync(&mut self) {
         let Some(name) = &self.settings.signals.sync else { return };
         match self.database.message(name) {
-            Ok(message) => self.wiring.line(message.id).sync = true,
+            Ok(message) => self.subscriptions.subscribe(message.id).sync = true,
             Err(error) => self.flaws.push(Flaw::new(
                 "signals.sync",
                 error,
@@ -196,15 +195,21 @@ impl<'a> Wirer<'a> {
 
     /// The fields of cylinder `n` that were connected, by [`Field::bit`].
     fn connected(&self, n: u8) -> u16 {
-        let wires = self.wiring.lines().iter().flat_map(|line| &line.wires);
-        let bits = wires.filter_map(|wire| match wire.target {
+        let signals =
+            self.subscriptions.all().iter().flat_map(|subscription| &subscription.signals);
+        let bits = signals.filter_map(|one| match one.target {
             Target::Cylinder(index, field) if index + 1 == n => Some(field.bit()),
             _ => None,
         });
         bits.fold(0, |all, bit| all | bit)
     }
 
-    fn connect_transducer(&mut self, n: u8, which: Transducer, name: Option<&str>) -> Limits {
+    fn connect_transducer(
+        &mut self,
+        n: u8,
+        which: Transducer,
+        name: Option<&str>,
+    ) -> PlausibilityLimits {
         let signals = &self.settings.signals.cylinder;
         let (prefix, velocity, status, counter) = match which {
             Transducer::C1 => ("c1", &signals.c1_velocity, &signals.c1_status, &signals.c1_counter),
@@ -220,7 +225,7 @@ impl<'a> Wirer<'a> {
         self.limits(position)
     }
 
-    fn limits(&self, position: Option<Connected<'_>>) -> Limits {
+    fn limits(&self, position: Option<Connected<'_>>) -> PlausibilityLimits {
         let plausibility = &self.settings.plausibility;
         let signal = position.map(|Connected { signal, .. }| signal);
         let [lowest, highest] =
@@ -231,7 +236,7 @@ impl<'a> Wirer<'a> {
         // begins is not taken for one that stands still; yet where commands are in another unit it is
         // no length, and healthy readings are never apart by more than the bound of R3.
         let way = 0.5 * plausibility.frozen_speed * plausibility.frozen;
-        Limits {
+        PlausibilityLimits {
             stale: self.settings.cycles(plausibility.stale).max(1),
             broken_wire_codes: signal.map_or(Vec::new(), |it| self.settings.broken_wire_codes(it)),
             status_mask: plausibility.status_mask,
@@ -243,14 +248,14 @@ impl<'a> Wirer<'a> {
         }
     }
 
-    fn observers(&mut self, n: u8) -> Option<[Design; 2]> {
+    fn observers(&mut self, n: u8) -> Option<[ObserverDesign; 2]> {
         let settings = self.settings;
         let (theta, gamma) = settings.model_of(n);
         let model = Model::new(settings.machine.sample_time, theta, gamma);
         let signals = &settings.signals.cylinder;
         let velocities = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
         let [first, second] = velocities.map(|velocity| {
-            let design = Design::new(
+            let design = ObserverDesign::new(
                 &model,
                 settings.observer.q,
                 settings.observer.r,
@@ -281,11 +286,11 @@ impl<'a> Wirer<'a> {
         let found = self.find(&key, &name)?;
         self.refuse_unit(&key, &name, found.signal, field);
         self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
-        let line = self.wiring.line(found.message.id);
-        line.reading |= field.is_reading();
-        line.cyclic = true;
+        let subscription = self.subscriptions.subscribe(found.message.id);
+        subscription.reading |= field.is_reading();
+        subscription.cyclic = true;
         let target = Target::Cylinder(n - 1, field);
-        line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+        subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });
         Some(found)
     }
 
@@ -303,7 +308,7 @@ impl<'a> Wirer<'a> {
         }
     }
 
-    /// Lengths are metres throughout; a signal in another unit would be wrong by its factor.
+    /// Refuses a length that is not in metres, which would be wrong by the factor of its unit.
     fn refuse_unit(&mut self, key: &str, name: &str, signal: &Signal, field: Field) {
         let expected = match field {
             Field::Position(_) => "m",
@@ -322,12 +327,15 @@ impl<'a> Wirer<'a> {
     }
 
     fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
-        let line = self.wiring.find(found.message.id).map(|place| &self.wiring.lines()[place]);
-        let used = |wire: &Wire| wire.plan == found.signal.plan && !wire.shares_with(target);
-        let alone = |line: &&Line| !line.has_position_of(target);
-        let taken = line.is_some_and(|line| {
-            line.wires.iter().any(used)
-                || alone(&line) && line.wires.iter().any(|wire| wire.plan == found.signal.plan)
+        let subscription =
+            self.subscriptions.find(found.message.id).map(|place| &self.subscriptions.all()[place]);
+        let used =
+            |one: &SubscribedSignal| one.plan == found.signal.plan && !one.shares_with(target);
+        let alone = |subscription: &&Subscription| !subscription.has_position_of(target);
+        let taken = subscription.is_some_and(|subscription| {
+            subscription.signals.iter().any(used)
+                || alone(&subscription)
+                    && subscription.signals.iter().any(|one| one.plan == found.signal.plan)
         });
         if taken {
             self.flaws.push(Flaw::new(
@@ -340,10 +348,12 @@ impl<'a> Wirer<'a> {
 
     fn refuse_own_identifiers(&mut self) {
         let Some(own) = frames::identifiers(self.settings.gateway.node) else { return };
-        for line in self.wiring.lines().iter().filter(|line| own.contains(&line.id)) {
+        for subscription in
+            self.subscriptions.all().iter().filter(|subscription| own.contains(&subscription.id))
+        {
             self.flaws.push(Flaw::new(
                 "gateway.node",
-                format!("identifier 0x{} is the gateway's own and also an input", line.id),
+                format!("identifier 0x{} is the gateway's own and also an input", subscription.id),
                 "choose a node whose identifiers nothing else on the bus sends",
             ));
         }

@@ -1,31 +1,31 @@
-//! The scale of the gateway's own Fd_Estimate, as the DBC has it.
+//! The scale of the gateway's own Fd_Estimate, as given by the DBC.
 
-use super::{Flaw, Wirer};
-use tertius_core::alarm::frames::{ESTIMATE_LAYOUT, Encoder, EstimateScale, Scale};
+use super::{Connector, Flaw};
+use tertius_core::alarm::frames::{CountScale, ESTIMATE_LAYOUT, Encoder, EstimateScale};
 use tertius_core::decode::Decoded;
 use tertius_core::frame::{Frame, Kind};
 use tertius_core::time::Timestamp;
 use tertius_dbc::{LookupError, Message, Signal};
 
-/// Its name in a DBC.
+/// Name of the message in a DBC.
 const NAME: &str = "Fd_Estimate";
 
-/// The bytes of the gateway's frames.
+/// Length of the gateway's frames, bytes.
 const LENGTH: usize = 8;
 
-/// Where the scale is from: for messages.
+/// Source of the scale, for messages.
 enum Origin<'a> {
     Dbc {
         position: &'a Signal,
         sigma: &'a Signal,
     },
-    /// The DBC has no such message.
+    /// The gateway's default, since the DBC has no such message.
     Gateway,
 }
 
-impl<'a> Wirer<'a> {
-    /// The gateway's frames. Estimates that are sent have to fit their scale: a length of the stroke
-    /// that has no count would be sent as invalid for ever.
+impl<'a> Connector<'a> {
+    /// Encoder of the gateway's frames. Estimates that are sent have to fit their scale: a length
+    /// of the stroke without a count would always be sent as invalid.
     pub(super) fn encoder(&mut self) -> Option<Encoder> {
         let encoder = Encoder::new(self.settings.gateway.node);
         if encoder.is_none() {
@@ -70,13 +70,15 @@ impl<'a> Wirer<'a> {
                 return Err(flaw(format!("{found}, expected \"m\"")));
             }
         }
-        let scale =
-            |signal: &Signal| Scale { factor: signal.plan.factor(), offset: signal.plan.offset() };
+        let scale = |signal: &Signal| CountScale {
+            factor: signal.plan.factor(),
+            offset: signal.plan.offset(),
+        };
         let both = EstimateScale { position: scale(position), sigma: scale(sigma) };
         Ok((both, Origin::Dbc { position, sigma }))
     }
 
-    /// What has no place on the scale.
+    /// What does not fit the scale.
     fn misfits(&self, scale: EstimateScale, origin: &Origin<'_>) -> Vec<Flaw> {
         const HELP: &str = "give the DBC an Fd_Estimate with a factor, an offset and a range that have \
                             room for it, or send no estimates";
@@ -124,7 +126,8 @@ fn within(lengths: [f64; 2], range: Option<[f64; 2]>) -> [f64; 2] {
     range.map_or(lengths, |[low, high]| [least.max(low), most.min(high)])
 }
 
-/// Bits and checksum are the gateway's: a DBC that says otherwise would have others read nonsense.
+/// Refuses bits or a checksum other than the gateway's: with such a DBC other nodes would read
+/// nonsense.
 fn check_layout(message: &Message) -> Result<(), String> {
     if message.length != LENGTH {
         let Message { line, length, .. } = message;

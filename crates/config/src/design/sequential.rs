@@ -1,6 +1,6 @@
 //! From the fitted tables to a sequential detector.
 
-use super::{Flaw, Wirer};
+use super::{Connector, Flaw};
 use crate::settings::CylinderSequential;
 use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
@@ -8,11 +8,11 @@ use tertius_core::sequential::whitening::Whitening;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Parameters, Rate, Reference};
 
-/// Of a table that does not say how well its nodes are known, a cell of the stroke with fewer samples is
-/// not covered.
+/// Least number of samples with which a cell of the stroke is covered, for a table that does not
+/// say how well its nodes are known.
 const LEAST_SAMPLES: u64 = 400;
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
     pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
         let settings = self.settings;
@@ -64,7 +64,7 @@ impl Wirer<'_> {
                 self.flaws.push(Flaw::new(
                     "cylinder.sequential",
                     format!("cylinder {n} has no filter of both readings: {error}"),
-                    "calibrate it anew",
+                    "calibrate it again",
                 ));
             })
             .ok()

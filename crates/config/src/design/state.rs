@@ -1,15 +1,15 @@
 //! The platform's state: where it is read, and which of its values matter.
 
-use super::{Flaw, Wirer};
-use tertius_core::monitor::wiring::{Target, Wire};
+use super::{Connector, Flaw};
+use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 use tertius_dbc::Signal;
 
 /// States of the thesis (section 2-2-1), for a DBC that names none.
 const STATES: [(&str, i64); 4] = [("safe", 0), ("settled", 1), ("neutral", 2), ("engaged", 3)];
 
-impl Wirer<'_> {
-    /// The numbers of the monitored states, `None` where FDE1 and FDE2 always judge, and of those in
-    /// which the rods stand on their stops.
+impl Connector<'_> {
+    /// Numbers of the monitored states (`None` where FDE1 and FDE2 always judge), and of the states
+    /// in which the rods stand on their stops.
     pub(super) fn connect_state(&mut self) -> (Option<Vec<i64>>, Vec<i64>) {
         let machine = &self.settings.machine;
         let Some(name) = &self.settings.signals.state else {
@@ -24,8 +24,8 @@ impl Wirer<'_> {
             return (None, vec![]);
         };
         let Some(found) = self.find("signals.state", name) else { return (None, vec![]) };
-        let wire = Wire { plan: found.signal.plan.clone(), target: Target::State };
-        self.wiring.line(found.message.id).wires.push(wire);
+        let signal = SubscribedSignal { plan: found.signal.plan.clone(), target: Target::State };
+        self.subscriptions.subscribe(found.message.id).signals.push(signal);
         let settings = self.settings;
         let mut numbers = |key: &str, names: &[String]| -> Vec<i64> {
             names.iter().flat_map(|name| self.state_numbers(key, found.signal, name)).collect()

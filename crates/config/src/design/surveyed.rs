@@ -1,11 +1,11 @@
-//! What is not monitored, but read by who learns from a recording.
+//! Signals that are not monitored, but read by commands that learn from a recording.
 
-use super::Wirer;
+use super::Connector;
 use crate::settings::CylinderSignals;
-use tertius_core::monitor::wiring::{Target, Wire};
+use tertius_core::monitor::subscriptions::{SubscribedSignal, Target};
 use tertius_core::sample::{Field, Pressure};
 
-impl Wirer<'_> {
+impl Connector<'_> {
     /// Pressures and spool of cylinder `n`.
     pub(super) fn connect_surveyed(&mut self, n: u8, signals: &CylinderSignals) {
         self.connect_pressures(n, signals);
@@ -30,16 +30,16 @@ impl Wirer<'_> {
         }
     }
 
-    /// One signal for all cylinders: each has it among its own inputs, cycle by cycle.
+    /// Connects the supply pressure, one signal for all cylinders, as an input of each.
     fn connect_supply(&mut self, n: u8) {
         let Some(name) = self.settings.signals.supply.as_deref() else { return };
         let Some(found) = self.find("signals.supply", name) else { return };
         self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
         if self.surveys {
-            let line = self.wiring.line(found.message.id);
-            line.cyclic = true;
+            let subscription = self.subscriptions.subscribe(found.message.id);
+            subscription.cyclic = true;
             let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));
-            line.wires.push(Wire { plan: found.signal.plan.clone(), target });
+            subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });
         }
     }
 

@@ -1,9 +1,9 @@
-//! Models and tables that are of another sample time than the machine's.
+//! Models and tables made for another sample time than the machine's.
 
-use super::{Flaw, Wirer};
+use super::{Connector, Flaw};
 use crate::settings::Cylinder;
 
-/// Sample times that differ by less are written differently, and are the same.
+/// Sample times that differ by less than this, s, are equal and only written differently.
 const SAME: f64 = 1e-9;
 
 /// What the tables of sequential detectors are taken for that do not say it, s: those which were written
@@ -14,9 +14,9 @@ const FIRST_TABLES_TIME: f64 = 0.02;
 /// the switch of the rate, and from the CRC delimiter to the space between frames.
 const SHORTEST_FRAME_BITS: f64 = 30.0;
 
-impl Wirer<'_> {
-    /// θ and γ of (4-1), the weights of the Riccati equation and all that is fitted for the sequential
-    /// detector are of one sample time each. At another they would judge a machine that there is not.
+impl Connector<'_> {
+    /// Refuses θ and γ of (4-1), weights of the Riccati equation and tables for the sequential
+    /// detector that were made for another sample time, since they would describe another machine.
     pub(super) fn refuse_other_times(&mut self) {
         let settings = self.settings;
         for n in 1..=settings.machine.cylinders {
@@ -45,14 +45,14 @@ impl Wirer<'_> {
                 &format!("{}.sequential.sample_time", table.as_deref().unwrap_or("cylinder")),
                 fitted.sample_time.or(Some(FIRST_TABLES_TIME)),
                 &format!("the table [cylinder.sequential] of cylinder {n}{unsaid}"),
-                "`tertius calibrate` takes this configuration as it is, and writes the table anew",
+                "`tertius calibrate` takes this configuration as it is, and writes the table again",
             );
         }
         self.refuse_time(
             "observer.sample_time",
             settings.observer.sample_time,
             "the table [observer]",
-            "leave the table out and run `tertius tune`, which writes it anew",
+            "leave the table out and run `tertius tune`, which writes it again",
         );
     }
 
@@ -67,14 +67,20 @@ impl Wirer<'_> {
         self.flaws.push(Flaw::new(key, message, help));
     }
 
-    /// A cycle shorter than its own frames is a wrong sample time, or a wrong bit rate.
+    /// Refuses a cycle that is shorter than its own frames: the sample time or the bit rate is
+    /// wrong.
     pub(super) fn refuse_crowded_cycles(&mut self) {
         let (machine, bitrate) = (&self.settings.machine, self.settings.bus.bitrate);
-        let lines = self.wiring.lines().iter().filter(|line| line.sync || line.cyclic).count();
-        let least = lines as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
+        let frames = self
+            .subscriptions
+            .all()
+            .iter()
+            .filter(|message| message.sync || message.cyclic)
+            .count();
+        let least = frames as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
         if machine.sample_time < least {
             let message = format!(
-                "`machine.sample_time` is {:?}, but at {bitrate} bit/s the {lines} frames of a cycle \
+                "`machine.sample_time` is {:?}, but at {bitrate} bit/s the {frames} frames of a cycle \
                  take at least {least:.6} s",
                 machine.sample_time
             );

@@ -1,4 +1,4 @@
-//! The virtual third sensor.
+//! Keys of the virtual third sensor.
 
 use super::super::schema::{Key, Kind, Limits, Scalar, Table};
 use super::number;

@@ -1,5 +1,5 @@
-//! The sequential detectors: what all have in common, and what `tertius calibrate` has fitted for that
-//! of one cylinder.
+//! Keys of the sequential detectors: those that all detectors have in common, and those that
+//! `tertius calibrate` has fitted for one cylinder.
 
 use super::super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::super::text::TextRule;
@@ -20,8 +20,9 @@ pub(super) static SEQUENTIAL: Table = Table { keys: &[
          false_alarms_per_year"),
     Key::optional("outlier_share",
         number(Limits::least(Outliers::LEAST.share, "the share of samples that may be wild").most(0.05)),
-        "0.01", "the share of samples that may be off by any amount, and are no fault, on a healthy bus, as \
-         `tertius calibrate` reckons with it: where there are none, 0.001 finds a fault by three samples"),
+        "0.01", "the share of samples that may be off by any amount without a fault, on a healthy \
+         bus; `tertius calibrate` allows for it: where there are none, 0.001 finds a fault with \
+        three samples"),
     Key::optional("stop_states",
         Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
         "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops"),
@@ -41,7 +42,7 @@ const fn fitted(least: usize, most: usize) -> Kind {
 }
 
 const fn dependence() -> Kind {
-    let one = Limits::least(1.0, "how many samples say as much as one");
+    let one = Limits::least(1.0, "how many samples carry as much information as one");
     Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
 }
 
@@ -61,25 +62,26 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
     Key::required("nodes", fitted(2, 1001), "[0.001, 0.0012]", "C1 - C2 at each node, m"),
     Key::optional("node_deviations",
         Kind::List { least: 2, most: 1001, of: Scalar::Number(Limits::least(0.0, FITTED)) },
-        "[0.00001, 0.00005]", "the standard deviation of each node, m: where three of them are beyond 0.2 mm, \
-         nothing is judged; absent: nodes are taken for known where `samples` are 400 or more"),
+        "[0.00001, 0.00005]", "the standard deviation of each node, m: where three times it \
+         exceeds 0.2 mm, nothing is judged; absent: nodes count as known where `samples` are 400 \
+        or more"),
     Key::required("samples",
         Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) }, "[5000]",
         "samples that the calibration had between each two nodes"),
     Key::required("velocity", number(Limits::finite(FITTED)), "0.0001",
-        "what C1 - C2 grows by with the velocity, s"),
+        "the growth of C1 - C2 with the velocity, s"),
     Key::optional("outlier_share",
         number(Limits::least(Outliers::LEAST.share, FITTED).most(0.05)),
-        "0.01", "the share of wild samples that the calibration reckoned with; absent: 0.02"),
+        "0.01", "the share of wild samples that the calibration allowed for; absent: 0.02"),
     Key::required("deviation", number(Limits::above(0.0, FITTED)), "0.0001",
         "the standard deviation of the residual, m"),
     Key::required("noise", number(Limits::above(0.0, FITTED)), "0.0001",
-        "the same of a rod at rest, m; a table without it is of an earlier version: make it anew with \
-         `tertius calibrate`"),
+        "the standard deviation of the residual at rest, m; a table without it is of an earlier \
+         version: make a new one with `tertius calibrate`"),
     Key::required("timing", number(Limits::least(0.0, FITTED)), "0.0001",
-        "what it grows by with the speed, s; `tertius calibrate` writes it"),
+        "the growth of the standard deviation with the speed, s; `tertius calibrate` writes it"),
     Key::optional("resolution", numbers(2, Limits::least(0.0, FITTED)), "[1e-4, 1e-4]",
-        "what the readings of C1 and of C2 move in, m"),
+        "the resolutions of the readings of C1 and of C2, m"),
     Key::required("rate_spacing", number(Limits::above(0.0, FITTED)), "1e-5",
         "from value to value of the rate functions, m"),
     Key::required("rate", fitted(2, 1001), "[0.0, 0.5]",
@@ -88,10 +90,11 @@ pub(super) static CYLINDER_SEQUENTIAL: Table = Table { keys: &[
         "the rate function of its root mean square, nats"),
     Key::required("mean_dependence", dependence(),
         "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
-        "samples of the mean that say as much as one, by the width of the window"),
+        "samples of the mean that carry as much information as one, by the width of the window"),
     Key::required("square_dependence", dependence(),
         "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
-        "samples of the mean square that say as much as one, by the width of the window"),
+        "samples of the mean square that carry as much information as one, by the width of the \
+         window"),
     Key::optional("drive", fitted(FEATURES, FEATURES),
         "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]",
         "the velocity by the commands"),

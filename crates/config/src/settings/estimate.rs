@@ -2,18 +2,18 @@
 
 use serde::Deserialize;
 
-/// What is told of each cylinder's length.
+/// Settings of the estimates of each cylinder's length.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Estimate {
-    /// Fd_Estimate is sent, for each cylinder in each cycle.
+    /// Whether Fd_Estimate is sent for each cylinder in each cycle.
     pub send: bool,
-    /// An estimate with a larger standard deviation is not valid, m.
+    /// Largest standard deviation of a valid estimate, m.
     pub bound: f64,
 }
 
 impl Default for Estimate {
-    /// A tenth of the difference at which the machine itself trips.
+    /// A bound of a tenth of the difference at which the machine itself trips.
     fn default() -> Self {
         Self { send: false, bound: 5e-3 }
     }

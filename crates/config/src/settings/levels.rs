@@ -32,7 +32,7 @@ enum LevelName {
     Black,
 }
 
-/// What the table is read into, where a test asks for its keys.
+/// Type that the table is read into where a test asks for its keys.
 #[cfg(test)]
 #[derive(Deserialize)]
 #[serde(transparent)]

@@ -1,20 +1,22 @@
-//! AUTOSAR E2E Profile 5: how a receiver knows that a frame is whole, the right one and fresh.
+//! AUTOSAR E2E Profile 5, by which a receiver checks that a frame is intact, of the right kind and
+//! fresh.
 //!
 //! Bytes 0–1 hold a CRC-16/CCITT-FALSE, little-endian, over bytes 2.. and then the data ID, low
-//! byte first; byte 2 holds a counter that each frame of the data ID moves on by one, modulo 256.
-//! The data ID is never sent: a frame taken for another fails the check. Source: AUTOSAR
+//! byte first. Byte 2 holds a counter that rises by one with each frame of the data ID, modulo 256.
+//! The data ID is never sent, so that a frame taken for another fails the check. Source: AUTOSAR
 //! *Specification of SW-C End-to-End Communication Protection Library*, profile 5, with offset 0.
 
 use crc::{CRC_16_IBM_3740, Crc};
 use thiserror::Error;
 
-/// The bytes of CRC and counter, before the payload.
+/// Length of CRC and counter before the payload, bytes.
 pub const HEADER: usize = 3;
 
-/// CCITT-FALSE is the catalogue's IBM-3740: polynomial 0x1021, start 0xFFFF, not reflected.
+/// CRC-16/CCITT-FALSE, which is the catalogue's IBM-3740: polynomial 0x1021, start 0xFFFF, not
+/// reflected.
 const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
-/// Why a frame is not to be believed.
+/// Why a frame is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum E2eError {
     #[error(
@@ -30,8 +32,7 @@ pub enum E2eError {
 
 /// Writes `counter` and then the CRC into the first [`HEADER`] bytes of `frame`.
 ///
-/// # Panics
-/// If `frame` is shorter than [`HEADER`]: the caller's own bug, not bad input.
+/// # Panics `frame` is shorter than [`HEADER`]: a bug of the caller, not bad input.
 pub fn protect(frame: &mut [u8], data_id: u16, counter: u8) {
     assert!(frame.len() >= HEADER, "a frame under E2E profile 5 has at least {HEADER} bytes");
     frame[2] = counter;
@@ -41,8 +42,8 @@ pub fn protect(frame: &mut [u8], data_id: u16, counter: u8) {
 
 /// The counter of a frame whose CRC is right.
 ///
-/// # Errors
-/// [`E2eError::TooShort`] without room for the header, [`E2eError::Crc`] when the CRC is wrong.
+/// # Errors [`E2eError::TooShort`] if the frame has no room for the header, [`E2eError::Crc`] if
+/// the CRC is wrong.
 pub fn check(frame: &[u8], data_id: u16) -> Result<u8, E2eError> {
     let &[low, high, counter, ..] = frame else {
         return Err(E2eError::TooShort { length: frame.len() });

@@ -9,7 +9,7 @@ use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
 /// A frame that the gateway may send. Only [`Encoder`] makes one, so that no other identifier can
-/// ever leave the gateway, whatever arrives.
+/// leave the gateway, whatever arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnFrame(Frame);
 
@@ -18,12 +18,12 @@ impl OwnFrame {
         &self.0
     }
 
-    /// Whether it is an Fd_Warning.
+    /// Whether the frame is an Fd_Warning.
     pub fn is_warning(&self) -> bool {
         self.base() == TPDO[1]
     }
 
-    /// Whether it is an Fd_Estimate.
+    /// Whether the frame is an Fd_Estimate.
     pub fn is_estimate(&self) -> bool {
         self.base() == TPDO[2]
     }
@@ -36,19 +36,19 @@ impl OwnFrame {
 /// COB-IDs of the gateway's TPDO1, TPDO2 and TPDO3 in CANopen's predefined connection set.
 const TPDO: [u32; 3] = [0x180, 0x280, 0x380];
 
-/// CANopen has nodes 1 to 127.
+/// Valid node numbers of CANopen, 1 to 127.
 const NODES: core::ops::RangeInclusive<u8> = 1..=127;
 
-/// Fd_Warning.Residual counts, m.
+/// Length of one count of Fd_Warning.Residual, m.
 const RESIDUAL_UNIT: f64 = 1e-5;
 
-/// Fd_Warning.Threshold counts, m.
+/// Length of one count of Fd_Warning.Threshold, m.
 const THRESHOLD_UNIT: f64 = 5e-5;
 
-/// Fd_Warning.Threshold beyond its scale.
+/// Value of Fd_Warning.Threshold beyond its scale.
 const THRESHOLD_BEYOND: u64 = 255;
 
-/// Fd_Warning.Residual where the detector has none.
+/// Value of Fd_Warning.Residual where the detector has none.
 const NO_RESIDUAL: i16 = i16::MIN;
 
 /// Start bit and length of the signals of Fd_Estimate, all unsigned and little-endian.
@@ -61,16 +61,16 @@ pub const ESTIMATE_LAYOUT: [(&str, u32, u32); 6] = [
     ("Sigma", 48, 16),
 ];
 
-/// What counts stand for: count × factor + offset.
+/// A scale of counts: value = count × factor + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
-    /// Of one count, m.
+pub struct CountScale {
+    /// Length of one count, m.
     pub factor: f64,
-    /// Of none, m.
+    /// Length of count 0, m.
     pub offset: f64,
 }
 
-impl Scale {
+impl CountScale {
     /// The count of `metres`, not yet rounded.
     fn counts(self, metres: f64) -> f64 {
         (metres - self.offset) * self.factor.recip()
@@ -81,56 +81,58 @@ impl Scale {
     }
 }
 
-/// The scales of Fd_Estimate.
+/// Scales of Fd_Estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimateScale {
-    pub position: Scale,
-    pub sigma: Scale,
+    pub position: CountScale,
+    pub sigma: CountScale,
 }
 
 impl Default for EstimateScale {
     /// Lengths in counts of the default machine's transducers (5-3), σ in micrometres.
     fn default() -> Self {
         Self {
-            position: Scale { factor: 3.0 / 27_648.0, offset: -1.5 },
-            sigma: Scale { factor: 1e-6, offset: 0.0 },
+            position: CountScale { factor: 3.0 / 27_648.0, offset: -1.5 },
+            sigma: CountScale { factor: 1e-6, offset: 0.0 },
         }
     }
 }
 
 impl EstimateScale {
-    /// The lengths that can be sent, the least and the most, m.
+    /// Shortest and longest length that can be sent, m.
     pub fn lengths(&self) -> [f64; 2] {
         let [one, other] = [1, u16::MAX].map(|count| self.position.metres(count));
         [one.min(other), one.max(other)]
     }
 
-    /// The largest σ that can be told, m.
+    /// Largest σ that can be sent, m.
     pub fn largest_sigma(&self) -> f64 {
         self.sigma.metres(SIGMA_BEYOND - 1)
     }
 
-    /// Count 0 is that of a transducer without a signal.
+    /// The count of a position; count 0 means a transducer without a signal and is not used.
     fn position_counts(&self, position: f64) -> Option<u16> {
         let counts = libm::round(self.position.counts(position));
         (1.0..=f64::from(u16::MAX)).contains(&counts).then_some(counts as u16)
     }
 
-    /// Rounded up: never surer than it is.
+    /// The count of σ, rounded up, so that the estimate is never presented as more certain than it
+    /// is.
     fn sigma_counts(&self, sigma: f64) -> u16 {
         let counts = libm::ceil(self.sigma.counts(sigma));
         if counts.is_nan() { SIGMA_BEYOND } else { counts as u16 }
     }
 }
 
-/// Fd_Estimate.Sigma beyond its scale, or not known.
+/// Value of Fd_Estimate.Sigma beyond its scale, or where σ is not known.
 const SIGMA_BEYOND: u16 = u16::MAX;
 
-/// Bits of a frame of the gateway on the bus, with every stuff bit it can have and the space between
-/// frames.
+/// Length of a frame of the gateway on the bus, bits, with the most stuff bits it can have and the
+/// interframe space.
 pub const FRAME_BITS: f64 = 135.0;
 
-/// The identifiers that the gateway of node `node` sends; `None` unless `node` is 1 to 127.
+/// The identifiers that the gateway with CANopen node number `node` sends; `None` unless `node` is
+/// 1 to 127.
 pub fn identifiers(node: u8) -> Option<[Id; 3]> {
     let [status, warning, estimate] =
         TPDO.map(|base| Id::standard(base + u32::from(node)).filter(|_| NODES.contains(&node)));
@@ -153,13 +155,13 @@ struct Channel {
 }
 
 impl Encoder {
-    /// The frames of the gateway at CANopen node `node`; `None` unless it is 1 to 127.
+    /// The encoder of the gateway with CANopen node number `node`; `None` unless it is 1 to 127.
     pub fn new(node: u8) -> Option<Self> {
         let [status, warning, estimate] = identifiers(node)?.map(|id| Channel { id, counter: 0 });
         Some(Self { status, warning, estimate, scale: EstimateScale::default() })
     }
 
-    /// The same with estimates on another scale.
+    /// This encoder with estimates on another scale.
     pub const fn on_scale(self, scale: EstimateScale) -> Self {
         Self { scale, ..self }
     }
@@ -169,7 +171,7 @@ impl Encoder {
         self.status.id
     }
 
-    /// Fd_Status.
+    /// Encodes Fd_Status.
     pub fn status(&mut self, at: Timestamp, status: &Status) -> OwnFrame {
         let mut payload = Payload::default();
         for (n, pair) in status.transducers.iter().enumerate() {
@@ -183,7 +185,7 @@ impl Encoder {
         self.status.protect(at, payload)
     }
 
-    /// Fd_Warning.
+    /// Encodes Fd_Warning.
     pub fn warning(
         &mut self,
         at: Timestamp,
@@ -204,8 +206,8 @@ impl Encoder {
         self.warning.protect(at, payload)
     }
 
-    /// Fd_Estimate. What is not valid, or has no place on the scales, has no position and is sent as
-    /// invalid: never as the nearest length that has one.
+    /// Encodes Fd_Estimate. An estimate that is not valid, or does not fit the scales, has no
+    /// position and is sent as invalid, never as the nearest length that fits.
     pub fn estimate(
         &mut self,
         at: Timestamp,
@@ -236,7 +238,7 @@ impl Channel {
     }
 }
 
-/// Eight bytes, little-endian.
+/// A payload of eight bytes, little-endian.
 #[derive(Default)]
 struct Payload(u64);
 
@@ -283,7 +285,7 @@ mod tests {
     use super::*;
     use crate::estimate::Source;
 
-    /// Valid, position and σ of the frame for an estimate.
+    /// Fields valid, position and σ of the frame for an estimate.
     fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
         let estimate = Estimate { position, sigma, source: Source::Both, valid };
         let mut encoder = Encoder::new(81).expect("81 is a node");

@@ -1,6 +1,6 @@
 //! The alarm levels of Table 2-1.
 
-/// A level, mildest first. Tertius only advises: the action is the operator's or the machine's.
+/// An alarm level, mildest first. Tertius only advises: the operator or the machine acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
     #[default]
@@ -16,7 +16,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// The name in files and reports.
+    /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -28,20 +28,20 @@ impl Level {
     }
 }
 
-/// Which finding has which level.
+/// Alarm level of each finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levels {
-    /// One transducer is blamed by its FDE.
+    /// Level where one transducer is blamed by its FDE.
     pub located: Level,
-    /// R3 beyond its bound and no decision on the location.
+    /// Level where R3 is beyond its bound and the location is undecided.
     pub undecided: Level,
-    /// Both observers disagree with readings that agree with each other.
+    /// Level where both observers disagree with readings that agree with each other.
     pub process: Level,
-    /// A reading is stale, out of range, frozen or has a broken wire.
+    /// Level of a reading that is stale, out of range, frozen or has a broken wire.
     pub implausible: Level,
-    /// Neither transducer of a cylinder can be relied on.
+    /// Level where neither transducer of a cylinder can be relied on.
     pub both: Level,
-    /// The measured C1 − C2 beyond the critical limit, where the machine itself trips.
+    /// Level of a measured C1 − C2 beyond the critical limit, where the machine itself trips.
     pub critical: Level,
 }
 

@@ -1,4 +1,4 @@
-//! From verdicts to warnings, and from warnings to the gateway's own frames.
+//! Turns verdicts into warnings, and warnings into the gateway's own frames.
 
 pub mod e2e;
 pub mod frames;

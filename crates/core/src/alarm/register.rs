@@ -1,4 +1,4 @@
-//! The warnings that stand, and what is said of each: raised, changed, cleared, repeated.
+//! The standing warnings, and the messages about each: raised, changed, cleared, repeated.
 
 use super::Level;
 use super::warning::{Detector, Finding, State, Warning};
@@ -7,11 +7,11 @@ use crate::verdict::Suspect;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Where a warning of a cylinder has its place: FDE1, FDE2, FDE3, the plausibility of C1, C2 and the
-/// command, then the sequential detector.
+/// Number of places for the warnings of a cylinder: FDE1, FDE2, FDE3, the plausibility of C1, C2
+/// and the command, then the sequential detector.
 pub const PLACES: usize = 7;
 
-/// The detector of each place.
+/// Detector of each place.
 pub const DETECTORS: [Detector; PLACES] = [
     Detector::Fde1,
     Detector::Fde2,
@@ -22,7 +22,7 @@ pub const DETECTORS: [Detector; PLACES] = [
     Detector::Sequential,
 ];
 
-/// A standing warning is sent again this often.
+/// Period with which a standing warning is repeated.
 const REPEAT: Span = Span::from_nanos(1_000_000_000);
 
 #[derive(Clone, Copy, Debug)]
@@ -31,12 +31,13 @@ struct Standing {
     repeat_at: Timestamp,
 }
 
-/// All warnings that stand; one place for each detector of each cylinder, so it never grows.
+/// All standing warnings, with one place for each detector of each cylinder, so that the register
+/// never grows.
 #[derive(Clone, Debug)]
 pub struct Register {
     places: Vec<[Option<Standing>; PLACES]>,
     standing: u32,
-    /// The earliest repetition of those that stand.
+    /// Earliest repetition of the standing warnings.
     due: Option<Timestamp>,
 }
 
@@ -45,7 +46,7 @@ impl Register {
         Self { places: vec![[None; PLACES]; cylinders], standing: 0, due: None }
     }
 
-    /// How many warnings stand.
+    /// Number of standing warnings.
     pub const fn standing(&self) -> u32 {
         self.standing
     }
@@ -55,14 +56,14 @@ impl Register {
         self.standing > 0 && self.places[index].iter().any(Option::is_some)
     }
 
-    /// Whether a warning of the cylinder of `index` (from 0) stands that blames `suspect`.
+    /// Whether a standing warning of the cylinder of `index` (from 0) blames `suspect`.
     #[inline]
     pub fn blames(&self, index: usize, suspect: Suspect) -> bool {
         self.standing > 0
             && self.places[index].iter().flatten().any(|place| place.finding.suspect == suspect)
     }
 
-    /// The highest level that stands.
+    /// Highest level of the standing warnings.
     pub fn level(&self) -> Level {
         if self.standing == 0 {
             return Level::None;
@@ -71,9 +72,9 @@ impl Register {
         standing.map(|standing| standing.finding.level).max().unwrap_or_default()
     }
 
-    /// Takes what the detectors of the cylinder of `index` find at `at`, and gives `say` a warning
-    /// for each that is raised, changed or cleared by it; whether there was any, and with it
-    /// [`Self::due`] may be another.
+    /// Takes the findings of the detectors of the cylinder of `index` at `at`, and passes a warning
+    /// to `say` for each that is raised, changed or cleared. Returns whether there was one;
+    /// [`Self::due`] may then have changed.
     pub fn update(
         &mut self,
         at: Timestamp,
@@ -117,7 +118,7 @@ impl Register {
         said
     }
 
-    /// When the next repetition is due.
+    /// Time of the next repetition.
     #[inline]
     pub const fn due(&self) -> Option<Timestamp> {
         self.due
@@ -128,7 +129,7 @@ impl Register {
         self.due = standing.map(|standing| standing.repeat_at).min();
     }
 
-    /// Gives `say` every warning whose repetition is due by `at`.
+    /// Passes to `say` every warning whose repetition is due by `at`.
     pub fn repeat(&mut self, at: Timestamp, mut say: impl FnMut(u8, Detector, &Finding)) {
         for (index, places) in self.places.iter_mut().enumerate() {
             for (place, standing) in places.iter_mut().enumerate() {
@@ -141,7 +142,7 @@ impl Register {
         self.reckon_due();
     }
 
-    /// Counts the repetitions from `at`, after a jump in time.
+    /// Restarts the periods of repetition at `at`, after a jump in time.
     pub fn rephase(&mut self, at: Timestamp) {
         for standing in self.places.iter_mut().flatten().flatten() {
             standing.repeat_at = at.after(REPEAT);

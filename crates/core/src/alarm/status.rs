@@ -1,14 +1,14 @@
-//! What Fd_Status tells the bus every 100 ms.
+//! Contents of Fd_Status, which is sent every 100 ms.
 
 use super::Level;
 
-/// Cylinders that Fd_Status has room for.
+/// Number of cylinders that Fd_Status has room for.
 pub const MAX_CYLINDERS: usize = 6;
 
-/// The state of one transducer. The numbers are those of Fd_Status.
+/// State of one transducer. The numbers are those of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Health {
-    /// No evidence either way.
+    /// There is no evidence either way.
     #[default]
     Unknown = 0,
     Healthy = 1,
@@ -18,7 +18,7 @@ pub enum Health {
     Faulty = 3,
 }
 
-/// What the monitor as a whole is doing. The numbers are those of Fd_Status.
+/// State of the monitor as a whole. The numbers are those of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// Not everything has been judged yet.
@@ -35,9 +35,9 @@ pub enum Mode {
 /// The content of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Status {
-    /// C1 and C2 of each cylinder.
+    /// State of C1 and C2 of each cylinder.
     pub transducers: [[Health; 2]; MAX_CYLINDERS],
-    /// The highest level of the warnings that stand.
+    /// Highest level of the standing warnings.
     pub level: Level,
     pub mode: Mode,
     pub active_warnings: u32,

@@ -1,10 +1,10 @@
-//! A warning as it leaves the monitor.
+//! Warnings as they leave the monitor.
 
 use super::level::Level;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
-/// Who warns. The numbers are those of Fd_Warning.
+/// Detector that warns. The numbers are those of Fd_Warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Detector {
     /// The observer on C1.
@@ -13,7 +13,7 @@ pub enum Detector {
     Fde2 = 2,
     /// The comparator of C1 and the corrected C2.
     Fde3 = 3,
-    /// The checks before any model.
+    /// The plausibility checks, which come before any model.
     Plausibility = 4,
     Sequential = 5,
     Hexapod = 6,
@@ -23,7 +23,7 @@ impl Detector {
     pub const ALL: [Self; 6] =
         [Self::Fde1, Self::Fde2, Self::Fde3, Self::Plausibility, Self::Sequential, Self::Hexapod];
 
-    /// The name in files and reports.
+    /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fde1 => "fde1",
@@ -40,7 +40,7 @@ impl Detector {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     Raised,
-    /// Its fault, suspect or level is another one now.
+    /// Its fault, suspect or level has changed.
     Changed,
     Cleared,
 }
@@ -55,41 +55,44 @@ impl State {
     }
 }
 
-/// What a detector has found, as long as it finds it.
+/// Finding of a detector, for as long as it lasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
     pub fault: Fault,
     pub suspect: Suspect,
     pub level: Level,
-    /// m, signed; `None` where the detector has no residual (a reading that is not there).
+    /// Residual, m, signed; `None` where the detector has none (a missing reading).
     pub residual: Option<f64>,
-    /// m; `None` like the residual.
+    /// Threshold, m; `None` where there is no residual.
     pub threshold: Option<f64>,
-    /// What a detector that weighs evidence has; `None` of the others.
+    /// Evidence of a detector that weighs it; `None` for other detectors.
     pub evidence: Option<Evidence>,
 }
 
-/// How sure a finding is, and since when.
+/// Certainty and onset of a finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
-    /// That something is faulty, nats: it was by exp(this) too much for a healthy cylinder.
+    /// Evidence of a fault, nats: the readings are improbable for a healthy cylinder by a factor of
+    /// exp(this).
     pub fault: f64,
-    /// For C1 if positive, for C2 if negative, nats; `None` where they were not compared.
+    /// Evidence for the location, nats: positive for C1, negative for C2; `None` where they were
+    /// not compared.
     pub location: Option<f64>,
-    /// When the fault began, as far as it shows.
+    /// Onset of the fault, as far as the data show it.
     pub onset: Timestamp,
-    /// Where the fault is a gain that is off: by how much more C1 grows with the length than C2 does,
-    /// m per m. Fd_Warning has no code for it, and the fault is unclassified.
+    /// Gain error, where the fault is one: how much more C1 grows with the length than C2, m per m.
+    /// Fd_Warning has no code for it, and the fault is unclassified.
     pub gain: Option<f64>,
 }
 
 impl Finding {
-    /// The [`Evidence::gain`] of a fault that is one.
+    /// [`Evidence::gain`] of a fault that is a gain error.
     pub fn gain(&self) -> Option<f64> {
         self.evidence?.gain
     }
 
-    /// Whether `other` says the same to a person; the residual moves all the time.
+    /// Whether `other` means the same to a person; the residual, which changes all the time, is not
+    /// compared.
     pub fn says_as(&self, other: &Self) -> bool {
         (self.fault, self.suspect, self.level, self.gain().is_some())
             == (other.fault, other.suspect, other.level, other.gain().is_some())
@@ -100,10 +103,10 @@ impl Finding {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warning {
     pub timestamp: Timestamp,
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub detector: Detector,
-    /// Which of the cylinder's warnings it is, see [`super::register::DETECTORS`].
+    /// Place of the warning among those of the cylinder, see [`super::register::DETECTORS`].
     pub place: usize,
     pub state: State,
     pub finding: Finding,

@@ -1,39 +1,40 @@
-//! Where a signal's bits lie in a payload, and how to get at them.
+//! Position of a signal's bits in a payload, and access to them.
 
 use crate::frame::MAX_DATA;
 
 const MAX_BITS: u64 = 8 * MAX_DATA as u64;
-/// Where a load of eight bytes may begin at the latest.
+/// Last byte at which a load of eight bytes may begin.
 const LAST_LOAD: usize = MAX_DATA - 8;
-/// The same of sixteen bytes.
+/// Last byte at which a load of sixteen bytes may begin.
 const LAST_WIDE_LOAD: usize = MAX_DATA - 16;
 
-/// Up to 64 bits of a payload: which eight bytes to load, and what to do with them.
+/// Up to 64 bits of a payload: the eight bytes to load, and how to extract the bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Field {
-    /// As many ones as the field has bits.
+pub struct BitField {
+    /// Mask with as many ones as the field has bits.
     mask: u64,
-    /// The sign bit at the field's own width; 0 for unsigned ones, so that `(x ^ sign) - sign`
-    /// extends either without a branch.
+    /// Sign bit at the field's own width; 0 for unsigned fields, so that `(x ^ sign) - sign`
+    /// extends either kind without a branch.
     sign: u64,
-    /// Brings the field's lowest bit to bit 0 of the loaded word.
+    /// Shift that brings the field's lowest bit to bit 0 of the loaded word.
     shift: u8,
     /// Byte at which the load begins.
     at: u8,
-    /// Bytes that the payload must have.
+    /// Length that the payload must have, bytes.
     needs: u8,
     motorola: bool,
-    /// The field touches nine bytes: no load of eight holds it.
+    /// Whether the field touches nine bytes, so that no load of eight holds it.
     wide: bool,
-    /// First bit: of Intel, 8 · byte + significance; of Motorola, 8 · byte + place from the top.
+    /// First bit: 8 · byte + significance for Intel fields, 8 · byte + place from the top for
+    /// Motorola fields.
     first: u16,
     length: u8,
 }
 
-/// A field within eight bytes that have been loaded already.
+/// A field within eight bytes that have already been loaded.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WordField {
-    /// As of a [`Field`].
+    /// Mask as in [`BitField`].
     mask: u64,
     sign: u64,
     shift: u8,
@@ -41,7 +42,8 @@ pub(super) struct WordField {
 }
 
 impl WordField {
-    /// As [`Field::integer`], where `word` has the first of the eight bytes lowest.
+    /// The signed number as [`BitField::integer`] gives it, where `word` has the first of the eight
+    /// bytes lowest.
     #[inline(always)]
     pub fn integer(&self, word: u64) -> i64 {
         let word = if self.motorola { word.swap_bytes() } else { word };
@@ -51,16 +53,16 @@ impl WordField {
     }
 }
 
-/// Why there cannot be such a field.
+/// Why a field is impossible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoField {
     /// The length is 0 or above 64 bits.
     Length,
-    /// It ends behind the longest payload.
+    /// The field ends beyond the longest payload.
     Beyond,
 }
 
-impl Field {
+impl BitField {
     /// The field of `length` bits at `start`, counted as a DBC file does: Intel fields by their
     /// lowest bit, Motorola fields by their highest, both 8 · byte + significance.
     pub fn new(start: u64, length: u64, motorola: bool, signed: bool) -> Result<Self, NoField> {
@@ -96,7 +98,7 @@ impl Field {
         })
     }
 
-    /// Bytes that a payload must have to hold the field.
+    /// Length that a payload must have to hold the field, bytes.
     #[inline]
     pub fn needs(&self) -> usize {
         usize::from(self.needs)
@@ -128,8 +130,8 @@ impl Field {
         (word >> (self.shift & 63)) & self.mask
     }
 
-    /// The field as it lies in the eight bytes that begin with byte `at`; `None` if they do not hold all of
-    /// it.
+    /// The field's place in the eight bytes that begin with byte `at`; `None` if they do not hold
+    /// all of it.
     pub(super) fn within(&self, at: usize) -> Option<WordField> {
         let (first, length) = (usize::from(self.first), usize::from(self.length));
         let before = first.checked_sub(8 * at)?;
@@ -148,8 +150,8 @@ impl Field {
         (self.load_wide(payload) >> self.wide_shift()) as u64 & self.mask
     }
 
-    /// The bits as a number of the field's width and sign; of an unsigned field of 64 bits, the
-    /// bits reinterpreted.
+    /// The bits as a number of the field's width and sign; for an unsigned field of 64 bits, the
+    /// bits are reinterpreted.
     #[inline]
     pub fn integer(&self, payload: &[u8; MAX_DATA]) -> i64 {
         (self.bits(payload) ^ self.sign).wrapping_sub(self.sign) as i64
@@ -165,7 +167,7 @@ impl Field {
         payload[at..at + 16].copy_from_slice(&bytes);
     }
 
-    /// Which bits of the payload it holds; bit 8 · byte + significance.
+    /// Bits of the payload that the field occupies; bit 8 · byte + significance.
     pub fn occupied(&self) -> [u64; 8] {
         let mut bits = [0; 8];
         for place in self.first..self.first + u16::from(self.length) {
@@ -184,7 +186,7 @@ impl Field {
         if self.motorola { 128 - before - usize::from(self.length) } else { before }
     }
 
-    /// Sixteen bytes, which hold any field.
+    /// Loads sixteen bytes, which hold any field.
     fn load_wide(&self, payload: &[u8; MAX_DATA]) -> u128 {
         let at = self.wide_at();
         let bytes: [u8; 16] = payload[at..at + 16].try_into().expect("the slice is 16 bytes");
@@ -196,7 +198,7 @@ impl Field {
 mod tests {
     use super::*;
 
-    /// Bit by bit, as the format's description has it.
+    /// Reads bit by bit, as the format's description defines it.
     fn slowly(start: usize, length: usize, motorola: bool, payload: &[u8; MAX_DATA]) -> u64 {
         let bit = |place: usize| u64::from(payload[place / 8] >> (place % 8) & 1);
         let mut value = 0;
@@ -222,7 +224,8 @@ mod tests {
         for motorola in [false, true] {
             for start in 0..512_usize {
                 for length in 1..=64_usize {
-                    let Ok(field) = Field::new(start as u64, length as u64, motorola, false) else {
+                    let Ok(field) = BitField::new(start as u64, length as u64, motorola, false)
+                    else {
                         continue;
                     };
                     fields += 1;
@@ -241,10 +244,10 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_no_field() {
-        assert_eq!(Field::new(0, 0, false, false), Err(NoField::Length));
-        assert_eq!(Field::new(0, 65, true, false), Err(NoField::Length));
-        assert_eq!(Field::new(511, 2, false, false), Err(NoField::Beyond));
-        assert_eq!(Field::new(504, 2, true, false), Err(NoField::Beyond));
-        assert_eq!(Field::new(u64::MAX, 64, true, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(0, 0, false, false), Err(NoField::Length));
+        assert_eq!(BitField::new(0, 65, true, false), Err(NoField::Length));
+        assert_eq!(BitField::new(511, 2, false, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(504, 2, true, false), Err(NoField::Beyond));
+        assert_eq!(BitField::new(u64::MAX, 64, true, false), Err(NoField::Beyond));
     }
 }

@@ -6,6 +6,6 @@ mod field;
 mod plan;
 mod value;
 
-pub use field::{Field, NoField};
-pub use plan::{Form, Gate, Plain, SignalPlan};
+pub use field::{BitField, NoField};
+pub use plan::{MultiplexGate, NumberForm, Plain, SignalPlan};
 pub use value::{Decoded, Inserted, Raw, Value};

@@ -1,31 +1,31 @@
-//! A signal compiled for reading and writing frames.
+//! A signal compiled for reading from and writing to frames.
 
-use super::field::{Field, WordField};
+use super::field::{BitField, WordField};
 use super::value::{Decoded, Inserted, Raw, Value};
 use crate::frame::{Frame, Kind, MAX_DATA};
 use alloc::boxed::Box;
 
-/// How a field's bits are a number.
+/// How a field's bits represent a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
-    /// Any that an i64 holds: converted to a double at half the cost of a u64.
+pub enum NumberForm {
+    /// An integer that fits an i64: it is converted to a double at half the cost of a u64.
     Integer,
-    /// Unsigned, 64 bits.
+    /// An unsigned integer of 64 bits.
     Unsigned64,
     Float32,
     Float64,
 }
 
-/// A multiplexor on the way to a signal, and the values with which it selects the signal.
+/// A multiplexor on the way to a signal, and the values that select the signal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gate {
-    /// The bits of the multiplexor.
-    pub field: Field,
-    /// The numbers that select the signal, from the lowest to the highest, both included.
+pub struct MultiplexGate {
+    /// Bits of the multiplexor.
+    pub field: BitField,
+    /// Numbers that select the signal, as ascending inclusive ranges.
     pub ranges: Box<[(u64, u64)]>,
 }
 
-impl Gate {
+impl MultiplexGate {
     fn selects(&self, payload: &[u8; MAX_DATA]) -> bool {
         // A negative number becomes a huge one: only a range of all numbers has it.
         let number = self.field.integer(payload) as u64;
@@ -33,21 +33,21 @@ impl Gate {
     }
 }
 
-/// A signal's place, type and scale, ready to read frames: no allocation, and for an integer of up
-/// to eight bytes one load, shift, mask, sign extension and multiply-add.
+/// A signal's place, type and scale, ready to read frames: without allocating, and for an integer
+/// of up to eight bytes with one load, shift, mask, sign extension and multiply-add.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalPlan {
     factor: f64,
     offset: f64,
-    field: Field,
-    form: Form,
-    /// Outermost multiplexor first; empty where the signal is always there.
-    gates: Box<[Gate]>,
+    field: BitField,
+    form: NumberForm,
+    /// Multiplexors, outermost first; empty where the signal is always present.
+    gates: Box<[MultiplexGate]>,
 }
 
-/// A signal of the usual kind, which [`SignalPlan::plain`] gives: an integer that an i64 holds, in every
-/// frame of its message that is long enough, and always a finite number. It is read from a word of eight
-/// bytes that its message's signals share, and reading it asks nothing any more.
+/// A plain signal, as given by [`SignalPlan::plain`]: an integer that fits an i64, present in every
+/// sufficiently long frame of its message, and always a finite number. It is read without further
+/// checks from a word of eight bytes that its message's signals share.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain {
     factor: f64,
@@ -56,7 +56,8 @@ pub struct Plain {
 }
 
 impl Plain {
-    /// The count, as [`SignalPlan::decode`] has it, where `word` has the first of the eight bytes lowest.
+    /// The count as [`SignalPlan::decode`] gives it, where `word` has the first of the eight bytes
+    /// lowest.
     #[inline(always)]
     pub fn count(&self, word: u64) -> i64 {
         self.field.integer(word)
@@ -72,20 +73,26 @@ impl Plain {
 impl SignalPlan {
     /// The signal in `field`, which a frame carries if each of `gates` selects it; its number is
     /// raw · `factor` + `offset`.
-    pub fn new(field: Field, form: Form, factor: f64, offset: f64, gates: Box<[Gate]>) -> Self {
+    pub fn new(
+        field: BitField,
+        form: NumberForm,
+        factor: f64,
+        offset: f64,
+        gates: Box<[MultiplexGate]>,
+    ) -> Self {
         Self { factor, offset, field, form, gates }
     }
 
-    /// The signal as one that is read without a question from the eight bytes that begin with byte `at`;
-    /// `None` if it has to be asked, or is not within them.
+    /// The signal as a plain one within the eight bytes that begin with byte `at`; `None` if it is
+    /// not plain, or not within them.
     pub fn plain(&self, at: usize) -> Option<Plain> {
         let Self { factor, offset, field, form, .. } = *self;
         let largest = libm::ldexp(1.0, field.length() as i32) * factor.abs() + offset.abs();
-        let plain = form == Form::Integer && self.gates.is_empty() && largest.is_finite();
+        let plain = form == NumberForm::Integer && self.gates.is_empty() && largest.is_finite();
         Some(Plain { factor, offset, field: field.within(at).filter(|_| plain)? })
     }
 
-    /// Reads the signal. The frame's identifier is not looked at: it must be the message's.
+    /// Reads the signal. The frame's identifier is not checked: it must be the message's.
     #[inline(always)]
     pub fn decode(&self, frame: &Frame) -> Decoded {
         if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
@@ -117,7 +124,7 @@ impl SignalPlan {
 
     #[inline(always)]
     fn read(&self, payload: &[u8; MAX_DATA]) -> Value {
-        if self.form != Form::Integer {
+        if self.form != NumberForm::Integer {
             return self.read_uncommon(payload);
         }
         let integer = self.field.integer(payload);
@@ -130,9 +137,9 @@ impl SignalPlan {
     fn read_uncommon(&self, payload: &[u8; MAX_DATA]) -> Value {
         let bits = self.field.bits(payload);
         let raw = match self.form {
-            Form::Integer | Form::Unsigned64 => Raw::Unsigned(bits),
-            Form::Float32 => Raw::Float(f64::from(f32::from_bits(bits as u32))),
-            Form::Float64 => Raw::Float(f64::from_bits(bits)),
+            NumberForm::Integer | NumberForm::Unsigned64 => Raw::Unsigned(bits),
+            NumberForm::Float32 => Raw::Float(f64::from(f32::from_bits(bits as u32))),
+            NumberForm::Float64 => Raw::Float(f64::from_bits(bits)),
         };
         Value { raw, physical: self.physical(raw) }
     }
@@ -142,7 +149,7 @@ impl SignalPlan {
         number * self.factor + self.offset
     }
 
-    /// raw · factor + offset, with two roundings as cantools and everyone else has it.
+    /// Physical value raw · factor + offset, rounded twice as in cantools and elsewhere.
     #[inline]
     pub fn physical(&self, raw: Raw) -> f64 {
         self.scale(raw.as_f64())
@@ -153,21 +160,21 @@ impl SignalPlan {
         (physical - self.offset) / self.factor
     }
 
-    /// Puts `raw` into a payload and changes no other bit; multiplexors are left as they are. An
-    /// integer signal takes a float's nearest whole number (ties to even), a float signal an
-    /// integer's nearest double.
+    /// Puts `raw` into a payload and changes no other bit; multiplexors stay as they are. An
+    /// integer signal takes a float's nearest integer (ties to even), a float signal an integer's
+    /// nearest double.
     pub fn insert(&self, raw: Raw, payload: &mut [u8; MAX_DATA]) -> Inserted {
         match self.form {
-            Form::Integer | Form::Unsigned64 => self.insert_integer(raw, payload),
-            Form::Float64 => {
+            NumberForm::Integer | NumberForm::Unsigned64 => self.insert_integer(raw, payload),
+            NumberForm::Float64 => {
                 self.field.set_bits(raw.as_f64().to_bits(), payload);
                 Inserted::Whole
             }
-            Form::Float32 => self.insert_float32(raw.as_f64(), payload),
+            NumberForm::Float32 => self.insert_float32(raw.as_f64(), payload),
         }
     }
 
-    /// Puts the raw number nearest to `physical` into a payload; otherwise as [`Self::insert`].
+    /// Puts the raw number nearest to `physical` into a payload; otherwise like [`Self::insert`].
     pub fn insert_physical(&self, physical: f64, payload: &mut [u8; MAX_DATA]) -> Inserted {
         self.insert(Raw::Float(self.unscaled(physical)), payload)
     }
@@ -209,7 +216,7 @@ impl SignalPlan {
         }
     }
 
-    /// The lowest and highest raw number that the bits can hold; `None` for a float.
+    /// Lowest and highest raw number that the bits can hold; `None` for a float.
     pub fn raw_limits(&self) -> Option<(i128, i128)> {
         (!self.is_float()).then(|| self.raw_limits_of_field())
     }
@@ -228,7 +235,7 @@ impl SignalPlan {
     }
 
     pub fn is_float(&self) -> bool {
-        matches!(self.form, Form::Float32 | Form::Float64)
+        matches!(self.form, NumberForm::Float32 | NumberForm::Float64)
     }
 
     /// Whether a multiplexor decides if a frame carries the signal.
@@ -236,8 +243,8 @@ impl SignalPlan {
         !self.gates.is_empty()
     }
 
-    /// Whether the multiplexors of `frame` select the signal; `None` if the frame is too short for
-    /// them.
+    /// Whether the multiplexors of `frame` select the signal; `None` if the frame is too short to
+    /// tell.
     pub fn is_carried_by(&self, frame: &Frame) -> Option<bool> {
         match self.pass_gates(frame) {
             Ok(()) => Some(true),
@@ -248,7 +255,7 @@ impl SignalPlan {
 
     /// Whether every frame that carries `other`, a signal of the same message, carries this one, too.
     pub fn accompanies(&self, other: &Self) -> bool {
-        let within = |inner: &Gate, outer: &Gate| {
+        let within = |inner: &MultiplexGate, outer: &MultiplexGate| {
             inner.field == outer.field
                 && inner.ranges.iter().all(|&(from, to)| {
                     outer.ranges.iter().any(|&(low, high)| low <= from && to <= high)
@@ -257,12 +264,12 @@ impl SignalPlan {
         self.gates.iter().all(|outer| other.gates.iter().any(|inner| within(inner, outer)))
     }
 
-    /// Whether the same frames carry both, signals of one message.
+    /// Whether the same frames carry both signals of one message.
     pub fn is_on_page_of(&self, other: &Self) -> bool {
         self.accompanies(other) && other.accompanies(self)
     }
 
-    /// The bytes that a payload must have to carry the signal and its multiplexors.
+    /// Length that a payload must have to carry the signal and its multiplexors, bytes.
     pub fn needed_length(&self) -> usize {
         self.gates.iter().map(|gate| gate.field.needs()).fold(self.field.needs(), usize::max)
     }

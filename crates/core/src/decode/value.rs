@@ -1,16 +1,16 @@
-//! What decoding and encoding a signal give.
+//! Results of decoding and encoding a signal.
 
 /// A signal's number as it stands in the frame, before factor and offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Raw {
     Unsigned(u64),
     Signed(i64),
-    /// Of a float signal (SIG_VALTYPE_); a 32-bit float is widened.
+    /// Number of a float signal (SIG_VALTYPE_); a 32-bit float is widened.
     Float(f64),
 }
 
 impl Raw {
-    /// The count, for integer signals; `None` for a float.
+    /// The count of an integer signal; `None` for a float.
     pub const fn as_i128(self) -> Option<i128> {
         match self {
             Self::Unsigned(raw) => Some(raw as i128),
@@ -19,7 +19,7 @@ impl Raw {
         }
     }
 
-    /// The count where an i64 can hold it; `None` for a float and beyond i64::MAX.
+    /// The count if an i64 can hold it; `None` for a float and beyond i64::MAX.
     pub fn as_i64(self) -> Option<i64> {
         match self {
             Self::Unsigned(raw) => i64::try_from(raw).ok(),
@@ -42,16 +42,16 @@ impl Raw {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Value {
     pub raw: Raw,
-    /// raw · factor + offset, in the signal's unit. Not finite where a float signal is not.
+    /// Value raw · factor + offset, in the signal's unit. Not finite where a float signal is not.
     pub physical: f64,
 }
 
-/// What a frame says about a signal.
+/// Content of a frame for a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Decoded {
     Value(Value),
-    /// The frame does not carry the signal: a multiplexor selects another one, or it is a remote
-    /// or error frame.
+    /// The frame does not carry the signal: a multiplexor selects another one, or it is a remote or
+    /// error frame.
     Absent,
     /// The payload ends before the signal, or before the multiplexor that would select it: bad
     /// data, not zero.
@@ -68,15 +68,16 @@ impl Decoded {
     }
 }
 
-/// What became of a number that was to be put into a payload.
+/// Result of putting a number into a payload.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use = "a number that did not fit was changed or left out"]
 pub enum Inserted {
-    /// It stands in the payload (an integer signal takes the nearest whole number, a 32-bit float
-    /// signal the nearest 32-bit float).
+    /// The number was written (an integer signal takes the nearest integer, a 32-bit float signal
+    /// the nearest 32-bit float).
     Whole,
-    /// It was beyond what the bits can hold; this, the nearest that they can, was written.
+    /// The number exceeds what the bits can hold; the nearest possible number, given here, was
+    /// written.
     Clamped(Raw),
-    /// Not a number, for an integer signal: nothing was written.
+    /// The number is NaN and the signal an integer: nothing was written.
     NotANumber,
 }

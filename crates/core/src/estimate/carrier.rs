@@ -1,21 +1,21 @@
-//! The length as it is told, on its way by the command alone.
+//! The estimated length, carried on by the command alone.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A state that was told, and what became of it since.
+/// An estimated state, and its prediction since.
 #[derive(Clone, Copy, Debug)]
 pub struct Carrier {
     pub x: Vector3<f64>,
-    /// Of the length when it was last read, m².
+    /// Variance of the length when it was last read, m².
     pub variance: f64,
-    /// Cycles since then.
+    /// Cycles since the last reading.
     pub coasted: u32,
-    /// Its velocity has settled, too.
+    /// Whether the velocity has settled, too.
     pub able: bool,
 }
 
 impl Carrier {
-    /// Goes on to the next cycle; `None` if it leaves the numbers.
+    /// Predicts the next cycle; `None` if a number is no longer finite.
     pub fn predicted(self, a: &Matrix3<f64>, part: &Vector3<f64>) -> Option<Self> {
         let x = a * self.x + part;
         let coasted = self.coasted.saturating_add(1);
@@ -23,8 +23,8 @@ impl Carrier {
     }
 }
 
-/// Carriers from before: what a transducer said within the newest second or two before it was blamed
-/// is not in the older one.
+/// Earlier carriers. The older one does not include what a transducer read within the second or two
+/// before it was blamed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reserve {
     younger: Option<Carrier>,
@@ -36,7 +36,7 @@ impl Reserve {
         *self = Self::default();
     }
 
-    /// Takes what was told while nobody was blamed, at intervals of `apart` cycles.
+    /// Takes a state estimated while no transducer was blamed.
     pub fn offer(&mut self, told: Carrier, apart: u32) {
         if self.younger.is_none_or(|younger| younger.coasted >= apart) {
             (self.older, self.younger) = (self.younger, Some(told));
@@ -48,7 +48,7 @@ impl Reserve {
         (self.younger, self.older) = (ahead(self.younger), ahead(self.older));
     }
 
-    /// The older one.
+    /// The older of the two carriers.
     pub const fn get(&self) -> Option<Carrier> {
         self.older
     }

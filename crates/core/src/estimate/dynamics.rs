@@ -1,5 +1,5 @@
-//! How a length goes on by the command: with the drive that a calibration has fitted, or else by the
-//! model (4-1).
+//! Prediction of a length from the command: with the drive that a calibration has fitted, or else
+//! by the model (4-1).
 
 use super::parameters::Parameters;
 use crate::observe::model::Model;
@@ -10,15 +10,15 @@ use crate::sequential::parameters::{DriveParameters, PairParameters};
 use alloc::boxed::Box;
 use nalgebra::{Matrix3, Vector3};
 
-/// x(k+1) = A x(k) + the command's part, with process noise.
+/// Dynamics x(k+1) = A x(k) + the command's part, with process noise.
 #[derive(Clone, Debug)]
 pub struct Dynamics {
-    /// A, 3 × 3.
+    /// State matrix A, 3 × 3.
     pub a: Matrix3<f64>,
-    /// Variances that a cycle adds, of each state.
+    /// Process noise: the variance that a cycle adds to each state.
     pub process: Vector3<f64>,
-    /// Variances of what is not known at all, of each state; that of the length is what the fastest
-    /// rod goes in a cycle.
+    /// Variance of each state before anything is known; for the length, the distance that the
+    /// fastest rod moves in a cycle.
     pub unknown: Vector3<f64>,
     /// Variance of a reading, m².
     pub reading: f64,
@@ -27,14 +27,17 @@ pub struct Dynamics {
 
 #[derive(Clone, Debug)]
 enum Driving {
-    /// State l, and the drive's error as a velocity and its slope; s from cycle to cycle.
+    /// Fitted drive, with the length l, the error of the drive's velocity and its slope as the
+    /// state; and the sample time, s.
     Fitted(Box<Drive>, f64),
-    /// State (l, l̇, P_L); B, and the command at which the cylinder rests, m/s.
+    /// Model (4-1), with the state (l, l̇, P_L): B, and the command at which the cylinder rests,
+    /// m/s.
     Model(Vector3<f64>, f64),
 }
 
 impl Dynamics {
-    /// By `drive`, for readings whose difference has the `deviation`, m, every `sample_time` seconds.
+    /// Dynamics by `drive`, for readings whose difference has the standard deviation `deviation`,
+    /// m, every `sample_time` seconds.
     pub fn fitted(drive: Drive, sample_time: f64, deviation: f64, parameters: &Parameters) -> Self {
         let [velocity, slope] = parameters.drive_unknown.map(|deviation| deviation * deviation);
         Self {
@@ -46,8 +49,8 @@ impl Dynamics {
         }
     }
 
-    /// By `model`, for a cylinder that rests at the command `offset`, m/s, with the weights of its
-    /// observers: the diagonal of Q, and the variance of a position.
+    /// Dynamics by `model`, for a cylinder that rests at the command `offset`, m/s, with the
+    /// weights of its observers: the diagonal of Q, and the variance of a position.
     pub fn model(
         model: &Model,
         offset: f64,
@@ -70,13 +73,13 @@ impl Dynamics {
     }
 }
 
-/// The variance of a length that is not followed for a cycle, m².
+/// Variance of a length that is not followed for a cycle, m².
 fn way(sample_time: f64, parameters: &Parameters) -> f64 {
     let way = parameters.fastest * sample_time;
     way * way
 }
 
-/// The commands as they come.
+/// The commands, as inputs of the dynamics.
 #[derive(Clone, Debug)]
 pub struct Feed {
     commands: Commands,
@@ -94,8 +97,8 @@ impl Feed {
         self.newest = None;
     }
 
-    /// Takes u(k), m/s, as it was sent; the last one is held where it is absent. Gives the command's
-    /// part of x(k+1); `None` before there is one.
+    /// Takes u(k), m/s, as sent; the last one is held where it is absent. Returns the command's
+    /// part of x(k+1); `None` before the first command.
     pub fn step(&mut self, dynamics: &Dynamics, command: Option<f64>) -> Option<Vector3<f64>> {
         self.newest = command.or(self.newest);
         let u = self.newest?;

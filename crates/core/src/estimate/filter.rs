@@ -1,4 +1,4 @@
-//! The Kalman filter of one transducer, with a covariance of its own time.
+//! The Kalman filter of one transducer, with a time-varying covariance.
 
 use super::dynamics::Dynamics;
 use super::mean::Mean;
@@ -23,21 +23,21 @@ pub struct Filter {
     coasted: u32,
     /// Readings since the start.
     seen: u32,
-    /// Of these, since the command was known in every cycle.
+    /// Readings since the command was first known in every cycle.
     followed: u32,
-    /// ν² by what the filter expects of it.
+    /// Mean of ν² over the value that the filter expects.
     surprise: Mean,
 }
 
 impl Filter {
-    /// Forgets the rod, not the transducer.
+    /// Stops following the rod; what is known of the transducer stays.
     pub fn stop(&mut self) {
         *self = Self { surprise: self.surprise, ..Self::default() };
     }
 
-    /// Takes the reading of a cycle, m, or that there was none: for longer than `max_gap` cycles, and
-    /// it stops. A sound one tells how good the filter's own figures are: it is `counted` in them, where
-    /// that is there.
+    /// Takes the reading of a cycle, m, or that there was none; after more than `max_gap` cycles
+    /// without one the filter stops. A sound reading, one with `counted`, updates the measure of the
+    /// filter's own accuracy.
     pub fn correct(
         &mut self,
         dynamics: &Dynamics,
@@ -72,7 +72,7 @@ impl Filter {
         self.followed = self.followed.saturating_add(1);
     }
 
-    /// Goes on to the next cycle by the command's part of it; without one the rod may go anywhere.
+    /// Predicts the next cycle with the command's part; without one the rod may move anywhere.
     pub fn predict(&mut self, dynamics: &Dynamics, part: Option<&Vector3<f64>>) {
         if !self.running {
             return;
@@ -96,13 +96,13 @@ impl Filter {
         }
     }
 
-    /// x(k|k).
+    /// State x(k|k).
     pub const fn state(&self) -> &Vector3<f64> {
         &self.x
     }
 
-    /// The variance of the length, m², where innovations are larger than the filter expects them as
-    /// much larger.
+    /// Variance of the length, m², enlarged by as much as innovations exceed what the filter
+    /// expects.
     pub fn variance(&self) -> f64 {
         self.p[(0, 0)].max(0.0) * self.surprise.value().max(1.0)
     }
@@ -111,12 +111,12 @@ impl Filter {
         self.running
     }
 
-    /// It was read in this cycle.
+    /// Whether there was a reading in this cycle.
     pub const fn is_fresh(&self) -> bool {
         self.running && self.coasted == 0
     }
 
-    /// Readings since the start, and of these since the command was known in every cycle.
+    /// Readings since the start, and readings since the command was first known in every cycle.
     pub const fn evidence(&self) -> [u32; 2] {
         [self.seen, self.followed]
     }
@@ -137,7 +137,7 @@ mod tests {
         Dynamics::model(&model, 0.0, [1e-8, 1e-3, 100.0], 1e-8, 0.02, &Parameters::DEFAULT)
     }
 
-    /// The covariance comes to that of the Riccati equation, which is of the prediction.
+    /// The covariance converges to that of the Riccati equation, which is that of the prediction.
     #[test]
     fn with_a_reading_in_every_cycle_its_covariance_is_the_steady_one() {
         let dynamics = dynamics();
@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(filter.evidence(), [50, 0]);
     }
 
-    /// Readings that are twice as wild make it half as sure.
+    /// Readings that scatter twice as much double the standard deviation.
     #[test]
     fn innovations_that_are_too_large_are_told() {
         let dynamics = dynamics();

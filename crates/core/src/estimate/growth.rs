@@ -1,8 +1,8 @@
-//! How wrong the prediction by the command alone is after a time, as measured.
+//! The error of the prediction by the command alone as a function of time, as measured.
 //!
-//! While there are readings, shadows of the estimate are sent ahead by the command alone, for 1, 2, 4, …
-//! cycles, and compared then with what the readings say. So the error holds whatever the model leaves
-//! out: load, supply pressure, friction, a wrong parameter.
+//! While there are readings, copies of the estimate are predicted by the command alone for 1, 2, 4,
+//! … cycles and then compared with the readings. The error thus includes everything that the model
+//! leaves out: load, supply pressure, friction, wrong parameters.
 
 use super::mean::Mean;
 use nalgebra::{Matrix3, Vector3};
@@ -13,9 +13,9 @@ const SHADOWS: usize = 10;
 #[derive(Clone, Copy, Debug, Default)]
 struct Shadow {
     x: Vector3<f64>,
-    /// Cycles since it was sent; `None`: it is not on its way.
+    /// Cycles since the copy was taken; `None`: there is none at present.
     age: Option<u32>,
-    /// Of the squares of the errors, m².
+    /// Mean of the squared errors, m².
     squares: Mean,
 }
 
@@ -26,12 +26,13 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// Recalls the shadows: what follows cannot be compared with what was.
+    /// Drops the copies, because what follows cannot be compared with them.
     pub fn recall(&mut self) {
         self.shadows.iter_mut().for_each(|shadow| shadow.age = None);
     }
 
-    /// Compares with `x`, which readings have told, and sends anew; the newest `memory` cycles count.
+    /// Compares the copies that are due with `x`, the state by the readings, and takes new ones; the
+    /// newest `memory` cycles count.
     pub fn compare(&mut self, x: &Vector3<f64>, memory: u32) {
         for (octave, shadow) in self.shadows.iter_mut().enumerate() {
             let length = 1 << octave;
@@ -48,7 +49,7 @@ impl Growth {
         }
     }
 
-    /// Goes on to the next cycle by the command's `part` of it.
+    /// Predicts the next cycle with the command's `part`.
     pub fn predict(&mut self, a: &Matrix3<f64>, part: &Vector3<f64>) {
         for shadow in &mut self.shadows {
             if let Some(age) = &mut shadow.age {
@@ -58,11 +59,11 @@ impl Growth {
         }
     }
 
-    /// The variance that `cycles` of prediction add, m², with the `doubt` of [`super::Parameters`]; `None`
+    /// Variance that `cycles` of prediction add, m², with the `doubt` of [`super::Parameters`]; `None`
     /// if nothing was measured.
     ///
-    /// Between two shadows it is a straight line, beyond the longest that has come back it grows with
-    /// the square of time, as by a velocity that is off.
+    /// It is interpolated linearly between two copies. Beyond the longest one that was compared it
+    /// grows with the square of time, like the effect of a wrong velocity.
     pub fn variance(&self, cycles: u32, doubt: f64) -> Option<f64> {
         let (mut before, mut least) = (0.0, 0.0_f64);
         for (octave, shadow) in self.shadows.iter().enumerate() {

@@ -1,6 +1,6 @@
-//! A mean that forgets.
+//! A mean with a fading memory.
 
-/// The mean of what was added: of all of it at first, later with an exponential memory.
+/// The mean of values: of all of them at first, later with an exponential memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Mean {
     value: f64,
@@ -14,12 +14,12 @@ impl Mean {
         self.value += (value - self.value) / f64::from(self.count);
     }
 
-    /// Zero of nothing.
+    /// The mean; zero without any value.
     pub const fn value(&self) -> f64 {
         self.value
     }
 
-    /// How many values it rests on.
+    /// Number of values in the mean.
     pub const fn count(&self) -> u32 {
         self.count
     }

@@ -6,20 +6,20 @@
 //! u(k) ─→ dynamics ──────────────────────────────────→ (alone)
 //! ```
 //!
-//! Each transducer has a Kalman filter of its own ([`filter`]), so that what a transducer did before it
-//! was blamed is in its own filter only, and goes with it. What is told is the mean of those that are
-//! trusted, or the other one alone. Where neither is read the command carries the length on
-//! ([`dynamics`]), and its standard deviation grows by what the same prediction was wrong by while
-//! there were readings to compare it with ([`growth`]): no figure of the model is believed. Where it is
-//! blame that leaves nobody, it goes on from a second before: what the blamed did meanwhile is in what
-//! was told last.
+//! Each transducer has a Kalman filter of its own ([`filter`]), so that the errors of a transducer
+//! before it was blamed stay in its own filter and are dropped with it. The estimate is the mean of
+//! the trusted transducers, or a single one. Where neither has a reading, the length is predicted
+//! from the command ([`dynamics`]), and its standard deviation grows by the error that the same
+//! prediction had while there were readings to compare it with ([`growth`]); no figure of the model
+//! is trusted. Where no transducer is left because both are blamed, the prediction starts from a
+//! second earlier, since the last estimate includes their errors.
 //!
-//! Lengths are on the scale of C1. How far C1 itself is from the rod is known to nobody here.
+//! Lengths are on the scale of C1, whose own error is not known.
 //!
-//! *Undecided* means that one of the two lies by an unknown amount. The mean of both is then wrong by
-//! half of their difference, to one side or the other, and so half of the difference is the standard
-//! deviation of a choice between them. It is part of σ always, and at its largest of the last second
-//! while somebody is suspected.
+//! *Undecided* means that one of the two is wrong by an unknown amount. The mean of both is then
+//! wrong by half of their difference, in one direction or the other, so half of the difference is
+//! the standard deviation of a choice between them. It is always a part of σ; while a transducer is
+//! suspected, the largest value of the last second is used.
 
 mod carrier;
 pub mod dynamics;
@@ -32,21 +32,21 @@ pub mod sensor;
 
 pub use dynamics::{Drive, Dynamics};
 pub use parameters::Parameters;
-pub use scale::Scale;
-pub use sensor::{Design, Input, VirtualSensor};
+pub use scale::LengthScale;
+pub use sensor::{SensorDesign, SensorInput, VirtualSensor};
 
-/// What an estimate is made of.
+/// Source of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
     Both,
     C1,
     C2,
-    /// The command alone.
+    /// Prediction by the command alone.
     Model,
 }
 
 impl Source {
-    /// As tables have it.
+    /// Name in tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Both => "both",
@@ -57,14 +57,15 @@ impl Source {
     }
 }
 
-/// The length of a cylinder in one cycle.
+/// Estimated length of a cylinder in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// m, on the scale of C1.
+    /// Length, m, on the scale of C1.
     pub position: f64,
-    /// Its standard deviation, m.
+    /// Standard deviation of the length, m.
     pub sigma: f64,
     pub source: Source,
-    /// There is evidence for it, σ is within its bound, and the length within the stroke.
+    /// Whether there is evidence for the estimate, σ is within its bound, and the length is within
+    /// the stroke.
     pub valid: bool,
 }

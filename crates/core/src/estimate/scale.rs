@@ -1,20 +1,21 @@
-//! C2 as C1 would have it.
+//! C2 on the scale of C1.
 
 use crate::compare::Comparator;
 use crate::sequential::Reference;
 use crate::sequential::velocity::Velocity;
 
-/// How C2 comes to the scale of C1.
+/// Conversion of C2 to the scale of C1.
 #[derive(Clone, Debug)]
-pub struct Scale {
+pub struct LengthScale {
     pub comparator: Comparator,
-    /// Where it was fitted, and as far along the stroke as it was, it is the better one.
+    /// The fitted reference, which is better than the line, but only as far along the stroke as it
+    /// was fitted.
     pub reference: Option<Reference>,
 }
 
-impl Scale {
-    /// Takes the readings of a cycle, m, and C2's velocity where it is measured, m/s; gives both on the
-    /// scale of C1.
+impl LengthScale {
+    /// Takes the readings of a cycle, m, and C2's velocity where it is measured, m/s; returns both
+    /// on the scale of C1.
     pub fn apply(
         &self,
         velocity: &mut Velocity,
@@ -44,7 +45,7 @@ mod tests {
             velocity: 1e-3,
         };
         let comparator = Comparator { gain: 1.0, offset: 9e-3 };
-        let scale = Scale { comparator, reference: Some(reference) };
+        let scale = LengthScale { comparator, reference: Some(reference) };
         let c2 = |c2| {
             let mut velocity = Velocity::new(&ResidualParameters::DEFAULT, 0.02);
             scale.apply(&mut velocity, [None, Some(c2)], Some(0.1))[1].expect("it was read")

@@ -1,4 +1,4 @@
-//! The virtual sensor of one cylinder: who is trusted, and what follows of it.
+//! The virtual sensor of one cylinder: selects trusted transducers and estimates the length.
 
 use super::carrier::{Carrier, Reserve};
 use super::dynamics::{Dynamics, Feed};
@@ -6,82 +6,83 @@ use super::filter::{Counted, Filter};
 use super::growth::Growth;
 use super::mean::Mean;
 use super::parameters::{Cycles, Parameters};
-use super::scale::Scale;
+use super::scale::LengthScale;
 use super::{Estimate, Source};
 use crate::sequential::parameters::ResidualParameters;
 use crate::sequential::velocity::Velocity;
 
-/// What a virtual sensor runs on.
+/// Parameters of a virtual sensor.
 #[derive(Clone, Debug)]
-pub struct Design {
+pub struct SensorDesign {
     pub dynamics: Dynamics,
-    pub scale: Scale,
-    /// s.
+    pub scale: LengthScale,
+    /// Sample time, s.
     pub sample_time: f64,
-    /// Readings until a transducer is taken for a reference.
+    /// Number of readings until a transducer can serve as a reference.
     pub settle: u32,
-    /// Cycles without a reading that a filter outlasts.
+    /// Most cycles without a reading over which a filter continues.
     pub max_gap: u32,
-    /// Healthy transducers differ by no more, m.
+    /// Largest difference of healthy transducers, m.
     pub difference: f64,
-    /// The largest σ of a valid estimate, m.
+    /// Largest σ of a valid estimate, m.
     pub bound: f64,
-    /// Valid lengths, both inclusive, m.
+    /// Range of valid lengths, inclusive, m.
     pub lengths: (f64, f64),
     pub parameters: &'static Parameters,
 }
 
-/// One cycle of a cylinder.
+/// Inputs of a cylinder in one cycle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Input {
-    /// The number of the cycle.
+pub struct SensorInput {
+    /// Number of the cycle.
     pub cycle: u64,
     /// Readings that passed the plausibility checks, m, each on its own scale.
     pub lengths: [Option<f64>; 2],
-    /// By C2 where it is measured, m/s.
+    /// Velocity by C2 where it is measured, m/s.
     pub velocity: Option<f64>,
-    /// u(k), m/s, as it was sent.
+    /// Command u(k), m/s, as sent.
     pub command: Option<f64>,
-    /// The rod follows the command: the platform's state is a monitored one, and the command is no
-    /// older than it may be.
+    /// Whether the rod follows the command: the platform is in a monitored state, and the command
+    /// is not stale.
     pub follows: bool,
-    /// Whom no finding blames.
+    /// Transducers that no finding blames.
     pub trusted: [bool; 2],
-    /// One of the two is blamed, and which is not known.
+    /// Whether one of the two is blamed, but it is not known which.
     pub undecided: bool,
-    /// The rod does not do what the command says.
+    /// Whether the rod does not follow the command.
     pub process: bool,
 }
 
-impl Input {
+impl SensorInput {
     const fn is_calm(&self) -> bool {
         self.trusted[0] && self.trusted[1] && !self.undecided && !self.process
     }
 }
 
-/// The sensor.
+/// The virtual sensor of one cylinder.
 #[derive(Clone, Debug)]
 pub struct VirtualSensor {
-    design: Design,
+    design: SensorDesign,
     cycles: Cycles,
     velocity: Velocity,
     feed: Feed,
     filters: [Filter; 2],
     growth: Growth,
-    /// Of the squared differences of healthy transducers, m².
+    /// Mean squared difference of healthy transducers, m².
     differences: Mean,
-    /// The newest difference, and the largest of about a second, m.
+    /// Newest difference, m.
     difference: f64,
+    /// Largest difference of about the last second, m.
     largest: f64,
     carrier: Option<Carrier>,
     reserve: Reserve,
-    /// Who was trusted, and read, in the cycle before.
+    /// Transducers that were trusted and had a reading in the previous cycle.
     relied_on: [bool; 2],
     cycle: u64,
 }
 
 impl VirtualSensor {
-    pub fn new(design: Design) -> Self {
+    pub fn new(design: SensorDesign) -> Self {
         Self {
             cycles: design.parameters.cycles(design.sample_time),
             velocity: Velocity::new(&ResidualParameters::DEFAULT, design.sample_time),
@@ -99,8 +100,8 @@ impl VirtualSensor {
         }
     }
 
-    /// Time jumped or frames were lost: where the rod is has to be told anew. What is known of
-    /// transducers and model stays.
+    /// Restarts the estimate after a time jump or lost frames. What is known of transducers and
+    /// model stays.
     pub fn interrupt(&mut self) {
         self.velocity.reset();
         self.feed.clear();
@@ -112,13 +113,13 @@ impl VirtualSensor {
         self.relied_on = [false; 2];
     }
 
-    /// Takes one cycle; `None` while nothing is known of the length.
-    pub fn step(&mut self, input: &Input) -> Option<Estimate> {
+    /// Takes one cycle; returns `None` while nothing is known of the length.
+    pub fn step(&mut self, input: &SensorInput) -> Option<Estimate> {
         if input.cycle != self.cycle.wrapping_add(1) {
             self.interrupt();
         }
         self.cycle = input.cycle;
-        let Design { dynamics, scale, max_gap, parameters, .. } = &self.design;
+        let SensorDesign { dynamics, scale, max_gap, parameters, .. } = &self.design;
         let counted = Counted { wild: parameters.wild, memory: self.cycles.memory };
         let counted = input.is_calm().then_some(counted);
         let lengths = scale.apply(&mut self.velocity, input.lengths, input.velocity);
@@ -136,7 +137,7 @@ impl VirtualSensor {
     }
 
     /// The transducers that are trusted and have been read for long enough, if one was read now.
-    fn choose(&mut self, input: &Input) -> Option<Source> {
+    fn choose(&mut self, input: &SensorInput) -> Option<Source> {
         let settled = |i: usize| self.filters[i].evidence()[0] >= self.design.settle;
         let used = [0, 1].map(|i| input.trusted[i] && self.filters[i].is_running() && settled(i));
         let fresh = |i: usize| used[i] && self.filters[i].is_fresh();
@@ -160,8 +161,8 @@ impl VirtualSensor {
         Some(source)
     }
 
-    /// What the transducers of `source` say.
-    fn tell(&mut self, input: &Input, source: Source) -> Option<Estimate> {
+    /// The estimate from the transducers of `source`.
+    fn tell(&mut self, input: &SensorInput, source: Source) -> Option<Estimate> {
         let [one, other] = &self.filters;
         let usual = self.differences.value();
         let now = if input.undecided { self.largest } else { self.difference };
@@ -193,8 +194,8 @@ impl VirtualSensor {
         Some(self.judged(x[0], variance, source, source == Source::Both || alone))
     }
 
-    /// What the command alone says.
-    fn carry(&mut self, input: &Input) -> Option<Estimate> {
+    /// The estimate from the command alone.
+    fn carry(&mut self, input: &SensorInput) -> Option<Estimate> {
         if !input.is_calm() {
             self.growth.recall();
         }
@@ -216,7 +217,7 @@ impl VirtualSensor {
         Estimate { position, sigma, source, valid }
     }
 
-    fn predict(&mut self, input: &Input) {
+    fn predict(&mut self, input: &SensorInput) {
         let Self { design, feed, filters, growth, carrier, reserve, .. } = self;
         // The commands are taken where the rod does not follow them, too, to be known when it does.
         let part = feed.step(&design.dynamics, input.command).filter(|_| input.follows);

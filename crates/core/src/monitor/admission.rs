@@ -1,4 +1,4 @@
-//! Which frames are taken: those of the open cycle, once each, and those that were kept for it.
+//! Admission of frames: those of the open cycle, once each, and those that were kept for it.
 
 use super::page::{Page, Station};
 use super::sink::Sink;
@@ -8,7 +8,7 @@ use crate::sample::arrival::Fate;
 use crate::time::Timestamp;
 
 impl Monitor {
-    /// A Sync stamped `stamp` has come.
+    /// Takes a Sync with the time stamp `stamp`.
     pub(super) fn synchronise(&mut self, stamp: Timestamp, now: Timestamp, sink: &mut impl Sink) {
         if self.clock.confirms(stamp) {
             self.reckon_due();
@@ -19,8 +19,9 @@ impl Monitor {
         }
     }
 
-    /// Takes a frame such as nearly all are: the signals of one cylinder, and just the one that its place
-    /// lacks in the open cycle. `false`, and nothing has happened, if more has to be asked.
+    /// Takes a frame of the usual kind: the signals of one cylinder, and exactly the one that its
+    /// place lacks in the open cycle. Returns `false`, and does nothing, if further checks are
+    /// needed.
     #[inline(always)]
     pub(super) fn take_next(
         &mut self,
@@ -46,7 +47,7 @@ impl Monitor {
         true
     }
 
-    /// Takes a page of `frame` if it is that of its cycle.
+    /// Takes a page of `frame` if it belongs to its cycle.
     pub(super) fn admit(
         &mut self,
         place: Place,
@@ -112,7 +113,7 @@ impl Monitor {
         self.fill(place, now, frame, sink);
     }
 
-    /// What waits at `place` for something better is that of the open cycle.
+    /// Accepts the frame that waits at `place` as that of the open cycle.
     fn settle(&mut self, place: Place, now: Timestamp, sink: &mut impl Sink) {
         let Some(when) = self.clock.when() else { return };
         let slot = &mut self.stations[place.0].pages[place.1].slot;
@@ -121,13 +122,14 @@ impl Monitor {
         }
     }
 
-    /// The open cycle closes: nothing better than what waits has come.
+    /// Accepts the waiting frames, because the open cycle closes and nothing better has come.
     #[cold]
     pub(super) fn take_waiting(&mut self, now: Timestamp, sink: &mut impl Sink) {
         self.each_page(|monitor, place| monitor.settle(place, now, sink));
     }
 
-    /// A cycle has opened: what came for it before is taken, and what came for another one was late.
+    /// Takes the frames that came early for the cycle that has just opened, and counts frames for
+    /// other cycles as late.
     #[cold]
     pub(super) fn take_held(&mut self, now: Timestamp, sink: &mut impl Sink) {
         let Some(when) = self.clock.when() else { return };
@@ -149,8 +151,8 @@ impl Monitor {
         });
     }
 
-    /// Where readings open cycles, one that came before the cycle before its own had closed opens it
-    /// when that has.
+    /// Opens a cycle with an early reading, where readings open cycles: the reading came before the
+    /// previous cycle had closed.
     #[cold]
     pub(super) fn open_for_held(&mut self, now: Timestamp, sink: &mut impl Sink) {
         if !self.keeps || !self.clock.is_opened_by_readings() {
@@ -164,7 +166,7 @@ impl Monitor {
         }
     }
 
-    /// Nothing that has come says anything of what comes.
+    /// Forgets the arrivals, because the frames so far say nothing about the next ones.
     pub(super) fn forget_arrivals(&mut self) {
         self.keeps = false;
         self.each_page(|monitor, place| monitor.stations[place.0].pages[place.1].slot.reset());

@@ -1,4 +1,4 @@
-//! One cylinder: from what arrived in a cycle to what its detectors find.
+//! The monitor of one cylinder: from the inputs of a cycle to the findings of its detectors.
 
 mod agreement;
 mod allowing;
@@ -14,9 +14,9 @@ use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::observe::observer::{Design, Innovation, Measurement, Observer, Restart};
-use crate::sample::motion::Motion;
-use crate::sample::plausibility::{Limits, Moment, Other, Plausibility, Push};
+use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
+use crate::sample::motion::ReadingMotion;
+use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Coverage, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
@@ -26,50 +26,50 @@ use alloc::boxed::Box;
 use precedence::Precedence;
 pub use telling::Evaluated;
 
-/// What one cylinder is monitored by.
+/// Design of the monitor of one cylinder.
 #[derive(Clone, Debug)]
 pub struct CylinderDesign {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub number: u8,
     /// Fields that a complete cycle has, by [`Field::bit`].
     pub required: u16,
-    /// Fields for which a cycle is held open until its deadline: those required, and pressures where
-    /// they are read, which never make a cycle incomplete.
+    /// Fields for which a cycle is held open until its deadline: the required ones, and pressures
+    /// where they are read, which never make a cycle incomplete.
     pub awaited: u16,
-    /// C1 and C2; a cylinder without C2 never judges it.
-    pub limits: [Limits; 2],
-    /// The command at which the cylinder rests, m/s.
+    /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
+    pub limits: [PlausibilityLimits; 2],
+    /// Command at which the cylinder rests, m/s.
     pub command_offset: f64,
-    /// Cycles without a command until it is stale.
+    /// Cycles without a command after which it is stale.
     pub command_stale: u32,
-    /// The command moves the cylinder beyond this, m/s.
+    /// Command speed beyond which it moves the cylinder, m/s.
     pub moving_speed: f64,
-    pub observers: [Design; 2],
+    pub observers: [ObserverDesign; 2],
     pub comparator: Comparator,
     pub bank: BankDesign,
-    /// `None` where no calibration for it is configured.
+    /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
-    pub estimate: estimate::Design,
-    /// The measured |C1 − C2| beyond which the machine itself trips, m.
+    pub estimate: estimate::SensorDesign,
+    /// Measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,
     pub levels: Levels,
-    /// Within so many cycles of each other, findings are of one event.
+    /// Cycles within which findings belong to one event.
     pub coincidence: u32,
-    /// Good readings for this long clear a plausibility warning.
+    /// Time of good readings that clears a plausibility warning.
     pub clear: Span,
 }
 
 /// The cycle in which a cylinder is evaluated.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation {
-    /// When it is evaluated: the last frame of the cycle, or its deadline.
+    /// Time of the evaluation: the last frame of the cycle, or its deadline.
     pub at: Timestamp,
     pub cycle: u64,
     pub opened: Timestamp,
-    /// See [`Moment::live`].
+    /// Whether anything was on the bus, see [`Moment::live`].
     pub live: bool,
     pub gate: Opening,
-    /// The rods stand on their mechanical stops.
+    /// Whether the rods stand on their mechanical stops.
     pub at_stop: bool,
 }
 
@@ -78,19 +78,19 @@ pub struct Evaluation {
 pub struct Tally {
     /// Cycles evaluated, whether complete or not.
     pub cycles: u64,
-    /// Of these, cycles that neither FDE1 nor FDE2 judged.
+    /// Cycles that neither FDE1 nor FDE2 judged.
     pub gated: u64,
-    /// Of these, cycles in which something configured did not arrive.
+    /// Cycles in which something configured did not arrive.
     pub incomplete: u64,
-    /// Readings of C1 and C2 that did not pass the plausibility checks, missing ones not counted.
+    /// Readings of C1 and C2 that did not pass the plausibility checks, without missing ones.
     pub implausible: [u64; 2],
     /// Largest |R1| and |R2| judged, and largest |R3|, m.
     pub worst: [Option<f64>; 3],
-    /// Of the sequential detector; `None` without one.
+    /// Coverage of the sequential detector; `None` without one.
     pub sequential: Option<Coverage>,
 }
 
-/// What came of a transducer in a cycle.
+/// Result of a transducer in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     good: Option<Measurement>,
@@ -105,22 +105,22 @@ const TRANSDUCERS: [Transducer; 2] = [Transducer::C1, Transducer::C2];
 pub struct Cylinder {
     design: CylinderDesign,
     pub inputs: Inputs,
-    /// Still to be evaluated in the open cycle.
+    /// Whether the cylinder is still to be evaluated in the open cycle.
     pub pending: bool,
     plausibility: [Plausibility; 2],
-    motions: [Motion; 2],
+    motions: [ReadingMotion; 2],
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     agreement: Agreement,
     precedence: Precedence,
-    /// `None` where nobody wants its estimates.
+    /// Virtual sensor; `None` where its estimates are not needed.
     sensor: Option<Box<VirtualSensor>>,
     estimated: Option<Estimate>,
-    /// Of the measured C1 − C2.
+    /// Trigger of the measured C1 − C2.
     critical: Trigger,
-    /// C1 − C2 as measured last, m.
+    /// Newest measured C1 − C2, m.
     apart: f64,
     was_critical: bool,
     command_missing: u32,
@@ -136,7 +136,7 @@ impl Cylinder {
             inputs: Inputs::default(),
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
-            motions: [Motion::default(); 2],
+            motions: [ReadingMotion::default(); 2],
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
@@ -158,7 +158,7 @@ impl Cylinder {
             tally: Tally::default(),
             design,
         };
-        cylinder.inherit(&DwellHistory::default());
+        cylinder.restore(&DwellHistory::default());
         cylinder
     }
 
@@ -166,32 +166,32 @@ impl Cylinder {
         &self.tally
     }
 
-    /// What was read on the stop in the newest cycle, once.
+    /// Reading on the stop in the newest cycle, returned once.
     pub fn take_dwell(&mut self) -> Option<Dwell> {
         self.sequential.as_mut()?.take_dwell()
     }
 
-    /// What the dwells of the machine up to `at` say of this cylinder.
+    /// Takes the judgement of this cylinder from the dwells of the machine up to `at`.
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
         if let Some(sequential) = &mut self.sequential {
             sequential.judge_stop(at, judgement);
         }
     }
 
-    /// Its number and its sequential detector, if it has one.
+    /// Cylinder number and sequential detector, if it has one.
     pub fn sequential(&self) -> Option<(u8, &Sequential)> {
         Some((self.design.number, self.sequential.as_deref()?))
     }
 
-    /// Goes on with the dwells of an earlier monitor, if it has a detector that reads them.
-    pub fn inherit(&mut self, dwells: &DwellHistory) {
+    /// Restores the dwells of an earlier monitor, if the cylinder has a detector that reads them.
+    pub fn restore(&mut self, dwells: &DwellHistory) {
         if let Some(sequential) = &mut self.sequential {
             let Comparator { gain, offset } = self.design.comparator;
-            sequential.inherit(dwells.clone(), [gain, offset]);
+            sequential.restore(dwells.clone(), [gain, offset]);
         }
     }
 
-    /// Puts a decoded value into its place; `false` if it is not a finite number there.
+    /// Stores a decoded value in its place; returns `false` if it is not a finite number there.
     pub fn put(&mut self, field: Field, value: Value) -> bool {
         let inputs = &mut self.inputs;
         match field {
@@ -214,13 +214,13 @@ impl Cylinder {
         }
     }
 
-    /// Nothing is waited for any more in this cycle.
+    /// Whether nothing more is awaited in this cycle.
     #[inline]
     pub const fn is_done(&self) -> bool {
         self.inputs.got() & self.design.awaited == self.design.awaited
     }
 
-    /// Everything that is monitored has arrived.
+    /// Whether everything that is monitored has arrived.
     #[inline]
     pub const fn is_complete(&self) -> bool {
         self.inputs.got() & self.design.required == self.design.required
@@ -230,13 +230,13 @@ impl Cylinder {
         self.design.required & Field::Position(transducer).bit() != 0
     }
 
-    /// Every configured transducer was judged by its observer in the newest cycle.
+    /// Whether every configured transducer was judged by its observer in the newest cycle.
     pub fn judges(&self) -> bool {
         TRANSDUCERS.into_iter().all(|t| !self.has(t) || self.judged[t as usize])
     }
 
-    /// Evaluates the cycle; afterwards its inputs are to be cleared. `restarted` hears of observers
-    /// that start anew.
+    /// Evaluates the cycle; its inputs must be cleared afterwards. `restarted` is called for
+    /// observers that restart.
     pub fn evaluate(
         &mut self,
         now: Evaluation,
@@ -278,8 +278,9 @@ impl Cylinder {
         Evaluated { readings, innovations, difference }
     }
 
-    /// Judges what the transducer of index `I` reads, and lets its observer follow. The index is known to
-    /// the compiler: as a variable it costs an address for everything that there are two of.
+    /// Judges the reading of the transducer of index `I` and steps its observer. The index is a
+    /// constant because as a variable it would cost an address computation for everything that
+    /// exists twice.
     #[inline(always)]
     fn follow<const I: usize>(
         &mut self,
@@ -301,7 +302,7 @@ impl Cylinder {
         Followed { good, innovation, restart }
     }
 
-    /// Time jumped or frames were lost: what was learnt of motion is void, what was found stands.
+    /// Restarts what was learnt of the motion after a time jump or lost frames; findings stand.
     pub fn interrupt(&mut self, reason: Restart) {
         self.observers.iter_mut().for_each(|observer| observer.stop(reason));
         self.plausibility.iter_mut().for_each(Plausibility::reset);
@@ -322,7 +323,7 @@ impl Cylinder {
         self.inputs.clear();
     }
 
-    /// What a transducer reads, if it was sound when it was last judged.
+    /// Reading of a transducer, if it was sound when it was last judged.
     #[inline(always)]
     fn relied_on(&self, i: usize, readings: &[Option<Reading>; 2]) -> Option<Other> {
         let sound = self.plausibility[i].quality().is_good();
@@ -385,7 +386,7 @@ impl Cylinder {
     }
 }
 
-/// The raw bits of an integer signal; a float has none, and its whole part is taken.
+/// The raw bits of an integer signal; a float, which has none, gives its integer part.
 pub(super) fn bits(value: Value) -> u64 {
     value.raw.as_i128().map_or(value.raw.as_f64() as u64, |raw| raw as u64)
 }

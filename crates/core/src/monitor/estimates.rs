@@ -1,12 +1,12 @@
-//! Who hears of the virtual sensors.
+//! Recipients of the virtual sensors' estimates.
 
-/// What is done with the cylinders' estimated lengths.
+/// Use of the cylinders' estimated lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimates {
-    /// None are made.
+    /// No estimates are made.
     None,
-    /// They are told to the sink.
+    /// Estimates go to the sink.
     Told,
-    /// They are sent as Fd_Estimate, too.
+    /// Estimates go to the sink and are sent as Fd_Estimate.
     Sent,
 }

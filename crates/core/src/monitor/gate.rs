@@ -1,4 +1,4 @@
-//! In which platform states FDE1 and FDE2 judge, and in which the rods stand on their stops.
+//! Platform states in which FDE1 and FDE2 judge, and in which the rods stand on their stops.
 
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
@@ -6,15 +6,15 @@ use alloc::vec::Vec;
 /// Follows the platform's state.
 #[derive(Clone, Debug)]
 pub struct Gate {
-    /// Absent: always open.
+    /// Numbers of the monitored states; absent: the gate is always open.
     monitored: Option<Vec<i64>>,
     stops: Vec<i64>,
     timeout: Span,
     state: Option<Seen>,
 }
 
-/// The platform's state as it came last: what it means is asked once, and not in each cycle of each
-/// cylinder.
+/// Newest state of the platform, with its meaning, which is looked up once and not in each cycle of
+/// each cylinder.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     at: Timestamp,
@@ -22,24 +22,24 @@ struct Seen {
     stop: Option<i64>,
 }
 
-/// Where the gate stands.
+/// Opening of the gate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Opening {
     Open,
     /// The platform is in a state that is not monitored.
     Closed,
-    /// The platform's state is not known, or not any more.
+    /// The platform's state is not known, or no longer.
     Unknown,
 }
 
 impl Gate {
-    /// A gate that opens in the `monitored` states, of a machine whose rods stand on their mechanical
-    /// stops in those of `stops`; a state older than `timeout` is not known.
+    /// A gate that opens in the `monitored` states, of a machine whose rods stand on their
+    /// mechanical stops in those of `stops`; a state older than `timeout` is unknown.
     pub fn new(monitored: Option<Vec<i64>>, stops: Vec<i64>, timeout: Span) -> Self {
         Self { monitored, stops, timeout, state: None }
     }
 
-    /// Takes the platform's state as it was on the bus.
+    /// Takes a platform state from the bus.
     pub fn state(&mut self, at: Timestamp, state: i64) {
         let monitored = self.monitored.as_ref().is_none_or(|states| states.contains(&state));
         let stop = self.stops.contains(&state).then_some(state);
@@ -56,7 +56,7 @@ impl Gate {
         }
     }
 
-    /// The state in which the rods stand on their stops, if it is one of these.
+    /// The present state, if the rods stand on their stops in it.
     #[inline]
     pub fn stop(&self, at: Timestamp) -> Option<i64> {
         self.known(at)?.stop

@@ -1,4 +1,4 @@
-//! The warning of a reading that does not pass the checks before any model.
+//! The warning of a reading that fails a plausibility check.
 
 use crate::sample::Quality;
 use crate::time::{Span, Timestamp};
@@ -9,7 +9,7 @@ use crate::verdict::{Fault, Thresholds, Trigger};
 pub struct Implausible {
     pub trigger: Trigger,
     pub fault: Fault,
-    /// How far the reading was beyond its limits, m, signed.
+    /// Distance of the reading beyond its limits, m, signed.
     pub beyond: f64,
 }
 

@@ -1,19 +1,19 @@
-//! What a monitor hands on to the next one of the same machine: what was read on the stops.
+//! The history of dwells, which one monitor saves and the next one of the same machine restores.
 
 use super::Monitor;
 use crate::sequential::{Archive, stops};
 use crate::time::Timestamp;
 
 impl Monitor {
-    /// Goes on with the dwells of an earlier monitor of the same machine.
-    pub fn inherit(&mut self, archive: &Archive) {
+    /// Restores the dwells of an earlier monitor of the same machine.
+    pub fn restore(&mut self, archive: &Archive) {
         for (cylinder, dwells) in self.cylinders.iter_mut().zip(&archive.cylinders) {
-            cylinder.inherit(dwells);
+            cylinder.restore(dwells);
         }
     }
 
-    /// Puts the dwells into `archive`. A cylinder that has no detector keeps there what it has.
-    pub fn bequeath(&self, archive: &mut Archive) {
+    /// Saves the dwells in `archive`. The dwells there of a cylinder without a detector stay.
+    pub fn save(&self, archive: &mut Archive) {
         for (n, sequential) in self.sequential() {
             if let Some(place) = archive.cylinders.get_mut(usize::from(n).wrapping_sub(1)) {
                 place.clone_from(sequential.dwells());
@@ -21,8 +21,8 @@ impl Monitor {
         }
     }
 
-    /// A rod was read on its stop: what that says of any of them. The others are the thermometer, so each
-    /// is judged anew with each that was read.
+    /// Judges every cylinder after a rod was read on its stop. The others serve as the thermometer,
+    /// so each is judged again with each reading.
     pub(super) fn judge_stops(&mut self, at: Timestamp) {
         let judged = stops::judge(self.sequential().map(|(_, sequential)| sequential.dwells()));
         let known = self.cylinders.iter_mut().filter(|cylinder| cylinder.sequential().is_some());

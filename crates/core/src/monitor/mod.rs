@@ -1,9 +1,9 @@
 //! The monitor: time-stamped frames in, records, warnings and the gateway's frames out.
 //!
-//! It has no clock. Time passes with the time stamps of the frames it listens to and with
-//! [`Monitor::advance`]; what falls due in between is done first, at its own time. So a gateway
-//! that advances by its clock, some guard time behind the bus, and a replay of the same frames say
-//! the same.
+//! It has no clock. Time passes with the time stamps of the frames it uses and with
+//! [`Monitor::advance`]; whatever falls due in between is done first, at the time at which it was
+//! due. A gateway that advances by its clock, some guard time behind the bus, and a replay of the
+//! same frames therefore agree.
 
 mod admission;
 mod counts;
@@ -17,8 +17,8 @@ mod page;
 mod passage;
 mod sampling;
 pub mod sink;
+pub mod subscriptions;
 mod telling;
-pub mod wiring;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
@@ -37,51 +37,51 @@ use gate::{Gate, Opening};
 use page::{Page, Station};
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
-use wiring::{Target, Wiring};
+use subscriptions::{Subscriptions, Target};
 
 /// Everything a monitor is made from.
 #[derive(Clone, Debug)]
 pub struct MonitorDesign {
-    pub wiring: Wiring,
+    pub subscriptions: Subscriptions,
     pub timing: CycleTiming,
-    /// Missing cycles that are predicted over; a longer silence is told as a gap.
+    /// Most missing cycles over which observers predict; a longer silence is reported as a gap.
     pub gap_cycles: u64,
     pub gate: Gate,
-    /// At most [`MAX_CYLINDERS`].
+    /// Designs of the cylinders, at most [`MAX_CYLINDERS`].
     pub cylinders: Vec<CylinderDesign>,
     pub estimates: Estimates,
     pub encoder: Encoder,
 }
 
-/// A page: the place of its message, and its own among the pages of that.
+/// Location of a page: the index of its message, and its own among the pages of that message.
 type Place = (usize, usize);
 
-/// Fd_Status is sent this often.
+/// Period of Fd_Status.
 const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
 
 /// The monitor of one machine.
 #[derive(Clone, Debug)]
 pub struct Monitor {
-    wiring: Wiring,
-    /// The messages of `wiring`, in its order.
+    subscriptions: Subscriptions,
+    /// The messages of `subscriptions`, in its order.
     stations: Vec<Station>,
-    /// Some page keeps a frame.
+    /// Whether any page keeps a frame.
     keeps: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
     cylinders: Vec<Cylinder>,
     sampling: Sampling,
-    /// Cylinders still to be evaluated in the open cycle.
+    /// Number of cylinders still to be evaluated in the open cycle.
     pending: usize,
     sends_estimates: bool,
     incomplete: bool,
-    /// Missing cycles since the last real one.
+    /// Number of missing cycles since the last real one.
     missing_run: u64,
-    /// Something that belongs to a cycle arrived since the last cycle closed.
+    /// Whether anything that belongs to a cycle has arrived since the last cycle closed.
     live: bool,
     monitored_once: bool,
-    /// The platform was in a monitored state in some cycle.
+    /// Whether the platform was in a monitored state in some cycle.
     opened_once: bool,
     register: Register,
     encoder: Encoder,
@@ -89,7 +89,7 @@ pub struct Monitor {
     last: Option<Timestamp>,
     next_status: Timestamp,
     last_status: Option<(Timestamp, Status)>,
-    /// The earliest time at which anything falls due, so that most frames need one comparison.
+    /// Earliest time at which anything falls due, so that most frames need one comparison.
     next_due: Timestamp,
 }
 
@@ -102,8 +102,8 @@ impl Monitor {
             Estimates::Told | Estimates::Sent => cylinders.map(Cylinder::estimating).collect(),
         };
         Self {
-            stations: design.wiring.lines().iter().map(Station::new).collect(),
-            wiring: design.wiring,
+            stations: design.subscriptions.all().iter().map(Station::new).collect(),
+            subscriptions: design.subscriptions,
             keeps: false,
             clock: CycleClock::new(design.timing),
             gap_cycles: design.gap_cycles,
@@ -131,7 +131,7 @@ impl Monitor {
         &self.counts
     }
 
-    /// The tallies of the cylinders, in their order.
+    /// Tallies of the cylinders, in their order.
     pub fn tallies(&self) -> impl Iterator<Item = &Tally> {
         self.cylinders.iter().map(Cylinder::tally)
     }
@@ -152,16 +152,16 @@ impl Monitor {
         })
     }
 
-    /// The newest Fd_Status and its time.
+    /// Newest Fd_Status and its time.
     pub const fn last_status(&self) -> Option<&(Timestamp, Status)> {
         self.last_status.as_ref()
     }
 
-    /// Takes a frame from the bus. Where its time stamp is before that of another frame that came
-    /// earlier, by less than a cycle, it is taken now as what it was by its stamp.
+    /// Takes a frame from the bus. A frame whose time stamp is earlier than that of a previous
+    /// frame, by less than a cycle, is taken now, but classified by its time stamp.
     pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
         let place = match frame.kind {
-            Kind::Data | Kind::Fd { .. } => self.wiring.find(frame.id),
+            Kind::Data | Kind::Fd { .. } => self.subscriptions.find(frame.id),
             Kind::Remote { .. } => None,
             Kind::Error => {
                 self.counts.errors += 1;
@@ -182,8 +182,8 @@ impl Monitor {
         }
     }
 
-    /// Time has passed until `now`, and every frame before it has been taken. A clock that was set
-    /// back or far ahead is told as a time jump, as on a quiet bus no frame would tell it.
+    /// Advances time to `now`; every frame before it must have been taken. A clock that was set
+    /// back or far ahead is reported as a time jump, since on a quiet bus no frame would reveal it.
     pub fn advance(&mut self, now: Timestamp, sink: &mut impl Sink) {
         let Some(last) = self.last else { return };
         let step = now.since(last);
@@ -199,14 +199,14 @@ impl Monitor {
         self.last = Some(now);
     }
 
-    /// No frame follows: the open cycle is closed at its deadline.
+    /// Closes the open cycle at its deadline, because no frame follows.
     pub fn finish(&mut self, sink: &mut impl Sink) {
         if let Some(Due::Close(at)) = self.clock.due() {
             self.close_cycle(at, sink);
         }
     }
 
-    /// Any frame of the message at `place`.
+    /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         if self.stations[place].sync {
@@ -223,8 +223,8 @@ impl Monitor {
         }
     }
 
-    /// Decodes the signals of a page into their places, and evaluates the cylinders that are complete
-    /// with it.
+    /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
+    /// complete.
     fn fill(&mut self, page: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
         let Self { stations, cylinders, gate, counts, .. } = self;
         let page = &stations[page.0].pages[page.1];
@@ -240,8 +240,8 @@ impl Monitor {
             }
         }
         let mut touched = 0_u8;
-        for wire in &page.wires {
-            let value = match wire.plan.decode(frame) {
+        for signal in &page.signals {
+            let value = match signal.plan.decode(frame) {
                 Decoded::Value(value) => value,
                 Decoded::Absent => continue,
                 Decoded::Short => {
@@ -249,7 +249,7 @@ impl Monitor {
                     continue;
                 }
             };
-            match wire.target {
+            match signal.target {
                 Target::State => gate.state(now, state_number(value)),
                 Target::Cylinder(index, field) => {
                     touched |= 1 << index;
@@ -267,7 +267,7 @@ impl Monitor {
         }
     }
 
-    /// A cycle opens with a frame stamped `stamp`.
+    /// Opens a cycle with a frame that has the time stamp `stamp`.
     fn open_cycle(
         &mut self,
         stamp: Timestamp,
@@ -301,7 +301,7 @@ impl Monitor {
         }
     }
 
-    /// Evaluates what the open cycle still owes.
+    /// Evaluates the cylinders that the open cycle has left.
     fn close_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
         if self.keeps {
             self.take_waiting(at, sink);
@@ -319,7 +319,7 @@ impl Monitor {
         self.live = false;
     }
 
-    /// A cycle did not open: the observers predict over it.
+    /// Handles a cycle that did not open: the observers predict over it.
     fn miss_cycle(&mut self, at: Timestamp, sink: &mut impl Sink) {
         self.clock.skip(1);
         self.counts.missing += 1;

@@ -1,7 +1,7 @@
-//! What of a message comes together, and what came of it.
+//! Pages: signals of a message that come together, and the state of their arrival.
 
 use super::intake::{Counting, Intake};
-use super::wiring::{Line, Target, Wire};
+use super::subscriptions::{SubscribedSignal, Subscription, Target};
 use crate::decode::{Decoded, SignalPlan};
 use crate::frame::Frame;
 use crate::sample::arrival::Slot;
@@ -11,52 +11,53 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A message as its frames are taken.
+/// A message as its frames are received.
 #[derive(Clone, Debug)]
 pub(super) struct Station {
-    /// It opens a cycle.
+    /// Whether the message opens a cycle.
     pub sync: bool,
     pub pages: Box<[Page]>,
 }
 
-/// Signals of a message that come together: carried by the same frames and counted by the same alive
-/// counter. A message without multiplexor is one page, if all of its signals share a counter.
+/// Signals of a message that come together: carried by the same frames and counted by the same
+/// alive counter. A message without a multiplexor is one page if all of its signals share a
+/// counter.
 #[derive(Clone, Debug)]
 pub(super) struct Page {
-    /// Carries a reading of a transducer.
+    /// Whether the page carries a reading of a transducer.
     pub reading: bool,
-    /// Belongs to a cycle; the platform's state does not.
+    /// Whether the page belongs to a cycle; the platform's state does not.
     pub cyclic: bool,
-    /// But for the counter.
-    pub wires: Box<[Wire]>,
-    /// The short way of them.
+    /// Signals of the page except its counter.
+    pub signals: Box<[SubscribedSignal]>,
+    /// Short path of the signals.
     pub intake: Option<Intake>,
     counter: Option<SignalPlan>,
-    /// Whose readings the counter counts.
+    /// Readings that the counter counts.
     pub counted: Box<[(u8, Transducer)]>,
     pub slot: Slot,
-    /// A signal that is where the page is; `None` where every frame carries it.
+    /// A signal in the same frames as the page; `None` where every frame carries the page.
     carried_with: Option<SignalPlan>,
 }
 
 impl Station {
-    pub fn new(line: &Line) -> Self {
+    pub fn new(message: &Subscription) -> Self {
         let mut drafts: Vec<Draft<'_>> = Vec::new();
-        for wire in &line.wires {
-            let counter = line.counter_of(wire);
-            let anchor = line.anchor_of(wire);
+        for signal in &message.signals {
+            let counter = message.counter_of(signal);
+            let anchor = message.anchor_of(signal);
             let belongs = |draft: &&mut Draft<'_>| {
-                draft.cyclic == wire.is_cyclic()
-                    && draft.counter.map(|known| &known.plan) == counter.map(|wire| &wire.plan)
+                draft.cyclic == signal.is_cyclic()
+                    && draft.counter.map(|known| &known.plan) == counter.map(|signal| &signal.plan)
                     && draft.anchor.plan.is_on_page_of(&anchor.plan)
             };
             match drafts.iter_mut().find(belongs) {
-                Some(draft) => draft.wires.push(wire),
+                Some(draft) => draft.signals.push(signal),
                 None => drafts.push(Draft {
-                    cyclic: wire.is_cyclic(),
+                    cyclic: signal.is_cyclic(),
                     anchor,
                     counter,
-                    wires: vec![wire],
+                    signals: vec![signal],
                 }),
             }
         }
@@ -70,37 +71,37 @@ impl Station {
                 sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
-        Self { sync: line.sync, pages: pages.collect() }
+        Self { sync: message.sync, pages: pages.collect() }
     }
 }
 
-/// A page while it is put together.
+/// A page that is being put together.
 struct Draft<'a> {
     cyclic: bool,
-    /// The wire that says which frames carry the page.
-    anchor: &'a Wire,
-    counter: Option<&'a Wire>,
-    wires: Vec<&'a Wire>,
+    /// The signal that determines which frames carry the page.
+    anchor: &'a SubscribedSignal,
+    counter: Option<&'a SubscribedSignal>,
+    signals: Vec<&'a SubscribedSignal>,
 }
 
 impl Draft<'_> {
-    /// `sharing` pages have its counter.
+    /// The page; `sharing` pages have the same counter.
     fn page(&self, sharing: u64) -> Page {
-        let counted = self.wires.iter().filter_map(|wire| match wire.target {
+        let counted = self.signals.iter().filter_map(|signal| match signal.target {
             Target::Cylinder(index, Field::Counter(transducer)) => Some((index, transducer)),
             _ => None,
         });
-        let others = self.wires.iter().filter(|wire| !wire.is_counter());
-        let wires: Box<[Wire]> = others.map(|wire| (*wire).clone()).collect();
+        let others = self.signals.iter().filter(|signal| !signal.is_counter());
+        let signals: Box<[SubscribedSignal]> = others.map(|signal| (*signal).clone()).collect();
         let counted: Box<[(u8, Transducer)]> = counted.collect();
-        let plan = self.counter.map(|wire| wire.plan.clone());
+        let plan = self.counter.map(|signal| signal.plan.clone());
         let counting = plan.as_ref().map(|plan| Counting { plan, counted: &counted });
         let alive = plan.as_ref().map(|plan| AliveCounter::new(plan.bits(), sharing));
         Page {
-            reading: self.wires.iter().any(|wire| wire.is_reading()),
+            reading: self.signals.iter().any(|signal| signal.is_reading()),
             cyclic: self.cyclic,
-            intake: Intake::of(&wires, counting),
-            wires,
+            intake: Intake::of(&signals, counting),
+            signals,
             counter: plan,
             counted,
             slot: Slot::new(alive),
@@ -110,13 +111,13 @@ impl Draft<'_> {
 }
 
 impl Page {
-    /// Whether `frame` has this page; `None` if it is too short to tell.
+    /// Whether `frame` carries this page; `None` if it is too short to tell.
     #[inline]
     pub fn is_in(&self, frame: &Frame) -> Option<bool> {
         self.carried_with.as_ref().map_or(Some(true), |plan| plan.is_carried_by(frame))
     }
 
-    /// The alive counter in `frame`.
+    /// Value of the alive counter in `frame`.
     #[inline]
     pub fn count(&self, frame: &Frame) -> Option<u64> {
         match self.counter.as_ref()?.decode(frame) {

@@ -1,4 +1,4 @@
-//! How time passes for a monitor: with the frames, in order, unless the clock behind them was set.
+//! Passage of time for a monitor: with the frames, in order, unless the clock behind them was set.
 
 use super::sink::{Notice, Sink};
 use super::{Monitor, STATUS_PERIOD};
@@ -6,16 +6,17 @@ use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};
 
-/// Time stamps that leap further ahead than this are a clock that was set, not a quiet bus.
+/// Largest forward leap of time stamps that counts as a quiet bus; a larger one means that the
+/// clock was set.
 pub(super) const LARGEST_PAUSE: Span = Span::from_nanos(3600 * 1_000_000_000);
 
-/// A clock that says so much less than the newest frame was set back. Less is a guard that is kept
-/// behind the frames.
+/// Smallest backward leap of the clock, from the newest frame, that counts as the clock being set.
+/// A smaller one is the guard time behind the frames.
 pub(super) const SMALLEST_SETBACK: Span = Span::from_nanos(-1_000_000_000);
 
 impl Monitor {
-    /// Brings time to `stamp`, and says at which time a frame with it is taken: at the newest, where
-    /// it is out of order.
+    /// Advances time to `stamp`, and returns the time at which a frame with it is taken: the newest
+    /// time, if the frame is out of order.
     #[inline]
     pub(super) fn follow_time(&mut self, stamp: Timestamp, sink: &mut impl Sink) -> Timestamp {
         let Some(last) = self.last else {
@@ -67,8 +68,8 @@ impl Monitor {
         self.begin(at);
     }
 
-    /// The bus was lost, so that frames may be missing without a trace: nothing is known until it
-    /// was judged again. What was found stands.
+    /// Forgets the state after the bus was lost, because frames may be missing without a trace.
+    /// Findings stand.
     pub fn interrupt(&mut self, at: Timestamp, sink: &mut impl Sink) {
         if self.last.is_none() {
             return;
@@ -99,8 +100,8 @@ impl Monitor {
         self.next_due = times.fold(self.next_status, Timestamp::min);
     }
 
-    /// The cycle due at `at` did not open. Once nothing is predicted over any more, a missing cycle
-    /// changes nothing but its number: all that are due before `now` are one step.
+    /// Handles the cycle due at `at`, which did not open. Once nothing is predicted any more, a
+    /// missing cycle changes nothing but its number, so all that are due before `now` are one step.
     fn miss_cycles(&mut self, at: Timestamp, now: Timestamp, sink: &mut impl Sink) {
         if self.live || self.missing_run <= self.gap_cycles {
             return self.miss_cycle(at, sink);

@@ -1,20 +1,21 @@
-//! What all cylinders together know of when C1 and C2 are sampled.
+//! What all cylinders together show of the sampling of C1 and C2.
 
 use super::cylinder::Cylinder;
 use super::{Monitor, Notice, Sink};
 use crate::sequential::Sequential;
 use crate::time::Timestamp;
 
-/// Cycles from one look to the next.
+/// Interval of the checks, cycles.
 const EVERY: u64 = 5;
 
 impl Monitor {
-    /// The sequential detectors of the cylinders that have one, with their numbers.
+    /// Sequential detectors, with the numbers of their cylinders.
     pub fn sequential(&self) -> impl Iterator<Item = (u8, &Sequential)> {
         self.cylinders.iter().filter_map(Cylinder::sequential)
     }
 
-    /// Lets the sequential detectors allow for what most of them see, and tells where that has changed.
+    /// Makes the sequential detectors allow for the sampling that most of them see, and reports
+    /// changes.
     pub(super) fn follow_sampling(&mut self, at: Timestamp, sink: &mut impl Sink) {
         if !self.clock.number().is_multiple_of(EVERY) {
             return;
@@ -31,7 +32,8 @@ impl Monitor {
     }
 }
 
-/// Asks the other cylinders of each that has an alarm of nobody's whether it may be the sampling's.
+/// Asks the other cylinders, for each with an alarm that blames nobody, whether the sampling may be
+/// the cause.
 fn ask(cylinders: &mut [Cylinder]) {
     for index in 0..cylinders.len() {
         let Some(claim) = cylinders[index].sequential().and_then(|(_, it)| it.claim()) else {

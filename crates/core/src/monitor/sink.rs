@@ -1,4 +1,4 @@
-//! What leaves the monitor.
+//! Output of the monitor.
 
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
@@ -8,68 +8,71 @@ use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 
-/// Everything known of one cylinder in one cycle; `None` where there was nothing.
+/// Data of one cylinder in one cycle; `None` where there were none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
-    /// The opening of the cycle.
+    /// Opening of the cycle.
     pub timestamp: Timestamp,
-    /// The number of the cycle; missing ones are counted, so that numbers in a row are cycles in a
-    /// row.
+    /// Number of the cycle; missing ones are counted, so that consecutive numbers are consecutive
+    /// cycles.
     pub cycle: u64,
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// The readings as they came, m.
+    /// Reading of C1 as received, m.
     pub c1: Option<f64>,
+    /// Reading of C2 as received, m.
     pub c2: Option<f64>,
-    /// Their velocities, m/s.
+    /// Velocities by C1 and C2, m/s.
     pub velocities: [Option<f64>; 2],
-    /// What C1 and C2 are worth.
+    /// Qualities of C1 and C2.
     pub qualities: [Quality; 2],
-    /// Bottom, rod and load pressure, bar; only in a monitor whose design has them wired.
+    /// Bottom, rod and load pressure, bar; only from a monitor whose design includes them.
     pub pressures: [Option<f64>; 3],
-    /// P_S, bar, and the position of the main spool in its own unit; likewise.
+    /// Supply pressure P_S, bar; only from a monitor whose design includes it.
     pub supply: Option<f64>,
+    /// Position of the main spool in its own unit; only from a monitor whose design includes it.
     pub spool: Option<f64>,
-    /// Ĉ2 = a·C2 + b, m.
+    /// Corrected reading Ĉ2 = a·C2 + b, m.
     pub c2_corrected: Option<f64>,
-    /// u(k), m/s.
+    /// Command u(k), m/s.
     pub command: Option<f64>,
-    /// C x̂ of both observers before the correction, m.
+    /// Predictions C x̂ of both observers before the correction, m.
     pub estimates: [Option<f64>; 2],
-    /// R1, R2 and R3, m, signed.
+    /// Residuals R1, R2 and R3, m, signed.
     pub residuals: [Option<f64>; 3],
-    /// FDE1 and FDE2 judged this cycle.
+    /// Whether FDE1 and FDE2 judged this cycle.
     pub judged: [bool; 2],
-    /// Neither FDE1 nor FDE2 judged this cycle.
+    /// Whether neither FDE1 nor FDE2 judged this cycle.
     pub gated: bool,
-    /// The platform is in a monitored state, whether or not an observer has settled.
+    /// Whether the platform is in a monitored state, even if no observer has settled.
     pub monitored: bool,
 }
 
-/// Something to tell beside warnings.
+/// An event other than a warning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Notice {
     /// Cycles were missing for longer than the observers predict over.
     Gap { at: Timestamp, length: Span },
-    /// Time stamps went backwards, or so far forwards that it is no pause any more.
+    /// Time stamps went backwards, or too far forwards for a pause.
     TimeJump { at: Timestamp, by: Span },
     /// The bus was lost: bus-off, or the interface went down. Frames may be missing without a trace.
     Interruption { at: Timestamp },
-    /// The observer of one transducer starts anew.
+    /// The observer of one transducer restarts.
     Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
-    /// C1 and C2 are sampled further apart in time, in most cylinders, than when they were calibrated:
-    /// a matter of time and of no transducer. `None`: as calibrated again.
+    /// In most cylinders, C1 and C2 are sampled further apart in time than when they were
+    /// calibrated; no transducer is at fault. `None`: as calibrated again.
     Timing { at: Timestamp, apart: Option<Apart> },
 }
 
-/// Takes what the monitor gives, in the order of time. What is not wanted need not be implemented.
+/// Receives the monitor's output in the order of time. Methods that are not needed need not be
+/// implemented.
 pub trait Sink {
-    /// Whether [`Self::record`] does anything: a record is made for nobody else.
+    /// Whether [`Self::record`] does anything; otherwise no records are made.
     fn wants_records(&self) -> bool {
         true
     }
 
-    /// A cycle of one cylinder is complete.
+    /// Takes the completed cycle of one cylinder.
     fn record(&mut self, record: &Record) {
         _ = record;
     }
@@ -78,18 +81,18 @@ pub trait Sink {
         _ = warning;
     }
 
-    /// The estimated length of a cylinder in the cycle that opened at `at`; `None`: nothing is known of
-    /// it. Only of a monitor that estimates ([`Estimates`](super::Estimates)).
+    /// Takes the estimated length of a cylinder in the cycle that opened at `at`; `None`: it is not
+    /// known. Called only by a monitor that estimates ([`Estimates`](super::Estimates)).
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
         _ = (at, cylinder, estimate);
     }
 
-    /// A rod has come to rest on its stop.
+    /// Takes the dwell of a rod that has come to rest on its stop.
     fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
         _ = (cylinder, dwell);
     }
 
-    /// A frame to send.
+    /// Takes a frame to send.
     fn transmit(&mut self, frame: &OwnFrame) {
         _ = frame;
     }
@@ -99,7 +102,7 @@ pub trait Sink {
     }
 }
 
-/// Warnings, and nothing else.
+/// Collects the warnings and ignores everything else.
 impl Sink for Vec<Warning> {
     fn wants_records(&self) -> bool {
         false

@@ -1,4 +1,4 @@
-//! What the monitor tells of itself: Fd_Status.
+//! The monitor's report on itself: Fd_Status.
 
 use super::cylinder::Cylinder;
 use super::gate::Opening;
@@ -15,14 +15,14 @@ impl Monitor {
         self.next_status = self.next_status.after(STATUS_PERIOD);
     }
 
-    /// The Fd_Status of a gateway that stops at `at`: from now on nothing is known.
-    pub fn last_words(&mut self, at: Timestamp) -> OwnFrame {
+    /// The Fd_Status of a gateway that stops at `at`: every state is unknown from then on.
+    pub fn stopping_status(&mut self, at: Timestamp) -> OwnFrame {
         let (level, active_warnings) = (self.register.level(), self.register.standing());
         let status = Status { level, active_warnings, mode: Mode::Stopping, ..Status::default() };
         self.encoder.status(at, &status)
     }
 
-    /// The state of the whole at `at`.
+    /// The state of the whole monitor at `at`.
     pub fn status(&mut self, at: Timestamp) -> Status {
         let mut transducers = [[Health::Unknown; 2]; MAX_CYLINDERS];
         for (index, cylinder) in self.cylinders.iter().enumerate() {

@@ -1,35 +1,35 @@
-//! The discrete model (4-1) of one cylinder, and what there is to know about it beforehand.
+//! The discrete model (4-1) of one cylinder, and its properties.
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{
     Complex, Matrix2, Matrix2x3, Matrix3, RowVector3, SMatrix, SVD, Schur, Vector2, Vector3,
 };
 
-/// The output matrix C of an observer that reads position and velocity.
+/// Output matrix C of an observer that reads position and velocity.
 pub const POSITION_AND_VELOCITY: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
 
-/// The output matrix C of an observer that reads the position alone.
+/// Output matrix C of an observer that reads the position alone.
 pub const POSITION: RowVector3<f64> = RowVector3::new(1.0, 0.0, 0.0);
 
-/// Three rounds would do for these small matrices; this is where it must have ended.
+/// Most rounds of the eigenvalue iteration; three are enough for these small matrices.
 const EIGEN_ROUNDS: usize = 300;
 
-/// The largest entry of A and C that is worked with. Table 4-1's is 11; squares beyond 1e308 would
-/// send the balancing into an endless loop.
+/// Largest entry of A and C that is accepted. Table 4-1's is 11; squares beyond 1e308 would send
+/// the balancing into an endless loop.
 pub(super) const LARGEST: f64 = 1e12;
 
-/// x(k+1) = A x(k) + B u(k), with the state x = (l, l̇, P_L) in m, m/s and bar, and the input u, the
-/// control speed, in m/s. Equation (4-1).
+/// The model x(k+1) = A x(k) + B u(k) of equation (4-1), with the state x = (l, l̇, P_L) in m, m/s
+/// and bar, and the control speed u as the input, in m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// A, 3×3.
+    /// State matrix A, 3×3.
     pub a: Matrix3<f64>,
-    /// B, 3×1.
+    /// Input matrix B, 3×1.
     pub b: Vector3<f64>,
 }
 
 impl Model {
-    /// From the sample time, s, and the parameters θ1..θ5 and γ1, γ2 as in Table 4-1.
+    /// The model for the sample time, s, and the parameters θ1..θ5 and γ1, γ2 as in Table 4-1.
     pub fn new(sample_time: f64, theta: [f64; 5], gamma: [f64; 2]) -> Self {
         let [t1, t2, t3, t4, t5] = theta;
         let a = Matrix3::new(1.0, sample_time, 0.0, t1, 1.0 + t2, t3, 0.0, t4, 1.0 + t5);
@@ -39,16 +39,16 @@ impl Model {
     /// The eigenvalues of A, the largest modulus first; `None` if A holds an entry that is not
     /// finite or beyond 1e12.
     ///
-    /// All of them inside the unit circle: the model is stable without an observer.
+    /// If all of them are inside the unit circle, the model is stable without an observer.
     pub fn poles(&self) -> Option<[Complex<f64>; 3]> {
         eigenvalues(&self.a)
     }
 
-    /// The speed to which a constant command of 1 m/s settles; 1 in a well identified model.
+    /// Speed to which a constant command of 1 m/s settles; 1 in a well identified model.
     ///
-    /// Taken from the velocity and pressure equations alone, because θ1 l is a slow pull back to
-    /// the middle: with it every speed ends at zero, long after the command is another. `None`
-    /// where the two equations have no single rest.
+    /// It follows from the velocity and pressure equations alone, because θ1 l is a slow pull back
+    /// to the middle, with which every speed ends at zero, long after the command has changed.
+    /// `None` where the two equations have no unique equilibrium.
     pub fn velocity_gain(&self) -> Option<f64> {
         let dynamics = self.a.fixed_view::<2, 2>(1, 1);
         let rest = Matrix2::identity() - dynamics;
@@ -56,9 +56,9 @@ impl Model {
         gain.is_finite().then_some(gain)
     }
 
-    /// Whether the whole state can be had from outputs y = `c` x.
+    /// Whether the state is observable from the outputs y = `c` x.
     ///
-    /// Without θ3 the load pressure acts on nothing that is measured, and this is false.
+    /// Without θ3 the load pressure affects nothing that is measured, and it is not.
     pub fn is_observable<const M: usize>(&self, c: &SMatrix<f64, M, 3>) -> bool {
         let pair = Balanced::new(&self.a, c);
         self.poles().is_some_and(|poles| poles.iter().all(|pole| pair.sees(*pole)))
@@ -70,8 +70,8 @@ pub(super) fn is_usable<const M: usize>(m: &SMatrix<f64, M, 3>) -> bool {
     m.iter().all(|entry| entry.abs() <= LARGEST)
 }
 
-/// The eigenvalues of `a`, the largest modulus first; `None` if `a` is not usable (or, which has
-/// not been met, if the iteration does not end).
+/// The eigenvalues of `a`, the largest modulus first; `None` if `a` is not usable (or if the
+/// iteration does not end, which has not been seen).
 pub(super) fn eigenvalues(a: &Matrix3<f64>) -> Option<[Complex<f64>; 3]> {
     if !is_usable(a) {
         return None;
@@ -115,7 +115,7 @@ pub(super) struct Balanced<const M: usize> {
 }
 
 impl<const M: usize> Balanced<M> {
-    /// Balances a usable pair; another stays as it is.
+    /// Balances a usable pair; another one stays as it is.
     pub(super) fn new(a: &Matrix3<f64>, c: &SMatrix<f64, M, 3>) -> Self {
         const { assert!(M <= 3, "three rows are kept for the outputs below") };
         let (mut a, mut c) = (*a, *c);
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(model.b, Vector3::new(0.0, 0.0926, 6.5427));
     }
 
-    /// The trace and the determinant of A say what the poles add up and multiply to.
+    /// The trace and the determinant of A determine the sum and the product of the poles.
     #[test]
     fn the_poles_of_table_4_1_are_stable_and_add_up() {
         let poles = table().poles().unwrap();

@@ -1,30 +1,29 @@
-//! The observer of one transducer: predicts the cylinder's length and gives the innovation.
+//! The observer of one transducer, which predicts the cylinder's length and gives the innovation.
 
 use super::model::{Model, POSITION, POSITION_AND_VELOCITY};
 use super::riccati::{self, RiccatiError};
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
 
-/// What one observer runs on, fixed for its life: the model (4-1) and the gain of (5-4).
+/// Fixed parameters of one observer: the model (4-1) and the gain of (5-4).
 #[derive(Clone, Debug)]
-pub struct Design {
-    /// A, 3 × 3, states `[l, l̇, P_L]` in m, m/s, bar.
+pub struct ObserverDesign {
+    /// State matrix A, 3 × 3, states `[l, l̇, P_L]` in m, m/s, bar.
     pub a: Matrix3<f64>,
-    /// B, 3 × 1, input l̇_ctrl in m/s.
+    /// Input matrix B, 3 × 1, input l̇_ctrl in m/s.
     pub b: Vector3<f64>,
-    /// L, 3 × 2; its second column is zero where no velocity is measured.
+    /// Gain L, 3 × 2; its second column is zero where no velocity is measured.
     pub l: Matrix3x2<f64>,
-    /// Cycles to follow readings before judging.
+    /// Number of cycles to follow readings before judging.
     pub settle: u32,
-    /// Cycles without a reading that are predicted over.
+    /// Number of cycles without a reading that are predicted over.
     pub max_gap: u32,
 }
 
-impl Design {
+impl ObserverDesign {
     /// The observer of `model` with the diagonal weights `q` and `r` (5-6), which reads position
     /// and, if `velocity`, velocity.
     ///
-    /// # Errors
-    /// Weights or models for which the Riccati equation has no gain.
+    /// # Errors Weights or a model for which the Riccati equation has no gain.
     pub fn new(
         model: &Model,
         q: [f64; 3],
@@ -42,8 +41,8 @@ impl Design {
         Ok(Self { a: model.a, b: model.b, l, settle, max_gap })
     }
 
-    /// Cycles until a correction that was missed shows in the innovation by less than a tenth of what it
-    /// shows at first, by the powers of A − L C; as long as it settles at most.
+    /// Number of cycles until a missed correction affects the innovation by less than a tenth of
+    /// its first effect, from the powers of A − L C; at most the time to settle.
     pub fn recovery(&self) -> u32 {
         let mut c = Matrix2x3::identity();
         c[(1, 1)] = if self.l.column(1).iter().all(|gain| *gain == 0.0) { 0.0 } else { 1.0 };
@@ -59,39 +58,39 @@ impl Design {
     }
 }
 
-/// See [`Design::recovery`].
+/// Part of the first effect, see [`ObserverDesign::recovery`].
 const SHOWN: f64 = 0.1;
 
 /// A reading that passed the plausibility checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Measurement {
-    /// l, m.
+    /// Length l, m.
     pub position: f64,
-    /// l̇, m/s; where it is absent the velocity is not corrected.
+    /// Velocity l̇, m/s; where it is absent the velocity is not corrected.
     pub velocity: Option<f64>,
 }
 
 /// Prediction and innovation of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
-    /// C x̂(k|k−1), the predicted length, m.
+    /// Predicted length C x̂(k|k−1), m.
     pub estimate: f64,
-    /// y − C x̂ before the correction, m.
+    /// Innovation y − C x̂ before the correction, m.
     pub residual: f64,
-    /// The observer has followed long enough for the residual to be judged.
+    /// Whether the observer has followed for long enough for the residual to be judged.
     pub settled: bool,
-    /// Nothing that the prediction rests on was missing: neither a command nor a reading of the last
-    /// cycles ([`Design::recovery`]). Otherwise the residual is that of a longer prediction, for which no
-    /// threshold was made.
+    /// Whether nothing that the prediction depends on was missing: neither a command nor a reading
+    /// of the last cycles ([`ObserverDesign::recovery`]). Otherwise the residual is that of a longer
+    /// prediction, for which the thresholds were not made.
     pub whole: bool,
 }
 
-/// Why an observer starts anew.
+/// Why an observer restarts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Restart {
-    /// Readings were missing or implausible for longer than it predicts over.
+    /// Readings were missing or implausible for longer than the observer predicts over.
     Gap,
-    /// Its state left the finite numbers.
+    /// The state was no longer finite.
     Diverged,
     /// Time stamps jumped.
     TimeJump,
@@ -99,16 +98,16 @@ pub enum Restart {
     Interruption,
 }
 
-/// The observer's state.
+/// An observer with its state.
 #[derive(Clone, Debug)]
 pub struct Observer {
-    design: Design,
+    design: ObserverDesign,
     x: [f64; 3],
     /// Last known command, m/s.
     u: f64,
     followed: u32,
     coasted: u32,
-    /// Cycles of which the innovations are not whole, see [`Innovation::whole`].
+    /// Number of cycles until the innovations are whole again, see [`Innovation::whole`].
     recovering: u32,
     recovery: u32,
     running: bool,
@@ -116,7 +115,7 @@ pub struct Observer {
 }
 
 impl Observer {
-    pub fn new(design: Design) -> Self {
+    pub fn new(design: ObserverDesign) -> Self {
         Self {
             recovery: design.recovery(),
             recovering: 0,
@@ -130,11 +129,11 @@ impl Observer {
         }
     }
 
-    /// One cycle: the innovation of `measurement`, then the step to the next cycle by (5-4).
+    /// Takes one cycle: the innovation of `measurement`, then the step to the next cycle by (5-4).
     ///
     /// `command` is u(k) of the same cycle, m/s; the last one is held where it is absent. Without a
     /// measurement the model alone predicts. The first measurement after a stop sets the state, and
-    /// the second value then says why it had stopped.
+    /// the second return value is then the reason of the stop.
     #[inline(always)]
     pub fn step(
         &mut self,
@@ -156,7 +155,7 @@ impl Observer {
         stepped
     }
 
-    /// Stops; the next measurement starts it anew and names `reason`.
+    /// Stops the observer; the next measurement restarts it and reports `reason`.
     pub fn stop(&mut self, reason: Restart) {
         if self.running {
             self.running = false;
@@ -197,7 +196,7 @@ impl Observer {
     /// x ← A x + B u + L ν (5-4), row by row; the sums are taken in the order of nalgebra's products.
     #[inline(always)]
     fn predict(&mut self, innovation: [f64; 2]) {
-        let Design { a, b, l, .. } = &self.design;
+        let ObserverDesign { a, b, l, .. } = &self.design;
         let (x, v) = (self.x, innovation);
         self.x = core::array::from_fn(|i| {
             let free = a[(i, 0)] * x[0] + a[(i, 1)] * x[1] + a[(i, 2)] * x[2];

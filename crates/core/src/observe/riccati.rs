@@ -14,27 +14,28 @@ use thiserror::Error;
 
 use super::model::{Balanced, LARGEST, eigenvalues, is_usable, modulus};
 
-/// Twice as many as a filter needs that forgets over 2³² samples, three years at 50 Hz.
+/// Most passes: twice as many as a filter needs that forgets over 2³² samples, three years at 50
+/// Hz.
 const PASSES: u32 = 64;
 
-/// The largest residual that is taken for a solution, relative to the terms of the equation.
+/// Largest residual of a valid solution, relative to the terms of the equation.
 const TOLERANCE: f64 = 1e-10;
 
-/// Modes within this of the unit circle are taken to be on it.
+/// Distance from the unit circle within which modes are taken to be on it.
 const CIRCLE: f64 = 1e-12;
 
 /// The stabilising solution for `M` outputs, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution<const M: usize> {
-    /// P, 3×3, symmetric: the covariance of the prediction, in the squared units of the state.
+    /// Covariance P of the prediction, 3×3, symmetric, in the squared units of the state.
     pub covariance: Matrix3<f64>,
-    /// L, 3×M: the predictor's gain.
+    /// Gain L of the predictor, 3×M.
     pub gain: SMatrix<f64, 3, M>,
-    /// The eigenvalues of A − L C, all inside the unit circle, the largest modulus first.
+    /// Eigenvalues of A − L C, all inside the unit circle, the largest modulus first.
     pub poles: [Complex<f64>; 3],
-    /// Passes that the doubling took.
+    /// Number of passes of the doubling.
     pub passes: u32,
-    /// What is left when P is put into the equation, relative to the terms that add up to it.
+    /// Residual of the equation with P, relative to the terms that add up to it.
     pub residual: f64,
 }
 
@@ -42,7 +43,7 @@ pub struct Solution<const M: usize> {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RiccatiError {
     #[error(
-        "the model holds a number that is not finite or beyond {LARGEST:e}; identify it anew, or \
+        "the model holds a number that is not finite or beyond {LARGEST:e}; identify it again, or \
          correct theta"
     )]
     Model,
@@ -75,12 +76,12 @@ pub enum RiccatiError {
     Inaccurate { residual: f64, radius: f64 },
 }
 
-/// Solves for the model's `a`, the outputs' `c` (M×3, one or two of them), and the diagonals `q` of
-/// Q (at least 0) and `r` of R (above 0), in the squared units of state and outputs.
+/// Solves the equation for the model's `a`, the outputs' `c` (M×3, one or two of them), and the
+/// diagonals `q` of Q (at least 0) and `r` of R (above 0), in the squared units of state and
+/// outputs.
 ///
-/// # Errors
-/// Numbers that are not finite or huge, weights out of range, modes on or outside the unit circle that are
-/// not measured or (on it) not excited, and a result that does not pass its own check.
+/// # Errors Numbers that are not finite or huge, weights out of range, modes on or outside the unit
+/// circle that are not measured or (on it) not excited, and a result that fails its check.
 pub fn solve<const M: usize>(
     a: &Matrix3<f64>,
     c: &SMatrix<f64, M, 3>,
@@ -124,7 +125,7 @@ pub fn solve<const M: usize>(
     Ok(Solution { covariance, gain, poles, passes, residual })
 }
 
-/// The doubling itself: P and the passes taken, for A, G = Cᵀ R⁻¹ C and Q.
+/// Doubles until convergence: P and the number of passes, for A, G = Cᵀ R⁻¹ C and Q.
 fn double(
     mut a: Matrix3<f64>,
     mut g: Matrix3<f64>,
@@ -153,8 +154,8 @@ fn double(
     Err(RiccatiError::NotConverged { passes: PASSES })
 }
 
-/// The largest entry of `part`, each measured by the standard deviations that `whole` gives its row
-/// and column; infinite when an entry, or a variance, is not a number that can be.
+/// The largest entry of `part`, each relative to the standard deviations that `whole` gives its row
+/// and column; infinite when an entry, or a variance, is not a valid number.
 fn relative(part: &Matrix3<f64>, whole: &Matrix3<f64>) -> f64 {
     let deviations = whole.diagonal().map(libm::sqrt);
     let size = deviations * deviations.transpose();
@@ -163,7 +164,7 @@ fn relative(part: &Matrix3<f64>, whole: &Matrix3<f64>) -> f64 {
         .fold(0.0, |worst, entry| if entry.is_nan() { f64::INFINITY } else { worst.max(*entry) })
 }
 
-/// A P Aᵀ + Q − L (C P Aᵀ) − P, relative to A P Aᵀ + Q; `correction` is L (C P Aᵀ).
+/// Residual A P Aᵀ + Q − L (C P Aᵀ) − P, relative to A P Aᵀ + Q; `correction` is L (C P Aᵀ).
 fn residual(
     a: &Matrix3<f64>,
     q: &Matrix3<f64>,
@@ -174,8 +175,8 @@ fn residual(
     relative(&(prediction - correction - p), &prediction)
 }
 
-/// How far the noise moves each state within three samples: the units in which all states are
-/// alike. Powers of two, so that scaling rounds nothing.
+/// Effect of the noise on each state within three samples: the units in which all states are alike.
+/// Powers of two, so that scaling rounds nothing.
 fn noise_units(a: &Matrix3<f64>, q: &Vector3<f64>) -> Vector3<f64> {
     let q = Matrix3::from_diagonal(q);
     let two = q + a * q * a.transpose();
@@ -207,8 +208,8 @@ fn check_weights<const M: usize>(q: [f64; 3], r: [f64; M]) -> Result<(), Riccati
     Ok(())
 }
 
-/// Detectability, and that the noise reaches every mode on the unit circle: together they make the
-/// stabilising solution exist.
+/// Checks detectability, and that the noise reaches every mode on the unit circle: together they
+/// ensure that the stabilising solution exists.
 fn check_modes<const M: usize>(
     a: &Matrix3<f64>,
     c: &SMatrix<f64, M, 3>,

@@ -1,28 +1,29 @@
-//! Which frame of a place belongs to which cycle.
+//! Assignment of the frames of a place to cycles.
 //!
-//! A place is what comes together: the signals of one page of one message that share an alive counter.
-//! In each cycle it takes one frame. The counter decides where there is one ([`AliveCounter`]);
-//! without it what decides is when frames usually come, and a frame after a lost one waits, since it
-//! may be the lost one, late.
+//! A place stands for signals that come together: those of one page of one message that share an
+//! alive counter. In each cycle it takes one frame. The counter decides where there is one
+//! ([`AliveCounter`]); without it the usual time of the frames decides, and a frame after a lost
+//! one waits, since it may be the lost one, late.
 
 use super::counter::{AliveCounter, BEHIND, Count};
 use super::phase::{Phases, Usual};
 use crate::frame::Frame;
 use crate::time::{Span, Timestamp};
 
-/// After so many cycles running in which frames came and none was in time, what refuses them is
-/// believed no more: the counter, or the deadline.
+/// Number of consecutive cycles with frames, none in time, after which the counter or deadline that
+/// refuses them is no longer trusted.
 const STARVED: u32 = 5;
 
-/// The newest cycle, as frames find it.
+/// The newest cycle, as a frame finds it.
 #[derive(Clone, Copy, Debug)]
 pub struct When {
     pub cycle: u64,
     pub opened: Timestamp,
     pub open: bool,
-    /// Whether it was a Sync that opened it, so that what is stamped before belongs to an earlier one.
+    /// Whether a Sync opened it, so that a frame with an earlier time stamp belongs to an earlier
+    /// cycle.
     pub by_sync: bool,
-    /// Ts.
+    /// Sample time Ts.
     pub sample_time: Span,
 }
 
@@ -39,22 +40,22 @@ impl When {
 /// What becomes of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
-    /// It is that of the newest cycle.
+    /// The frame is that of the newest cycle.
     Taken,
-    /// The same, and the one that waits was late.
+    /// The frame is that of the newest cycle, and the one that waits was late.
     Replaces,
-    /// It is late, and the one that waits is that of the newest cycle.
+    /// The frame is late, and the one that waits is that of the newest cycle.
     Settles,
-    /// It is that of the newest cycle unless a better one comes before the deadline: to be kept in place
-    /// of one that waits.
+    /// The frame is that of the newest cycle unless a better one comes before the deadline: it is
+    /// kept, in place of one that waits.
     Waits,
-    /// It is that of the next cycle: to be kept.
+    /// The frame is that of the next cycle, and is kept.
     Held,
-    /// The place has had it, or another one in this cycle.
+    /// The place has already had this frame, or another one in this cycle.
     Repeated,
-    /// Its cycle is decided.
+    /// The cycle of the frame is already decided.
     Late,
-    /// Its counter belongs to no cycle near.
+    /// The counter belongs to no cycle nearby.
     Jumped,
 }
 
@@ -64,25 +65,25 @@ struct Kept {
     frame: Frame,
     counter: Option<u64>,
     cycle: u64,
-    /// Nothing better is expected.
+    /// Whether nothing better is expected.
     sure: bool,
-    /// So many have waited for the same cycle before it, each of which was late.
+    /// Number of frames that waited for the same cycle before it, each of which was late.
     before: u64,
 }
 
-/// The arrivals at one place.
+/// Arrivals at one place.
 #[derive(Clone, Debug)]
 pub struct Slot {
     counter: Option<AliveCounter>,
-    /// The newest cycle of which it has a frame.
+    /// Newest cycle for which the place has a frame.
     filled: Option<u64>,
-    /// Stands for the payload of that frame, where no counter is believed.
+    /// Digest of that frame's payload, used where no counter is trusted.
     digest: u64,
     phases: Phases,
-    /// Of `phases`, once asked for.
+    /// Usual phase from `phases`, once computed.
     usual: Option<Option<Usual>>,
     kept: Option<Kept>,
-    /// Cycles running in which frames came, and none in time.
+    /// Number of consecutive cycles with frames, none in time.
     starved: u32,
     starved_in: u64,
 }
@@ -102,7 +103,7 @@ impl Slot {
         }
     }
 
-    /// Times that the alive counter fitted no cycle.
+    /// Number of times that the alive counter fitted no cycle.
     pub fn jumps(&self) -> u64 {
         self.counter.as_ref().map_or(0, AliveCounter::jumps)
     }
@@ -112,7 +113,8 @@ impl Slot {
         self.filled == Some(cycle)
     }
 
-    /// Whether `frame`, which comes about when a cycle could open, is none of the cycles before.
+    /// Whether `frame`, which comes about when a cycle could open, belongs to none of the earlier
+    /// cycles.
     pub fn may_open(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> bool {
         let count = self.counter.as_ref().zip(counter);
         match count.map_or(Count::Silent, |(alive, value)| alive.read(when.cycle, value)) {
@@ -132,8 +134,9 @@ impl Slot {
         opens
     }
 
-    /// Takes `frame`, with this `counter` where it could be read, if it is just what the open cycle lacks:
-    /// one count on, or, without a counter, one cycle on. Nearly every frame is, so this is asked first.
+    /// Takes `frame`, with this `counter` where it could be read, if it is exactly what the open
+    /// cycle lacks: one count on, or, without a counter, one cycle on. Nearly every frame is, so
+    /// this is checked first.
     #[inline(always)]
     pub fn take_next(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> bool {
         if !when.open || self.has(when.cycle) {
@@ -157,8 +160,8 @@ impl Slot {
         true
     }
 
-    /// What becomes of `frame` with this `counter`, where it could be read. What is to be kept is
-    /// given to [`Self::keep`].
+    /// What becomes of `frame` with this `counter`, where it could be read. A frame that is to be
+    /// kept must be passed to [`Self::keep`].
     pub fn judge(&mut self, frame: &Frame, counter: Option<u64>, when: &When) -> Fate {
         if self.take_next(frame, counter, when) {
             return Fate::Taken;
@@ -172,7 +175,7 @@ impl Slot {
         self.judge_by_phase(frame, counter, when)
     }
 
-    /// What a counter says that is not just one on; `None` if it says nothing.
+    /// Judges a counter that is not exactly one on; `None` if it says nothing.
     fn judge_misfit(
         &mut self,
         count: Count,
@@ -278,8 +281,8 @@ impl Slot {
         count.is_some_and(|(alive, value)| alive.read(cycle, value) == Count::Off(1))
     }
 
-    /// The kept frame of the newest cycle, taken now; nothing if it is of another cycle, or if
-    /// something better than it may come while the cycle is `open`.
+    /// The kept frame of the newest cycle, which is taken now; `None` if it is of another cycle, or
+    /// if a better one may come while the cycle is `open`.
     pub fn settle(&mut self, when: &When, open: bool) -> Option<Frame> {
         let empty = !self.has(when.cycle);
         let due = |kept: &Kept| empty && kept.cycle == when.cycle && (kept.sure || !open);
@@ -291,12 +294,12 @@ impl Slot {
         Some(kept.frame)
     }
 
-    /// The cycle of the frame that is kept.
+    /// Cycle of the frame that is kept.
     pub fn kept(&self) -> Option<u64> {
         self.kept.as_ref().map(|kept| kept.cycle)
     }
 
-    /// When the frame came that surely is of the cycle after `cycle`.
+    /// Arrival time of the frame that surely belongs to the cycle after `cycle`.
     pub fn held_after(&self, cycle: u64) -> Option<Timestamp> {
         let held = |kept: &&Kept| kept.sure && kept.cycle == cycle + 1;
         self.kept.as_ref().filter(held).map(|kept| kept.frame.timestamp)
@@ -307,7 +310,7 @@ impl Slot {
         self.kept = None;
     }
 
-    /// Time jumped, or frames were lost: cycles and counts have no past.
+    /// Forgets cycles and counts, after a time jump or lost frames.
     pub fn reset(&mut self) {
         self.filled = None;
         self.kept = None;
@@ -317,7 +320,7 @@ impl Slot {
         }
     }
 
-    /// Nothing came in time in `cycle`. Whether that has been so for too long.
+    /// Notes that nothing came in time in `cycle`; returns whether that has been so for too long.
     fn starves(&mut self, cycle: u64) -> bool {
         if self.starved == 0 || self.starved_in != cycle {
             self.starved = self.starved.saturating_add(1);
@@ -334,13 +337,13 @@ impl Slot {
         *self.usual.get_or_insert_with(|| self.phases.usual())
     }
 
-    /// ns; the opening while it is not known.
+    /// Usual phase, ns; the opening while it is not known.
     fn usual_phase(&mut self) -> i64 {
         self.usual().map_or(0, |usual| usual.phase)
     }
 }
 
-/// A number that stands for a payload.
+/// A digest of a payload.
 #[inline]
 fn digest(frame: &Frame) -> u64 {
     if let Some(word) = frame.word() {

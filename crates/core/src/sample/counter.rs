@@ -1,30 +1,30 @@
-//! The alive counter of a frame: which cycle the frame is of.
+//! The alive counter of a frame, which tells the frame's cycle.
 //!
-//! A sender counts its frames, one or several in each cycle, and so a counter tells a frame that is
-//! late by a cycle from the punctual one, and a repetition from both. It tells nothing where the
-//! sender counts something else, or sends freely: then it is not believed until it fits again.
+//! A sender counts its frames, one or several in each cycle, so a counter distinguishes a frame
+//! that is late by a cycle from the punctual one, and a repetition from both. It says nothing where
+//! the sender counts something else, or sends irregularly; it is then not trusted until it fits
+//! again.
 
-/// A frame that is up to so many cycles behind is late; a counter that is further off is another
-/// count.
+/// Most cycles by which a frame can be late; a counter that is further off is another count.
 pub const BEHIND: i64 = 5;
 
-/// After a silence of up to so many cycles, as of a box that stalled, what was sent in it may come all at
-/// once, late.
+/// Longest silence, in cycles, after which what was sent in it may come all at once, as from a
+/// computer that stalled.
 const BACKLOG: u64 = 32;
 
-/// So many frames running that fit each other make a counter believed again.
+/// Number of consecutive frames that fit each other after which a counter is trusted again.
 const FITTING: u32 = 16;
 
-/// What the counter of a frame says of it.
+/// Meaning of a frame's counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// Nothing: it is the first one, or the counter is not believed.
+    /// No meaning: it is the first frame, or the counter is not trusted.
     Silent,
-    /// It stands still: the sender, or the way from it, repeats a frame.
+    /// The counter stands still: the sender, or the way from it, repeats a frame.
     Same,
-    /// The frame is of so many cycles after the newest: −[`BEHIND`] to 1.
+    /// The frame is this many cycles after the newest: −[`BEHIND`] to 1.
     Off(i64),
-    /// It fits no cycle near.
+    /// The counter fits no cycle nearby.
     Jumped,
 }
 
@@ -33,22 +33,22 @@ pub enum Count {
 struct Point {
     cycle: u64,
     value: u64,
-    /// Counts a cycle since the point before, where that is a whole number.
+    /// Counts a cycle since the previous point, where that is an integer.
     step: Option<u64>,
 }
 
 /// Follows one alive counter.
 #[derive(Clone, Debug)]
 pub struct AliveCounter {
-    /// Bits of the counter, …
+    /// Width of the counter, bits.
     bits: u32,
-    /// … and as many ones.
+    /// Mask with `bits` ones.
     ones: u64,
     /// Counts in a cycle.
     step: u64,
-    /// Of the newest frame that was taken.
+    /// Count of the newest frame that was taken.
     last: Option<Point>,
-    /// The newest frame since that did not fit.
+    /// Newest count since then that did not fit.
     misfit: Option<Point>,
     believed: bool,
     fitting: u32,
@@ -56,7 +56,7 @@ pub struct AliveCounter {
 }
 
 impl AliveCounter {
-    /// A counter of `bits` bits (1 to 64) that wraps to zero and goes up by `step` in a cycle: by the
+    /// A counter of `bits` bits (1 to 64) that wraps to zero and rises by `step` in a cycle, the
     /// number of pages that share it.
     pub fn new(bits: u32, step: u64) -> Self {
         let bits = bits.clamp(1, 64);
@@ -72,13 +72,13 @@ impl AliveCounter {
         }
     }
 
-    /// Counts that fitted no cycle.
+    /// Number of counts that fitted no cycle.
     pub const fn jumps(&self) -> u64 {
         self.jumps
     }
 
-    /// Whether `value` is the count of the frame that is due in cycle number `cycle`: [`Self::read`] says
-    /// [`Count::Off`] by 0.
+    /// Whether `value` is the count of the frame that is due in cycle number `cycle`, for which
+    /// [`Self::read`] returns [`Count::Off`] by 0.
     #[inline(always)]
     pub fn is_due(&self, cycle: u64, value: u64) -> bool {
         let Some(last) = self.last else { return false };
@@ -88,7 +88,7 @@ impl AliveCounter {
         self.believed && !differ(expected) && differ(last.value)
     }
 
-    /// What the count `value` says of a frame that came in cycle number `cycle`.
+    /// Meaning of the count `value` in a frame that came in cycle number `cycle`.
     #[inline]
     pub fn read(&self, cycle: u64, value: u64) -> Count {
         let Some(last) = self.last else { return Count::Silent };
@@ -112,7 +112,7 @@ impl AliveCounter {
         }
     }
 
-    /// The frame was taken as that of `cycle`.
+    /// Notes that the frame was taken as that of `cycle`.
     #[inline(always)]
     pub fn accept(&mut self, cycle: u64, value: u64) {
         if !self.believed {
@@ -122,12 +122,13 @@ impl AliveCounter {
         self.last = Some(Point { cycle, value, step: None });
     }
 
-    /// The frame is not of `cycle`, in which it came; `empty` if nothing else was taken in it yet, and
-    /// `behind` if it seems to be a late one. Returns whether it is to be taken after all, since the
-    /// sender has begun another count.
+    /// Notes that the frame does not belong to `cycle`, in which it came; `empty` if nothing else
+    /// was taken in it yet, and `behind` if it seems to be late. Returns whether it is to be taken
+    /// after all, because the sender has begun another count.
     ///
-    /// That is told by two misfits with the known step from cycle to cycle, as after a restart, or by
-    /// three with another one. What is only behind by the same number of cycles is late, however.
+    /// Another count is recognised by two misfits with the known step from cycle to cycle, as after
+    /// a restart, or by three with another step. Frames that are behind by the same number of
+    /// cycles are only late, however.
     #[cold]
     pub fn reject(&mut self, cycle: u64, value: u64, empty: bool, behind: bool) -> bool {
         let Some(before) = self.misfit.or(self.last) else { return empty };
@@ -160,14 +161,14 @@ impl AliveCounter {
         false
     }
 
-    /// From now on only a repeated count says anything, until the counts fit again.
+    /// Stops trusting the counter: only a repeated count means anything until the counts fit again.
     pub fn disbelieve(&mut self) {
         self.believed = false;
         self.fitting = 0;
         self.misfit = None;
     }
 
-    /// A frame came beside the one of its cycle: the counter does not count cycles.
+    /// Notes a second frame in one cycle: the counter does not count cycles.
     pub const fn surplus(&mut self) {
         self.fitting = 0;
     }
@@ -195,8 +196,8 @@ impl AliveCounter {
         }
     }
 
-    /// Whether `value` was counted in a silence that lasts until `cycle`, and is longer than what a frame
-    /// is late otherwise.
+    /// Whether `value` was counted in a silence that lasts until `cycle`, and is longer than frames
+    /// are otherwise late.
     fn is_of_silence(&self, cycle: u64, value: u64) -> bool {
         self.last.is_some_and(|last| {
             let silent = cycle.wrapping_sub(last.cycle);
@@ -207,7 +208,7 @@ impl AliveCounter {
         })
     }
 
-    /// From the count `from` up to `to`.
+    /// Distance from the count `from` up to `to`.
     const fn distance(&self, from: u64, to: u64) -> u64 {
         let unused = 64 - self.bits;
         to.wrapping_sub(from) << unused >> unused

@@ -1,13 +1,14 @@
-//! When a cycle opens and closes, from time stamps alone.
+//! Opening and closing of cycles, from time stamps alone.
 //!
-//! A cycle is opened by Sync where one is configured, else by the first transducer frame about a
-//! sample time after the last opening: readings come first and the command that answers them
-//! follows, so a valve frame never opens a cycle. It closes a deadline after its opening. When the
-//! deadline of the next cycle passes without an opening, that cycle is missing.
+//! Sync opens a cycle where it is configured; otherwise the first transducer frame about a sample
+//! time after the last opening does. Readings come first and the command that answers them follows,
+//! so a valve frame never opens a cycle. It closes a deadline after its opening. When the deadline
+//! of the next cycle passes without an opening, that cycle is missing.
 //!
-//! Cycles are numbered on a grid of sample times that follows the openings slowly: one that is early or
-//! late, as on a box that stalls and then hears all that has waited at once, neither counts as two nor
-//! hides the one after it. An opening by Sync is when Sync came; without it the grid says when.
+//! Cycles are numbered on a grid of sample times that follows the openings slowly. An early or late
+//! opening, as on a computer that stalls and then receives all waiting frames at once, neither
+//! counts twice nor hides the next one. With Sync, a cycle opens when Sync came; without it, the
+//! grid determines the time.
 
 use super::arrival::When;
 use crate::time::{Span, Timestamp};
@@ -15,15 +16,15 @@ use crate::time::{Span, Timestamp};
 /// Sample time and deadline of the cycles.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleTiming {
-    /// Ts.
+    /// Sample time Ts.
     pub sample_time: Span,
-    /// From the opening to the closing; less than Ts.
+    /// Time from the opening to the closing, less than Ts.
     pub deadline: Span,
     /// Whether a Sync message opens cycles.
     pub synchronised: bool,
 }
 
-/// A point of time at which the cycle changes by itself.
+/// Time at which the cycle changes without a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Due {
     /// The open cycle closes.
@@ -40,26 +41,27 @@ impl Due {
     }
 }
 
-/// The state of the machine's cycle.
+/// The clock of the machine's cycles.
 #[derive(Clone, Debug)]
 pub struct CycleClock {
     timing: CycleTiming,
     /// Opening of the newest cycle, real or missing.
     opened: Option<Timestamp>,
-    /// Where on the grid it belongs; the same as `opened` without Sync.
+    /// Place of the opening on the grid; equal to `opened` without Sync.
     nominal: Option<Timestamp>,
     open: bool,
-    /// What opened the newest cycle was perhaps not its Sync, although Sync is configured: a reading, or
-    /// a Sync before its time, which may be a late one of the cycle before.
+    /// Whether the newest cycle may have been opened by something other than its Sync, although
+    /// Sync is configured: by a reading, or by an early Sync, which may be a late one of the
+    /// previous cycle.
     provisional: bool,
     number: u64,
-    /// Openings that the grid has followed, up to [`SLOWNESS`].
+    /// Number of openings that the grid has followed, up to [`SLOWNESS`].
     followed: i64,
 }
 
-/// The grid moves by this part of how far an opening is beside it, once it has followed as many. A
-/// Sync may keep another time than this clock by a part in a hundred and still be no quarter of a
-/// sample time beside it.
+/// Divisor of the correction: the grid moves by this part of an opening's deviation, once it has
+/// followed as many. The Sync may run one per cent faster or slower than this clock and still
+/// deviate by less than a quarter of a sample time.
 const SLOWNESS: i64 = 16;
 
 impl CycleClock {
@@ -75,7 +77,7 @@ impl CycleClock {
         }
     }
 
-    /// Ts.
+    /// Sample time Ts.
     pub const fn sample_time(&self) -> Span {
         self.timing.sample_time
     }
@@ -85,7 +87,7 @@ impl CycleClock {
         self.number
     }
 
-    /// When the newest cycle opened.
+    /// Opening of the newest cycle.
     pub const fn opened(&self) -> Option<Timestamp> {
         self.opened
     }
@@ -94,7 +96,7 @@ impl CycleClock {
         self.open
     }
 
-    /// The next change that time alone brings; `None` before the first cycle.
+    /// The next change that time alone causes; `None` before the first cycle.
     pub fn due(&self) -> Option<Due> {
         let opened = self.opened?;
         let closing = opened.after(self.timing.deadline);
@@ -105,7 +107,7 @@ impl CycleClock {
         })
     }
 
-    /// How many cycles in a row are missing before `now`, if nothing opens.
+    /// Number of consecutive cycles missing before `now`, if nothing opens.
     pub fn missing_until(&self, now: Timestamp) -> u64 {
         let Some(Due::Missing(first)) = self.due() else { return 0 };
         let beyond = now.since(first).as_nanos();
@@ -113,12 +115,12 @@ impl CycleClock {
         if beyond > 0 { more as u64 + 1 } else { 0 }
     }
 
-    /// The open cycle has closed.
+    /// Notes that the open cycle has closed.
     pub fn close(&mut self) {
         self.open = false;
     }
 
-    /// Steps over `count` cycles in which nothing opened.
+    /// Skips `count` cycles in which nothing opened.
     pub fn skip(&mut self, count: u64) {
         let nanos = self.timing.sample_time.as_nanos().saturating_mul(count as i64);
         let later = |at: Timestamp| at.after(Span::from_nanos(nanos));
@@ -128,8 +130,8 @@ impl CycleClock {
         self.open = false;
     }
 
-    /// Whether a Sync at `at` is that of a cycle that something else has opened for it. The cycle then
-    /// begins with the Sync.
+    /// Whether a Sync at `at` belongs to a cycle that something else has opened in its place. The
+    /// cycle then begins with the Sync.
     pub fn confirms(&mut self, at: Timestamp) -> bool {
         let (Some(opened), Some(beside)) = (self.since_opening(at), self.beyond_nominal(at)) else {
             return false;
@@ -144,9 +146,9 @@ impl CycleClock {
         confirms
     }
 
-    /// Whether a Sync at `at` that confirms nothing is that of the newest cycle once more, as where a
-    /// bus is recorded on two interfaces, or late: the next one comes no earlier than three quarters of
-    /// a sample time after the place of this one on the grid.
+    /// Whether a Sync at `at` that confirms nothing repeats that of the newest cycle, as where a
+    /// bus is recorded on two interfaces, or is late: the next one comes no earlier than three
+    /// quarters of a sample time after the place of this one on the grid.
     pub fn has_had_sync(&self, at: Timestamp) -> bool {
         let soon = self.timing.sample_time.as_nanos() - self.quarter();
         self.beyond_nominal(at).is_some_and(|elapsed| elapsed < soon)
@@ -177,13 +179,13 @@ impl CycleClock {
         }
     }
 
-    /// Whether readings open cycles, so that one that came early opens its cycle when the one before
-    /// it has closed.
+    /// Whether readings open cycles, so that an early one opens its cycle when the previous one has
+    /// closed.
     pub const fn is_opened_by_readings(&self) -> bool {
         !self.timing.synchronised
     }
 
-    /// How many cycles went missing between the newest one and an opening at `at`.
+    /// Number of cycles missing between the newest one and an opening at `at`.
     pub fn missing_before(&self, at: Timestamp) -> u64 {
         let Some(elapsed) = self.beyond_nominal(at) else { return 0 };
         let period = self.timing.sample_time.as_nanos();
@@ -193,7 +195,7 @@ impl CycleClock {
         (cycles.max(1) - 1) as u64
     }
 
-    /// Opens the next cycle for a frame at `at`, after [`Self::skip`] of those that went missing.
+    /// Opens the next cycle for a frame at `at`, after [`Self::skip`] of those missing.
     pub fn open(&mut self, at: Timestamp, by_sync: bool) {
         let beside = self.beside(at);
         let early = beside.is_some_and(|beside| beside < -self.early());
@@ -213,13 +215,13 @@ impl CycleClock {
         self.number += 1;
     }
 
-    /// How far beside the grid an opening at `at` is, ns; `None` if it begins a new one.
+    /// Deviation of an opening at `at` from the grid, ns; `None` if it begins a new grid.
     fn beside(&self, at: Timestamp) -> Option<i64> {
         let beside = self.beyond_nominal(at)? - self.timing.sample_time.as_nanos();
         (beside.abs() <= self.farthest()).then_some(beside)
     }
 
-    /// Moves the grid towards an opening that is `beside` it, ns.
+    /// Moves the grid towards an opening that deviates by `beside`, ns.
     fn follow(&mut self, beside: i64) {
         self.followed = (self.followed + 1).min(SLOWNESS);
         let slowness = if self.provisional {
@@ -248,18 +250,18 @@ impl CycleClock {
         self.opened.map(|opened| at.since(opened))
     }
 
-    /// From its place on the grid, ns.
+    /// Time since the place on the grid, ns.
     fn beyond_nominal(&self, at: Timestamp) -> Option<i64> {
         self.nominal.map(|nominal| at.since(nominal).as_nanos())
     }
 
-    /// An opening farther beside the grid than this begins it anew, ns.
+    /// Deviation from the grid beyond which an opening begins a new one, ns.
     const fn farthest(&self) -> i64 {
         let period = self.timing.sample_time.as_nanos();
         if self.timing.synchronised { period - self.quarter() } else { period / 2 }
     }
 
-    /// What comes before its time by more is perhaps something else, ns.
+    /// Earliness beyond which a frame may be something else, ns.
     const fn early(&self) -> i64 {
         self.timing.sample_time.as_nanos() / 20
     }
@@ -272,8 +274,8 @@ impl CycleClock {
         Span::from_nanos(self.timing.sample_time.as_nanos() / 2)
     }
 
-    /// Readings follow Sync, so one that stands in for it comes no earlier than Sync would have, but
-    /// for some jitter; what comes before that is a late one of the cycle before.
+    /// Earliness beyond which a reading cannot stand in for Sync, ns: readings follow Sync, so an
+    /// earlier one is a late one of the previous cycle, apart from some jitter.
     const fn earliest_without_sync(&self) -> i64 {
         self.timing.sample_time.as_nanos() - self.early()
     }

@@ -1,4 +1,4 @@
-//! From decoded values to the sample of a cycle: what belongs together, and what it is worth.
+//! From decoded values to the sample of a cycle: groups readings by cycle and judges their quality.
 
 pub mod arrival;
 pub mod counter;

@@ -1,24 +1,24 @@
-//! Whether a reading is that of a rod on its way, by its own steps.
+//! Whether a reading follows a rod in motion, judged by its own steps.
 
-/// So many steps one way are a motion: noise of three values makes two at the most.
+/// Least number of steps in one direction for a motion: noise with three values makes two at most.
 const STEPS: u32 = 3;
 
-/// How many times the two before it together a step may be: a rod has a mass.
+/// Largest ratio of a step to the two before it together, since a rod has a mass.
 const STEEPEST: f64 = 2.0;
 
-/// The newest steps of a reading.
+/// Newest steps of a reading.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Motion {
+pub struct ReadingMotion {
     last: Option<f64>,
-    /// Of the newest cycle, m.
+    /// Newest reading, m.
     newest: f64,
-    /// The newest that were none of 0, m, newest first, …
+    /// Newest steps other than 0, m, newest first.
     recent: [f64; 3],
-    /// … and how many of them went the same way.
+    /// Number of these steps in the same direction.
     steps: u32,
 }
 
-impl Motion {
+impl ReadingMotion {
     /// Takes the reading of a cycle, m; `None` where there is none.
     pub fn follow(&mut self, position: Option<f64>) {
         let Some(position) = position else {
@@ -34,8 +34,9 @@ impl Motion {
         self.recent = [self.newest, first, second];
     }
 
-    /// It moves, and has moved this way for a few steps, of which the newest is no leap: what steps
-    /// once, or to and fro, is a reading with a fault and no motion.
+    /// Whether the reading moves, and has moved in this direction for a few steps, the newest of
+    /// which is no leap. A reading that steps once, or to and fro, has a fault and is not in
+    /// motion.
     pub fn goes_on(&self) -> bool {
         let [newest, first, second] = self.recent;
         let is_leap = newest.abs() > STEEPEST * (first + second).abs();
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
 
     fn after(positions: &[f64]) -> bool {
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         positions.iter().for_each(|position| motion.follow(Some(*position)));
         motion.goes_on()
     }
@@ -66,7 +67,7 @@ mod tests {
 
     #[test]
     fn what_was_before_a_gap_is_no_motion() {
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         for position in [Some(0.0), Some(1.0), Some(2.0), None, Some(3.0), Some(4.0)] {
             motion.follow(position);
         }

@@ -1,16 +1,17 @@
-//! When within a cycle the frames of a place usually come.
+//! Usual times within a cycle of the frames of a place.
 
-/// Frames that are remembered.
+/// Number of frames that are remembered.
 const FRAMES: usize = 64;
 
-/// Fewer say nothing.
+/// Least number of frames for a usual time.
 const FEWEST: usize = 8;
 
-/// Phases that differ by less are the same, µs; and by less than so many deviations.
+/// Difference below which phases are the same, µs; [`ALIKE_DEVIATIONS`] also applies.
 const ALIKE: i64 = 1000;
+/// Number of deviations below which phases are the same.
 const ALIKE_DEVIATIONS: f64 = 4.4;
 
-/// The newest phases: from the opening of a cycle to the frame, µs; negative for one that came
+/// Newest phases: time from the opening of a cycle to the frame, µs; negative for one that came
 /// before its cycle opened.
 #[derive(Clone, Debug)]
 pub struct Phases {
@@ -22,7 +23,7 @@ pub struct Phases {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usual {
     pub phase: i64,
-    /// Phases are told apart if they differ by more.
+    /// Difference beyond which phases are different, ns.
     pub tolerance: i64,
 }
 
@@ -39,7 +40,7 @@ impl Phases {
         self.count += 1;
     }
 
-    /// Where frames usually come; `None` while it is not known.
+    /// The usual phase; `None` while it is not known.
     pub fn usual(&self) -> Option<Usual> {
         if self.count < FEWEST {
             return None;

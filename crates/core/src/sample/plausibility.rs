@@ -1,36 +1,34 @@
-//! The checks of a reading before any model, in a fixed order: stale, broken wire, out of range, frozen.
+//! Plausibility checks of a reading, in a fixed order: stale, broken wire, out of range, frozen.
 
-use super::motion::Motion;
+use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
 use alloc::vec::Vec;
 
-/// What makes a reading implausible.
+/// Limits of plausible readings.
 #[derive(Clone, Debug)]
-pub struct Limits {
-    /// Cycles without a new reading until it is stale.
+pub struct PlausibilityLimits {
+    /// Cycles without a new reading after which it is stale.
     pub stale: u32,
     /// Raw codes of a broken wire.
     pub broken_wire_codes: Vec<i64>,
     /// Status bits of a broken wire.
     pub status_mask: u64,
-    /// Valid raw codes, both inclusive.
+    /// Range of valid raw codes, inclusive.
     pub codes: Option<(i64, i64)>,
-    /// Valid lengths, both inclusive, m.
+    /// Range of valid lengths, inclusive, m.
     pub lengths: (f64, f64),
-    /// Cycles of an exactly constant reading under a moving command until it is frozen.
+    /// Cycles of an exactly constant reading under a moving command after which it is frozen.
     pub frozen: u32,
-    /// How far the other transducer has to move meanwhile, m.
+    /// Distance that the other transducer has to move meanwhile, m.
     pub travel: f64,
 }
 
-/// Where no other transducer can tell, a constant reading is frozen only after so many times
-/// [`Limits::frozen`]: where a slow stroke turns, friction holds the rod still for a while under a
-/// command that moves again. And the command must have moved either way: a rod that stands on its stop
-/// is held by it against one of the two only.
+/// Factor on [`PlausibilityLimits::frozen`] where no other transducer can tell: friction holds the rod
+/// where a slow stroke turns. The command must have moved both ways: a stop holds against one only.
 const UNWITNESSED: u32 = 5;
 
-/// Which way a command moves the cylinder.
+/// Direction in which a command moves the cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Push {
     Positive,
@@ -40,43 +38,43 @@ pub enum Push {
 /// The other transducer of the cylinder.
 #[derive(Clone, Copy, Debug)]
 pub struct Other {
-    /// m.
+    /// Position, m.
     pub position: f64,
-    /// It is in motion, see [`Motion::goes_on`].
+    /// Whether it is in motion, see [`ReadingMotion::goes_on`].
     pub goes_on: bool,
 }
 
 impl Other {
-    /// What `position` is, m, to one who has followed the `motion` up to it.
-    pub fn new(position: f64, motion: &Motion) -> Self {
+    /// The other transducer at `position`, m, whose `motion` was followed up to it.
+    pub fn new(position: f64, motion: &ReadingMotion) -> Self {
         Self { position, goes_on: motion.goes_on() }
     }
 }
 
-/// What is known of the cycle beside the reading.
+/// Circumstances of a cycle beside the reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Something of the machine was on the bus in this cycle. In silence nothing ages: a quiet bus
-    /// is not the fault of a transducer.
+    /// Whether anything of the machine was on the bus in this cycle. In silence nothing ages: a
+    /// quiet bus is not the fault of a transducer.
     pub live: bool,
-    /// Which way the command that acted since the last cycle moves the cylinder, where the platform's
-    /// state is one in which it follows; `None` if it does not move it.
+    /// Direction in which the command since the last cycle moves the cylinder, in a platform state
+    /// in which it follows; `None` if it does not move it.
     pub push: Option<Push>,
-    /// The other transducer in this cycle; `None` where there is none to be relied on.
+    /// The other transducer in this cycle; `None` where it cannot be relied on.
     pub other: Option<Other>,
 }
 
-/// A reading that is exactly constant, since when it is and what was seen meanwhile.
+/// An exactly constant reading: since when, and what was seen meanwhile.
 #[derive(Clone, Copy, Debug, Default)]
 struct Stillness {
     cycles: u32,
-    /// Of these, cycles under a command that moves, by its [`Push`].
+    /// Number of cycles under a command that moves, by its [`Push`].
     pushed: [u32; 2],
-    /// What the other transducer read at the beginning, m.
+    /// Reading of the other transducer at the beginning, m.
     beside: Option<f64>,
-    /// The other one has read anything else since.
+    /// Whether the other transducer has read anything else since.
     stirred: bool,
-    /// How far it has moved since, as one that is in motion does, m.
+    /// Distance that the other transducer has moved since in a continuous motion, m.
     travelled: f64,
 }
 
@@ -103,22 +101,21 @@ impl Stillness {
 /// The plausibility of one transducer's readings.
 #[derive(Clone, Debug)]
 pub struct Plausibility {
-    limits: Limits,
-    /// The lowest and the highest of [`Limits::broken_wire_codes`]: most readings are beside both, and
-    /// need no search.
+    limits: PlausibilityLimits,
+    /// Extremes of [`PlausibilityLimits::broken_wire_codes`]: most readings are outside both.
     broken_wire: (i64, i64),
     missing: u32,
     last: Option<f64>,
-    /// Since the reading changed.
+    /// Stillness since the reading changed.
     still: Stillness,
-    /// Since then and since the command moves.
+    /// Stillness since the reading changed and the command moves.
     held: Stillness,
     quality: Quality,
 }
 
 impl Plausibility {
-    /// Checks by `limits`.
-    pub fn new(limits: Limits) -> Self {
+    /// Checks with these `limits`.
+    pub fn new(limits: PlausibilityLimits) -> Self {
         let broken = || limits.broken_wire_codes.iter().copied();
         Self {
             broken_wire: broken().min().zip(broken().max()).unwrap_or((i64::MAX, i64::MIN)),
@@ -131,12 +128,12 @@ impl Plausibility {
         }
     }
 
-    /// The quality of the newest cycle.
+    /// Quality of the newest cycle.
     pub const fn quality(&self) -> Quality {
         self.quality
     }
 
-    /// How far `position` is beyond the valid lengths, m, signed; zero within them.
+    /// Distance of `position` beyond the valid lengths, m, signed; zero within them.
     pub fn beyond(&self, position: f64) -> f64 {
         let (lowest, highest) = self.limits.lengths;
         (position - highest).max(0.0) + (position - lowest).min(0.0)
@@ -155,23 +152,24 @@ impl Plausibility {
         self.quality
     }
 
-    /// Forgets for how long the reading has stood still, after a jump in time.
+    /// Forgets how long the reading has stood still, after a jump in time.
     pub fn reset(&mut self) {
         (self.still, self.held) = Default::default();
     }
 
-    /// The reading stands while the other one goes on: frozen perhaps, though not yet for long enough,
-    /// or not under a command that moves.
+    /// Whether the reading stands while the other one moves: it may be frozen, but not yet for long
+    /// enough, or not under a command that moves.
     pub fn stands_alone(&self) -> bool {
         self.still.cycles > 0 && self.still.travelled >= 0.5 * self.limits.travel
     }
 
-    /// The other transducer has moved while this one was held: its rod does not stand still.
+    /// Whether the other transducer has moved while this one was held, so that the rod does not
+    /// stand still.
     pub fn is_witnessed(&self) -> bool {
         self.held.travelled >= self.limits.travel
     }
 
-    /// Cycles in which nothing new has been read: none, or the same.
+    /// Number of cycles without a new reading: with none, or with the same.
     pub fn idle(&self) -> u32 {
         self.still.cycles.saturating_add(self.missing)
     }
@@ -181,7 +179,8 @@ impl Plausibility {
         if self.missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
     }
 
-    /// Once frozen it stays so until the reading changes, even if the command comes to rest.
+    /// Follows a reading. Once frozen it stays so until it changes, even if the command comes to
+    /// rest.
     fn follow(&mut self, position: f64, moment: Moment) {
         let same = self.last == Some(position);
         let moving = moment.push.is_some() || self.is_frozen();
@@ -197,8 +196,8 @@ impl Plausibility {
         follow(&mut self.held, same && moving);
     }
 
-    /// The command moves and the reading does not, nor is it the rod that stands still. Another reading
-    /// that changes and yet goes nowhere says that the rod is at rest.
+    /// Whether the command moves, the reading does not, and the rod does not stand still. If the
+    /// other reading changes and yet goes nowhere, the rod is at rest.
     fn is_frozen(&self) -> bool {
         let frozen = self.limits.frozen;
         let Stillness { cycles, pushed, stirred, .. } = self.held;
@@ -238,8 +237,8 @@ impl Plausibility {
 mod tests {
     use super::*;
 
-    fn limits() -> Limits {
-        Limits {
+    fn limits() -> PlausibilityLimits {
+        PlausibilityLimits {
             stale: 3,
             broken_wire_codes: vec![32767],
             status_mask: 0b01,
@@ -277,8 +276,9 @@ mod tests {
 
     #[test]
     fn only_the_codes_of_a_broken_wire_are_one() {
-        let codes = vec![32767, 0, 500];
-        let mut checks = Plausibility::new(Limits { broken_wire_codes: codes, ..limits() });
+        let broken_wire_codes = vec![32767, 0, 500];
+        let limits = PlausibilityLimits { broken_wire_codes, ..limits() };
+        let mut checks = Plausibility::new(limits);
         let broken = [0, 100, 500, 501, 32767].map(|code| {
             let reading = Reading { code: Some(code), ..reading(0.0) };
             checks.judge(Some(&reading), STILL) == Quality::BrokenWire
@@ -311,14 +311,14 @@ mod tests {
         assert_eq!(checks.judge(Some(&reading(0.500_1)), STILL), Quality::Good);
     }
 
-    /// The cycle in which a reading that stops in cycle 0 is frozen, the other one at `other` and the
-    /// command as `push` says.
+    /// The cycle in which a reading that stops in cycle 0 is frozen, with the other one at `other`
+    /// and the command moving as `push` tells.
     fn frozen_in(
         other: impl Fn(u64) -> Option<f64>,
         push: impl Fn(u64) -> Option<Push>,
     ) -> Option<u64> {
         let mut checks = Plausibility::new(limits());
-        let mut motion = Motion::default();
+        let mut motion = ReadingMotion::default();
         let judge = |cycle: &u64| {
             motion.follow(other(*cycle));
             let other = other(*cycle).map(|position| Other::new(position, &motion));
@@ -339,7 +339,7 @@ mod tests {
         assert_eq!(frozen_in(lost, out), Some(4), "it has moved before it was lost");
     }
 
-    /// What the other one may do while the rod stands on its stop, pushed against it.
+    /// Movements of the other transducer while the rod stands on its stop, pushed against it.
     #[test]
     fn at_rest_is_not_frozen() {
         let out = |_| Some(Push::Positive);
@@ -356,7 +356,7 @@ mod tests {
         assert_eq!(frozen_in(noise, out), None, "it is noisy");
     }
 
-    /// A stop holds the rod against one of the two.
+    /// A stop holds the rod against one direction only.
     #[test]
     fn without_a_witness_the_command_has_to_move_either_way() {
         let turning = |cycle| Some(if cycle % 40 < 20 { Push::Positive } else { Push::Negative });

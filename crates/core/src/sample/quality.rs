@@ -1,26 +1,26 @@
-//! What a reading is worth before any model is asked.
+//! Quality of a reading before any model is asked.
 
-/// The verdict of the plausibility checks. The order of the variants is the order of the checks:
-/// the first that applies is the quality.
+/// Verdict of the plausibility checks. The variants are in the order of the checks: the first that
+/// applies is the quality.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
     /// Nothing speaks against the reading.
     Good,
-    /// No new reading in this cycle, yet not for long enough to be [`Quality::Stale`].
+    /// There is no new reading in this cycle, but not for long enough to be [`Quality::Stale`].
     #[default]
     Missing,
-    /// No new reading for longer than allowed.
+    /// There has been no new reading for longer than allowed.
     Stale,
-    /// A code or status bit that means a broken wire or a failed sensor.
+    /// A code or status bit means a broken wire or a failed sensor.
     BrokenWire,
-    /// Outside the valid counts or the stroke.
+    /// The reading is outside the valid counts or the stroke.
     OutOfRange,
-    /// Exactly constant while the command moves.
+    /// The reading is exactly constant while the command moves.
     Frozen,
 }
 
 impl Quality {
-    /// Only good readings reach an estimator.
+    /// Whether the reading is good; only good readings reach an estimator.
     pub const fn is_good(self) -> bool {
         matches!(self, Self::Good)
     }

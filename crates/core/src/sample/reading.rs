@@ -1,4 +1,4 @@
-//! What arrives of one cylinder within one cycle.
+//! Inputs of one cylinder within one cycle.
 
 /// C1 or C2, as an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,17 +10,17 @@ pub enum Transducer {
 /// A pressure of a cylinder, as an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pressure {
-    /// In the bottom chamber.
+    /// Pressure in the bottom chamber.
     Bottom = 0,
-    /// In the rod chamber.
+    /// Pressure in the rod chamber.
     Rod = 1,
-    /// The load pressure P_L itself, where the machine sends it.
+    /// Load pressure P_L, where the machine sends it.
     Load = 2,
-    /// The supply pressure P_S, the same for all cylinders.
+    /// Supply pressure P_S, the same for all cylinders.
     Supply = 3,
 }
 
-/// The places that a signal can fill.
+/// Inputs that a signal can fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Field {
     Position(Transducer),
@@ -28,14 +28,14 @@ pub enum Field {
     Status(Transducer),
     Counter(Transducer),
     Command,
-    /// Not monitored: read by who surveys a recording.
+    /// Pressure: not monitored, but read by commands that learn from a recording.
     Pressure(Pressure),
-    /// Of the main spool; likewise.
+    /// Position of the main spool: not monitored, but read by commands that learn from a recording.
     Spool,
 }
 
 impl Field {
-    /// Its place among the inputs of a cylinder.
+    /// Place of the field among the inputs of a cylinder.
     pub const fn place(self) -> u8 {
         match self {
             Self::Position(t) => 4 * t as u8,
@@ -48,17 +48,17 @@ impl Field {
         }
     }
 
-    /// The bit of this field in [`Inputs::got`].
+    /// Bit of this field in [`Inputs::got`].
     pub const fn bit(self) -> u16 {
         1 << self.place()
     }
 
-    /// Whether it comes from a transducer.
+    /// Whether the field comes from a transducer.
     pub const fn is_reading(self) -> bool {
         self.transducer().is_some()
     }
 
-    /// The transducer that it comes from.
+    /// Transducer that the field comes from.
     pub const fn transducer(self) -> Option<Transducer> {
         match self {
             Self::Position(t) | Self::Velocity(t) | Self::Status(t) | Self::Counter(t) => Some(t),
@@ -70,23 +70,23 @@ impl Field {
 /// One reading of one transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// l, m.
+    /// Length l, m.
     pub position: f64,
-    /// The raw code of the position, where it is an integer.
+    /// Raw code of the position, where it is an integer.
     pub code: Option<i64>,
-    /// l̇, m/s.
+    /// Velocity l̇, m/s.
     pub velocity: Option<f64>,
     pub status: Option<u64>,
 }
 
-/// A power of two, so that a place needs no check.
+/// Number of places, a power of two, so that a place needs no check.
 const PLACES: usize = 16;
 
 /// Beside the bits of the fields: the position of C1 or C2 came with a code.
 const CODED: [u16; 2] = [1 << 14, 1 << 15];
 
-/// What has arrived so far in the open cycle: by [`Field::place`], a count and a number. Neither says
-/// anything without its bit in `got`.
+/// Inputs that have arrived so far in the open cycle: by [`Field::place`], a count and a number.
+/// Neither is valid without its bit in `got`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs {
     got: u16,
@@ -105,7 +105,7 @@ impl Inputs {
         self.got
     }
 
-    /// The bits by which [`Self::got`] knows a field that came as a count.
+    /// Bits that mark a field in [`Self::got`] that came as a count.
     pub const fn counted_bits(field: Field) -> u16 {
         match field {
             Field::Position(transducer) => field.bit() | CODED[transducer as usize],
@@ -113,8 +113,8 @@ impl Inputs {
         }
     }
 
-    /// Takes what stands at `place` ([`Field::place`]) of a frame, as a count and as the finite number
-    /// that the count means. It says nothing before [`Self::came`].
+    /// Stores the count at `place` ([`Field::place`]) of a frame, and the finite number that it
+    /// means. It is not valid before [`Self::came`].
     #[inline(always)]
     pub fn count(&mut self, place: u8, count: i64, number: f64) {
         let place = usize::from(place) % PLACES;
@@ -122,7 +122,7 @@ impl Inputs {
         self.numbers[place] = number;
     }
 
-    /// The fields of `bits`, all of their [`Self::counted_bits`], have come.
+    /// Marks the fields of `bits`, all of their [`Self::counted_bits`], as arrived.
     #[inline(always)]
     pub fn came(&mut self, bits: u16) {
         self.got |= bits;
@@ -167,7 +167,7 @@ impl Inputs {
         self.note_bits(Field::Status(transducer), status);
     }
 
-    /// The alive counter says that the reading is new.
+    /// Notes that the alive counter has confirmed the reading as new.
     pub fn counted(&mut self, transducer: Transducer) {
         self.got |= Field::Counter(transducer).bit();
     }
@@ -178,7 +178,7 @@ impl Inputs {
         self.note_finite(Field::Command, metres_per_second)
     }
 
-    /// u(k), m/s.
+    /// Command u(k), m/s.
     pub fn command_value(&self) -> Option<f64> {
         self.number(Field::Command)
     }
@@ -195,17 +195,17 @@ impl Inputs {
         self.note_finite(Field::Spool, position)
     }
 
-    /// P_S, bar.
+    /// Supply pressure P_S, bar.
     pub fn supply_value(&self) -> Option<f64> {
         self.number(Field::Pressure(Pressure::Supply))
     }
 
-    /// x_m, in its own unit.
+    /// Spool position x_m, in its own unit.
     pub fn spool_value(&self) -> Option<f64> {
         self.number(Field::Spool)
     }
 
-    /// Those of the cylinder, bar, by [`Pressure`].
+    /// Pressures of the cylinder, bar, by [`Pressure`].
     pub fn pressures(&self) -> [Option<f64>; 3] {
         [Pressure::Bottom, Pressure::Rod, Pressure::Load]
             .map(|which| self.number(Field::Pressure(which)))
@@ -221,8 +221,8 @@ impl Inputs {
         (self.got & field.bit() != 0).then_some(self.counts[usize::from(field.place())] as u64)
     }
 
-    /// The reading of `transducer`, if its position came, and with it all of status and counter
-    /// that `required` names: without them it is not known to be good.
+    /// The reading of `transducer`, if its position came, with every status and counter that
+    /// `required` names: without them it is not known to be good.
     #[inline]
     pub fn reading(&self, transducer: Transducer, required: u16) -> Option<Reading> {
         let position = Field::Position(transducer);

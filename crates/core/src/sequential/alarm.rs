@@ -1,49 +1,51 @@
-//! What a sequential detector has found.
+//! Alarms of a sequential detector.
 
 use super::scale::Scale;
 use super::statistic::Peak;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
-/// Why there is an alarm.
+/// Cause of an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     Mean,
     Variance,
-    /// The mean of a minute, without the baseline.
+    /// The mean over a minute, without the baseline.
     Slow,
-    /// A reading on the stop that has moved since the first ones.
+    /// A reading on the stop that differs from the first ones.
     Dwell,
 }
 
-/// An alarm that stands.
+/// A standing alarm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
     pub cause: Cause,
-    /// The statistic as it rose.
+    /// Statistic when the alarm was raised.
     pub peak: Peak,
-    /// Cycles that the window of it went back.
+    /// Length of that statistic's window, cycles.
     pub back: usize,
     pub fault: Fault,
     pub suspect: Suspect,
-    /// For C1 if positive, for C2 if negative, nats; `None` where nothing was compared.
+    /// Evidence for the location, nats: positive for C1, negative for C2; `None` where nothing was
+    /// compared.
     pub evidence: Option<f64>,
-    /// m; of noise its root mean square.
+    /// Size of the fault, m; the root mean square of a noise.
     pub size: f64,
-    /// It is a gain that is off, whatever `fault` took its first samples for.
+    /// Gain error, if the fault is one, whatever `fault` its first samples looked like.
     pub scale: Option<Scale>,
-    /// When it began, as far as the residuals show it.
+    /// Onset of the fault, as far as the residuals show it.
     pub onset: Timestamp,
     /// Cycles since the alarm.
     pub age: u32,
     /// Cycles without evidence.
     pub calm: u32,
-    /// When it had just risen, all cylinders were found to be sampled otherwise: it is of no transducer.
+    /// Whether all cylinders were found to be sampled differently when the alarm had just been
+    /// raised: it is then no transducer's.
     pub of_timing: bool,
 }
 
 impl Alarm {
-    /// An alarm that has just risen, and of which nobody is suspected.
+    /// A new alarm that suspects nobody.
     pub const fn new(cause: Cause, fault: Fault, size: f64, onset: Timestamp) -> Self {
         Self {
             cause,
@@ -61,18 +63,18 @@ impl Alarm {
         }
     }
 
-    /// Nobody is suspected any more, and what spoke for it is void.
+    /// Clears the suspect and the evidence for it.
     pub const fn clear_suspect(&mut self) {
         (self.suspect, self.evidence) = (Suspect::Undecided, None);
     }
 
-    /// It began with a change of the sampling, and blames nobody.
+    /// Attributes the alarm to a change of the sampling, which blames nobody.
     pub const fn lay_to_timing(&mut self) {
         self.of_timing = true;
         self.clear_suspect();
     }
 
-    /// How far back one looks whether it is over, in samples: as far as it took to find it, and `least`.
+    /// Number of samples in which the end of the alarm is sought: as many as it took to find it.
     pub fn watched(&self, least: usize) -> usize {
         self.peak.width.max(least)
     }

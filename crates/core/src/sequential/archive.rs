@@ -1,4 +1,4 @@
-//! The dwells of a whole machine as they are kept from one start to the next.
+//! The file format in which the dwells of a whole machine are kept from one start to the next.
 //!
 //! ```text
 //! tertius dwells 2
@@ -9,11 +9,12 @@
 //! crc32 0f3a9c1e
 //! ```
 //!
-//! A dwell is its time, ns since 1970, the readings of C1 and C2, m, in the shortest form that
-//! reads back the same, and of how many it is the mean. `count` is what the readings move in, m; `gain` and
-//! `offset` are a and b of (5-20), left out where they are not known. Version 1 had
-//! `cylinder 1 anchors 10 dwells 20` instead, no means, and up to 512 dwells; it is read as well. The last line is over all bytes before it: a reading with a wrong digit would
-//! blame a transducer that is sound.
+//! The line of a dwell has its time, ns since 1970, the readings of C1 and C2, m, in the shortest
+//! form that reads back the same, and the number of dwells of which it is the mean. `count` is the
+//! resolution of the readings, m; `gain` and `offset` are a and b of (5-20), left out where they
+//! are not known. Version 1 had `cylinder 1 anchors 10 dwells 20` instead, no means, and up to 512
+//! dwells; it can also be read. The checksum in the last line covers all bytes before it, because a
+//! reading with a wrong digit would blame a sound transducer.
 
 use super::dwell::Dwell;
 use super::history::{DwellHistory, Flaw, Gauging, MOST_READ};
@@ -42,12 +43,12 @@ const SHOWN: usize = 60;
 /// CRC-32 of Ethernet and zip.
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A machine's dwells.
+/// The dwells of a machine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Archive {
-    /// The machine's name.
+    /// Name of the machine.
     pub machine: String,
-    /// Of each cylinder, in their order.
+    /// History of each cylinder, in order.
     pub cylinders: Vec<DwellHistory>,
 }
 
@@ -57,16 +58,17 @@ pub enum Refusal {
     #[error("line {line} is {found:?}, expected {expected}")]
     Line { line: usize, found: String, expected: String },
     #[error(
-        "line {line} begins the dwells of cylinder {cylinder}, which are none: expected {flaw}"
+        "line {line} begins the dwells of cylinder {cylinder}, which are not valid: expected {flaw}"
     )]
     Flaw { line: usize, cylinder: usize, flaw: Flaw },
     #[error(
-        "its last line is {found:?} where its content makes {expected:?}: it was changed or cut"
+        "its last line is {found:?}, but its content gives {expected:?}: it was changed or \
+         truncated"
     )]
     Changed { found: String, expected: String },
     #[error("it has version {0}, this program knows {VERSION}: a newer one wrote it")]
     Newer(u32),
-    #[error("it is that of the machine {found:?}, expected {expected:?}")]
+    #[error("it belongs to the machine {found:?}, expected {expected:?}")]
     Foreign { found: String, expected: String },
     #[error("it has cylinder {found}, the machine has {expected}")]
     Cylinders { found: usize, expected: usize },
@@ -77,7 +79,7 @@ pub enum Refusal {
 }
 
 impl Archive {
-    /// Of a machine of which nothing was read yet.
+    /// An archive of a machine of which nothing was read yet.
     pub fn new(machine: &str, cylinders: u8) -> Self {
         let cylinders = vec![DwellHistory::default(); usize::from(cylinders)];
         Self { machine: machine.to_owned(), cylinders }
@@ -87,7 +89,7 @@ impl Archive {
         self.cylinders.iter().all(|history| history.dwells().is_empty())
     }
 
-    /// The text to keep.
+    /// The text to write.
     pub fn to_text(&self) -> String {
         let mut text = format!("tertius dwells {VERSION}\nmachine {}\n", self.machine);
         for (n, history) in (1..).zip(&self.cylinders) {
@@ -106,10 +108,9 @@ impl Archive {
         text + &seal + "\n"
     }
 
-    /// Reads back a text; `machine` and `cylinders` are what the configuration says.
+    /// Reads a text back; `machine` and `cylinders` are those of the configuration.
     ///
-    /// # Errors
-    /// What was found and what was expected, whatever the bytes are.
+    /// # Errors What was found and what was expected, for any bytes.
     pub fn parse(bytes: &[u8], machine: &str, cylinders: u8) -> Result<Self, Refusal> {
         if bytes.len() > MAX_SIZE {
             return Err(Refusal::TooLong);
@@ -158,10 +159,10 @@ fn check_seal(text: &str) -> Result<(), Refusal> {
     }
 }
 
-/// What is left to be read.
+/// Text that is left to be read.
 struct Lines<'a> {
     rest: &'a str,
-    /// Of the newest line, from 1.
+    /// Number of the newest line, counted from 1.
     line: usize,
 }
 
@@ -173,7 +174,7 @@ impl<'a> Lines<'a> {
         line
     }
 
-    /// What follows `prefix` on the next line.
+    /// The rest of the next line after `prefix`.
     fn after(&mut self, prefix: &str, expected: &str) -> Result<&'a str, Refusal> {
         let line = self.next();
         line.strip_prefix(prefix).ok_or_else(|| self.wrong(line, expected))
@@ -209,13 +210,13 @@ impl<'a> Lines<'a> {
         DwellHistory::restore(dwells, counts, gauging).map_err(flawed)
     }
 
-    /// What is wrong with the newest line.
+    /// The error in the newest line.
     fn wrong(&self, found: &str, expected: &str) -> Refusal {
         Refusal::Line { line: self.line, found: shown(found), expected: expected.to_owned() }
     }
 }
 
-/// The number behind the next word, which has to be `name`.
+/// The number after the next word, which has to be `name`.
 fn named<T: core::str::FromStr>(words: &mut core::str::Split<'_, char>, name: &str) -> Option<T> {
     words.next().filter(|word| *word == name)?;
     words.next()?.parse().ok()
@@ -232,7 +233,7 @@ fn heading(line: &str) -> Option<(usize, usize, Gauging)> {
     words.next().is_none().then_some((number, dwells, Gauging { count, corrected }))
 }
 
-/// The same of version 1, which knew no gauging; its anchors are of no use any more.
+/// Heading of a cylinder in version 1, which had no gauging; its anchors are no longer used.
 fn first_heading(line: &str) -> Option<(usize, usize, Gauging)> {
     let words = &mut line.split(' ');
     let number = named(words, "cylinder")?;

@@ -1,24 +1,25 @@
-//! Where a healthy residual lies by itself: slow changes, of temperature above all.
+//! The baseline of a healthy residual: its slow changes, mainly with the temperature.
 
 use super::parameters::ResidualParameters;
 use crate::time::{self, Timestamp};
 
-/// A slow mean of the residual, of the doubtful the less, and what it may be off by itself.
+/// A slow mean of the residual, which weights uncertain samples less, and its own uncertainty.
 #[derive(Clone, Debug)]
 pub struct Baseline {
     parameters: &'static ResidualParameters,
-    /// Of one sample.
+    /// Weight of one sample.
     gain: f64,
     begin: f64,
     clip: f64,
-    /// Samples, as far as they teach.
+    /// Number of samples, weighted by their certainty.
     seen: f64,
     value: f64,
     doubt: f64,
 }
 
 impl Baseline {
-    /// For samples every `sample_time` seconds with a healthy `deviation`, m.
+    /// A baseline for samples every `sample_time` seconds with a healthy standard deviation
+    /// `deviation`, m.
     pub fn new(parameters: &'static ResidualParameters, sample_time: f64, deviation: f64) -> Self {
         let cycles = parameters.cycles(sample_time);
         Self {
@@ -36,7 +37,7 @@ impl Baseline {
         (self.seen, self.value, self.doubt) = (0.0, 0.0, 0.0);
     }
 
-    /// What it may be off by, m, for what it has followed may be.
+    /// Uncertainty of the baseline, m, from that of the samples it has followed.
     pub const fn doubt(&self) -> f64 {
         self.doubt
     }
@@ -46,7 +47,7 @@ impl Baseline {
         (self.seen >= self.begin).then_some(self.value)
     }
 
-    /// Follows a residual that may be off by `doubt`, m.
+    /// Follows a residual with the uncertainty `doubt`, m.
     pub fn follow(&mut self, residual: f64, doubt: f64) {
         let ResidualParameters { half_taught, wild, .. } = *self.parameters;
         let halves = doubt / half_taught;
@@ -64,8 +65,8 @@ impl Baseline {
     }
 }
 
-/// Whether what was lost was long enough to forget a baseline: one cycle in a few seconds is not, or a
-/// bus that loses some would never have one.
+/// Whether a loss of readings was long enough to forget a baseline. One cycle in a few seconds is
+/// not; otherwise a bus that loses some would never have a baseline.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Loss {
     newest: Option<Timestamp>,
@@ -73,13 +74,13 @@ pub struct Loss {
 }
 
 impl Loss {
-    /// Readings are missing from here on.
+    /// Notes that readings are missing from here on.
     pub const fn begin(&mut self) {
         self.lost = true;
     }
 
-    /// Takes the time of a reading; `true` if it is the first one after a long loss, or the clock has
-    /// been set.
+    /// Takes the time of a reading; returns `true` if it is the first one after a long loss, or the
+    /// clock has been set.
     pub fn is_long(&mut self, at: Timestamp) -> bool {
         let newest = self.newest.replace(at);
         let short = ResidualParameters::DEFAULT.short_loss;
@@ -92,8 +93,8 @@ impl Loss {
 /// One-second means in a [`Slow`]: the minute of it.
 const MEANS: usize = 60;
 
-/// The mean of the residual itself over the newest minute of evidence: what a baseline follows too
-/// slowly to be seen, ends here.
+/// The mean of the residual itself over the newest minute of evidence, which shows drifts that the
+/// baseline follows.
 #[derive(Clone, Debug)]
 pub struct Slow {
     /// No residual counts as more, m.
@@ -102,7 +103,7 @@ pub struct Slow {
     means: [f64; MEANS],
     held: usize,
     next: usize,
-    /// Of `means`, once there is a minute of them.
+    /// Mean of `means`, once they cover a minute.
     mean: Option<f64>,
     sum: f64,
     count: u32,
@@ -132,7 +133,7 @@ impl Slow {
         }
     }
 
-    /// m; `None` before there is a minute of it.
+    /// Mean over a minute, m; `None` before there is a minute of evidence.
     pub const fn mean(&self) -> Option<f64> {
         self.mean
     }
@@ -157,7 +158,7 @@ mod tests {
         assert!((baseline.value().unwrap() - 2.3e-3).abs() < 1e-9 && baseline.doubt() == 0.0);
     }
 
-    /// Of a place that may be off by 0.2 mm, and is.
+    /// The residual of a place with an uncertainty of 0.2 mm, and an error of that size.
     #[test]
     fn what_is_doubtful_teaches_little_and_leaves_its_doubt() {
         let mut baseline = Baseline::new(P, 0.02, 1e-4);

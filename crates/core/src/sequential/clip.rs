@@ -1,4 +1,4 @@
-//! How much of one sample counts.
+//! Limits of a single sample's contribution.
 
 use super::statistic::{Bands, Scales};
 use super::wild::Frequency;
@@ -6,19 +6,19 @@ use super::wild::Frequency;
 /// The index of the window of so many samples as wild ones must not be a fault by, of [`super::windows::WIDTHS`].
 const SEVERAL: usize = 3;
 
-/// Beyond these a sample counts no more: there a wild one is taken to be ([`super::wild`]), and what it
-/// is farther off proves nothing more. The evidence of a window is convex in its sum, so that no window
-/// makes more of a wild sample than that of one sample does.
+/// Values beyond which a sample contributes no more: a wild one is assumed to lie there
+/// ([`super::wild`]), and greater distance proves nothing more. The evidence of a window is convex
+/// in its sum, so that a wild sample contributes no more to any window than it does alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clip {
-    /// Of the weighed residual, m.
+    /// Limit of the weighted residual, m.
     pub farthest: f64,
-    /// Of its square, m².
+    /// Limit of its square, m².
     pub square: f64,
 }
 
 impl Clip {
-    /// For statistics with these `bands`.
+    /// Limits for statistics with these `bands`.
     pub fn new(bands: &Bands) -> Self {
         let farthest = bands.farthest();
         Self {
@@ -27,8 +27,9 @@ impl Clip {
         }
     }
 
-    /// Where wild samples are frequent, each is less evidence by `scales`: several in a row, of which the
-    /// dead band takes more than of one alone, no more than as many.
+    /// Limits where wild samples are frequent: each contributes less, so that several in a row,
+    /// which lose less to the dead band than one alone, contribute no more than in proportion to
+    /// their number.
     pub fn of_frequent(scales: &Scales) -> Self {
         let bands = scales.bands();
         let [mean, square] = bands.outliers().evidence_of_frequent();
@@ -44,7 +45,7 @@ impl Clip {
     pub const NONE: Self = Self { farthest: f64::INFINITY, square: f64::INFINITY };
 }
 
-/// How much of each sample counts, as it comes.
+/// The clipping of samples in a stream.
 #[derive(Clone, Debug)]
 pub struct Clipping {
     usual: Clip,
@@ -53,7 +54,7 @@ pub struct Clipping {
 }
 
 impl Clipping {
-    /// For statistics by `scales`.
+    /// A clipping for statistics by `scales`.
     pub fn new(scales: &Scales) -> Self {
         let bands = scales.bands();
         Self {
@@ -63,18 +64,18 @@ impl Clipping {
         }
     }
 
-    /// While there are no more wild samples than were expected.
+    /// Limits while there are no more wild samples than expected.
     pub const fn usual(&self) -> &Clip {
         &self.usual
     }
 
-    /// A sample that is part of no fault, weighed, m: it may be wild.
+    /// Takes a weighted sample that is part of no fault, m: it may be wild.
     #[inline]
     pub fn take(&mut self, weighed: f64) {
         self.frequency.take(weighed);
     }
 
-    /// Of the newest sample.
+    /// Limits for the newest sample.
     #[inline]
     pub fn clip(&self) -> &Clip {
         if self.frequency.is_high() { &self.of_frequent } else { &self.usual }
@@ -83,10 +84,10 @@ impl Clipping {
 
 #[cfg(test)]
 mod tests {
-    use super::super::novelty::News;
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::{History, Sample};
     use super::super::statistic::{DEAD_BAND, INDEPENDENT, Scales};
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
@@ -95,7 +96,7 @@ mod tests {
 
     const DEVIATION: f64 = 1e-4;
 
-    /// Of a calibration of an hour without a wild sample.
+    /// Scales from a calibration of an hour without a wild sample.
     fn scales(outliers: Outliers) -> Scales {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
         let mut magnitudes = Magnitudes::new(1e-6);
@@ -109,22 +110,22 @@ mod tests {
         Scales::new(mean, square, INDEPENDENT, Bands::new(DEVIATION, DEAD_BAND, [0.0; 2], outliers))
     }
 
-    /// The most of both statistics after healthy samples, with a wild one in the place of each of
-    /// `wild`, of that size.
+    /// The maximum of both statistics after healthy samples, with a wild one in the place of each
+    /// of `wild`, of that size.
     fn most(scales: &Scales, clip: &Clip, wild: &[usize], size: f64) -> f64 {
         let mut history = History::default();
         let mut most = 0.0_f64;
         for k in 0..1500_usize {
             let healthy = if k % 2 == 0 { 0.5 * DEVIATION } else { -0.5 * DEVIATION };
             let residual = if wild.contains(&k) { size } else { healthy };
-            history.push(Sample::at_rest(residual), clip, News::InMotion);
+            history.push(Sample::at_rest(residual), clip, Independence::InMotion);
             let [mean, variance] = scales.peaks(&history, 1024);
             most = most.max(mean.nats).max(variance.nats);
         }
         most
     }
 
-    /// Some of them, in a row and scattered, and to which side and how far they are.
+    /// Positions of some wild samples, in a row and scattered, with their directions and sizes.
     fn places(count: usize) -> impl Iterator<Item = (Vec<usize>, f64)> {
         let rows = [[500, 501, 502, 503], [500, 502, 505, 506]];
         let of = move |row: [usize; 4]| {
@@ -133,7 +134,7 @@ mod tests {
         rows.into_iter().flat_map(of)
     }
 
-    /// However they follow each other, k wild samples are no more than k times as much as one.
+    /// In whatever order they come, k wild samples contribute at most k times as much as one.
     #[test]
     fn wild_samples_prove_no_more_than_how_many_they_are() {
         for outliers in [Outliers::UNSAID, Outliers::USUAL, Outliers::LEAST] {
@@ -148,7 +149,8 @@ mod tests {
         }
     }
 
-    /// Where they are frequent, four of them are beneath the level by more than a healthy one may add.
+    /// Where they are frequent, four of them stay below the level by more than a healthy one may
+    /// add.
     #[test]
     fn of_frequent_ones_four_prove_nothing() {
         for outliers in [Outliers::UNSAID, Outliers::USUAL, Outliers::LEAST] {

@@ -1,15 +1,15 @@
-//! For how long a detector could say something, and why not.
+//! Coverage of a detector: for how long it could judge, and why not otherwise.
 
-/// Why a detector says nothing of a cycle.
+/// Why a detector cannot judge a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
     /// The platform is in no monitored state.
     NotMonitored,
     /// C1, C2 or the speed is missing or implausible.
     NoReading,
-    /// The rod is where the calibration has not been, or has not been long enough.
+    /// The rod is where the calibration had no samples, or too few.
     NotCalibrated,
-    /// What C1 and C2 differ by in this stretch of motion is still being learnt.
+    /// The difference of C1 and C2 in this stretch of motion is still being learnt.
     NoBaseline,
 }
 
@@ -17,7 +17,7 @@ impl Unknown {
     pub const ALL: [Self; 4] =
         [Self::NotMonitored, Self::NoReading, Self::NotCalibrated, Self::NoBaseline];
 
-    /// As files and columns have it.
+    /// Name in files and columns.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotMonitored => "not_monitored",
@@ -28,11 +28,11 @@ impl Unknown {
     }
 }
 
-/// Cycles in which a detector judged, and those in which it did not.
+/// Number of cycles in which a detector judged, and of those in which it did not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     pub judged: u64,
-    /// In the order of [`Unknown::ALL`].
+    /// Cycles in which it did not judge, in the order of [`Unknown::ALL`].
     pub unknown: [u64; Unknown::ALL.len()],
 }
 

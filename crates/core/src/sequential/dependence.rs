@@ -1,13 +1,13 @@
-//! How much of a window is news.
+//! Dependence of the samples in a window.
 //!
-//! A nat of evidence is a factor of e in rarity, if the samples of a window are independent. What
-//! repeats the sample before is left out ([`super::novelty`]); how much the others of readings that move in
-//! coarse counts have in common is measured, by how much the evidence of healthy windows of each width
-//! outgrows its rarity.
+//! A nat of evidence is a factor of e in rarity if the samples of a window are independent. Samples
+//! that repeat the previous one are left out ([`super::thinning`]). The dependence of the others,
+//! where readings move in coarse counts, is measured by how much the evidence of healthy windows of
+//! each width exceeds its rarity.
 //!
-//! Where readings stand off for a fraction of a second now and then, two or three such stretches come
-//! together, and fill a window that one alone does not. Whoever knows what is seen in windows as long as a
-//! stretch, and how often, knows what wider ones are worth, which are several of those.
+//! Where readings are sometimes off for a fraction of a second, two or three such stretches may
+//! coincide and fill a window that one alone does not. The wider windows are therefore composed
+//! from the frequencies seen in windows as long as one stretch.
 
 use super::parameters::{DependenceParameters, EvidenceParameters};
 use super::rate::{Magnitudes, Of, Rate};
@@ -24,9 +24,9 @@ const BIN: f64 = 1e-7;
 /// Healthy windows of every width.
 #[derive(Clone, Debug)]
 pub struct Measuring {
-    /// What their means are beyond their dead bands, m.
+    /// Means of the windows beyond their dead bands, m.
     means: Vec<Magnitudes>,
-    /// Their root mean squares, m.
+    /// Root mean squares of the windows, m.
     squares: Vec<Magnitudes>,
 }
 
@@ -49,8 +49,8 @@ impl Measuring {
         }
     }
 
-    /// What came of it, for evidence by `scales` that know no dependence; 1 where there was too
-    /// little.
+    /// The measured dependence, for evidence by `scales` that assume none; 1 where there were too
+    /// few windows.
     pub fn dependence(&self, scales: &Scales) -> Dependence {
         let mut dependence = INDEPENDENT;
         for index in 0..WIDTHS.len() {
@@ -65,7 +65,7 @@ impl Measuring {
         dependence
     }
 
-    /// Windows wider than that of the index `stretch` are as many of it as they are wider.
+    /// Composes windows wider than that of the index `stretch` from several of it.
     fn compose(&self, dependence: &mut Dependence, stretch: usize, scales: &Scales) {
         let level = scales.bands().outliers().least_level();
         let mean = Composed::of(&self.means[stretch], Of::Mean, stretch);
@@ -85,8 +85,8 @@ impl Measuring {
     }
 }
 
-/// The index of the window that is as long as what the readings stand off for; `None` where they do not, or for
-/// longer than [`DependenceParameters::longest`].
+/// The index of the window as long as the stretches in which readings are off; `None` where there
+/// are none, or they are longer than [`LONGEST`].
 fn stretch(dependence: &Dependence) -> Option<usize> {
     let longest = |widths: &[f64; WIDTHS.len()]| {
         let most = widths.iter().copied().fold(1.0, f64::max);
@@ -97,11 +97,11 @@ fn stretch(dependence: &Dependence) -> Option<usize> {
     stretch.filter(|index| WIDTHS[*index] <= P.longest)
 }
 
-/// What windows of one width have shown, of which wider ones are made.
+/// Windows of one width, of which wider ones are composed.
 struct Composed {
     rate: Rate,
     width: usize,
-    /// What no less than a few of them had, m.
+    /// Value that at least a few of the windows had, m.
     largest: f64,
 }
 
@@ -117,8 +117,8 @@ impl Composed {
         Some(Self { rate: Rate::seen(windows, what)?, width, largest })
     }
 
-    /// By how much `evidence` of the window of `index` is larger than what its parts are worth, at this
-    /// `level`, nats: there it matters.
+    /// Factor by which `evidence` of the window of `index` exceeds what its parts are worth, at
+    /// this `level`, nats, where it matters.
     fn outgrown(&self, level: f64, index: usize, evidence: impl Fn(f64) -> f64) -> f64 {
         let parts = WIDTHS[index] as f64 / self.width as f64;
         let most = parts * self.rate.at(self.largest);
@@ -139,13 +139,13 @@ impl Composed {
     }
 }
 
-/// How much faster evidence grows than its rarity, in its tail and by its bulk.
+/// Factor by which evidence grows faster than its rarity, in its tail and by its bulk.
 fn outgrown(windows: &Magnitudes, width: usize, evidence: impl Fn(f64) -> f64) -> f64 {
     in_tail(windows, width, &evidence).max(by_bulk(windows, width, &evidence))
 }
 
-/// The most evidence by the rarity of as much, nats by nats: where readings are a few counts off now and
-/// then, for a fraction of a second, all such windows are alike, and their tail says nothing of them.
+/// Largest ratio of evidence to its rarity, in nats: where readings are sometimes a few counts off
+/// for a fraction of a second, all such windows are alike, and their tail says nothing of them.
 fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
     let all = windows.total() as f64;
     let least = P.rare * width as f64;
@@ -162,7 +162,7 @@ fn by_bulk(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
     most
 }
 
-/// The mean excess of the evidence in its tail, nats; that of an exponential tail is 1.
+/// Mean excess of the evidence in its tail, nats; 1 for an exponential tail.
 fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -> f64 {
     let all = windows.total() as f64;
     let part = (P.apart * width as f64 / all).clamp(P.tail, P.most);
@@ -182,10 +182,10 @@ fn in_tail(windows: &Magnitudes, width: usize, evidence: &impl Fn(f64) -> f64) -
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::rate::{Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::DEAD_BAND;
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::SeedableRng;
@@ -205,7 +205,7 @@ mod tests {
             let normal: f64 = StandardNormal.sample(&mut rng);
             for _ in 0..hold {
                 magnitudes.add(DEVIATION * normal);
-                history.push(Sample::at_rest(DEVIATION * normal), &clip, News::InMotion);
+                history.push(Sample::at_rest(DEVIATION * normal), &clip, Independence::InMotion);
                 measuring.take(&history, &bands);
             }
         }
@@ -215,7 +215,7 @@ mod tests {
         measuring.dependence(&Scales::new(mean, square, INDEPENDENT, bands))
     }
 
-    /// Residuals that stand off by five deviations for ten samples now and then, to either side.
+    /// Residuals that are sometimes off by five deviations for ten samples, in either direction.
     struct Fluctuating(ChaCha8Rng, u32, f64);
 
     impl Iterator for Fluctuating {
@@ -234,8 +234,8 @@ mod tests {
         }
     }
 
-    /// What comes in the first quarter of an hour is known afterwards, also where two or three of it come
-    /// together: in two hours there are hundreds of those.
+    /// Stretches seen in the first quarter of an hour are known afterwards, even where two or three
+    /// of them coincide: in two hours there are hundreds of those.
     #[test]
     fn stretches_that_come_together_are_expected() {
         let bands = Bands::new(DEVIATION, DEAD_BAND, [0.0; 2], Outliers::USUAL);
@@ -245,7 +245,7 @@ mod tests {
         let mut residuals = Fluctuating(ChaCha8Rng::seed_from_u64(8), 0, 0.0);
         let mut push = |history: &mut History| {
             let residual = residuals.next().expect("it never ends");
-            history.push(Sample::at_rest(residual), &clip, News::InMotion);
+            history.push(Sample::at_rest(residual), &clip, Independence::InMotion);
             residual
         };
         for _ in 0..45_000 {
@@ -272,7 +272,7 @@ mod tests {
         assert!((4.0..0.75 * Outliers::USUAL.least_level()).contains(&most), "{most}");
         // What stays is found within a second.
         for _ in 0..50 {
-            history.push(Sample::at_rest(5.0 * DEVIATION), &clip, News::InMotion);
+            history.push(Sample::at_rest(5.0 * DEVIATION), &clip, Independence::InMotion);
         }
         let [mean, _] = scales.peaks(&history, 1024);
         assert!(mean.nats > Outliers::USUAL.least_level(), "{mean:?}");

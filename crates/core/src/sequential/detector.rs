@@ -10,7 +10,6 @@ use super::coverage::Unknown;
 use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
 use super::noise::Noise;
-use super::novelty::{News, Novelty};
 use super::pair::{Pair, PairDesign};
 use super::parameters::{Cycles, Parameters};
 use super::rate::Rate;
@@ -21,57 +20,59 @@ use super::search::Search;
 use super::skew::Skew;
 use super::statistic::{Bands, DEAD_BAND, Dependence, Peak, Scales};
 use super::stops::{Blame, Judgement};
+use super::thinning::{Independence, Thinning};
 use super::velocity::Velocity;
 use super::wild::Outliers;
 use super::witness::Witness;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect, Verdict};
 
-/// What one detector runs on.
+/// Parameters of one detector.
 #[derive(Clone, Debug)]
 pub struct Design {
     pub reference: Reference,
-    /// Of the weighed residual, and of its square.
+    /// Rate function of the weighted residual.
     pub rate: Rate,
+    /// Rate function of the square of the weighted residual.
     pub square_rate: Rate,
     pub dependence: Dependence,
-    /// Standard deviation of the healthy residual, m, whatever the speed.
+    /// Standard deviation of the healthy residual at any speed, m.
     pub deviation: f64,
-    /// How it goes with the speed.
+    /// Dependence of the scatter on the speed.
     pub noise: Noise,
-    /// What the readings of C1 and of C2 move in, m; 0 where that is not known.
+    /// Resolutions of the readings of C1 and of C2, m; 0 where not known.
     pub resolution: [f64; 2],
-    /// What was expected of them when the rates were made.
+    /// Outliers that were expected when the rate functions were made.
     pub outliers: Outliers,
-    /// `None` where the calibration has no drive: then nothing is located.
+    /// Locator of a fault by the command; `None` where the calibration has no drive.
     pub pair: Option<PairDesign>,
-    /// h, nats.
+    /// Level h, nats.
     pub level: f64,
-    /// s.
+    /// Sample time, s.
     pub sample_time: f64,
     /// Cycles without evidence that end an alarm.
     pub clear: u32,
     pub parameters: &'static Parameters,
 }
 
-/// One cycle of a cylinder.
+/// Inputs of a cylinder in one cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Input {
     /// Readings that passed the plausibility checks, m.
     pub lengths: [Option<f64>; 2],
-    /// By C2 where it is measured, m/s.
+    /// Velocity by C2 where it is measured, m/s.
     pub velocity: Option<f64>,
-    /// u(k), m/s.
+    /// Command u(k), m/s.
     pub command: Option<f64>,
-    /// The platform is in a monitored state.
+    /// Whether the platform is in a monitored state.
     pub monitored: bool,
-    /// The opening of the cycle.
+    /// Opening of the cycle.
     pub at: Timestamp,
-    /// The rods stand on their mechanical stops.
+    /// Whether the rods stand on their mechanical stops.
     pub at_stop: bool,
 }
 
-/// The detector.
+/// The sequential detector of one cylinder.
 #[derive(Clone, Debug)]
 pub struct Sequential {
     design: Design,
@@ -81,15 +82,16 @@ pub struct Sequential {
     baseline: Baseline,
     slow: Slow,
     loss: Loss,
-    novelty: Novelty,
+    thinning: Thinning,
     history: History,
     search: Search,
-    /// What is believed of the noise now, and of what C2 is sampled sooner than C1, s.
+    /// Present estimate of the noise.
     noise: Noise,
+    /// Time by which C2 is now sampled sooner than C1, s.
     sooner: f64,
-    /// They are sampled otherwise than calibrated, and that is told.
+    /// Whether C1 and C2 are sampled differently than calibrated, and this was reported.
     sampled_anew: bool,
-    /// As far as the other cylinders know, a noise may be that of the sampling.
+    /// Whether a noise may come from the sampling, by what the other cylinders show.
     may_be_timing: bool,
     witness: Witness,
     skew: Skew,
@@ -98,15 +100,15 @@ pub struct Sequential {
     velocity: Velocity,
     was_monitored: bool,
     verdict: Verdict,
-    /// Why nothing is known after the newest cycle.
+    /// Why the newest cycle was not judged.
     unknown: Option<Unknown>,
-    /// Of the newest cycle, beyond the baseline, m.
+    /// Residual of the newest cycle beyond the baseline, m.
     residual: Option<f64>,
     peaks: [Peak; 2],
     alarm: Option<Alarm>,
     dwelling: Dwelling,
     dwells: DwellHistory,
-    /// Of the newest cycle.
+    /// Dwell of the newest cycle.
     dwelt: Option<Dwell>,
 }
 
@@ -125,7 +127,7 @@ impl Sequential {
             baseline: Baseline::new(residual, sample_time, deviation),
             slow: Slow::new(residual, sample_time),
             loss: Loss::default(),
-            novelty: Novelty::new(residual, sample_time, deviation, farthest),
+            thinning: Thinning::new(residual, sample_time, deviation, farthest),
             scales,
             history: History::holding(cycles.newest),
             search: Search::default(),
@@ -151,48 +153,48 @@ impl Sequential {
         }
     }
 
-    /// What it runs on.
+    /// Parameters of the detector.
     pub const fn design(&self) -> &Design {
         &self.design
     }
 
-    /// What is known after the newest cycle.
+    /// Verdict of the newest cycle.
     pub const fn verdict(&self) -> Verdict {
         self.verdict
     }
 
-    /// Why nothing is known after the newest cycle; `None` where something is.
+    /// Why the newest cycle was not judged; `None` where it was.
     pub const fn unknown(&self) -> Option<Unknown> {
         self.unknown
     }
 
-    /// The residual of the newest cycle beyond its baseline, m, where it was judged.
+    /// Residual of the newest cycle beyond its baseline, m, where it was judged.
     pub const fn residual(&self) -> Option<f64> {
         self.residual
     }
 
-    /// The statistics of mean and variance in the newest cycle.
+    /// Statistics of mean and variance in the newest cycle.
     pub const fn peaks(&self) -> [Peak; 2] {
         self.peaks
     }
 
-    /// How far the readings have been apart in the newest cycles, m, beside what is healthy; `None`
-    /// where that is not known, or not healthy.
+    /// Difference of the readings in the newest cycles, m, beyond what is healthy; `None` where it
+    /// is not known, or not healthy.
     pub fn apart(&self) -> Option<f64> {
         self.history.apart().filter(|_| self.verdict == Verdict::Healthy)
     }
 
-    /// The alarm that stands.
+    /// The standing alarm.
     pub const fn alarm(&self) -> Option<&Alarm> {
         self.alarm.as_ref()
     }
 
-    /// What was read on the stop in the newest cycle, once.
+    /// Reading on the stop in the newest cycle, returned once.
     pub const fn take_dwell(&mut self) -> Option<Dwell> {
         self.dwelt.take()
     }
 
-    /// Time jumped or frames were lost.
+    /// Restarts what was learnt of the motion, after a time jump or lost frames.
     pub fn interrupt(&mut self) {
         // As with R3, the side does not outlast a time of which nothing is known.
         if let Some(alarm) = self.alarm.as_mut().filter(|alarm| alarm.cause != Cause::Dwell) {
@@ -204,19 +206,18 @@ impl Sequential {
         self.dwelling = Dwelling::default();
     }
 
-    /// What comes is not to be judged for a while; what follows it is, against what was before.
+    /// Stops judging for a while; later cycles are judged against what was learnt before.
     pub fn pause(&mut self) {
         self.stop();
         self.skew.reset();
     }
 
-    /// Another calibration of the same cylinder takes over.
+    /// Switches to another calibration of the same cylinder.
     pub fn refer(&mut self, reference: &Reference) {
         self.design.reference.clone_from(reference);
     }
 
-    /// Takes one cycle. Where the alarm that stands has become another one, or has ended, it shows
-    /// in [`Self::alarm`].
+    /// Takes one cycle. If the standing alarm has changed or ended, [`Self::alarm`] shows it.
     #[inline(always)]
     pub fn step(&mut self, input: &Input) {
         if let Some(dwell) = self.dwelling.step(input.at, input.at_stop, input.lengths) {
@@ -266,9 +267,10 @@ impl Sequential {
         let residual = residual - baseline;
         let doubt = doubt * doubt + of_baseline * of_baseline;
         let sample = Sample { residual, share: self.noise.share(velocity), doubt };
-        let news = self.novelty.step([c1, c2], sample);
-        self.witness.push(residual, if news == News::InMotion { velocity } else { 0.0 });
-        if news == News::InMotion {
+        let independence = self.thinning.step([c1, c2], sample);
+        self.witness
+            .push(residual, if independence == Independence::InMotion { velocity } else { 0.0 });
+        if independence == Independence::InMotion {
             if let Some(alarm) = &self.alarm {
                 self.proportion.push(alarm.age, 0.5 * (c1 + c2), residual);
             }
@@ -278,20 +280,20 @@ impl Sequential {
             }
         }
         self.residual = Some(residual);
-        self.judge(input.at, sample, news);
+        self.judge(input.at, sample, independence);
     }
 
-    /// What is learnt of a state is void in another one. What was found stands, and its baseline
-    /// with it: or else the fault would be the new one.
+    /// Leaves a platform state, in which what was learnt does not apply to another one. An alarm
+    /// stands, and its baseline with it; otherwise the fault would become the new baseline.
     fn leave(&mut self) {
         self.stop();
         self.forget_baseline();
     }
 
-    /// What was learnt of the motion is void.
+    /// Discards what was learnt of the motion.
     fn stop(&mut self) {
         self.forget();
-        self.novelty.reset();
+        self.thinning.reset();
         self.velocity.reset();
         self.witness.reset();
         self.peaks = [Peak::default(); 2];
@@ -308,14 +310,15 @@ impl Sequential {
         }
     }
 
-    /// What was evidence is none any more.
+    /// Discards the evidence.
     fn forget(&mut self) {
         self.history.clear();
         self.search = Search::default();
     }
 
-    /// The stops tell which reading has drifted, also where nothing else could: while the machine
-    /// moves, its controller follows a drifting C1. `judgement` is of all dwells of the machine up to `at`.
+    /// Judges by the stops which reading has drifted, which nothing else could tell: while the
+    /// machine moves, its controller follows a drifting C1. `judgement` is made from all dwells of
+    /// the machine up to `at`.
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
         let [one, two] = judgement.moved;
         let (suspect, size) = match judgement.blame {
@@ -340,7 +343,7 @@ impl Sequential {
         }
     }
 
-    /// There is no evidence in this cycle: what was found stands.
+    /// Notes that there is no evidence in this cycle; an alarm stands.
     const fn go_without(&mut self, reason: Unknown) {
         self.witness.push(0.0, 0.0);
         (self.verdict, self.unknown) = match self.alarm {
@@ -349,7 +352,7 @@ impl Sequential {
         };
     }
 
-    /// Lets the pair's filter follow: C2 as C1 would have it is C1 less what they differ by.
+    /// Steps the pair's filter, with C2 on the scale of C1: C1 less their difference.
     #[inline(always)]
     fn follow(&mut self, input: &Input, difference: Option<(f64, f64)>) {
         let Some(pair) = &mut self.pair else { return };

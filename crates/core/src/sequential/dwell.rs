@@ -1,17 +1,17 @@
-//! The end stop as a reference: where the rods stand on their mechanical stop, a transducer's own
-//! reading repeats from dwell to dwell, and the one that moved is the one that drifted.
+//! Dwells: where the rods stand on their mechanical stop, a transducer's reading repeats from dwell
+//! to dwell, and the one that moved is the one that drifted.
 
 use super::stops::StopParameters;
 use crate::time::{Span, Timestamp};
 
 const P: &StopParameters = &StopParameters::DEFAULT;
 
-/// What one dwell read.
+/// Readings of one dwell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dwell {
-    /// When it was read.
+    /// Time of the readings.
     pub at: Timestamp,
-    /// The means of C1 and C2, m.
+    /// Means of C1 and C2, m.
     pub readings: [f64; 2],
 }
 
@@ -19,7 +19,7 @@ pub struct Dwell {
 #[derive(Clone, Debug)]
 pub struct Dwelling {
     rest: Span,
-    /// Since when the readings have stayed near the first of them.
+    /// Time since which the readings have stayed near the first of them, and these, m.
     since: Option<(Timestamp, [f64; 2])>,
     sums: [f64; 2],
     count: u32,
@@ -40,7 +40,7 @@ impl Default for Dwelling {
 
 impl Dwelling {
     /// Takes the readings of a cycle, m; `at_stop`: the platform is in a state in which the rods
-    /// stand on their stops. Gives each dwell once.
+    /// stand on their stops. Returns each dwell once.
     #[inline]
     pub fn step(
         &mut self,

@@ -1,4 +1,4 @@
-//! The dwells of one cylinder so far.
+//! History of the dwells of one cylinder.
 
 use super::dwell::Dwell;
 use super::stops::{Day, StopParameters};
@@ -27,12 +27,12 @@ const DAY: i64 = 86_400_000_000_000;
 /// Seconds of a mean year.
 const YEAR: f64 = 365.25 * 86_400.0;
 
-/// What the readings of a cylinder were told by while its dwells were read.
+/// Gauging of a cylinder's readings while its dwells were read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gauging {
-    /// What the readings move in, m; 0 where that is not known, or finer than their noise.
+    /// Resolution of the readings, m; 0 where not known, or finer than their noise.
     pub count: f64,
-    /// a, dimensionless, and b, m, of (5-20); `None` where that is not known.
+    /// Calibration a, dimensionless, and b, m, of (5-20); `None` where not known.
     pub corrected: Option<[f64; 2]>,
 }
 
@@ -40,12 +40,12 @@ pub struct Gauging {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DwellHistory {
     dwells: Vec<Dwell>,
-    /// Of so many dwells each is the mean.
+    /// Number of dwells of which each is the mean.
     counts: Vec<u32>,
     gauging: Gauging,
 }
 
-/// Why dwells are no history.
+/// Why dwells are not a valid history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Flaw {
     #[error("at most {MOST_READ} dwells")]
@@ -65,7 +65,7 @@ impl DwellHistory {
         &self.dwells
     }
 
-    /// Of how many dwells each of [`Self::dwells`] is the mean.
+    /// Number of dwells of which each of [`Self::dwells`] is the mean.
     pub fn counts(&self) -> &[u32] {
         &self.counts
     }
@@ -74,10 +74,9 @@ impl DwellHistory {
         &self.gauging
     }
 
-    /// The history of `dwells`, each the mean of so many, as it was kept.
+    /// The history of `dwells`, each the mean of `counts`, as it was kept.
     ///
-    /// # Errors
-    /// If no history can be so.
+    /// # Errors The dwells are not a valid history.
     pub fn restore(dwells: Vec<Dwell>, counts: Vec<u32>, gauging: Gauging) -> Result<Self, Flaw> {
         let Gauging { count, corrected } = gauging;
         let sound = count.is_finite() && count >= 0.0;
@@ -98,8 +97,8 @@ impl DwellHistory {
         }
     }
 
-    /// From now on the readings are told by `gauging`. Where C2 is corrected otherwise than before, a
-    /// transducer was replaced or adjusted: what was read before is nothing to compare with.
+    /// Sets the `gauging` of further readings. If C2 is corrected differently than before, a
+    /// transducer was replaced or adjusted, and the earlier dwells cannot be compared.
     pub fn gauge(&mut self, gauging: Gauging) {
         if let Some((newest, (before, now))) =
             self.dwells.last().zip(self.gauging.corrected.zip(gauging.corrected))
@@ -112,9 +111,9 @@ impl DwellHistory {
         self.gauging = gauging;
     }
 
-    /// Takes a dwell, and says whether it is a new one: the same one again is not kept. One that is older
-    /// than what was read before, or that comes years later, was stamped by a clock that was set: what
-    /// was read before is then moved to where it may have been by the new one.
+    /// Takes a dwell, and returns whether it is a new one: the same one again is not kept. One that
+    /// is older than the earlier dwells, or that comes years later, means that the clock was set:
+    /// the earlier dwells are then moved to where they may have been by the new clock.
     pub fn add(&mut self, dwell: Dwell) -> bool {
         if !is_sound(&dwell) || self.knows(dwell.at) {
             return false;
@@ -128,7 +127,8 @@ impl DwellHistory {
         true
     }
 
-    /// The same dwell was read before, or it is of a time of which only means are kept.
+    /// Whether the same dwell was read before, or it falls into a time of which only means are
+    /// kept.
     fn knows(&self, at: Timestamp) -> bool {
         let place = self.dwells.partition_point(|dwell| dwell.at < at);
         let Some(next) = self.dwells.get(place) else { return false };
@@ -140,7 +140,7 @@ impl DwellHistory {
         }
     }
 
-    /// Moves what was read before to before `at`; `false` if there is no room.
+    /// Moves the earlier dwells to before `at`; returns `false` if there is no room.
     fn follow_clock(&mut self, at: Timestamp) -> bool {
         let Some(newest) = self.dwells.last().map(|dwell| dwell.at) else { return true };
         let usual = self.usual_interval();
@@ -167,7 +167,7 @@ impl DwellHistory {
         true
     }
 
-    /// The median of the newest intervals; a day where there are none.
+    /// Median of the newest intervals; a day where there are none.
     fn usual_interval(&self) -> Span {
         let intervals = self.dwells.windows(2).rev().take(P.intervals);
         let mut intervals: Vec<i64> =
@@ -176,8 +176,8 @@ impl DwellHistory {
         Span::from_nanos(intervals.get(intervals.len() / 2).copied().unwrap_or(DAY))
     }
 
-    /// Puts together what is too much: dwells of one day, the oldest first; where there is one a day left,
-    /// pairs of days of the older half, of which the first three stay.
+    /// Merges surplus dwells: those of one day, the oldest first; where there is one a day left,
+    /// pairs of days of the older half, except the first three.
     fn shorten(&mut self) {
         while self.dwells.len() > MOST {
             let same = |pair: &[Dwell]| day(pair[0].at) == day(pair[1].at);
@@ -191,7 +191,7 @@ impl DwellHistory {
         }
     }
 
-    /// Makes one of the dwells at `place` and behind it.
+    /// Merges the dwell at `place` with the next one.
     fn merge(&mut self, place: usize) {
         let (next, more) = (self.dwells.remove(place + 1), self.counts.remove(place + 1));
         let count = self.counts[place].saturating_add(more);
@@ -204,7 +204,7 @@ impl DwellHistory {
         self.counts[place] = count;
     }
 
-    /// What was read on each day.
+    /// Readings of each day.
     pub fn days(&self) -> Vec<Day> {
         let mut days = Vec::with_capacity(self.dwells.len());
         for (dwell, count) in self.dwells.iter().zip(&self.counts) {

@@ -1,26 +1,26 @@
-//! Of what kind a fault is, how large and since when, from the residuals since.
+//! Kind, size and onset of a fault, from the residuals since.
 
 use super::parameters::KindParameters;
 use super::samples::{History, Newest};
 use crate::verdict::Fault;
 
-/// A fault as its residuals show it.
+/// Shape of a fault in its residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     pub fault: Fault,
-    /// Of a step its height, of a ramp what it has come to, m, signed; of noise its root mean
-    /// square.
+    /// Size, m, signed: the height of a step, or the present value of a ramp; the root mean square
+    /// of a noise.
     pub size: f64,
-    /// Cycles ago.
+    /// Onset, cycles ago.
     pub onset: usize,
-    /// A sample before the onset is held: it was seen to begin.
+    /// Whether a sample before the onset is held, so that the beginning was seen.
     pub seen: bool,
-    /// What the better of step and ramp explains more than the other, nats.
+    /// Evidence of the better of step and ramp over the other, nats.
     pub advantage: f64,
 }
 
-/// The step or the ramp that explains the most, healthy samples having this `deviation`, m: of the newest
-/// ones, or of those in motion, which go back farther.
+/// The step or the ramp that explains the residuals best, where healthy samples have this standard
+/// `deviation`, m: of the newest ones, or of those in motion, which go back farther.
 pub fn shape(history: &History, deviation: f64, parameters: &KindParameters) -> Shape {
     let (newest, recent) = fit(&history.all, deviation, parameters);
     let (moving, lasting) = fit(&history.moving, deviation, parameters);
@@ -66,17 +66,21 @@ fn fit<const N: usize>(
     (Shape { fault, size, onset, seen, advantage: more.abs() }, step.0.max(ramp.0))
 }
 
-/// What some samples are.
+/// Appearance of some samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Looks {
-    /// Each another one, about no mean, with this root mean square, m.
+pub enum Appearance {
+    /// Every sample differs, with no mean, and with this root mean square, m.
     Noisy(f64),
     Steady,
     Neither,
 }
 
-/// What the newest `span` samples are; `None` if there are not so many.
-pub fn looks(history: &History, span: usize, parameters: &KindParameters) -> Option<Looks> {
+/// Appearance of the newest `span` samples; `None` if there are not so many.
+pub fn appearance(
+    history: &History,
+    span: usize,
+    parameters: &KindParameters,
+) -> Option<Appearance> {
     if span > history.all.held() {
         return None;
     }
@@ -86,7 +90,7 @@ pub fn looks(history: &History, span: usize, parameters: &KindParameters) -> Opt
     let count = span as f64;
     let (square, mean) = (squares / count, sum / count);
     if mean * mean > parameters.steady * square {
-        return Some(Looks::Steady);
+        return Some(Appearance::Steady);
     }
     let mut before = None;
     let changes = newest().map(|value| {
@@ -97,15 +101,15 @@ pub fn looks(history: &History, span: usize, parameters: &KindParameters) -> Opt
     // Of white noise this is 2 (von Neumann), of what goes up and down slowly nearly 0.
     let wildness = changes.sum::<f64>() / (count * (square - mean * mean));
     let noisy = mean * mean < parameters.noisy * square && wildness > parameters.wild;
-    Some(if noisy { Looks::Noisy(libm::sqrt(square)) } else { Looks::Neither })
+    Some(if noisy { Appearance::Noisy(libm::sqrt(square)) } else { Appearance::Neither })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sequential::clip::Clip;
-    use crate::sequential::novelty::News;
     use crate::sequential::samples::Sample;
+    use crate::sequential::thinning::Independence;
 
     const P: &KindParameters = &KindParameters::DEFAULT;
 
@@ -113,7 +117,11 @@ mod tests {
         let mut history = History::holding(64);
         for k in 0..300 {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            history.push(Sample::at_rest(healthy + residual(k)), &Clip::NONE, News::InMotion);
+            history.push(
+                Sample::at_rest(healthy + residual(k)),
+                &Clip::NONE,
+                Independence::InMotion,
+            );
         }
         history
     }
@@ -128,28 +136,30 @@ mod tests {
         assert!((ramp.size - 4e-4).abs() < 4e-5 && (80..120).contains(&ramp.onset), "{ramp:?}");
     }
 
-    /// As what a drift leaves of a baseline that began with it.
+    /// The residual that a drift leaves with a baseline that began with it.
     #[test]
     fn what_was_there_first_was_not_seen_to_begin() {
         for (begin, seen) in [(0, false), (1, true), (20, true)] {
             let mut history = History::holding(64);
             let fault = |k: usize| if k < begin { 0.0 } else { 3e-4 };
-            (0..40)
-                .for_each(|k| history.push(Sample::at_rest(fault(k)), &Clip::NONE, News::InMotion));
+            (0..40).for_each(|k| {
+                history.push(Sample::at_rest(fault(k)), &Clip::NONE, Independence::InMotion)
+            });
             let step = shape(&history, 5e-5, P);
             assert_eq!((step.onset, step.seen), (40 - begin, seen));
         }
     }
 
-    /// Of a rod that rests now and then: two samples of three are in motion.
+    /// The residual of a rod that sometimes rests: two samples of three are in motion.
     #[test]
     fn an_onset_is_told_in_cycles() {
         let mut history = History::holding(64);
         for k in 0..600_usize {
             let healthy = 5e-5 * ((k * k * 7919) % 201) as f64 / 100.0 - 5e-5;
-            let news = if k % 3 == 0 { News::AtRest } else { News::InMotion };
+            let independence =
+                if k % 3 == 0 { Independence::AtRest } else { Independence::InMotion };
             let fault = if k < 450 { 0.0 } else { 5e-4 };
-            history.push(Sample::at_rest(healthy + fault), &Clip::NONE, news);
+            history.push(Sample::at_rest(healthy + fault), &Clip::NONE, independence);
         }
         let step = shape(&history, 5e-5, P);
         assert_eq!((step.fault, step.onset), (Fault::Abrupt, 150));
@@ -158,13 +168,13 @@ mod tests {
     #[test]
     fn noise_has_no_mean() {
         let noisy = history(|k| if k % 2 == 0 { 4e-4 } else { -4e-4 });
-        let Some(Looks::Noisy(rms)) = looks(&noisy, 25, P) else {
-            panic!("{:?}", looks(&noisy, 25, P))
+        let Some(Appearance::Noisy(rms)) = appearance(&noisy, 25, P) else {
+            panic!("{:?}", appearance(&noisy, 25, P))
         };
         assert!((rms - 4e-4).abs() < 2e-5, "{rms}");
-        assert_eq!(looks(&history(|_| 4e-4), 25, P), Some(Looks::Steady));
-        assert_eq!(looks(&history(|_| 4e-4), 65, P), None);
+        assert_eq!(appearance(&history(|_| 4e-4), 25, P), Some(Appearance::Steady));
+        assert_eq!(appearance(&history(|_| 4e-4), 65, P), None);
         let wave = history(|k| 4e-4 * (k as f64 * 0.25).sin());
-        assert_eq!(looks(&wave, 50, P), Some(Looks::Neither));
+        assert_eq!(appearance(&wave, 50, P), Some(Appearance::Neither));
     }
 }

@@ -1,19 +1,20 @@
-//! Beyond fixed thresholds: sequential detection, and which transducer it is.
+//! Sequential detection beyond fixed thresholds, and location of the faulty transducer.
 //!
 //! ```text
-//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ noise, novelty ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
+//! C1, C2 ─→ reference ─ residual ─→ baseline ─→ noise, thinning ─→ windows ─→ statistic (GLR) ─ h ─→ alarm
 //!    └────→ pair (with u) ─ innovations ──────────────────────────────────────→ suspect, kind
 //! ```
 //!
-//! A threshold on one sample finds millimetres. Here the evidence of all windows up to 1024 samples
-//! is weighed, in nats, against what the calibration has seen of healthy residuals: a mean that
-//! moved ([`statistic`]), or a spread that grew. Residuals are weighed by what they scatter by at their
-//! velocity ([`noise`]), no sample proves more than a wild one does ([`wild`]), and what is in all
-//! cylinders alike and goes with the velocity is a matter of time ([`sampling`]). The level h is one number, from the wanted rate of
-//! false alarms. Which transducer it is, is told only where the evidence is there: steps and noise
-//! by the command ([`pair`]); a slow drift stays undecided, because in the closed loop the machine
-//! follows it. A gain that is off is told by its going with the length ([`scale`]). Memory is
-//! bounded, and a step allocates nothing.
+//! A threshold on one sample finds millimetres. Here the evidence of all windows up to 1024
+//! samples, in nats, is weighed against the healthy residuals of the calibration: evidence for a
+//! mean that moved, or a spread that grew ([`statistic`]). Residuals are weighted by their scatter
+//! at the present velocity ([`noise`]), no sample proves more than a wild one does ([`wild`]), and
+//! a residual in proportion to the velocity in all cylinders alike is attributed to the sampling
+//! times ([`sampling`]). The level h is one number, from the wanted rate of false alarms. The
+//! faulty transducer is named only where there is evidence: for steps and noise by the command
+//! ([`pair`]); a slow drift stays undecided, because in the closed loop the machine follows it. A
+//! gain error is recognised by its proportion to the length ([`scale`]). Memory is bounded, and a
+//! step allocates nothing.
 
 pub mod alarm;
 pub mod archive;
@@ -28,7 +29,6 @@ pub mod history;
 pub mod kind;
 pub mod motion;
 pub mod noise;
-pub mod novelty;
 pub mod pair;
 pub mod parameters;
 pub mod rate;
@@ -42,6 +42,7 @@ pub mod statistic;
 pub mod stops;
 mod student;
 pub mod tanh;
+pub mod thinning;
 pub mod trend;
 pub mod velocity;
 pub mod whitening;
@@ -65,15 +66,15 @@ pub use reference::Reference;
 pub use sampling::{Apart, Sampling};
 pub use scale::Scale;
 pub use stops::{Blame, Judgement};
-pub use trend::{Forecast, Limits, Trend};
+pub use trend::{DriftLimits, Forecast, Trend};
 pub use witness::Claim;
 
 /// The level h, nats, at which a healthy machine of `cylinders` that is read every `sample_time`
-/// seconds and always judged has `per_year` false alarms a year at the most.
+/// seconds and always judged has at most `per_year` false alarms a year.
 ///
 /// At each sample the statistic of one window is beyond h with a probability of exp(−h) at most
-/// (Chernoff); neighbouring windows and samples say nearly the same, so that this many are not
-/// added up. What a recording shows is by a few nats better.
+/// (Chernoff); neighbouring windows and samples are nearly the same, so that their number is not
+/// added up. The level from a recording is better by a few nats.
 pub fn level(per_year: f64, cylinders: u8, sample_time: f64) -> f64 {
     libm::log(f64::from(cylinders) / sample_time / per_second(per_year))
 }

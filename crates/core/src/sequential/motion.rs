@@ -1,6 +1,7 @@
-//! Whether the rod moves.
+//! Detection of the rod's motion.
 //!
-//! One wild sample is a displacement, and another one back; it takes two successive ones the same way.
+//! One wild sample makes a displacement and another one back, so motion needs two successive
+//! displacements in the same direction.
 
 use super::parameters::ResidualParameters;
 
@@ -16,12 +17,12 @@ pub struct Motion {
     over: usize,
     next: usize,
     held: usize,
-    /// How far each reading was displaced with the cycle before, m; 0 where that was not far.
+    /// Displacement of each reading in the previous cycle, m; 0 where it was small.
     way: [f64; 2],
 }
 
 impl Motion {
-    /// For samples every `sample_time` seconds.
+    /// A detector for samples every `sample_time` seconds.
     pub fn new(parameters: &ResidualParameters, sample_time: f64) -> Self {
         let over = parameters.cycles(sample_time).motion;
         let least = parameters.slowest * over as f64 * sample_time;
@@ -32,7 +33,7 @@ impl Motion {
         (self.held, self.way) = (0, [0.0; 2]);
     }
 
-    /// Takes the readings of a cycle, m; `true` if the rod moves by either of them.
+    /// Takes the readings of a cycle, m; returns `true` if the rod moves by either of them.
     #[inline]
     pub fn step(&mut self, lengths: [f64; 2]) -> bool {
         let before = core::mem::replace(&mut self.ring[self.next % MOST_CYCLES], lengths);

@@ -1,42 +1,41 @@
-//! How healthy residuals scatter: by noise, and the more the faster the rod moves.
+//! Scatter of healthy residuals: noise, and a part that grows with the speed of the rod.
 //!
-//! Two transducers are never sampled at quite the same time. What chance adds to that, times the
-//! velocity, is in their difference: σ² + (s v)².
+//! Two transducers are never sampled at exactly the same time. The random part of that time, times
+//! the velocity, appears in their difference: σ² + (s v)².
 
 use super::parameters::SamplingParameters;
 
 /// Nobody has sampled two devices more alike than this, s: a calibration that says so was lucky.
 pub const LEAST_TIMING: f64 = SamplingParameters::DEFAULT.least_timing;
 
-/// The scatter of healthy residuals.
+/// Scatter of healthy residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// σ: the standard deviation at rest, m.
+    /// Standard deviation σ at rest, m.
     pub rest: f64,
-    /// s: that of the time between the samples of C1 and C2, s.
+    /// Standard deviation s of the time between the samples of C1 and C2, s.
     pub timing: f64,
 }
 
 impl Noise {
-    /// What the rounding of readings leaves in any case, m, of counts of this `resolution`, m.
+    /// Least scatter from the rounding of readings with this `resolution`, m.
     pub fn of_rounding(resolution: [f64; 2]) -> f64 {
         let squares: f64 = resolution.iter().map(|count| count * count / 12.0).sum();
         libm::sqrt(squares)
     }
 
-    /// The same, with a timing that can be relied on.
+    /// This scatter, with a timing that can be relied on.
     pub fn relied_on(self) -> Self {
         Self { timing: self.timing.max(LEAST_TIMING), ..self }
     }
 
-    /// The variance at a `velocity`, m/s, in m².
+    /// Variance at a `velocity`, m/s, in m².
     pub fn variance(&self, velocity: f64) -> f64 {
         let by_timing = self.timing * velocity;
         self.rest * self.rest + by_timing * by_timing
     }
 
-    /// What a residual at a `velocity`, m/s, has to be multiplied by to scatter as one at rest does;
-    /// 0 to 1.
+    /// Factor with which a residual at a `velocity`, m/s, scatters as one at rest does; 0 to 1.
     pub fn share(&self, velocity: f64) -> f64 {
         libm::sqrt(self.rest * self.rest / self.variance(velocity))
     }

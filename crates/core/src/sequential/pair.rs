@@ -271,11 +271,11 @@ impl Pair {
     /// C2, nats, as far as either is more likely than both or neither; `None` if the filter has not
     /// followed for so long.
     ///
-    /// Of the difference d = ν1 − ν2 a part f is the fault, the rest healthy. If C1 is noisy, the sum
-    /// s = ν1 + ν2 goes with f d, and with −f d if it is C2; around these it varies as much as healthy
-    /// ones do, or where the rod itself is moved by what no command tells, as the innocent one shows.
-    /// If both are, it goes with neither, and varies as it does; two faults at once are the less likely
-    /// beforehand, so that evidence against them counts twice.
+    /// A part f of the difference d = ν1 − ν2 is the fault, the rest healthy. If C1 is noisy, the
+    /// sum s = ν1 + ν2 follows f d, and −f d if it is C2. Around these it varies as much as healthy
+    /// sums do, or, where the rod itself moves without a command, as the innocent one shows. If
+    /// both are noisy, it follows neither, and varies as it does; since two faults at once are less
+    /// likely beforehand, evidence against them counts twice.
     pub fn energy(&self, cycles: usize) -> Option<f64> {
         if cycles > self.held {
             return None;

@@ -1,4 +1,4 @@
-//! How unlikely a mean is on a healthy cylinder.
+//! Rate functions: the improbability of a mean on a healthy cylinder.
 
 use super::wild::Outliers;
 use alloc::vec;
@@ -28,7 +28,7 @@ pub struct Magnitudes {
 }
 
 impl Magnitudes {
-    /// Bins that begin with a width of `width`, m.
+    /// A distribution whose bins begin with the width `width`, m.
     pub fn new(width: f64) -> Self {
         Self { width, counts: vec![0; BINS], total: 0, squares: 0.0, largest: 0.0 }
     }
@@ -62,12 +62,12 @@ impl Magnitudes {
         self.total
     }
 
-    /// m.
+    /// Largest magnitude, m.
     pub const fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// The root mean square, m.
+    /// Root mean square, m.
     pub fn deviation(&self) -> f64 {
         libm::sqrt(self.squares / self.total.max(1) as f64)
     }
@@ -76,36 +76,37 @@ impl Magnitudes {
 /// Chernoff's rate function I of the healthy residual, or of its square: the mean of w independent ones
 /// is beyond x with a probability of at most exp(−w I(x)).
 ///
-/// It is that of the residuals which a calibration has seen, of one more because nobody has seen the
-/// largest, and of a share of wild ones ([`super::wild`]), all of them as far off as a sample counts.
-/// No Gaussian is assumed: readings that move in counts have none. It is a table from 0 in steps of
-/// `spacing`, and beyond it the last value: a single sample, however far off, is no more evidence than
-/// it is rare to be wild.
+/// It is made from the residuals of a calibration, one more because the largest has not been seen,
+/// and a share of wild ones ([`super::wild`]), all of them as far off as a sample counts. No
+/// Gaussian is assumed: readings that move in counts have none. It is a table from 0 in steps of
+/// `spacing`, with the last value beyond its end: a single sample, however far off, is at most as
+/// much evidence as wild samples are rare.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rate {
     spacing: f64,
-    /// Steps in a metre: to multiply takes a third of the time that to divide does.
+    /// Steps in a metre: multiplying takes a third of the time of dividing.
     density: f64,
-    /// Values of √I, and what it is more at the next node: between two it is nearly straight, as that of
-    /// a normal distribution is.
+    /// Values of √I, and the increment to the next node: between two nodes √I is nearly linear, as
+    /// that of a normal distribution is.
     roots: Vec<[f64; 2]>,
-    /// How far the table goes, in steps, and the value there: I beyond it, nats.
+    /// Length of the table, steps.
     end: f64,
+    /// Value of I beyond the table, nats.
     bound: f64,
 }
 
-/// What is averaged.
+/// Quantity that is averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Of {
-    /// The residual, whose distribution is taken for symmetrical. x is the magnitude of the mean, m.
+    /// The residual, whose distribution is taken as symmetrical. x is the magnitude of the mean, m.
     Mean,
-    /// Its square. x is the root of the mean square, m.
+    /// The square of the residual. x is the root of the mean square, m.
     Square,
 }
 
 impl Rate {
-    /// The table that begins with I(0) and has a value each `spacing`, m; nats, at least 2 of them and
-    /// none negative.
+    /// The table that begins with I(0) and has a value every `spacing`, m; nats, at least 2 of them
+    /// and none negative.
     pub fn new(spacing: f64, values: &[f64]) -> Self {
         let root = |value: &f64| libm::sqrt(value.max(0.0));
         let next = values.iter().skip(1).chain(values.last()).map(root);
@@ -116,8 +117,8 @@ impl Rate {
         Self { spacing, density: 1.0 / spacing, end, roots, bound }
     }
 
-    /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m, so many of which may be
-    /// `outliers`; `None` where there are none.
+    /// The rate function of `magnitudes` of residuals that scatter by `noise` at rest, m, some of
+    /// which may be `outliers`; `None` without magnitudes.
     pub fn of(magnitudes: &Magnitudes, what: Of, noise: f64, outliers: Outliers) -> Option<Self> {
         let farthest = outliers.reach() * noise;
         if magnitudes.total == 0 || farthest <= 0.0 {
@@ -138,8 +139,8 @@ impl Rate {
         Some(Self::conjugate(&points, what, farthest))
     }
 
-    /// The rate function of `magnitudes` that were seen so often that nothing else is expected; `None`
-    /// where there are none.
+    /// The rate function of `magnitudes` that were seen so often that nothing else is expected;
+    /// `None` without magnitudes.
     pub fn seen(magnitudes: &Magnitudes, what: Of) -> Option<Self> {
         let all = magnitudes.total as f64;
         let chunks = magnitudes.counts.chunks(SEEN).enumerate();
@@ -152,7 +153,7 @@ impl Rate {
         Some(Self::conjugate(&points, what, farthest))
     }
 
-    /// Of magnitudes, m, and their shares, up to the `farthest`.
+    /// The rate function of magnitudes, m, and their shares, up to the `farthest`.
     fn conjugate(points: &[(f64, f64)], what: Of, farthest: f64) -> Self {
         let spacing = farthest / NODES as f64;
         let at = |x: f64| match what {
@@ -173,28 +174,28 @@ impl Rate {
         Self::new(spacing, &values)
     }
 
-    /// From value to value, m.
+    /// Distance between nodes, m.
     pub const fn spacing(&self) -> f64 {
         self.spacing
     }
 
-    /// The table, nats; begins with 0 and never falls.
+    /// The table, nats; it begins with 0 and never falls.
     pub fn values(&self) -> Vec<f64> {
         self.roots.iter().map(|[root, _]| root * root).collect()
     }
 
-    /// Beyond this one sample is no more evidence, m.
+    /// Value beyond which one sample is no more evidence, m.
     pub fn farthest(&self) -> f64 {
         self.spacing * (self.roots.len() - 1) as f64
     }
 
-    /// x₀: up to there I is 0, m.
+    /// Value x₀ up to which I is 0, m.
     pub fn silent(&self) -> f64 {
         let zeros = self.roots.iter().take_while(|[root, _]| *root == 0.0).count();
         self.spacing * zeros.saturating_sub(1) as f64
     }
 
-    /// M: the most that I(x) is of x² − `from`², 1/m², where `from` is a node up to which I is 0, m;
+    /// Largest ratio M of I(x) to x² − `from`², 1/m², where `from` is a node up to which I is 0, m;
     /// infinite where I(0) is not 0.
     ///
     /// √I = a + bx between two nodes, and the derivative of (a + bx)²/(x² − from²) has the sign of
@@ -212,7 +213,7 @@ impl Rate {
         beyond.map(along).fold(0.0, f64::max)
     }
 
-    /// Where I is `nats` first, m; `None` where it never is.
+    /// The least x with I(x) of `nats`, m; `None` if there is none.
     pub fn reaches(&self, nats: f64) -> Option<f64> {
         let wanted = libm::sqrt(nats.max(0.0));
         let node = self.roots.iter().position(|[root, _]| *root >= wanted)?;
@@ -222,7 +223,7 @@ impl Rate {
         Some(self.spacing * (node as f64 - 1.0 + (wanted - root) / more))
     }
 
-    /// I(x), nats, at least 0; `x` in m, at least 0.
+    /// The rate I(x), nats, at least 0; `x` in m, at least 0.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
         let along = x * self.density;
@@ -237,8 +238,9 @@ impl Rate {
     }
 }
 
-/// sup over λ > 0 of λx − ln E exp(λ …), by golden section: the function is concave. All is in units of
-/// the farthest value or of its square; `grown` is the exponential less exp(λ).
+/// Supremum over λ > 0 of λx − ln E exp(λ …), by golden section: the function is concave.
+/// Everything is in units of the farthest value or of its square; `grown` is the exponential less
+/// exp(λ).
 fn conjugate(points: &[(f64, f64)], x: f64, farthest: f64, grown: impl Fn(f64, f64) -> f64) -> f64 {
     let value = |tilt: f64| {
         // Without overflow: exp(λ) is taken out of the sum.
@@ -279,7 +281,7 @@ mod tests {
         magnitudes
     }
 
-    /// Of a normal distribution it is x²/2σ², less what wild ones may do.
+    /// For a normal distribution it is x²/2σ², less the effect of wild samples.
     #[test]
     fn of_a_normal_distribution_it_is_nearly_a_parabola() {
         let rate = Rate::of(&normal(200_000), Of::Mean, SIGMA, USUAL).expect("there are samples");
@@ -289,7 +291,8 @@ mod tests {
         }
     }
 
-    /// Of a normal distribution it is (ρ − 1 − ln ρ)/2 with ρ = mean square/σ², and nothing below 1.
+    /// For the square of a normal residual it is (ρ − 1 − ln ρ)/2 with ρ = mean square/σ², and
+    /// nothing below 1.
     #[test]
     fn of_a_normal_distributions_square_it_is_less_than_that_of_its_variance() {
         let rate = Rate::of(&normal(200_000), Of::Square, SIGMA, USUAL).expect("there are samples");
@@ -310,7 +313,7 @@ mod tests {
         }
     }
 
-    /// What the calibration has seen of wild samples is expected, too.
+    /// Wild samples that the calibration has seen are expected, too.
     #[test]
     fn wild_samples_that_were_seen_prove_less() {
         let mut magnitudes = normal(100_000);

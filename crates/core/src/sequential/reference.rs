@@ -1,4 +1,5 @@
-//! What C1 − C2 is on a healthy cylinder: along the stroke and with speed, and how well that is known.
+//! The reference: C1 − C2 on a healthy cylinder along the stroke and with speed, and its
+//! uncertainty.
 
 use super::parameters::ResidualParameters;
 use alloc::vec::Vec;
@@ -9,21 +10,21 @@ pub const LARGEST_DOUBT: f64 = ResidualParameters::DEFAULT.largest_doubt;
 /// It may be off by so many of its standard deviations.
 pub const DOUBTED: f64 = ResidualParameters::DEFAULT.doubted;
 
-/// Hat functions along the stroke and one term in velocity. With it go a and b of (5-20), what no
-/// straight line takes away, and the time by which one transducer samples after the other.
+/// Hat functions along the stroke and one term in velocity. They include a and b of (5-20), the
+/// deviation from a straight line, and the time by which one transducer samples after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
-    /// Of the first node, m.
+    /// Position of the first node, m.
     pub first: f64,
-    /// From node to node, m.
+    /// Distance between nodes, m.
     pub spacing: f64,
     /// C1 − C2 at rest at each node, m; at least two.
     pub nodes: Vec<f64>,
-    /// What that may be off by, m, at each node.
+    /// Uncertainty at each node, m.
     pub doubts: Vec<f64>,
     /// For each cell between two nodes, whether the calibration has covered it.
     pub covered: Vec<bool>,
-    /// What it grows by with the velocity, s.
+    /// Growth of C1 − C2 with the velocity, s.
     pub velocity: f64,
 }
 
@@ -35,7 +36,7 @@ pub struct Place {
 }
 
 impl Reference {
-    /// Where `length`, m, is among `nodes` nodes; `None` beyond them.
+    /// The place of `length`, m, among `nodes` nodes; `None` beyond them.
     pub fn place(first: f64, spacing: f64, nodes: usize, length: f64) -> Option<Place> {
         let along = (length - first) / spacing;
         // Not `floor`, which is a call: what is negative is beyond the nodes.
@@ -45,21 +46,23 @@ impl Reference {
         inside.then_some(Place { cell, part: along - f64::from(floor) })
     }
 
-    /// C1 − (C2 + φᵀθ), m, of readings in m and a velocity in m/s, and what that may be off by, m; `None`
-    /// where the calibration does not know either of their places: one may be wrong by a lot.
+    /// Residual C1 − (C2 + φᵀθ), m, of readings in m and a velocity in m/s, and its uncertainty, m;
+    /// `None` where the calibration does not know the place of either reading, one of which may be
+    /// grossly wrong.
     #[inline]
     pub fn residual(&self, c1: f64, c2: f64, velocity: f64) -> Option<(f64, f64)> {
         let (place, doubt) = self.known(c2).or_else(|| self.known(c1))?;
         Some((c1 - c2 - self.at(place, velocity), doubt))
     }
 
-    /// C1 − C2, m, of healthy readings where C2 reads `c2`, m, at a velocity in m/s; `None` where that is
-    /// not known.
+    /// C1 − C2, m, of healthy readings where C2 reads `c2`, m, at a velocity in m/s; `None` where
+    /// it is not known.
     pub fn healthy(&self, c2: f64, velocity: f64) -> Option<f64> {
         self.known(c2).map(|(place, _)| self.at(place, velocity))
     }
 
-    /// The parts of the stroke, from and to in m, whose doubt is beyond `above`, m, and at the most `most`.
+    /// The parts of the stroke, from and to in m, whose uncertainty is beyond `above`, m, and at
+    /// most `most`.
     pub fn spans(&self, above: f64, most: f64) -> Vec<[f64; 2]> {
         let mut spans: Vec<[f64; 2]> = Vec::new();
         let cells = self.doubts.windows(2).zip(&self.covered).enumerate();
@@ -90,8 +93,8 @@ impl Reference {
         low + place.part * (high - low) + self.velocity * velocity
     }
 
-    /// The place of a length, m, and what the reference may be off by there, m: between two nodes it is
-    /// no more than what is between theirs.
+    /// The place of a length, m, and the uncertainty of the reference there, m: between two nodes
+    /// it does not exceed that between theirs.
     #[inline]
     fn known(&self, length: f64) -> Option<(Place, f64)> {
         let place = Self::place(self.first, self.spacing, self.nodes.len(), length)?;
@@ -116,7 +119,8 @@ mod tests {
         }
     }
 
-    /// From the first node to half of the last cell, better and better known up to the second.
+    /// A reference that is uncertain from the first node to half of the last cell, and gets better
+    /// towards the second.
     fn doubtful() -> Reference {
         Reference { doubts: vec![1.5e-4, 0.5e-4, 3.5e-4], covered: vec![true; 2], ..reference() }
     }

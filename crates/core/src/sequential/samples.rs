@@ -1,12 +1,12 @@
-//! The newest samples: of all, of those that are news, and of those of them in motion.
+//! The newest samples: all, the independent ones, and the independent ones in motion.
 
 use super::clip::Clip;
-use super::novelty::News;
 use super::statistic::DEAD_BAND;
+use super::thinning::Independence;
 use super::windows::{Few, Sums, VALUES};
 use alloc::boxed::Box;
 
-/// Up to this width a window takes every sample that is news; wider ones only those in motion, because
+/// Up to this width a window takes every independent sample; wider ones only those in motion, because
 /// at rest the count hardly changes and one sample says much of what the one before has said.
 pub const AT_REST: usize = 6;
 
@@ -20,24 +20,25 @@ pub const MOVING: usize = 1024;
 /// Samples that tell how far the readings are apart now.
 const FEW: usize = 4;
 
-/// What is known of one cycle.
+/// Sample of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// The residual beyond its baseline, m.
+    /// Residual beyond its baseline, m.
     pub residual: f64,
-    /// What it is multiplied by to scatter as one at rest does ([`super::noise::Noise::share`]).
+    /// Factor with which the residual scatters as one at rest does
+    /// ([`super::noise::Noise::share`]).
     pub share: f64,
-    /// The square of what the residual may be off by, for its reference and its baseline may be, m².
+    /// Variance of the residual due to the uncertainty of its reference and its baseline, m².
     pub doubt: f64,
 }
 
 impl Sample {
-    /// Of a rod that stands where all is known.
+    /// A sample of a rod at rest where everything is known.
     pub const fn at_rest(residual: f64) -> Self {
         Self { residual, share: 1.0, doubt: 0.0 }
     }
 
-    /// The share of the dead band that it has: what is not known is added to that, in quadrature.
+    /// Part of the dead band that applies: the uncertainty is added to it in quadrature.
     #[inline]
     fn band(&self) -> f64 {
         if self.doubt > 0.0 {
@@ -48,11 +49,11 @@ impl Sample {
     }
 }
 
-/// The newest residuals, m, up to a number of them that is `N` at the most; `N` is a power of two.
+/// The newest residuals, at most `N`, m; `N` is a power of two.
 #[derive(Clone, Debug)]
 pub struct Newest<const N: usize> {
     ring: Box<[f64; N]>,
-    /// Residuals that came.
+    /// Number of residuals that came.
     count: usize,
     /// So many are held.
     most: usize,
@@ -66,7 +67,7 @@ impl<const N: usize> Default for Newest<N> {
 }
 
 impl<const N: usize> Newest<N> {
-    /// Residuals that are held.
+    /// Number of residuals that are held.
     #[inline]
     pub fn held(&self) -> usize {
         self.count.min(self.most)
@@ -82,43 +83,45 @@ impl<const N: usize> Newest<N> {
         self.count = 0;
     }
 
-    /// The newest first, m.
+    /// The residuals, newest first, m.
     pub fn iter(&self) -> impl Iterator<Item = f64> {
         (1..=self.held()).map(|ago| self.ring[self.count.wrapping_sub(ago) % N])
     }
 }
 
-/// The newest samples, one by one; and as sums: of the weighed residual as far as it counts, m, of its
-/// square likewise less what its doubt explains, m², of the share of the dead band that it has, and of the
-/// cycles since the sample before.
+/// The newest samples one by one, and as sums: of the clipped, weighted residual, m; of its square,
+/// less the part that its uncertainty explains, m²; of the part of the dead band that applies; and
+/// of the cycles since the previous sample.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     pub all: Newest<NEWEST>,
-    /// Those that do not repeat others, …
+    /// Independent samples.
     few: Few,
-    /// … and those of them that are in motion.
+    /// Independent samples in motion.
     pub moving: Newest<MOVING>,
     many: Sums<MOVING>,
-    /// Of this sample, and of the newest of each of the two.
+    /// Cycle of this sample.
     cycle: u64,
+    /// Cycle of the newest independent sample.
     said: u64,
+    /// Cycle of the newest independent sample in motion.
     moved: u64,
 }
 
 impl History {
-    /// One that holds so many of all samples, [`NEWEST`] at the most.
+    /// A history that holds the `newest` of all samples, [`NEWEST`] at the most.
     pub fn holding(newest: usize) -> Self {
         let all = Newest { most: newest.min(NEWEST), ..Newest::default() };
         Self { all, ..Self::default() }
     }
 
-    /// Takes a sample, as far as `clip` lets it count: a wild one must not be a mean of many.
+    /// Takes a sample, clipped by `clip`: a wild one must not count as a mean of many.
     #[inline(always)]
-    pub fn push(&mut self, sample: Sample, clip: &Clip, news: News) {
+    pub fn push(&mut self, sample: Sample, clip: &Clip, independence: Independence) {
         let Sample { residual, share, doubt } = sample;
         self.all.push(residual);
         self.cycle += 1;
-        if news == News::Repeated {
+        if independence == Independence::Repeated {
             return;
         }
         let weighed = residual * share;
@@ -130,7 +133,7 @@ impl History {
         let values = |cycles: u64| [clipped, square, band, cycles as i64 as f64];
         self.few.push(values(self.cycle - self.said));
         self.said = self.cycle;
-        if news == News::InMotion {
+        if independence == Independence::InMotion {
             self.many.push(values(self.cycle - self.moved));
             self.moved = self.cycle;
             self.moving.push(residual);
@@ -145,29 +148,30 @@ impl History {
         (self.said, self.moved) = (self.cycle, self.cycle);
     }
 
-    /// How far the newest few residuals are from none, news or not, m; `None` if there are not so many.
+    /// Distance of the newest few residuals from zero, m, independent or not; `None` if there are
+    /// not so many.
     pub fn apart(&self) -> Option<f64> {
         let squares = self.all.iter().take(FEW).map(|residual| residual * residual);
         (self.all.held() >= FEW).then(|| libm::sqrt(squares.sum::<f64>()))
     }
 
-    /// The cycles that the newest `width` samples that count go back.
+    /// Number of cycles that the newest `width` samples that count go back.
     pub fn cycles(&self, width: usize) -> usize {
         self.over(width).map_or(width, |[.., cycles]| cycles as usize)
     }
 
-    /// The same of the newest `count` in motion.
+    /// Number of cycles that the newest `count` samples in motion go back.
     pub fn cycles_of_moving(&self, count: usize) -> usize {
         self.many.over(count).map_or(0, |[.., cycles]| cycles as usize)
     }
 
-    /// Of the samples that windows up to [`AT_REST`] take.
+    /// Sums of the samples that windows up to [`AT_REST`] take.
     #[inline]
     pub const fn few(&self) -> &Few {
         &self.few
     }
 
-    /// Of those that wider ones take.
+    /// Sums of the samples that wider windows take.
     #[inline]
     pub const fn many(&self) -> &Sums<MOVING> {
         &self.many

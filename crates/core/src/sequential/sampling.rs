@@ -1,9 +1,9 @@
-//! Whether both transducers are sampled as they were when they were calibrated.
+//! Tests whether both transducers are sampled as they were when they were calibrated.
 //!
-//! Another time between the samples of C1 and C2 leaves residuals that go with the velocity, in all
-//! cylinders alike. It is a matter of time and of no transducer: what most cylinders show is taken
-//! away from the residuals, or expected of them, and told for itself. A fault of one transducer is in
-//! one cylinder and moves no median.
+//! A changed time between the samples of C1 and C2 leaves residuals in proportion to the velocity,
+//! in all cylinders alike. No transducer is at fault then: what most cylinders show is subtracted
+//! from the residuals, or added to their expected scatter, and reported separately. A fault of one
+//! transducer affects one cylinder and moves no median.
 
 use super::parameters::SamplingParameters;
 use super::skew::Seen;
@@ -13,32 +13,33 @@ const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 /// More cylinders than these are not asked.
 const MOST: usize = 16;
 
-/// How far apart in time C1 and C2 are sampled, beside what the calibration has seen.
+/// Time between the samples of C1 and C2 beyond what the calibration has seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
-    /// C2 sooner than C1, s.
+    /// Mean time by which C2 is sampled sooner than C1, s.
     pub mean: f64,
-    /// Standard deviation of what chance adds, s.
+    /// Standard deviation of its random part, s.
     pub spread: f64,
-    /// The newest half second is sure that chance adds more, and that is not told yet.
+    /// Whether the newest half second surely shows a larger random part, before that is reported.
     pub changing: bool,
-    /// It is not what the calibration has seen, and that is told.
+    /// Whether the time differs from the calibration, and this was reported.
     pub changed: bool,
 }
 
 impl Apart {
-    /// The timing that a cylinder is judged with, s, whose own is `known`.
+    /// The timing with which a cylinder is judged, s, whose own is `known`.
     pub fn timing(&self, known: f64) -> f64 {
         if self.spread > P.more * known { P.margin * self.spread } else { known }
     }
 }
 
-/// What one cylinder says.
+/// Observation of one cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Said {
-    /// In the newest half second, and in the newest half minute ([`super::skew::Skew`]).
+    /// Observations of the newest half second, and of the newest half minute
+    /// ([`super::skew::Skew`]).
     pub seen: [Seen; 2],
-    /// The timing that was calibrated, s.
+    /// Calibrated timing, s.
     pub known: f64,
 }
 
@@ -49,8 +50,8 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// What the cylinders say together, and whether that is from now on something to tell (`true`) or
-    /// nothing any more. `None` where they are too few.
+    /// The common result of all cylinders, and whether it begins (`true`) or ends to be reportable.
+    /// `None` where there are too few cylinders.
     pub fn judge(
         &mut self,
         cylinders: impl Iterator<Item = Said>,
@@ -80,7 +81,7 @@ impl Sampling {
         Some((Apart { mean, spread, changing, changed: self.changed }, told))
     }
 
-    /// Of what is known for sure.
+    /// Reports what is known for sure.
     fn tell(&mut self, said: &[Said], slow: Middle, known: f64) -> Option<bool> {
         let limit = limit(known);
         let moved = || {
@@ -98,7 +99,7 @@ impl Sampling {
     }
 }
 
-/// Of the cylinders.
+/// Medians over the cylinders.
 #[derive(Clone, Copy, Debug)]
 struct Middle {
     mean: f64,
@@ -106,18 +107,20 @@ struct Middle {
 }
 
 impl Middle {
-    /// What each is sure of is less than what it has seen, and so are their medians: mostly one look tells.
+    /// Whether the scatter may exceed `limit`: each value known for sure is less than the one seen,
+    /// and so are their medians, so mostly this one comparison is enough.
     fn may_be_beyond(&self, limit: f64) -> bool {
         self.square > limit * limit
     }
 }
 
-/// The scatter that a timing of `known`, s, is taken to be exceeded by, s.
+/// Limit beyond which the scatter exceeds a timing of `known`, s, in s.
 fn limit(known: f64) -> f64 {
     P.least_apart.max(P.more * known)
 }
 
-/// Chance adds more than `limit`, s, for sure, as the newest half second (0) or half minute (1) has it.
+/// Whether the random part surely exceeds `limit`, s, by the newest half second (0) or half minute
+/// (1).
 #[cold]
 fn surely(said: &[Said], which: usize, limit: f64) -> bool {
     let least = |one: &Said| {

@@ -1,8 +1,8 @@
-//! Whether a fault is a gain that is off: an error in proportion to the length.
+//! Tests whether a fault is a gain error: an error in proportion to the length.
 //!
-//! Two explanations of the residuals since the alarm compete, both by least squares: c + g·l, and what
-//! time alone explains, c + s·t + q·t², be it a step, a ramp or one that bends. While the rod goes up
-//! and down, l is no function of time, and one of them fails.
+//! Two explanations of the residuals since the alarm compete, both by least squares: c + g·l, and a
+//! function of time, c + s·t + q·t², which may be a step, a ramp or a bent one. While the rod moves
+//! up and down, l is no such function of time, and one of them fails.
 
 use super::parameters::{Cycles, ScaleParameters};
 use nalgebra::{SMatrix, SVector};
@@ -18,12 +18,12 @@ const OF_TIME: [usize; 3] = [0, 1, 2];
 /// What goes with the length.
 const OF_LENGTH: [usize; 2] = [0, 3];
 
-/// A gain that is off.
+/// A gain error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// By how much more C1 grows with the length than C2 does, m per m.
+    /// How much more C1 grows with the length than C2, m per m.
     pub gain: f64,
-    /// The log-likelihood of c + g·l less that of what time explains, nats.
+    /// Log-likelihood of c + g·l less that of the function of time, nats.
     pub nats: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Scale {
 pub struct Proportion {
     /// Standard deviation of a healthy residual, m.
     deviation: f64,
-    /// What the gain must amount to over the stroke that was travelled, m.
+    /// Least effect of the gain over the stroke that was travelled, m.
     dead_band: f64,
     parameters: &'static ScaleParameters,
     /// Cycles after the alarm that are looked at; t is 1 at their end.
@@ -54,12 +54,12 @@ impl Proportion {
         Self { deviation, dead_band, parameters, longest, alike, sums }
     }
 
-    /// Another alarm has begun.
+    /// Restarts for another alarm.
     pub fn begin(&mut self) {
         self.sums = [[0.0; COLUMNS]; COLUMNS];
     }
 
-    /// Takes the residual, m, at a length, m, so many cycles after the alarm.
+    /// Takes the residual, m, at a length, m, at `age` cycles after the alarm.
     pub fn push(&mut self, age: u32, length: f64, residual: f64) {
         if age > self.longest {
             return;
@@ -73,8 +73,8 @@ impl Proportion {
         }
     }
 
-    /// The gain, where it explains clearly more than time does and enough of the stroke was travelled;
-    /// `told`: it was said before, and only evidence against it takes it back.
+    /// The gain error, where it explains clearly more than time does and enough of the stroke was
+    /// travelled; `told`: it was reported before, and only evidence against it takes it back.
     pub fn scale(&self, told: bool) -> Option<Scale> {
         let count = self.sums[0][0];
         let ([_, slope], by_length) = self.fit(OF_LENGTH)?;
@@ -92,8 +92,8 @@ impl Proportion {
         is_scale.then_some(Scale { gain, nats })
     }
 
-    /// Least squares on some of the columns: the coefficients, and the sum of squares that is left, of
-    /// residuals in healthy deviations. `None` where they cannot be told apart.
+    /// Least squares on some of the columns: the coefficients, and the remaining sum of squares, of
+    /// residuals in healthy deviations. `None` where the columns are collinear.
     fn fit<const N: usize>(&self, columns: [usize; N]) -> Option<([f64; N], f64)> {
         let matrix = SMatrix::<f64, N, N>::from_fn(|i, j| self.sums[columns[i]][columns[j]]);
         let right = SVector::<f64, N>::from_fn(|i, _| self.sums[columns[i]][RESIDUAL]);
@@ -118,7 +118,7 @@ mod tests {
         Proportion::new(SIGMA, 1e-4, &parameters.scale, &parameters.cycles(0.02))
     }
 
-    /// A rod that goes up and down in 8 s and a little more slowly, too, for so many seconds.
+    /// A rod that moves up and down in 8 s, and a little more slowly, too, for `seconds`.
     fn after(seconds: f64, residual: impl Fn(f64, f64, f64) -> f64) -> Option<Scale> {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut proportion = of_50_hz();
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn what_time_noise_or_another_fault_explains_is_no_gain() {
-        /// Of time, s, length, m, and a normal random number.
+        /// Residual as a function of time, s, length, m, and a normal random number.
         type Residual = fn(f64, f64, f64) -> f64;
         let faults: [(&str, Residual); 7] = [
             ("step", |_, _, _| 3e-3),

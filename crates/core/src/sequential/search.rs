@@ -1,4 +1,4 @@
-//! The window with the most evidence, found without asking a rate function for each.
+//! Search for the window with the most evidence, which seldom evaluates a rate function.
 
 use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
@@ -19,20 +19,21 @@ const _: () = assert!(WIDTHS[FEW - 1] <= AT_REST && WIDTHS[FEW] > AT_REST);
 #[derive(Clone, Copy, Debug, Default)]
 struct Largest {
     peaks: [Peak; 2],
-    /// The root of the first one's nats.
+    /// Root of the largest nats.
     root: f64,
 }
 
-/// The largest evidence of a history, as it grows.
+/// The largest evidence of a growing history.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Search {
-    /// Samples since the wide windows were looked at, and what they had.
+    /// Number of samples since the wide windows were searched.
     age: u32,
+    /// Result of the newest search of the wide windows.
     wide: [Peak; 2],
 }
 
 impl Search {
-    /// The largest of both statistics with a sample more.
+    /// The largest of both statistics after another sample.
     #[inline]
     pub fn step(&mut self, scales: &Scales, history: &History, widest: usize) -> [Peak; 2] {
         let narrow = scales.narrow(history, widest);
@@ -45,8 +46,8 @@ impl Search {
 }
 
 impl Scales {
-    /// The same of the narrow windows alone, and of the wide ones alone: no rate function is asked for a
-    /// window whose bounds are not beyond what another one has.
+    /// The largest of both statistics among the narrow windows: the rate function of a window is
+    /// evaluated only if its bound exceeds the result of another one.
     fn narrow(&self, history: &History, widest: usize) -> [Peak; 2] {
         let (mut sums, mut largest) = ([0.0; VALUES], Largest::default());
         let (few, reach) = (history.few(), history.few().held().min(widest));
@@ -71,8 +72,8 @@ impl Scales {
         largest.peaks
     }
 
-    /// Goes on from the `sums` of the window before. The index is known to the compiler, which then makes
-    /// no loop of it.
+    /// Continues from the `sums` of the previous window. The index is a constant, so that the
+    /// compiler unrolls the loop.
     #[inline(always)]
     fn few<const INDEX: usize>(
         &self,
@@ -115,10 +116,10 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::rate::{Magnitudes, Of, Rate};
     use super::super::samples::Sample;
     use super::super::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT};
+    use super::super::thinning::Independence;
     use super::super::wild::Outliers;
     use super::*;
     use rand::{RngExt, SeedableRng};
@@ -144,7 +145,7 @@ mod tests {
         Scales::new(rate(Of::Mean), rate(Of::Square), dependence, bands)
     }
 
-    /// As nobody fits them, but a file may have them.
+    /// Rates that no calibration gives, but a file may contain.
     fn odd(mean: &[f64], square: &[f64]) -> Scales {
         let [mean, square] = [mean, square].map(|values| Rate::new(3e-5, values));
         Scales::new(
@@ -155,8 +156,9 @@ mod tests {
         )
     }
 
-    /// Healthy, wild, displaced and noisy samples, at rest and in motion, and a lost bus.
-    fn residuals(count: usize) -> Vec<(Sample, News)> {
+    /// Residuals: healthy, wild, displaced and noisy samples, at rest and in motion, and a lost
+    /// bus.
+    fn residuals(count: usize) -> Vec<(Sample, Independence)> {
         let mut rng = random();
         let one = |k: usize| {
             let normal: f64 = StandardNormal.sample(&mut rng);
@@ -168,19 +170,20 @@ mod tests {
                 (3, _) => (2.0 * normal).round() * DEVIATION,
                 _ => normal * DEVIATION,
             };
-            let news = match rng.random_range(0..10) {
-                0 => News::Repeated,
-                1 => News::AtRest,
-                _ => News::InMotion,
+            let independence = match rng.random_range(0..10) {
+                0 => Independence::Repeated,
+                1 => Independence::AtRest,
+                _ => Independence::InMotion,
             };
             // Every third place is not known for sure.
             let doubt = if k.is_multiple_of(3) { 1e-8 } else { 0.0 };
-            (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, news)
+            (Sample { residual, share: rng.random_range(0.5..1.0), doubt }, independence)
         };
         (0..count).map(one).collect()
     }
 
-    /// The same windows, and the same nats to the last digit.
+    /// The search gives the same windows as the exhaustive one, and the same nats to the last
+    /// digit.
     #[test]
     fn no_window_is_overlooked() {
         let twice = [[1.7; WIDTHS.len()], [2.3; WIDTHS.len()]];
@@ -196,11 +199,11 @@ mod tests {
         for (which, scales) in all.iter().enumerate() {
             let (clip, mut history) = (Clip::new(scales.bands()), History::default());
             let mut found = 0;
-            for (k, (sample, news)) in samples.iter().enumerate() {
+            for (k, (sample, independence)) in samples.iter().enumerate() {
                 if k == 4000 {
                     history.clear();
                 }
-                history.push(*sample, &clip, *news);
+                history.push(*sample, &clip, *independence);
                 for widest in [1, 6, 48, 1024] {
                     let narrow = scales.exhaustive(0..NARROW, &history, widest);
                     let wide = scales.exhaustive(NARROW..WIDTHS.len(), &history, widest);
@@ -219,7 +222,11 @@ mod tests {
         let (clip, mut search) = (Clip::new(scales.bands()), Search::default());
         let mut all: Vec<f64> = Vec::new();
         for k in 0..300_usize {
-            history.push(Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }), &clip, News::InMotion);
+            history.push(
+                Sample::at_rest(if k < 40 { 0.0 } else { 1.5e-4 }),
+                &clip,
+                Independence::InMotion,
+            );
             all.push(scales.peaks(&history, 1024)[0].nats);
             let [found, _] = search.step(&scales, &history, 1024);
             let before = all[k.saturating_sub(EVERY as usize - 1)];

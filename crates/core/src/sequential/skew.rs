@@ -1,5 +1,5 @@
-//! How far apart in time C1 and C2 are sampled now, by what that times the velocity leaves in the
-//! residuals of one cylinder.
+//! Time between the samples of C1 and C2 at present, from the residuals of one cylinder, to which
+//! it contributes in proportion to the velocity.
 
 use super::noise::Noise;
 use super::parameters::SamplingParameters;
@@ -9,25 +9,25 @@ const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 /// How many time constants there are.
 const TIMES: usize = P.times.len();
 
-/// What some seconds say.
+/// Observation over some seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// By how much C1 − C2 grows with the velocity more than calibrated, s: C2 is sampled so much
-    /// sooner.
+    /// Growth of C1 − C2 with the velocity beyond the calibrated one, s: C2 is sampled sooner by
+    /// this time.
     pub mean: f64,
-    /// Its variance at most, s².
+    /// Largest variance of `mean`, s².
     pub mean_variance: f64,
-    /// The mean square of what chance adds to the time between both samples, s².
+    /// Mean square of the random part of the time between both samples, s².
     pub square: f64,
-    /// Its variance at most, s⁴.
+    /// Largest variance of `square`, s⁴.
     pub square_variance: f64,
 }
 
-/// Sums over the newest samples of a cylinder, the older the less.
+/// Sums over the newest samples of a cylinder, with fading weights.
 #[derive(Clone, Debug)]
 pub struct Skew {
     known: f64,
-    /// What is left of each sum with a sample more.
+    /// Part of each sum that remains after another sample.
     keep: [f64; TIMES],
     sums: [[f64; TIMES]; SUMS],
 }
@@ -37,19 +37,19 @@ pub struct Skew {
 const SUMS: usize = 6;
 
 impl Skew {
-    /// Of samples every `sample_time` seconds, of a calibration with the timing `known`, s.
+    /// Sums of samples every `sample_time` seconds, for a calibration with the timing `known`, s.
     pub fn new(sample_time: f64, known: f64) -> Self {
         let keep = P.times.map(|time| libm::exp(-sample_time / time));
         Self { known, keep, sums: [[0.0; TIMES]; SUMS] }
     }
 
-    /// The bus was lost: the devices may have started anew.
+    /// Forgets the sums after the bus was lost, since the devices may have restarted.
     pub const fn reset(&mut self) {
         self.sums = [[0.0; TIMES]; SUMS];
     }
 
-    /// Takes a residual as the calibration has it, m, at a `velocity`, m/s; `noise` and `mean`, s, are
-    /// what is believed of the timing.
+    /// Takes a residual by the calibration, m, at a `velocity`, m/s; `noise` and `mean`, s, are the
+    /// present estimates.
     #[inline]
     pub fn take(&mut self, residual: f64, velocity: f64, noise: &Noise, mean: f64) {
         let square = velocity * velocity;
@@ -76,7 +76,7 @@ impl Skew {
         }
     }
 
-    /// What the newest half second says, and what the newest half minute does.
+    /// Observations of the newest half second, and of the newest half minute.
     pub fn seen(&self) -> [Seen; 2] {
         let [squares, fourths, products, excesses, variances, others] = self.sums;
         let (samples, speed) = (P.prior_samples, P.prior_speed);
@@ -104,8 +104,8 @@ mod tests {
 
     const NOISE: Noise = Noise { rest: 8e-5, timing: 2e-4 };
 
-    /// After so many seconds of a rod that goes up and down, sampled with this skew and jitter, s;
-    /// one sample in so many is wild.
+    /// Observations after `seconds` of a rod that moves up and down, sampled with this skew and
+    /// jitter, s; one sample in `wild` is wild.
     fn after(seconds: f64, skew: f64, jitter: f64, wild: usize) -> [Seen; 2] {
         let mut rng = ChaCha8Rng::seed_from_u64(2);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };

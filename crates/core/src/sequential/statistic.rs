@@ -1,4 +1,4 @@
-//! The generalised likelihood ratios, in nats, maximised over the windows.
+//! Generalised likelihood ratios, in nats, maximised over the windows.
 
 use super::parameters::EvidenceParameters;
 use super::rate::Rate;
@@ -7,12 +7,12 @@ use super::wild::Outliers;
 use super::windows::{VALUES, WIDTHS};
 use core::ops::Range;
 
-/// A statistic and the window that it comes from.
+/// A statistic and its window.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Peak {
-    /// Nats.
+    /// Evidence, nats.
     pub nats: f64,
-    /// Samples; 0 while nothing stands out.
+    /// Width of the window, samples; 0 while nothing stands out.
     pub width: usize,
 }
 
@@ -21,11 +21,11 @@ pub(super) fn larger(one: Peak, other: Peak) -> Peak {
     if other.nats > one.nats { other } else { one }
 }
 
-/// So many samples of a window say as much as one, 1 at least: of the mean and of the mean square, for
-/// each of [`WIDTHS`] ([`super::dependence`]).
+/// Number of samples of a window that carry as much information as one independent sample, at least
+/// 1: for the mean and for the mean square, for each of [`WIDTHS`] ([`super::dependence`]).
 pub type Dependence = [[f64; WIDTHS.len()]; 2];
 
-/// Every sample is news.
+/// Every sample is independent.
 pub const INDEPENDENT: Dependence = [[1.0; WIDTHS.len()]; 2];
 
 const P: &EvidenceParameters = &EvidenceParameters::DEFAULT;
@@ -33,31 +33,31 @@ const P: &EvidenceParameters = &EvidenceParameters::DEFAULT;
 /// What is below this is no fault but a temperature or a bend that the calibration has left, m.
 pub const DEAD_BAND: f64 = P.dead_band;
 
-/// What of the weighed residuals is no evidence: what may be a bend, and what may be wild.
+/// Parts of the weighted residuals that are not evidence: those that may be a bend, or wild.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands {
-    /// Of the mean, m, at rest.
+    /// Dead band of the mean, m, at rest.
     dead_band: f64,
-    /// The same for each of [`WIDTHS`].
+    /// Dead band of the mean for each of [`WIDTHS`], m.
     dead_bands: [f64; WIDTHS.len()],
-    /// Of the mean square, m².
+    /// Dead band of the mean square, m².
     spread_band: f64,
-    /// As far as one sample is evidence, m.
+    /// Value beyond which one sample is no more evidence, m.
     farthest: f64,
     outliers: Outliers,
 }
 
 impl Bands {
-    /// Of residuals that scatter by `noise` at rest, m, of readings that move in counts of this
-    /// `resolution`, m, and of so many `outliers`. A displacement of `dead_band`, m, is no fault.
+    /// Bands for residuals that scatter by `noise` at rest, m, readings with this `resolution`, m,
+    /// and this share of `outliers`. A displacement of `dead_band`, m, is no fault.
     ///
     /// In a short window a displacement of ε is hardly evidence, and the healthy residuals of the
-    /// rate function have been displaced, too; so the dead band grows with the window, ε w/(w + w₀),
-    /// with w₀ so that a window of samples that are all ε has 1 nat at the most.
+    /// rate function have been displaced, too. The dead band therefore grows with the window, ε
+    /// w/(w + w₀), with w₀ such that a window of samples that are all ε has at most 1 nat.
     ///
-    /// Where a rod goes whole counts from cycle to cycle and both readings lie between two of them, the
-    /// noise rounds each up or down as long as the speed lasts: a mean square of q²/4 of each, however
-    /// little it is elsewhere. So much is no noise.
+    /// Where a rod moves by whole counts from cycle to cycle and both readings lie between two of
+    /// them, the noise rounds each up or down as long as the speed lasts. Each then has a mean
+    /// square of q²/4, however small it is elsewhere, which is not a fault.
     pub fn new(noise: f64, dead_band: f64, resolution: [f64; 2], outliers: Outliers) -> Self {
         let ratio = noise / dead_band;
         let grown = 8.0 * P.by_dead_band * (ratio * ratio);
@@ -85,7 +85,7 @@ impl Bands {
         self.dead_band
     }
 
-    /// ε_w of the window of `index`, m.
+    /// Dead band ε_w of the window of `index`, m.
     pub const fn dead_band_of(&self, index: usize) -> f64 {
         self.dead_bands[index]
     }
@@ -94,14 +94,14 @@ impl Bands {
         self.spread_band
     }
 
-    /// What the mean of the weighed residuals is worth, m, whose shares have this mean, in the window of
-    /// `index`: the dead band is one of the residuals as they are.
+    /// Mean of the weighted residuals beyond the dead band, m, in the window of `index`; `share` is
+    /// their mean factor, since the dead band applies to unweighted residuals.
     pub fn beyond(&self, index: usize, mean: f64, share: f64) -> f64 {
         (mean.abs() - self.dead_bands[index] * share).max(0.0)
     }
 }
 
-/// What is weighed against what.
+/// Scales for the weighing of evidence.
 #[derive(Clone, Debug)]
 pub struct Scales {
     mean: Rate,
@@ -110,21 +110,22 @@ pub struct Scales {
     pub(super) windows: [Window; WIDTHS.len()],
 }
 
-/// What the statistics of one window need, with the width multiplied out.
+/// Constants of the statistics of one window, multiplied by its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Window {
-    /// 1/w.
+    /// Part 1/w of each sample.
     part: f64,
-    /// ε_w, m.
+    /// Dead band ε_w, m.
     dead_band: f64,
-    /// Of the sum of squares, m².
+    /// Dead band of the sum of squares, m².
     spread_band: f64,
-    /// Samples that count, w/κ, of mean and of mean square.
+    /// Number of independent samples w/κ, for mean and mean square.
     worth: [f64; 2],
-    /// The root of the nats of the mean is at most this, 1/m, times what the sum is beyond its band …
+    /// Bound: the root of the nats of the mean is at most this, 1/m, times the part of the sum
+    /// beyond its band.
     pub root: f64,
-    /// … and those of the mean square are at most the first, 1/m², times the sum of squares, less the
-    /// second.
+    /// Bound: the nats of the mean square are at most the first, 1/m², times the sum of squares,
+    /// less the second.
     pub line: [f64; 2],
 }
 
@@ -144,20 +145,20 @@ impl Window {
         }
     }
 
-    /// What a sum is beyond its band, m, …
+    /// Part of a sum beyond its band, m.
     #[inline]
     pub fn beyond(&self, [sum, _, shares, _]: [f64; VALUES]) -> f64 {
         sum.abs() - self.dead_band * shares
     }
 
-    /// … and what that of the squares is, m².
+    /// Part of the sum of squares beyond its band, m².
     #[inline]
     pub fn square_beyond(&self, [_, squares, ..]: [f64; VALUES]) -> f64 {
         squares - self.spread_band
     }
 
-    /// With bounds: I(x) ≤ M x², where x is what the sum is beyond its band, by the width; and I₂(x) ≤
-    /// M₂ (x² − x₀²), where x² is the same of the squares ([`Rate::steepest`]).
+    /// This window with bounds: I(x) ≤ M x², where x is the part of the sum beyond its band over
+    /// the width; and I₂(x) ≤ M₂ (x² − x₀²), where x² is that of the squares ([`Rate::steepest`]).
     fn bounded(self, mean: &Rate, square: &Rate) -> Self {
         let root = libm::sqrt(self.worth[0] * mean.steepest(0.0)) * self.part * (1.0 + ROUNDING);
         let silent = square.silent();
@@ -171,7 +172,7 @@ impl Window {
 }
 
 impl Scales {
-    /// By the rate functions of the mean and of the mean square of weighed residuals.
+    /// Scales by the rate functions of the mean and of the mean square of weighted residuals.
     pub fn new(mean: Rate, square: Rate, dependence: Dependence, bands: Bands) -> Self {
         let windows = core::array::from_fn(|index| {
             let worth = dependence.map(|of| WIDTHS[index] as f64 / of[index]);
@@ -193,13 +194,13 @@ impl Scales {
         &self.bands
     }
 
-    /// Of both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
+    /// Both statistics, the largest over the windows of at most `widest` samples: w/κ I(|mean| −
     /// ε_w share), and w/κ₂ I₂(mean square − δ), where these are above 0.
     pub fn peaks(&self, history: &History, widest: usize) -> [Peak; 2] {
         self.exhaustive(0..WIDTHS.len(), history, widest)
     }
 
-    /// By definition, window by window.
+    /// Both statistics by definition, window by window.
     pub(super) fn exhaustive(
         &self,
         which: Range<usize>,
@@ -218,7 +219,7 @@ impl Scales {
         peaks
     }
 
-    /// Of what a sum is `beyond` its band, m; and of what that of the squares is, m².
+    /// Nats of the part of a sum `beyond` its band, m.
     #[inline]
     pub(super) fn mean_nats(&self, window: &Window, beyond: f64) -> f64 {
         if beyond > 0.0 { window.worth[0] * self.mean.at(beyond * window.part) } else { 0.0 }
@@ -233,13 +234,13 @@ impl Scales {
         }
     }
 
-    /// The evidence of a mean that is so much `beyond` its band, m, of as many samples as the window of
-    /// `index` has, nats.
+    /// Evidence of a mean that is `beyond` its band, m, of as many samples as the window of `index`
+    /// has, nats.
     pub fn by_mean(&self, index: usize, beyond: f64) -> f64 {
         self.windows[index].worth[0] * self.mean.at(beyond)
     }
 
-    /// The same of a mean `square`, m².
+    /// Evidence of a mean `square`, m², of as many samples as the window of `index` has, nats.
     pub fn by_square(&self, index: usize, square: f64) -> f64 {
         let beyond = (square - self.bands.spread_band).max(0.0);
         self.windows[index].worth[1] * self.square.at(libm::sqrt(beyond))
@@ -249,8 +250,8 @@ impl Scales {
 #[cfg(test)]
 mod tests {
     use super::super::clip::Clip;
-    use super::super::novelty::News;
     use super::super::samples::{AT_REST, Sample};
+    use super::super::thinning::Independence;
     use super::*;
 
     const DEVIATION: f64 = 1e-4;
@@ -259,7 +260,7 @@ mod tests {
         counted(dead_band, INDEPENDENT, [0.0; 2])
     }
 
-    /// Of a normal distribution of 0.1 mm, up to 0.5 mm.
+    /// Scales for a normal distribution of 0.1 mm, up to 0.5 mm.
     fn counted(dead_band: f64, dependence: Dependence, resolution: [f64; 2]) -> Scales {
         let mean: Vec<f64> = (0..=50).map(|i| f64::from(i * i) / 200.0).collect();
         let square = |i: i32| match f64::from(i * i) / 100.0 {
@@ -276,28 +277,29 @@ mod tests {
         )
     }
 
-    fn after(residuals: impl IntoIterator<Item = f64>, news: News) -> [Peak; 2] {
-        weighed(residuals, 1.0, news)
+    fn after(residuals: impl IntoIterator<Item = f64>, independence: Independence) -> [Peak; 2] {
+        weighed(residuals.into_iter(), 1.0, independence)
     }
 
-    fn weighed(residuals: impl IntoIterator<Item = f64>, share: f64, news: News) -> [Peak; 2] {
+    fn weighed(residuals: impl Iterator<Item = f64>, share: f64, of: Independence) -> [Peak; 2] {
         let (mut history, scales) = (History::default(), scales(1e-4));
         let clip = Clip::new(scales.bands());
         for residual in residuals {
-            history.push(Sample { residual, share, doubt: 0.0 }, &clip, news);
+            history.push(Sample { residual, share, doubt: 0.0 }, &clip, of);
         }
         scales.peaks(&history, 1024)
     }
 
-    /// What is twice as wide by its speed is worth what half of it is at rest, and its dead band, too.
+    /// A residual that is twice as large, with twice the scatter by its speed, is worth half of it
+    /// at rest, and so is its dead band.
     #[test]
     fn what_scatters_more_by_its_speed_proves_less() {
         let alternating = (0..200).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1)));
-        let [_, variance] = weighed(alternating.clone(), 0.5, News::InMotion);
+        let [_, variance] = weighed(alternating.clone(), 0.5, Independence::InMotion);
         assert_eq!(variance, Peak::default());
-        assert!(weighed(alternating, 1.0, News::InMotion)[1].nats > 20.0);
+        assert!(weighed(alternating, 1.0, Independence::InMotion)[1].nats > 20.0);
         for length in [1, 5, 20, 80, 300] {
-            let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, News::InMotion);
+            let [mean, _] = weighed((0..length).map(|_| 1e-4), 0.5, Independence::InMotion);
             assert!(mean.nats < P.by_dead_band, "{length}: {mean:?}");
         }
     }
@@ -310,7 +312,7 @@ mod tests {
             let (clip, mut most) = (Clip::new(scales.bands()), 0.0_f64);
             for _ in 0..length {
                 let doubt = doubt * doubt;
-                history.push(Sample { residual, share: 1.0, doubt }, &clip, News::InMotion);
+                history.push(Sample { residual, share: 1.0, doubt }, &clip, Independence::InMotion);
                 let [mean, square] = scales.peaks(&history, 1024);
                 most = most.max(mean.nats).max(square.nats);
             }
@@ -323,7 +325,7 @@ mod tests {
     #[test]
     fn a_step_has_the_window_that_it_fills() {
         let [mean, variance] =
-            after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), News::InMotion);
+            after((0..100).map(|k| if k < 88 { 0.0 } else { 3e-4 }), Independence::InMotion);
         assert_eq!(mean.width, 12);
         // ε is 0.1 mm · 12/(12 + 8): 12 samples of 2.4 deviations.
         assert!((mean.nats - 12.0 * 2.4 * 2.4 / 2.0).abs() < 1e-9, "{mean:?}");
@@ -335,14 +337,14 @@ mod tests {
     #[test]
     fn one_wild_sample_is_no_mean_of_many() {
         let [mean, variance] =
-            after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), News::InMotion);
+            after((0..100).map(|k| if k == 90 { 1.0 } else { 0.0 }), Independence::InMotion);
         assert!(mean.nats < 1.0 && variance.nats < 5.0, "{mean:?} {variance:?}");
     }
 
     #[test]
     fn a_displacement_of_the_dead_band_is_no_evidence() {
         for length in [1, 5, 20, 80, 300, 2000] {
-            let [mean, variance] = after((0..length).map(|_| 1e-4), News::InMotion);
+            let [mean, variance] = after((0..length).map(|_| 1e-4), Independence::InMotion);
             assert!(mean.nats < P.by_dead_band + 1e-9, "{length}: {mean:?}");
             assert_eq!(variance, Peak::default(), "{length}");
         }
@@ -359,14 +361,14 @@ mod tests {
         }
     }
 
-    /// Both readings are rounded up or down by turns that are their own: each as often.
+    /// Both readings are rounded up or down independently, equally often.
     #[test]
     fn readings_that_lie_between_two_counts_are_no_noise() {
         let tossed = (0..96).map(|k| 4e-4 * f64::from((k & 1) - ((k / 3) & 1)));
         let most = |scales: Scales| {
             let (mut history, clip) = (History::default(), Clip::new(scales.bands()));
             let samples = tossed.clone().map(Sample::at_rest);
-            samples.for_each(|sample| history.push(sample, &clip, News::InMotion));
+            samples.for_each(|sample| history.push(sample, &clip, Independence::InMotion));
             scales.peaks(&history, 1024)[1].nats
         };
         let known = most(counted(1e-4, INDEPENDENT, [4e-4; 2]));
@@ -375,16 +377,16 @@ mod tests {
 
     #[test]
     fn at_rest_only_short_windows_count() {
-        let [mean, _] = after((0..100).map(|_| 3e-4), News::AtRest);
+        let [mean, _] = after((0..100).map(|_| 3e-4), Independence::AtRest);
         assert_eq!(mean.width, AT_REST);
-        let nothing = after((0..100).map(|_| 3e-4), News::Repeated);
+        let nothing = after((0..100).map(|_| 3e-4), Independence::Repeated);
         assert_eq!(nothing, [Peak::default(); 2]);
     }
 
     #[test]
     fn noise_of_twice_the_deviation_is_in_the_mean_square() {
         let [mean, variance] =
-            after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), News::InMotion);
+            after((0..64).map(|k| 2e-4 * f64::from(1 - 2 * (k & 1))), Independence::InMotion);
         assert!(mean.nats < 5.0, "{mean:?}");
         let s: f64 = 4.0 - 1.0;
         assert_eq!(variance.width, 64);

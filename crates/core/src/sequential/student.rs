@@ -8,9 +8,10 @@ const LARGEST: f64 = 1e9;
 /// Halvings until neighbouring numbers are left.
 const HALVINGS: usize = 100;
 
-/// t, beyond which |T| is with a probability of `tail`, with `freedom` degrees of freedom, at least one.
+/// The quantile t that |T| exceeds with a probability of `tail`, with `freedom` degrees of freedom,
+/// at least one.
 ///
-/// By halving: it is asked for once in a while, and comes out the same everywhere.
+/// It is found by bisection: it is needed seldom, and comes out the same everywhere.
 pub fn two_sided(tail: f64, freedom: usize) -> f64 {
     let (mut low, mut high) = (0.0, LARGEST);
     for _ in 0..HALVINGS {

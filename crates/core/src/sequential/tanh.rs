@@ -1,5 +1,5 @@
-//! The hyperbolic tangent, by the four basic operations only: a library's takes three times as long, and
-//! its last digits are those of the machine.
+//! The hyperbolic tangent by the four basic operations only: a library's takes three times as long,
+//! and its last digits depend on the machine.
 
 /// Nodes in a unit.
 const DENSITY: f64 = 16.0;
@@ -29,7 +29,7 @@ const VALUES: [f64; NODES] = {
 /// Added to a number that is small beside it, it leaves the nearest integer in the last digits.
 const ROUNDS: f64 = 6_755_399_441_055_744.0;
 
-/// tanh x, to 1e-13 of its value.
+/// Hyperbolic tangent tanh x, to 1e-13 of its value.
 #[inline]
 pub fn tanh(x: f64) -> f64 {
     let magnitude = x.abs();
@@ -45,7 +45,7 @@ pub fn tanh(x: f64) -> f64 {
     ((node + small) / (1.0 + node * small)).copysign(x)
 }
 
-/// tanh 5x, by tanh x.
+/// tanh 5x, from tanh x.
 #[inline]
 pub fn of_five_times(tanh: f64) -> f64 {
     let square = tanh * tanh;

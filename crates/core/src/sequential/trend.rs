@@ -1,4 +1,4 @@
-//! Where a transducer's reading on the stop is going.
+//! Trends of a transducer's readings on the stop.
 
 use super::dwell::Dwell;
 use super::history::LEAST;
@@ -13,38 +13,39 @@ const P: &StopParameters = &StopParameters::DEFAULT;
 /// A straight line through the readings of one transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trend {
-    /// m a month.
+    /// Slope, m a month.
     pub per_month: f64,
-    /// Its standard error.
+    /// Standard error of the slope, m a month.
     pub error: f64,
-    /// What the newest dwell reads more than the first ones, m.
+    /// Move of the newest dwell from the first ones, m.
     pub moved: f64,
-    /// Months of history.
+    /// Length of the history, months.
     pub months: f64,
     pub dwells: usize,
 }
 
-/// When a reading will have moved so far, months from its newest dwell.
+/// Forecast of when a reading will have moved by a limit, months from its newest dwell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
     pub expected: f64,
-    /// By the steepest and the flattest line that the dwells allow.
+    /// Earliest time, by the steepest line that the dwells allow.
     pub earliest: f64,
+    /// Latest time, by the flattest line that the dwells allow.
     pub latest: f64,
 }
 
-/// How far a reading may move, m.
+/// Limits of the move of a reading, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Then its transducer is due.
+pub struct DriftLimits {
+    /// Move at which the transducer is due for maintenance.
     pub maintenance: f64,
-    /// Then the machine itself trips, if the other transducer has not moved.
+    /// Move at which the machine itself trips, if the other transducer has not moved.
     pub critical: f64,
 }
 
 impl Trend {
-    /// By least squares through the readings `which` of `dwells`, in the order of time. `None` with fewer
-    /// than three.
+    /// The least-squares line through the readings `which` of `dwells`, in the order of time.
+    /// `None` with fewer than three.
     pub(super) fn through(dwells: &[Dwell], which: usize) -> Option<Self> {
         let newest = dwells.last().filter(|_| dwells.len() >= LEAST)?;
         let first = dwells[0].at;
@@ -75,19 +76,20 @@ impl Trend {
         })
     }
 
-    /// What the line may be steeper or flatter by, m a month: Student's, since three dwells say
-    /// little of how they scatter.
+    /// Margin of the slope, m a month: Student's, since three dwells say little about their
+    /// scatter.
     fn margin(&self) -> f64 {
         let freedom = self.dwells.saturating_sub(2).max(1);
         student::two_sided(1.0 / P.in_so_many, freedom) * self.error
     }
 
-    /// Whether it is beyond what the scatter of so many dwells may look like.
+    /// Whether the slope is beyond what the scatter of this number of dwells explains.
     pub fn is_drift(&self) -> bool {
         self.per_month.abs() > self.margin()
     }
 
-    /// When the reading will have moved by `limit`, m, either way; `None` if it does not drift.
+    /// When the reading will have moved by `limit`, m, in either direction; `None` if it does not
+    /// drift.
     pub fn until(&self, limit: f64) -> Option<Forecast> {
         let (speed, margin) = (self.per_month.abs(), self.margin());
         let left = (limit - self.moved * self.per_month.signum()).max(0.0);
@@ -99,7 +101,7 @@ impl Trend {
     }
 }
 
-/// What the first dwells read, m: their median, so that one of them may be wrong.
+/// Reading of the first dwells, m: their median, so that one of them may be wrong.
 fn begin(dwells: &[Dwell], which: usize) -> f64 {
     let mut first = [0.0; LEAST];
     for (place, dwell) in first.iter_mut().zip(dwells) {
@@ -114,7 +116,7 @@ mod tests {
     use super::*;
     use crate::time::Timestamp;
 
-    /// One a day, `scatter` m to either side of a line.
+    /// One dwell a day, `scatter` m on either side of a line.
     fn dwells(count: i32, per_day: f64, scatter: f64) -> Vec<Dwell> {
         let dwell = |k: i32| {
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };

@@ -1,8 +1,8 @@
-//! How fast the rod moves, by C2.
+//! Velocity of the rod, by C2.
 
 use super::parameters::ResidualParameters;
 
-/// The velocity as it is measured, or else by what the readings differ from one to the next.
+/// The measured velocity, or else one from the differences of successive readings.
 #[derive(Clone, Debug)]
 pub struct Velocity {
     sample_time: f64,
@@ -10,12 +10,12 @@ pub struct Velocity {
     gain: f64,
     /// C2 of the cycle before, m.
     before: Option<f64>,
-    /// By differences, m/s.
+    /// Velocity by differences, m/s.
     derived: Option<f64>,
 }
 
 impl Velocity {
-    /// For samples every `sample_time` seconds.
+    /// A velocity for samples every `sample_time` seconds.
     pub fn new(parameters: &ResidualParameters, sample_time: f64) -> Self {
         let gain = parameters.cycles(sample_time).velocity_gain;
         Self { sample_time, gain, before: None, derived: None }

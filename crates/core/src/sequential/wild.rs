@@ -1,18 +1,19 @@
-//! What wild samples, outliers, prove.
+//! Evidence of wild samples, which are outliers.
 //!
-//! Some samples are off by any amount, and are no fault: a disturbed line, a bit. Whatever a calibration
-//! has seen of them, a share π is expected. So no sample is more evidence than it takes for that one to be
-//! wild, ln(2/π) to either side, and k of them are no more than k times as much. Where more of them come
-//! than were expected, each is less evidence ([`Frequency`]).
+//! Some samples are off by any amount without a fault, because of a disturbed line or a wrong bit.
+//! Whether or not a calibration has seen any, a share π of them is expected. No sample is therefore
+//! more evidence than ln(2/π), the improbability of a wild one in that direction, and k of them are
+//! at most k times as much. Where more come than were expected, each is less evidence
+//! ([`Frequency`]).
 
 use super::parameters::OutlierParameters;
 
 const P: &OutlierParameters = &OutlierParameters::DEFAULT;
 
-/// How many samples of a healthy cylinder may be wild.
+/// Expected share of wild samples on a healthy cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outliers {
-    /// π.
+    /// Share π.
     pub share: f64,
 }
 
@@ -26,54 +27,54 @@ impl Outliers {
     /// The least that can be stated: no bus is without any.
     pub const LEAST: Self = Self { share: 0.001 };
 
-    /// What one sample is worth at the most, nats.
+    /// Largest evidence of one sample, nats.
     pub fn evidence(self) -> f64 {
         libm::log(2.0 / self.share)
     }
 
-    /// The least level that can be relied on, nats: as many wild samples in a row as are beneath
-    /// 19.3 nats do not reach it, also beside healthy ones.
+    /// Least level that can be relied on, nats: as many wild samples in a row as stay below 19.3
+    /// nats do not reach it, even beside healthy ones.
     pub fn least_level(self) -> f64 {
         let evidence = self.evidence();
         let beneath = libm::floor(P.least_level / evidence);
         P.least_level.max(beneath * evidence + P.beside)
     }
 
-    /// A: how far off a wild sample is taken for, in deviations of healthy ones. There a normal one is as
-    /// rare.
+    /// Distance A at which a wild sample is assumed, in deviations of healthy ones. A normal sample
+    /// is equally rare there.
     pub fn reach(self) -> f64 {
         libm::sqrt(2.0 * self.evidence())
     }
 
-    /// What one sample of the mean, and of the mean square, is worth at the most where wild ones are
+    /// Largest evidence of one sample for the mean, and for the mean square, where wild ones are
     /// frequent, nats.
     pub fn evidence_of_frequent(self) -> [f64; 2] {
         [P.in_a_row, P.of_any_side].map(|row| self.least_level() / row)
     }
 }
 
-/// How many of the newest samples were wild, and each alone: what stays off is a fault.
+/// Frequency of single wild samples among the newest; a residual that stays off is a fault.
 #[derive(Clone, Debug)]
 pub struct Frequency {
-    /// As far as a sample counts, weighed, m.
+    /// Value beyond which a weighted sample is wild, m.
     farthest: f64,
-    /// The share that is frequent.
+    /// Share from which wild samples are frequent.
     frequent: f64,
-    /// What the newest sample counts of the share.
+    /// Weight of the newest sample in the share.
     part: f64,
     share: f64,
-    /// To which side the newest sample was wild; 0 of one that was not.
+    /// Direction in which the newest sample was wild; 0 if it was not.
     side: f64,
 }
 
 impl Frequency {
-    /// Of samples that count as far as `farthest`, m.
+    /// A frequency for samples that count as far as `farthest`, m.
     pub fn new(outliers: Outliers, farthest: f64) -> Self {
         let frequent = P.frequent * outliers.share;
         Self { farthest, frequent, part: frequent / P.counted, share: 0.0, side: 0.0 }
     }
 
-    /// Takes a sample, weighed, m.
+    /// Takes a weighted sample, m.
     #[inline]
     pub fn take(&mut self, weighed: f64) {
         let side = if weighed.abs() > self.farthest { weighed.signum() } else { 0.0 };
@@ -106,7 +107,8 @@ mod tests {
         }
     }
 
-    /// Samples that are wild every so many, to both sides, for ten minutes at 50 Hz.
+    /// Whether the frequency is high after samples of which every `every`-th is wild, in both
+    /// directions, for ten minutes at 50 Hz.
     fn is_high(every: usize) -> bool {
         let mut frequency = Frequency::new(Outliers::USUAL, 3e-4);
         for k in 0..30_000_usize {

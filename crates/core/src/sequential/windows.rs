@@ -10,14 +10,14 @@ pub const WIDTHS: [usize; 20] =
 /// Values that are summed.
 pub const VALUES: usize = 4;
 
-/// Running sums of some values over the newest `N` samples at most, in constant time; `N` is a power of
-/// two, so that a place in the ring is a few bits of a number.
+/// Running sums of some values over at most the newest `N` samples, in constant time; `N` is a
+/// power of two, so that a place in the ring is a few bits of a number.
 #[derive(Clone, Debug)]
 pub struct Sums<const N: usize> {
-    /// Of everything before each of the newest samples; a ring.
+    /// Sums of everything before each of the newest samples; a ring.
     before: Box<[[f64; VALUES]; N]>,
     total: [f64; VALUES],
-    /// Samples that came.
+    /// Number of samples that came.
     count: usize,
 }
 
@@ -31,7 +31,7 @@ impl<const N: usize> Sums<N> {
         (self.total, self.count) = ([0.0; VALUES], 0);
     }
 
-    /// Samples that are held.
+    /// Number of samples that are held.
     #[inline]
     pub fn held(&self) -> usize {
         self.count.min(N)
@@ -56,14 +56,14 @@ impl<const N: usize> Sums<N> {
         (width <= self.held()).then(|| self.newest(width))
     }
 
-    /// The same of a `width` that is known to be held.
+    /// The sums over the newest `width` samples, which are known to be held.
     #[inline]
     pub fn newest(&self, width: usize) -> [f64; VALUES] {
         let before = &self.before[self.count.wrapping_sub(width) % N];
         core::array::from_fn(|i| self.total[i] - before[i])
     }
 
-    /// Sums that run for years lose their last digits.
+    /// Restarts the sums, which would lose their last digits over years.
     #[cold]
     fn rebase(&mut self) {
         let base = self.total;
@@ -85,10 +85,10 @@ impl<const N: usize> Default for Sums<N> {
 /// So many samples are few.
 const FEW: usize = 8;
 
-/// The newest samples, so few that they are added up each time.
+/// The newest samples, few enough to be added up each time.
 #[derive(Clone, Debug, Default)]
 pub struct Few {
-    /// A ring, twice: somewhere it has the newest in a row.
+    /// Ring stored twice, so that the newest samples are contiguous somewhere.
     rings: [[f64; VALUES]; 2 * FEW],
     count: usize,
 }
@@ -98,7 +98,7 @@ impl Few {
         self.count = 0;
     }
 
-    /// Samples that are held.
+    /// Number of samples that are held.
     #[inline]
     pub fn held(&self) -> usize {
         self.count.min(FEW)
@@ -113,7 +113,7 @@ impl Few {
         self.count += 1;
     }
 
-    /// What was pushed so many samples `ago`, less than eight.
+    /// The sample of `ago` pushes before, less than eight.
     #[inline]
     pub fn ago(&self, ago: usize) -> [f64; VALUES] {
         let newest = self.count.wrapping_sub(1) % FEW + FEW;
@@ -126,7 +126,7 @@ impl Few {
     }
 }
 
-/// Both, value by value.
+/// Sum of both, value by value.
 #[inline]
 pub fn add(sums: [f64; VALUES], values: [f64; VALUES]) -> [f64; VALUES] {
     core::array::from_fn(|i| sums[i] + values[i])

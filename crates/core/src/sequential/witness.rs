@@ -1,9 +1,10 @@
-//! Whether a noise may be that of the sampling: what the other cylinders say of it.
+//! Tests, from the other cylinders, whether a noise may come from the sampling.
 //!
-//! A transducer whose noise has grown and a time of sampling that has begun to scatter look alike on one
-//! cylinder. But the time is common to all: were it that, the residuals of the others would scatter, too,
-//! the more the faster they move. So a noise is a transducer's where the others contradict. Where they
-//! cannot, since they stand or move too slowly, nobody is to be blamed.
+//! A transducer whose noise has grown and a sampling time that has begun to scatter look alike on
+//! one cylinder. But the time is common to all: if it were the cause, the residuals of the others
+//! would also scatter, and more at higher speed. A noise is therefore a transducer's if the others
+//! contradict the claim. Where they cannot, because they stand or move too slowly, nobody is
+//! blamed.
 
 use super::noise::Noise;
 use super::parameters::{SamplingParameters, WitnessParameters};
@@ -15,7 +16,8 @@ const P: &WitnessParameters = &WitnessParameters::DEFAULT;
 /// Cycles that are kept: as many as of the newest samples.
 const KEPT: usize = NEWEST;
 
-/// The newest cycles of a cylinder: the residual, m, and the velocity, m/s, 0 where it says nothing.
+/// The newest cycles of a cylinder: the residual, m, and the velocity, m/s, 0 where there is no
+/// information.
 #[derive(Clone, Debug)]
 pub struct Witness {
     ring: [[f64; 2]; KEPT],
@@ -28,12 +30,12 @@ impl Default for Witness {
     }
 }
 
-/// That a noise is the sampling's.
+/// The claim that a noise comes from the sampling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claim {
-    /// It is that of so many of the newest cycles.
+    /// Number of newest cycles that the noise covers.
     pub cycles: usize,
-    /// The mean square of the time between the samples of C1 and C2 that would explain it, s²; infinite
+    /// Mean square of the time between the samples of C1 and C2 that would explain it, s²; infinite
     /// where no time does.
     pub square: f64,
 }
@@ -46,7 +48,7 @@ impl Witness {
         self.count = self.count.wrapping_add(1);
     }
 
-    /// What was says nothing of what comes.
+    /// Forgets the cycles, which say nothing about later ones.
     pub const fn reset(&mut self) {
         self.ring = [[0.0; 2]; KEPT];
     }
@@ -56,8 +58,8 @@ impl Witness {
         (1..=cycles.min(KEPT)).map(one).filter(|[_, velocity]| *velocity != 0.0)
     }
 
-    /// What the newest `cycles` would be of the sampling, the healthy noise being `noise`: at least, as
-    /// what is asked of the others is the less likely the more that is. Both samples are of one cycle of
+    /// The claim for the newest `cycles`, with the healthy `noise`: a lower bound, since the larger
+    /// it is, the less likely the others' residuals are. Both samples belong to one cycle of
     /// `sample_time` seconds.
     pub fn claim(&self, cycles: usize, noise: &Noise, sample_time: f64) -> Claim {
         let (mut count, mut energy, mut squares) = (0.0_f64, 0.0, 0.0);
@@ -72,7 +74,8 @@ impl Witness {
         Claim { cycles, square: if possible { square } else { f64::INFINITY } }
     }
 
-    /// The log-likelihood of `claim` less that of the healthy `noise`, nats, with so many `outliers`.
+    /// Log-likelihood of `claim` less that of the healthy `noise`, nats, with this share of
+    /// `outliers`.
     pub fn evidence(&self, claim: &Claim, noise: &Noise, outliers: Outliers) -> f64 {
         let timing = libm::sqrt((P.part * claim.square).max(noise.timing * noise.timing));
         let claimed = Noise { timing, ..*noise };
@@ -88,8 +91,8 @@ impl Witness {
 }
 
 impl Claim {
-    /// It is wrong, as the other cylinders have it by their evidence for it, nats, or they are too few to
-    /// be asked.
+    /// Whether the claim is wrong by the other cylinders' evidence for it, nats, or they are too
+    /// few to be asked.
     pub fn is_contradicted(&self, others: impl Iterator<Item = f64>) -> bool {
         let (mut count, mut sum, mut most) = (0, 0.0, [f64::NEG_INFINITY; 2]);
         for nats in others {
@@ -113,8 +116,8 @@ mod tests {
     const TS: f64 = 0.02;
     const HEALTHY: Noise = Noise { rest: 1.5e-4, timing: 2e-4 };
 
-    /// Cylinders with so much noise each, m, sampled with such a jitter, s, since 50 cycles. Each goes up and
-    /// down at up to `speed`, m/s, elsewhere on its way.
+    /// Cylinders with these noises, m, sampled with these jitters, s, for the last 50 cycles. Each
+    /// moves up and down at up to `speed`, m/s, at a different phase.
     fn machine(seed: u64, noises: [f64; 6], jitters: [f64; 6], speed: f64) -> [Witness; 6] {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -139,7 +142,7 @@ mod tests {
         )
     }
 
-    /// Of 200 machines.
+    /// Number of contradicted claims out of 200 machines.
     fn count(machine: impl Fn(u64) -> [Witness; 6]) -> usize {
         (0..200).filter(|seed| contradicted(&machine(*seed))).count()
     }
@@ -175,7 +178,7 @@ mod tests {
         assert!(contradicted(&standing[..2]), "there is no majority");
     }
 
-    /// Time makes no noise of a rod that stands, or hardly moves.
+    /// Sampling times cause no noise of a rod that stands, or hardly moves.
     #[test]
     fn noise_at_rest_is_its_own() {
         for velocity in [0.0, 1e-3] {

@@ -1,10 +1,11 @@
-//! The bank of fault detection estimators of one cylinder (Figure 5-17), after its residuals.
+//! The bank of fault detection estimators of one cylinder (Figure 5-17), which judges its
+//! residuals.
 
 use super::Verdict;
 use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
-use super::history::History;
+use super::history::ResidualHistory;
 use super::parameters::{Cycles, Parameters};
-use super::suspect::{self, Seen, Suspect};
+use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use crate::time::{Span, Timestamp};
 
@@ -15,30 +16,30 @@ pub struct Residuals {
     pub r: [Option<f64>; 3],
 }
 
-/// What the bank of one cylinder judges by.
+/// Parameters of the bank of one cylinder.
 #[derive(Clone, Debug)]
 pub struct BankDesign {
-    /// Of R1 and R2.
+    /// Thresholds of R1 and R2.
     pub observer: Thresholds,
-    /// Of R3.
+    /// Thresholds of R3.
     pub difference: Thresholds,
-    /// FDEs that raise within this time of each other saw the same event.
+    /// Time within which FDEs that raise saw the same event.
     pub coincidence: Span,
-    /// Of R1 and R2.
+    /// Signatures of faults in R1 and R2.
     pub signatures: [Signatures; 2],
     pub parameters: &'static Parameters,
     /// s.
     pub sample_time: f64,
 }
 
-/// A fault that an FDE sees.
+/// Detection of a fault by an FDE.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
     pub fault: Fault,
     pub suspect: Suspect,
-    /// The newest residual, m, signed.
+    /// Newest residual, m, signed.
     pub residual: f64,
-    /// δ_h, m.
+    /// Threshold δ_h, m.
     pub threshold: f64,
 }
 
@@ -50,19 +51,19 @@ pub struct Bank {
     triggers: [Trigger; 3],
     verdicts: [Verdict; 3],
     newest: [f64; 3],
-    observed: [History<LONGEST_WINDOW>; 2],
-    difference: History<LONGEST_DIFFERENCES>,
+    observed: [ResidualHistory<LONGEST_WINDOW>; 2],
+    difference: ResidualHistory<LONGEST_DIFFERENCES>,
     found: [Option<Found>; 3],
-    /// Any is.
+    /// Whether any FDE has found a fault.
     any_found: bool,
-    /// Of R1 and R2.
+    /// Signatures of faults in R1 and R2.
     signatures: [Signatures; 2],
     coincidence: Span,
     parameters: &'static Parameters,
     cycles: Cycles,
 }
 
-/// What is remembered of a raised FDE.
+/// State of a raised FDE.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     fault: Fault,
@@ -77,8 +78,8 @@ impl Bank {
             triggers: [observer.clone(), observer, Trigger::new(design.difference)],
             verdicts: [Verdict::Unknown; 3],
             newest: [0.0; 3],
-            observed: [History::default(), History::default()],
-            difference: History::default(),
+            observed: [ResidualHistory::default(), ResidualHistory::default()],
+            difference: ResidualHistory::default(),
             found: [None; 3],
             any_found: false,
             signatures: design.signatures.clone(),
@@ -88,8 +89,8 @@ impl Bank {
         }
     }
 
-    /// Takes the residuals of the cycle at `at`. Afterwards [`Self::verdicts`] and
-    /// [`Self::detections`] stand.
+    /// Takes the residuals of the cycle at `at`; [`Self::verdicts`] and [`Self::detections`] then
+    /// give the results.
     #[inline(never)]
     pub fn judge(&mut self, at: Timestamp, residuals: &Residuals) {
         for (i, residual) in residuals.r.iter().enumerate() {
@@ -108,15 +109,15 @@ impl Bank {
         }
     }
 
-    /// Time jumped: what was found stands, what clears it counts anew. But R3 alone has no side: in
-    /// the time of which nothing is known one transducer may have been mended and the other have
-    /// failed.
+    /// Restarts the clearing times after a time jump; detections stand. But the side of R3 is
+    /// forgotten, since in the unknown time one transducer may have been repaired and the other
+    /// have failed.
     pub fn interrupt(&mut self) {
         if let Some(found) = &mut self.found[FDE3] {
             found.suspect = Suspect::Undecided;
         }
         self.triggers.iter_mut().for_each(Trigger::interrupt);
-        self.observed.iter_mut().for_each(History::clear);
+        self.observed.iter_mut().for_each(ResidualHistory::clear);
         self.difference.clear();
         self.verdicts = [Verdict::Unknown; 3];
     }
@@ -126,7 +127,7 @@ impl Bank {
         self.verdicts
     }
 
-    /// What FDE1, FDE2 and FDE3 see now.
+    /// Present detections of FDE1, FDE2 and FDE3.
     pub fn detections(&self) -> [Option<Detection>; 3] {
         core::array::from_fn(|i| {
             self.found[i].map(|found| Detection {
@@ -142,7 +143,8 @@ impl Bank {
         self.any_found
     }
 
-    /// What the raised FDEs see. Nearly always none is, so this is kept out of the way.
+    /// Updates the detections of the raised FDEs. Nearly always there are none, so this is kept out
+    /// of line.
     #[cold]
     fn remember(&mut self, at: Timestamp) {
         for i in 0..3 {
@@ -165,7 +167,7 @@ impl Bank {
     }
 
     fn suspect(&self, i: usize, own: Raise) -> Suspect {
-        let [fde1, fde2, fde3] = core::array::from_fn(|i| Seen {
+        let [fde1, fde2, fde3] = core::array::from_fn(|i| FdeState {
             verdict: self.verdicts[i],
             raised: self.triggers[i].raised(),
         });
@@ -194,7 +196,7 @@ mod tests {
     fn bank() -> Bank {
         let clear = Span::from_seconds(1.0);
         let thresholds = |high: f64| Thresholds { low: 0.75 * high, high, clear };
-        let design = || crate::observe::observer::Design {
+        let design = || crate::observe::observer::ObserverDesign {
             a: nalgebra::Matrix3::identity(),
             b: nalgebra::Vector3::zeros(),
             l: nalgebra::Matrix3x2::zeros(),
@@ -219,7 +221,7 @@ mod tests {
         bank.detections()[FDE3].map(|detection| detection.suspect)
     }
 
-    /// C1 was faulty as the bus was lost; when it came back it was C2, with the same difference.
+    /// C1 was faulty when the bus was lost; when it came back C2 was, with the same difference.
     #[test]
     fn the_side_of_a_difference_does_not_outlast_a_lost_bus() {
         let mut bank = bank();

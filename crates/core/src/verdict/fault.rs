@@ -5,7 +5,7 @@
 //! that explains most of their energy names the fault, and what neither explains is noise.
 
 use super::parameters::{Cycles, Parameters};
-use crate::observe::observer::Design;
+use crate::observe::observer::ObserverDesign;
 use nalgebra::{Vector2, Vector3};
 
 /// Residuals R1 or R2 that are kept: those of [`Parameters::window`] up to 100 Hz.
@@ -14,7 +14,7 @@ pub const LONGEST_WINDOW: usize = 32;
 /// Residuals R3 that are kept: those of [`Parameters::differences`] up to 100 Hz.
 pub const LONGEST_DIFFERENCES: usize = 128;
 
-/// The kinds of Table 5-1 and of the plausibility checks.
+/// Kinds of faults of Table 5-1 and of the plausibility checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fault {
     #[default]
@@ -32,7 +32,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The name in files and reports.
+    /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Unclassified => "unclassified",
@@ -47,7 +47,7 @@ impl Fault {
     }
 }
 
-/// What a unit step, and a ramp of one unit a sample, on a reading leave in a residual.
+/// Responses of a residual to a unit step, and to a ramp of one unit a sample, on a reading.
 #[derive(Clone, Debug)]
 pub struct Signatures {
     step: [f64; LONGEST_WINDOW],
@@ -55,9 +55,9 @@ pub struct Signatures {
 }
 
 impl Signatures {
-    /// The signatures in the innovation of an observer: e(k+1) = (A − L C) e(k) − L f(k),
-    /// ν(k) = C e(k) + f(k), with the fault f on the position only.
-    pub fn of_innovation(design: &Design) -> Self {
+    /// The signatures in the innovation of an observer: e(k+1) = (A − L C) e(k) − L f(k), ν(k) = C
+    /// e(k) + f(k), with the fault f on the position only.
+    pub fn of_innovation(design: &ObserverDesign) -> Self {
         let respond = |fault: fn(usize) -> f64| {
             let mut error = Vector3::zeros();
             core::array::from_fn(|k| {
@@ -83,10 +83,9 @@ impl Signatures {
     }
 }
 
-/// Names the fault in R3, m, oldest first, of which the newest [`Cycles::differences`] count. R3 shows a
-/// fault as it is, beside an offset that the calibration has left; so step and ramp are fitted with a free
-/// constant. What was there already a second ago for the most part crept up to its bound, too slowly for
-/// either.
+/// Names the fault in R3, m, oldest first. R3 shows a fault as it is, beside an offset that the
+/// calibration has left, so step and ramp are fitted with a free constant. A fault most of which
+/// already existed a second ago has grown to its bound too slowly for either.
 pub fn classify_difference(
     differences: &[f64; LONGEST_DIFFERENCES],
     parameters: &Parameters,
@@ -124,7 +123,7 @@ pub fn classify_difference(
     name(step, ramp, energy, parameters)
 }
 
-/// The kind of fault, by the energies that the best step and the best ramp explain of `energy`.
+/// The kind of fault, from the parts of `energy` that the best step and the best ramp explain.
 fn name(step: f64, ramp: f64, energy: f64, parameters: &Parameters) -> Fault {
     if step.max(ramp) < parameters.explained * energy {
         Fault::Noise
@@ -135,8 +134,8 @@ fn name(step: f64, ramp: f64, energy: f64, parameters: &Parameters) -> Fault {
     }
 }
 
-/// The largest energy that `signature`, begun at any onset in the window and scaled at will,
-/// explains of `residuals`.
+/// The largest energy of `residuals` that `signature` explains, with any onset in the window and
+/// any scale.
 fn explained(signature: &[f64; LONGEST_WINDOW], residuals: &[f64]) -> f64 {
     (0..residuals.len())
         .map(|onset| {
@@ -156,7 +155,7 @@ mod tests {
     use nalgebra::{Matrix3, Matrix3x2};
 
     fn observer() -> Signatures {
-        Signatures::of_innovation(&Design {
+        Signatures::of_innovation(&ObserverDesign {
             a: Matrix3::new(1., 0.02, 0., -0.0101, 0.8769, -1.6891e-5, 0., -10.7104, 0.9977),
             b: Vector3::new(0., 0.0926, 6.5427),
             l: Matrix3x2::new(1.70226778, 1.94488386e-3, 32.0305, 0.0840157, -9612.37466, -20.917),
@@ -188,7 +187,7 @@ mod tests {
     const NOISE: [f64; WINDOW] =
         [1., -1., 0., 1., 1., -1., 0., 0., -1., 1., 0., -1., -1., 1., 0., 1.];
 
-    /// A little of everything, from a sample's number.
+    /// A small pseudo-random number for a sample's number.
     fn small(k: usize) -> f64 {
         1e-4 * NOISE[(7 * k) % WINDOW]
     }

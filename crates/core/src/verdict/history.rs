@@ -1,19 +1,19 @@
 //! The newest residuals of one detector.
 
-/// A ring of the last `N` values; unfilled places read as zero.
+/// A ring of the last `N` values; places not yet filled read as zero.
 #[derive(Clone, Debug)]
-pub struct History<const N: usize> {
+pub struct ResidualHistory<const N: usize> {
     values: [f64; N],
     next: usize,
 }
 
-impl<const N: usize> Default for History<N> {
+impl<const N: usize> Default for ResidualHistory<N> {
     fn default() -> Self {
         Self { values: [0.0; N], next: 0 }
     }
 }
 
-impl<const N: usize> History<N> {
+impl<const N: usize> ResidualHistory<N> {
     pub fn push(&mut self, value: f64) {
         self.values[self.next] = value;
         self.next = if self.next + 1 == N { 0 } else { self.next + 1 };

@@ -1,4 +1,4 @@
-//! From residuals to verdicts: healthy, faulty or unknown, of what kind, and by which transducer.
+//! From residuals to verdicts: healthy, faulty or unknown, the kind of fault, and the suspect.
 
 pub mod bank;
 pub mod fault;
@@ -13,7 +13,7 @@ pub use parameters::Parameters;
 pub use suspect::Suspect;
 pub use trigger::{Thresholds, Trigger};
 
-/// What a detector says of its residual. Unknown is a verdict of its own: without evidence nothing
+/// Verdict of a detector on its residual. Unknown is a verdict of its own: without evidence nothing
 /// is healthy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdict {

@@ -1,9 +1,9 @@
-//! Which transducer it is, from the pattern of the three FDEs (Figure 5-17).
+//! The suspect, from the pattern of the three FDEs (Figure 5-17).
 
 use super::{Verdict, trigger::Raise};
 use crate::time::Span;
 
-/// Whom a warning suspects.
+/// Suspect of a warning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Suspect {
     #[default]
@@ -15,7 +15,7 @@ pub enum Suspect {
 }
 
 impl Suspect {
-    /// The name in files and reports.
+    /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Undecided => "undecided",
@@ -26,9 +26,9 @@ impl Suspect {
     }
 }
 
-/// One FDE as the pattern sees it.
+/// State of one FDE in the pattern.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct FdeState {
     pub verdict: Verdict,
     pub raised: Option<Raise>,
 }
@@ -36,15 +36,15 @@ pub struct Seen {
 /// The suspect of an observer's warning: `own` blames `transducer`, `other` is the observer on the
 /// other transducer, `difference` is FDE3.
 ///
-/// With FDE3, or alone while the other observer is healthy, it is its own transducer. Both
-/// observers without FDE3 are the process: readings that agree with each other and not with the
-/// model. All three leave it undecided, unless the other observer followed only after FDE3: then it
-/// sees what the machine's controller made of the faulty reading.
+/// With FDE3, or alone while the other observer is healthy, an observer blames its own transducer.
+/// Both observers without FDE3 blame the process: the readings agree with each other and not with
+/// the model. All three leave it undecided, unless the other observer followed only after FDE3,
+/// because it sees the reaction of the machine's controller to the faulty reading.
 pub fn of_observer(
     transducer: Suspect,
     own: Raise,
-    other: Seen,
-    difference: Seen,
+    other: FdeState,
+    difference: FdeState,
     coincidence: Span,
 ) -> Suspect {
     let same_onset = |raise: Raise| within(raise.at.since(own.at), coincidence);
@@ -59,20 +59,21 @@ pub fn of_observer(
     }
 }
 
-/// Whether, of the two observers, only `own` had raised when FDE3 did.
-fn was_alone(own: Raise, other: Seen, difference: Raise) -> bool {
+/// Whether `own` was the only observer raised when FDE3 was.
+fn was_alone(own: Raise, other: FdeState, difference: Raise) -> bool {
     own.at <= difference.at && other.raised.is_none_or(|raise| raise.at > difference.at)
 }
 
-/// The suspect of FDE3's warning `own`: the transducer whose observer, and only whose, was
-/// exceeding when it was raised, or soon after; else undecided, since C1 − Ĉ2 alone has no side.
-pub fn of_difference(own: Raise, fde1: Seen, fde2: Seen, coincidence: Span) -> Suspect {
-    let before = |seen: Seen| {
+/// The suspect of FDE3's warning `own`: the transducer whose observer, and only whose, exceeded its
+/// threshold when FDE3 was raised, or soon after; otherwise undecided, since C1 − Ĉ2 alone has no
+/// side.
+pub fn of_difference(own: Raise, fde1: FdeState, fde2: FdeState, coincidence: Span) -> Suspect {
+    let before = |seen: FdeState| {
         seen.raised.is_some_and(|raise| {
             raise.at <= own.at && own.at.since(raise.last_exceeded) <= coincidence
         })
     };
-    let after = |seen: Seen| {
+    let after = |seen: FdeState| {
         seen.raised.is_some_and(|raise| raise.at > own.at && raise.at.since(own.at) <= coincidence)
     };
     match (before(fde1), before(fde2), after(fde1), after(fde2)) {
@@ -97,12 +98,12 @@ mod tests {
         Raise { at: Timestamp::from_nanos(at), last_exceeded: Timestamp::from_nanos(last_exceeded) }
     }
 
-    fn faulty(at: i64, last: i64) -> Seen {
-        Seen { verdict: Verdict::Faulty, raised: Some(raise(at, last)) }
+    fn faulty(at: i64, last: i64) -> FdeState {
+        FdeState { verdict: Verdict::Faulty, raised: Some(raise(at, last)) }
     }
 
-    const HEALTHY: Seen = Seen { verdict: Verdict::Healthy, raised: None };
-    const UNKNOWN: Seen = Seen { verdict: Verdict::Unknown, raised: None };
+    const HEALTHY: FdeState = FdeState { verdict: Verdict::Healthy, raised: None };
+    const UNKNOWN: FdeState = FdeState { verdict: Verdict::Unknown, raised: None };
 
     #[test]
     fn the_pattern_of_figure_5_17() {

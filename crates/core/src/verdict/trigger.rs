@@ -1,4 +1,4 @@
-//! A threshold with hysteresis and a memory of time: raise above δ_h, clear below δ_l for a while.
+//! A threshold with hysteresis in size and time: raised above δ_h, cleared after a while below δ_l.
 
 use super::Verdict;
 use crate::time::{Span, Timestamp};
@@ -6,20 +6,20 @@ use crate::time::{Span, Timestamp};
 /// Thresholds of one residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// δ_l, m.
+    /// Lower threshold δ_l, m.
     pub low: f64,
-    /// δ_h, m.
+    /// Upper threshold δ_h, m.
     pub high: f64,
-    /// The magnitude must stay below δ_l this long to clear.
+    /// Time for which the magnitude must stay below δ_l to clear.
     pub clear: Span,
 }
 
-/// When a raised trigger saw what.
+/// Times of a raised trigger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Raise {
-    /// When the residual first exceeded δ_h.
+    /// Time at which the residual first exceeded δ_h.
     pub at: Timestamp,
-    /// When it last did.
+    /// Time at which the residual last exceeded δ_h.
     pub last_exceeded: Timestamp,
 }
 
@@ -30,7 +30,7 @@ pub struct Trigger {
     raised: Option<Raise>,
     /// Time below δ_l, without the times of which nothing is known.
     below: Span,
-    /// The last cycle, if its magnitude was below δ_l.
+    /// Time of the last cycle, if its magnitude was below δ_l.
     was_below: Option<Timestamp>,
 }
 
@@ -48,8 +48,8 @@ impl Trigger {
     }
 
     /// Takes the residual of the cycle at `at`; `None` or not a number where there is nothing to
-    /// judge. What is raised stays raised until the evidence of a whole clearing time is there; a
-    /// cycle without evidence neither counts for it nor against it.
+    /// judge. A raised trigger stays raised until there is evidence for a whole clearing time; a
+    /// cycle without evidence counts neither for it nor against it.
     pub fn judge(&mut self, at: Timestamp, residual: Option<f64>) -> Verdict {
         let Some(magnitude) = residual.map(f64::abs).filter(|m| !m.is_nan()) else {
             self.was_below = None;
@@ -63,7 +63,7 @@ impl Trigger {
         if self.raised.is_some() { Verdict::Faulty } else { Verdict::Healthy }
     }
 
-    /// Time jumped: the time below the threshold counts anew.
+    /// Restarts the time below the threshold, after a time jump.
     pub fn interrupt(&mut self) {
         self.below = Span::ZERO;
         self.was_below = None;

@@ -1,10 +1,10 @@
-//! A calibration from beginning to end, on whatever can be read again and again.
+//! A calibration from beginning to end, on a recording that can be read repeatedly.
 
 use super::cutting::{Cuts, are_few, places};
 use super::watch::{OwnLevel, Watch};
 use super::{
-    Bound, Contradiction, CylinderCalibration, Division, Fitting, Gathering, Halves, Profile,
-    Profiling, Refusal, Scatter, Scattering, Spreading, Trying,
+    Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
+    Halves, Profile, Profiling, Scatter, Scattering, Spreading, Trying,
 };
 use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
@@ -12,34 +12,35 @@ use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
 
-/// What a calibration is made with.
+/// Inputs of a calibration.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct CalibrationCourse<'a> {
     pub settings: &'a Settings,
-    /// The part that is fitted, and the part on which the fit is tried; where both are the same, its blocks
-    /// alternate ([`Division`]).
+    /// Part of the recording that is fitted; where it equals `tried`, its blocks alternate
+    /// ([`Division`]).
     pub fitted: Window,
+    /// Part of the recording on which the fit is validated.
     pub tried: Window,
-    /// False alarms that a year may bring, all cylinders together.
+    /// Wanted false alarms a year, all cylinders together.
     pub per_year: f64,
 }
 
-/// What came of a [`Course`].
+/// Result of a [`CalibrationCourse`].
 #[derive(Clone, Debug)]
 pub struct Calibrated {
-    /// Of every configured cylinder, from 1.
+    /// Results of all configured cylinders, from cylinder 1.
     pub cylinders: Vec<CylinderCalibration>,
-    /// See [`super::Calibration::bound`].
+    /// Bound of R3, see [`super::Calibration::bound`].
     pub bound: Option<Bound>,
 }
 
-/// Of each cylinder, and of both halves of the recording.
+/// Profiles of each cylinder, from all of the recording and from each half.
 type Profiles = Vec<Option<(Profile, Halves)>>;
 
-/// What each cylinder has taught.
+/// What was learnt of each cylinder.
 struct Taught {
     gathering: Gathering,
-    results: Vec<Result<super::Fitted, Refusal>>,
+    results: Vec<Result<super::Fitted, CalibrationRefusal>>,
     profiles: Profiles,
     scattering: Scattering,
     trying: Trying,
@@ -47,10 +48,10 @@ struct Taught {
     levels: Vec<Option<OwnLevel>>,
 }
 
-impl Course<'_> {
-    /// Reads `recording` six times: what is in it, the line, what bends along it, the trial, the scatter,
-    /// and the detectors that follow; and once more as often, where a few minutes of it contradict them
-    /// and are cut out.
+impl CalibrationCourse<'_> {
+    /// Reads `recording` six times: for a census, the line, the profile along the stroke, the
+    /// validation, the scatter, and the resulting detectors. If a few minutes of it contradict the
+    /// detectors, they are cut out and all readings are repeated.
     ///
     /// # Errors
     /// The recording's own.
@@ -70,7 +71,7 @@ impl Course<'_> {
         Outliers { share: self.settings.sequential.outlier_share }
     }
 
-    /// The whole of what is read.
+    /// Window of everything that is read.
     fn whole(&self) -> Window {
         let Self { fitted, tried, .. } = self;
         Window { from: fitted.from.min(tried.from), to: fitted.to.max(tried.to) }
@@ -113,12 +114,12 @@ impl Course<'_> {
         Ok(taught)
     }
 
-    /// What each cylinder is along its stroke.
+    /// Profile of each cylinder along its stroke.
     fn profiles<R: Recording>(
         &self,
         recording: &R,
         cuts: &Cuts,
-        results: &[Result<super::Fitted, Refusal>],
+        results: &[Result<super::Fitted, CalibrationRefusal>],
     ) -> Result<Profiles, R::Error> {
         let machine = &self.settings.machine;
         let fits = results.iter().map(|result| result.as_ref().ok());
@@ -128,13 +129,13 @@ impl Course<'_> {
         Ok((0..results.len()).map(|index| profiling.result(index)).collect())
     }
 
-    /// a and b of every cylinder, and what there was to make them from.
+    /// a and b of every cylinder, and the data that they were fitted to.
     #[expect(clippy::type_complexity, reason = "it is used once")]
     fn lines<R: Recording>(
         &self,
         recording: &R,
         cuts: &Cuts,
-    ) -> Result<(Gathering, Vec<Result<super::Fitted, Refusal>>), R::Error> {
+    ) -> Result<(Gathering, Vec<Result<super::Fitted, CalibrationRefusal>>), R::Error> {
         let settings = self.settings;
         let [low, high] = settings.machine.stroke;
         let configured = |n| {
@@ -146,19 +147,25 @@ impl Course<'_> {
         recording.read(self.fitted, cuts.around(&mut gathering))?;
         let second = settings.signals.cylinder.c2.is_some();
         let judge = |n: u8| {
-            if second { gathering.judge(usize::from(n) - 1) } else { Err(Refusal::NoSecond) }
+            if second {
+                gathering.judge(usize::from(n) - 1)
+            } else {
+                Err(CalibrationRefusal::NoSecond)
+            }
         };
         let lines: Vec<_> = numbers.map(judge).collect();
         let mut fitting = Fitting::new(lines.iter().map(|line| line.as_ref().ok().copied()));
         recording.read(self.fitted, cuts.around(&mut fitting))?;
         let results = lines.into_iter().enumerate().map(|(i, line)| {
-            fitting.result(i).unwrap_or_else(|| Err(line.err().unwrap_or(Refusal::Absent)))
+            fitting
+                .result(i)
+                .unwrap_or_else(|| Err(line.err().unwrap_or(CalibrationRefusal::Absent)))
         });
         let results = results.collect();
         Ok((gathering, results))
     }
 
-    /// What the detectors that follow make of the recording.
+    /// Levels that the resulting detectors need for this recording.
     fn levels<R: Recording>(
         &self,
         recording: &R,
@@ -179,8 +186,8 @@ impl Course<'_> {
         Ok(watch.levels(self.per_year))
     }
 
-    /// What is to be cut out, and whether there is anything. A fault is in a place or two; what comes
-    /// again and again belongs to the machine, and is told.
+    /// Parts to be cut out, and whether there are any. A fault occurs in one or two places;
+    /// evidence that recurs belongs to the machine, and is reported.
     fn cuts(&self, taught: &Taught) -> (Cuts, bool) {
         let mut cuts = Cuts::none(taught.levels.len());
         let (mut any, length) = (false, self.whole().length());
@@ -236,20 +243,20 @@ impl Course<'_> {
     }
 }
 
-/// What there is of one cylinder.
+/// Everything learnt of one cylinder.
 type Learnt = (
-    ((u8, Result<super::Fitted, Refusal>), Option<super::Tried>),
+    ((u8, Result<super::Fitted, CalibrationRefusal>), Option<super::TriedBand>),
     (Option<(Profile, Scatter)>, Option<OwnLevel>),
 );
 
-/// A drive that has been tried and does not predict is none.
+/// Drops a drive that does not predict in the validation.
 fn judged(profile: Profile, scatter: Scatter) -> Option<(Profile, Scatter)> {
     let drive = profile.drive.filter(|_| scatter.prediction.is_some());
     Some((Profile { drive, ..profile }, scatter))
 }
 
 impl CylinderCalibration {
-    /// The cylinder's table of a configuration; `None` where it was refused.
+    /// The cylinder's table in a configuration; `None` where it was refused.
     pub fn table(&self) -> Option<Cylinder> {
         let line = self.result.as_ref().ok()?.line;
         Some(Cylinder {

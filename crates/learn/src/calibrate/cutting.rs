@@ -1,17 +1,18 @@
-//! What is left out of a recording, since no healthy machine reads so.
+//! Parts of a recording that are left out because no healthy machine reads so.
 
 use crate::survey::{Row, Surveyor};
 
-/// What is beyond the level is cut out with so much on either side, s.
+/// Time that is cut out on either side of what exceeds the level, s.
 const BESIDE: f64 = 20.0;
 
-/// A fault is in so many places at the most.
+/// Most places that a fault occurs in.
 const MOST_PLACES: usize = 2;
 
-/// More of the recording than this part is not cut out.
+/// Largest part of a recording that may be cut out.
 const MOST_CUT: f64 = 0.1;
 
-/// The places, s, from which to which there is evidence beyond a level, at these times, in order.
+/// The places with evidence beyond a level, from and to, s, given the times of that evidence in
+/// order.
 pub(crate) fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
     let mut places: Vec<[f64; 2]> = Vec::new();
     for t in times {
@@ -24,16 +25,16 @@ pub(crate) fn places(times: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
     places
 }
 
-/// Whether places, s, are so few that they may be left out of a recording of this length, s.
+/// Whether `places`, s, are few enough to be left out of a recording of `length`, s.
 pub(crate) fn are_few(places: &[[f64; 2]], length: f64) -> bool {
     let cut: f64 = places.iter().map(|[from, to]| to - from).sum();
     places.len() <= MOST_PLACES && cut <= MOST_CUT * length
 }
 
-/// Times, s, of each cylinder that neither teach nor judge.
+/// Times of each cylinder, s, that are used neither for learning nor for judging.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cuts {
-    /// By cylinder: from, and up to.
+    /// Spans of each cylinder: from, and up to, s.
     spans: Vec<Vec<[f64; 2]>>,
 }
 
@@ -52,7 +53,7 @@ impl Cuts {
         self.spans[index].push(span);
     }
 
-    /// These and the `other` ones.
+    /// Union of these cuts and `other`.
     #[must_use]
     pub fn with(&self, other: &Self) -> Self {
         let count = self.spans.len().max(other.spans.len());
@@ -61,7 +62,7 @@ impl Cuts {
         Self { spans: (0..count).map(spans).collect() }
     }
 
-    /// The same in another time: `place` says where each is.
+    /// These cuts in another time scale, to which `place` converts.
     #[must_use]
     pub fn moved(&self, place: impl Fn(f64) -> f64) -> Self {
         let moved = |spans: &Vec<[f64; 2]>| spans.iter().map(|span| span.map(&place)).collect();
@@ -73,38 +74,38 @@ impl Cuts {
         self.spans.iter().flatten().any(|[begin, end]| *begin <= to && from < *end)
     }
 
-    /// What was cut out of the cylinder of `index` (from 0), s.
+    /// Cuts of the cylinder of `index` (from 0), s.
     pub fn of(&self, index: usize) -> &[[f64; 2]] {
         &self.spans[index]
     }
 
-    /// The same, for a person; `None` where nothing was.
+    /// Cuts of the cylinder of `index` (from 0) in words; `None` where there are none.
     pub fn told(&self, index: usize) -> Option<String> {
         let place = |[from, to]: &[f64; 2]| format!("{:.0} to {to:.0} s", from.max(0.0));
         let places: Vec<String> = self.spans[index].iter().map(place).collect();
         (!places.is_empty()).then(|| {
             format!(
-                "no healthy cylinder reads what it did in {}, which was left out: look there for a \
-                 fault",
+                "no healthy cylinder has such readings as those of {}, which were left out: look \
+                 there for a fault",
                 places.join(", ")
             )
         })
     }
 
-    /// What the cylinder (from 1) reads at `t`, s, neither teaches nor is judged.
+    /// Whether the cylinder (from 1) is cut out at `t`, s.
     pub fn hold(&self, cylinder: u8, t: f64) -> bool {
         let spans = self.spans.get(usize::from(cylinder).wrapping_sub(1));
         spans.into_iter().flatten().any(|[from, to]| *from <= t && t < *to)
     }
 
-    /// Shows a surveyor what is not cut out.
+    /// A surveyor that shows `surveyor` only what is not cut out.
     pub fn around<S: Surveyor>(&self, surveyor: S) -> impl Surveyor {
         Cutting { out: |cylinder, t| self.hold(cylinder, t), surveyor }
     }
 }
 
-/// Shows all rows to a surveyor but those that are left `out`, by cylinder (from 1) and time, s: there they end as
-/// they do where cycles are missing.
+/// Passes on all rows except those for which `out` holds, by cylinder (from 1) and time, s. The gap
+/// is reported as for missing cycles.
 #[derive(Debug)]
 pub struct Cutting<F, S> {
     pub out: F,

@@ -1,28 +1,29 @@
-//! Which part of a recording teaches, and which judges what it has taught.
+//! Division of a recording into parts to learn from and parts to judge.
 
 use crate::survey::Window;
 use tertius_core::sequential::Reference;
 
-/// Of blocks that alternate, s: long beside what a baseline remembers, short beside a change of the sea.
+/// Length of alternating blocks, s: long beside the baseline's memory, and short beside a change of
+/// the sea.
 const BLOCK: f64 = 60.0;
 
-/// A short recording has at least so many blocks.
+/// Least number of blocks of a short recording.
 const LEAST_BLOCKS: f64 = 8.0;
 
-/// What is seen of a place in so many seconds is one look, of which a block has two at least.
+/// Time within which readings of one place count as one look, s; a block has at least two looks.
 const LOOK: f64 = 30.0;
 
-/// See [`Division::lots`].
+/// Number of lots, see [`Division::lots`].
 const LOTS: usize = 4;
 
-/// One part teaches and another one judges; or, where both are the same, its blocks alternate, each
-/// judged by what those of the other half have taught. So a sea that changes, or the order in which
-/// recordings were made, is in both halves alike.
+/// One part is learnt from and another is judged. Where both are the same, its blocks alternate,
+/// and each half is judged by what was learnt from the other half, so that a changing sea, or the
+/// order of the recordings, affects both halves alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Division {
     fitted: Window,
     tried: Window,
-    /// s; `None` where the parts are different ones.
+    /// Length of a block, s; `None` where the parts are different.
     block: Option<f64>,
 }
 
@@ -32,43 +33,43 @@ impl Division {
         Self { fitted, tried, block }
     }
 
-    /// Every block is judged.
+    /// Whether blocks alternate, so that every block is judged.
     pub const fn alternates(&self) -> bool {
         self.block.is_some()
     }
 
-    /// s; `None` where nothing alternates.
+    /// Length of a block, s; `None` where nothing alternates.
     pub const fn block(&self) -> Option<f64> {
         self.block
     }
 
-    /// What teaches.
+    /// The part that is learnt from.
     pub const fn fitted(&self) -> Window {
         self.fitted
     }
 
-    /// The half, 0 or 1, that the row at `t`, s, teaches.
+    /// The half, 0 or 1, that is learnt from the row at `t`, s.
     pub fn taught(&self, t: f64) -> Option<usize> {
         self.fitted.holds(t).then(|| self.half(t))
     }
 
-    /// The half by whose teaching the row at `t`, s, is judged.
+    /// The half by which the row at `t`, s, is judged.
     pub fn judged(&self, t: f64) -> Option<usize> {
         let by = |t| if self.alternates() { 1 - self.half(t) } else { 0 };
         self.tried.holds(t).then(|| by(t))
     }
 
-    /// Blocks are told apart by so many lots, …
+    /// Number of lots to which blocks are assigned.
     pub const fn lots(&self) -> usize {
         if self.alternates() { LOTS } else { 1 }
     }
 
-    /// … of which the row at `t`, s, belongs to this one: what is in one place is in few of them.
+    /// The lot of the row at `t`, s. A disturbance in one place affects few lots.
     pub fn lot(&self, t: f64) -> usize {
         self.block.map_or(0, |block| ((t / block).max(0.0) as usize) % LOTS)
     }
 
-    /// Which look the row at `t`, s, is of.
+    /// The look of the row at `t`, s.
     pub fn look(&self, t: f64) -> u64 {
         let length = self.block.map_or(LOOK, |block| LOOK.min(0.5 * block));
         (t / length).max(0.0) as u64
@@ -79,7 +80,7 @@ impl Division {
     }
 }
 
-/// What both halves have taught of one cylinder.
+/// References of one cylinder learnt from both halves.
 pub type Halves = [Option<Reference>; 2];
 
 #[cfg(test)]

@@ -1,31 +1,32 @@
-//! How fast the command makes the rod go.
+//! Velocity of the rod as a function of the command.
 
 use crate::identify::qr::Triangle;
 use tertius_core::sequential::drive::{Commands, Drive, FEATURES};
 use tertius_core::sequential::parameters::DriveParameters;
 
-/// Cycles of a displacement that the drive is fitted to.
+/// Length of a displacement that the drive is fitted to, cycles.
 const SPAN: usize = 10;
 
-/// Displacements begin every so many cycles; they overlap.
+/// Interval between the beginnings of displacements, which overlap, cycles.
 const EVERY: u64 = 5;
 
-/// Commands of neighbouring cycles are nearly one: a pseudo-row of this part of each regressor.
+/// Pseudo-row for each regressor, as a part of it, since commands of neighbouring cycles are nearly
+/// equal.
 const DRIVE_RIDGE: f64 = 1e-3;
 
-/// Fewer displacements give no drive: half a minute at 50 Hz.
+/// Fewest displacements for a drive: half a minute at 50 Hz.
 const LEAST_DISPLACEMENTS: u64 = 300;
 
-/// Displacements of [`SPAN`] cycles on the commands that made them.
+/// Regression of displacements of [`SPAN`] cycles on the commands that caused them.
 #[derive(Clone, Debug)]
 pub(super) struct Drives {
     sample_time: f64,
     commands: Commands,
-    /// Lengths and features of the newest cycles, a ring.
+    /// Ring of the lengths and features of the newest cycles.
     ring: [(f64, [f64; FEATURES]); SPAN],
     held: usize,
     cycle: u64,
-    /// The features' means over a displacement, and its velocity.
+    /// Means of the features over a displacement, and its velocity.
     triangle: Triangle<{ FEATURES + 1 }>,
 }
 

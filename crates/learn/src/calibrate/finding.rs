@@ -1,10 +1,10 @@
-//! What a recording holds that no healthy cylinder does, in words.
+//! What a recording contains that a healthy cylinder does not show, in words.
 
 use super::watch::{OwnLevel, Sight};
 use crate::extremes::{Asked, LARGEST_LEVEL};
 use std::fmt;
 
-/// Evidence that contradicts what theory says of a healthy cylinder.
+/// Evidence that contradicts the theory of a healthy cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contradiction {
     pub worst: Sight,
@@ -24,14 +24,15 @@ impl fmt::Display for Contradiction {
         let most = LARGEST_LEVEL;
         write!(
             f,
-            "this is no recording of a healthy cylinder: {nats:.1} nats of evidence at {t:.1} s, C1 at \
+            "this is not a recording of a healthy cylinder: {nats:.1} nats of evidence at {t:.1} \
+             s, C1 at \
              {length:.3} m, by {what} over {width} samples"
         )?;
         if self.asked.nats > most {
             write!(
                 f,
-                "; it would take a level of {:.0} nats to live with the like, and beyond {most} the \
-                 detector would hardly find what it is for",
+                "; to tolerate it, a level of {:.0} nats would be needed, and beyond {most} the \
+                 detector would hardly find any fault",
                 self.asked.nats
             )?;
         }

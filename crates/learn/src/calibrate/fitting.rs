@@ -1,36 +1,37 @@
 //! The least squares of (5-20).
 
 use super::line::{Line, Robust};
-use super::refusal::Refusal;
+use super::refusal::CalibrationRefusal;
 use super::roughness::Roughness;
 use crate::identify::qr::Triangle;
 use crate::survey::{Row, Surveyor};
 
-/// Samples farther than this many deviations from the robust line are not fitted. The difference of
-/// two transducers is no noise alone but bends along the stroke, so that some deviations are healthy.
+/// Distance from the robust line, in deviations, beyond which samples are not fitted. The
+/// difference of two transducers is not only noise but also bends along the stroke, so that some
+/// deviations are healthy.
 const NEAR: f64 = 8.0;
 
-/// Rounding, m: nearer than this everything is fitted.
+/// Rounding, m: samples nearer than this are always fitted.
 const ROUNDING: f64 = 1e-6;
 
-/// More faulty samples than this part are no longer a few.
+/// Largest part of the samples that may be left out as faulty.
 const MOST_TRIMMED: f64 = 0.1;
 
-/// One cylinder's calibration.
+/// Calibration of one cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitted {
     /// a and b of (5-20), b in m.
     pub line: Line,
-    /// Their standard errors, if the residuals were white (they are not).
+    /// Standard errors of a and b, if the residuals were white (they are not).
     pub errors: [f64; 2],
-    /// Of C1 − Ĉ2 on the samples of the fit, root mean square, m.
+    /// Residual C1 − Ĉ2 on the samples of the fit, root mean square, m.
     pub rms: f64,
     pub rows: u64,
-    /// Samples that were farther than `limit` from the robust line and left out.
+    /// Number of samples that were farther than `limit` from the robust line and left out.
     pub trimmed: u64,
-    /// m.
+    /// Distance from the robust line beyond which samples are left out, m.
     pub limit: f64,
-    /// What C1 − Ĉ2 scatters by from cycle to cycle, standard deviation, m.
+    /// Standard deviation of C1 − Ĉ2 from cycle to cycle, m.
     pub roughness: f64,
 }
 
@@ -38,20 +39,20 @@ pub struct Fitted {
 struct Regressed {
     robust: Robust,
     limit: f64,
-    /// Of C2, 1 and C1.
+    /// Triangle of the columns C2, 1 and C1.
     triangle: Triangle<3>,
     roughness: Roughness,
     trimmed: u64,
 }
 
-/// The second reading: least squares of all samples near the robust lines.
+/// The second pass: least squares of all samples near the robust lines.
 #[derive(Clone, Debug)]
 pub struct Fitting {
     cylinders: Vec<Option<Regressed>>,
 }
 
 impl Fitting {
-    /// Near these lines; `None` where there is nothing to fit.
+    /// A fit of samples near these lines; `None` where there is nothing to fit.
     pub fn new(lines: impl IntoIterator<Item = Option<Robust>>) -> Self {
         let regressed = |robust: Robust| Regressed {
             robust,
@@ -63,11 +64,11 @@ impl Fitting {
         Self { cylinders: lines.into_iter().map(|line| line.map(regressed)).collect() }
     }
 
-    /// What came of the cylinder of `index` (from 0), `None` where there was nothing to fit.
+    /// The fit of the cylinder of `index` (from 0); `None` where there was nothing to fit.
     ///
     /// # Errors
     /// Too many samples are far from the line.
-    pub fn result(&self, index: usize) -> Option<Result<Fitted, Refusal>> {
+    pub fn result(&self, index: usize) -> Option<Result<Fitted, CalibrationRefusal>> {
         self.cylinders[index].as_ref().map(Regressed::result)
     }
 }
@@ -98,10 +99,10 @@ impl Regressed {
         }
     }
 
-    fn result(&self) -> Result<Fitted, Refusal> {
+    fn result(&self) -> Result<Fitted, CalibrationRefusal> {
         let Self { limit, trimmed, .. } = *self;
         let rows = self.triangle.rows() + trimmed;
-        let no_line = Refusal::NotALine { trimmed, rows, limit_mm: 1e3 * limit };
+        let no_line = CalibrationRefusal::NotALine { trimmed, rows, limit_mm: 1e3 * limit };
         if trimmed as f64 > MOST_TRIMMED * rows as f64 {
             return Err(no_line);
         }

@@ -1,7 +1,7 @@
-//! What a recording has of both transducers, and the line near which their readings are.
+//! The readings of both transducers in a recording, and the line near which they lie.
 
 use super::line::Robust;
-use super::refusal::Refusal;
+use super::refusal::CalibrationRefusal;
 use super::resolution::Resolution;
 use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
@@ -9,36 +9,36 @@ use crate::survey::{Row, Surveyor};
 use tertius_core::sample::Quality;
 use tertius_core::sequential::Noise;
 
-/// Samples of a cylinder that are kept for the line.
+/// Most samples of a cylinder that are kept for the line.
 const KEPT: usize = 20_000;
 
-/// Samples with both readings that a calibration has at least: ten seconds at 50 Hz.
+/// Fewest samples with both readings for a calibration: ten seconds at 50 Hz.
 const LEAST_ROWS: u64 = 500;
 
-/// The part of the stroke that has to be used.
+/// Least part of the stroke that has to be used.
 const LEAST_MOTION: f64 = 0.1;
 
-/// C1 and C2 of one cylinder are far above it, whatever their noise.
+/// Least correlation of C1 and C2 of one cylinder; whatever their noise, they are far above it.
 const LEAST_CORRELATION: f64 = 0.9;
 
-/// What one cylinder had.
+/// Data of one cylinder.
 #[derive(Clone, Debug)]
 struct Gathered {
     rows: u64,
     good: [Spread; 2],
     raw: [Spread; 2],
     qualities: [[u64; 6]; 2],
-    /// C2 and C1.
+    /// C2 and C1 of single samples.
     points: Thinned<(f64, f64)>,
-    /// Of C1 and C2.
+    /// Resolutions of C1 and C2.
     resolutions: [Resolution; 2],
 }
 
-/// The first reading: is there what a calibration needs?
+/// The first pass: whether the data suffice for a calibration.
 #[derive(Clone, Debug)]
 pub struct Gathering {
     stroke: f64,
-    /// a and b of each cylinder as configured, where they are.
+    /// a and b of each cylinder, where configured.
     configured: Vec<Option<(f64, f64)>>,
     cylinders: Vec<Gathered>,
     newest: Vec<Option<(u64, f64, f64)>>,
@@ -48,7 +48,8 @@ pub struct Gathering {
 }
 
 impl Gathering {
-    /// Of a machine whose cylinders have the length `stroke`, m, and the calibrations `configured`.
+    /// A pass over a machine whose cylinders have the length `stroke`, m, and the calibrations
+    /// `configured`.
     pub fn new(stroke: f64, configured: Vec<Option<(f64, f64)>>) -> Self {
         let count = configured.len();
         let gathered = Gathered {
@@ -69,21 +70,21 @@ impl Gathering {
         }
     }
 
-    /// How many cylinders there are.
+    /// Number of cylinders.
     pub const fn count(&self) -> usize {
         self.cylinders.len()
     }
 
-    /// The line of the cylinder of `index` (from 0) and the deviation from it.
+    /// The line of the cylinder of `index` (from 0), and the deviation from it.
     ///
     /// # Errors
     /// What is wrong with its data.
-    pub fn judge(&self, index: usize) -> Result<Robust, Refusal> {
+    pub fn judge(&self, index: usize) -> Result<Robust, CalibrationRefusal> {
         let gathered = &self.cylinders[index];
         gathered.presence()?;
         let rows = gathered.points.seen();
         if rows < LEAST_ROWS {
-            return Err(Refusal::TooFewRows { rows, least: LEAST_ROWS });
+            return Err(CalibrationRefusal::TooFewRows { rows, least: LEAST_ROWS });
         }
         let range_mm = 1e3 * gathered.range();
         let least_mm = 1e3 * LEAST_MOTION * self.stroke;
@@ -94,14 +95,14 @@ impl Gathering {
             unit(line.gain)?;
         }
         if range_mm < least_mm {
-            return Err(Refusal::HardlyMoves { range_mm, least_mm });
+            return Err(CalibrationRefusal::HardlyMoves { range_mm, least_mm });
         }
         self.partners(index)?;
         self.sides(index)?;
-        robust.ok_or(Refusal::HardlyMoves { range_mm, least_mm })
+        robust.ok_or(CalibrationRefusal::HardlyMoves { range_mm, least_mm })
     }
 
-    /// What cannot be told of a cylinder that can be calibrated.
+    /// Remarks on what cannot be determined of a cylinder that can be calibrated.
     pub fn remarks(&self, index: usize) -> Vec<String> {
         let unknown = self.configured[index].is_none().then(|| {
             "whether C1 and C2 are swapped cannot be told without an earlier calibration (c2_gain, \
@@ -124,33 +125,34 @@ impl Gathering {
         }
     }
 
-    /// Of C1 of one cylinder with C2 of another.
+    /// Correlation of C1 of one cylinder with C2 of another.
     fn correlation(&self, first: usize, second: usize) -> f64 {
         self.crossed[first * self.count() + second].correlation().unwrap_or(0.0)
     }
 
-    /// Whose C2 moves with C1 of the cylinder of `index`.
-    fn partners(&self, index: usize) -> Result<(), Refusal> {
+    /// Checks that C1 of the cylinder of `index` moves with its own C2, and names the cylinder
+    /// whose C2 it moves with.
+    fn partners(&self, index: usize) -> Result<(), CalibrationRefusal> {
         let count = self.count();
         let with = |j: usize| self.correlation(index, j);
         let own = with(index);
         let best = (0..count).max_by(|i, j| with(*i).total_cmp(&with(*j))).unwrap_or(index);
         // The unexplained part, 1 − ρ², of the right one is smaller by far.
         if best != index && with(best) > LEAST_CORRELATION && 1.0 - with(best) < 0.1 * (1.0 - own) {
-            return Err(Refusal::SwappedCylinders {
+            return Err(CalibrationRefusal::SwappedCylinders {
                 other: best as u8 + 1,
                 with_other: with(best),
                 with_own: own,
             });
         }
         if own < LEAST_CORRELATION {
-            return Err(Refusal::Unrelated { correlation: own });
+            return Err(CalibrationRefusal::Unrelated { correlation: own });
         }
         Ok(())
     }
 
-    /// With an earlier calibration it shows if C1 is where C2 was.
-    fn sides(&self, index: usize) -> Result<(), Refusal> {
+    /// Checks against an earlier calibration whether C1 is where C2 was.
+    fn sides(&self, index: usize) -> Result<(), CalibrationRefusal> {
         let Some((a, b)) = self.configured[index] else { return Ok(()) };
         let points = self.cylinders[index].points.samples();
         let middle = |errors: &dyn Fn(f64, f64) -> f64| {
@@ -163,7 +165,7 @@ impl Gathering {
         let as_given_mm = 1e3 * middle(&|c2, c1| c1 - (a * c2 + b));
         let swapped_mm = 1e3 * middle(&|c2, c1| c2 - (a * c1 + b));
         if swapped_mm < 0.5 * as_given_mm && as_given_mm - swapped_mm > 0.5 {
-            return Err(Refusal::SwappedTransducers { as_given_mm, swapped_mm });
+            return Err(CalibrationRefusal::SwappedTransducers { as_given_mm, swapped_mm });
         }
         Ok(())
     }
@@ -205,30 +207,35 @@ impl Gathered {
         Some((c1, c2))
     }
 
-    /// What the rounding of both readings leaves of their difference in any case, m.
+    /// Difference that the rounding of both readings always leaves, m.
     fn rounding(&self) -> f64 {
         Noise::of_rounding([0, 1].map(|which: usize| self.resolutions[which].count()))
     }
 
-    fn presence(&self) -> Result<(), Refusal> {
+    fn presence(&self) -> Result<(), CalibrationRefusal> {
         if self.rows == 0 {
-            return Err(Refusal::Absent);
+            return Err(CalibrationRefusal::Absent);
         }
         for (i, signal) in ["C1", "C2"].into_iter().enumerate() {
             let missing = self.rows - self.good[i].count;
             if missing > self.rows / 2 {
                 let detail = self.detail(i);
-                return Err(Refusal::Missing { signal, missing, rows: self.rows, detail });
+                return Err(CalibrationRefusal::Missing {
+                    signal,
+                    missing,
+                    rows: self.rows,
+                    detail,
+                });
             }
             if self.good[i].range() <= 0.0 {
                 let (value, rows) = (self.good[i].mean, self.good[i].count);
-                return Err(Refusal::Constant { signal, value, rows });
+                return Err(CalibrationRefusal::Constant { signal, value, rows });
             }
         }
         Ok(())
     }
 
-    /// What became of the readings that came.
+    /// What became of the readings, in words.
     fn detail(&self, i: usize) -> String {
         let kinds = [
             (Quality::OutOfRange, "out of range"),
@@ -253,8 +260,8 @@ impl Gathered {
         if text.is_empty() { text } else { format!(": {text}") }
     }
 
-    /// The stroke that C1 used, m, but for the outermost hundredth to either side: a faulty sample is no
-    /// motion.
+    /// The stroke that C1 used, m, without the outermost hundredth on either side, since a faulty
+    /// sample is no motion.
     fn range(&self) -> f64 {
         let mut lengths: Vec<f64> = self.points.samples().iter().map(|(_, c1)| *c1).collect();
         lengths.sort_unstable_by(f64::total_cmp);
@@ -266,8 +273,8 @@ impl Gathered {
     }
 }
 
-/// Two transducers of one stroke have about the same gain.
-fn unit(gain: f64) -> Result<(), Refusal> {
+/// Checks the gain: two transducers of one stroke have about the same.
+fn unit(gain: f64) -> Result<(), CalibrationRefusal> {
     if (0.5..=2.0).contains(&gain) {
         return Ok(());
     }
@@ -281,5 +288,5 @@ fn unit(gain: f64) -> Result<(), Refusal> {
     } else {
         String::new()
     };
-    Err(Refusal::Unit { gain, guess })
+    Err(CalibrationRefusal::Unit { gain, guess })
 }

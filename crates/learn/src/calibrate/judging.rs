@@ -1,15 +1,15 @@
 //! Whether a calibration can be used.
 
-use super::{Bound, Calibrated, Calibration, Course, Cuts, LARGEST_BOUND, LEAST_BOUND};
+use super::{Bound, Calibrated, Calibration, CalibrationCourse, Cuts, LARGEST_BOUND, LEAST_BOUND};
 use crate::survey::{Origin, Recording};
 
 impl Calibration {
-    /// What `course` makes of the `recording` from `origin`.
+    /// The calibration of the `recording` by `course`, with its `origin`.
     ///
     /// # Errors
     /// The recording's own.
     pub fn of<R: Recording>(
-        course: &Course,
+        course: &CalibrationCourse,
         recording: &R,
         origin: &Origin,
     ) -> Result<Self, R::Error> {
@@ -18,8 +18,8 @@ impl Calibration {
         let own = cylinders.iter().any(|cylinder| cylinder.level.is_some());
         let configured = settings.sequential.level.filter(|_| own).map(|level| {
             format!(
-                "sequential.level of the configuration, {level} nats, goes before the level of each \
-                 cylinder; take it out"
+                "sequential.level of the configuration, {level} nats, takes precedence over the \
+                 level of each cylinder; remove it"
             )
         });
         Ok(Self {
@@ -34,18 +34,18 @@ impl Calibration {
         })
     }
 
-    /// A bound that is no warning before the machine itself trips, at `critical` m, is none.
+    /// Refuses a bound that would not warn before the machine itself trips, at `critical` m.
     ///
-    /// # Errors
-    /// Why, in words: then nothing is written.
+    /// # Errors The reason, in words; nothing may be written then.
     pub fn usable(&self, critical: f64) -> Result<(), String> {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };
         Err(format!(
-            "for {} false alarms a year R3 would take a bound of {:.2} mm, and with more than {:.2} mm, a \
+            "for {} false alarms a year R3 would need a bound of {:.2} mm, and above {:.2} mm, a \
              tenth of comparator.critical, it hardly warns before the machine trips. The largest |C1 - \
-             C2| beyond the line is {:.2} mm; with {:.2} mm, the thesis's, this recording speaks of about \
-             {:.0} a year (--false-alarms-per-year). Is it of a healthy machine? Look at C1 - C2 over time \
+             C2| beyond the line is {:.2} mm; with the thesis's {:.2} mm, this recording suggests \
+             about {:.0} a year (--false-alarms-per-year). Was the machine healthy? Look at C1 - \
+             C2 over time \
              (`replay --residuals`)",
             bound.per_year,
             bound.level * 1e3,
@@ -56,14 +56,15 @@ impl Calibration {
         ))
     }
 
-    /// What was left out, as no healthy cylinder reads so.
+    /// Parts that were left out because no healthy cylinder reads so.
     pub fn cuts(&self) -> Cuts {
         let spans: Vec<_> =
             self.cylinders.iter().map(|cylinder| cylinder.left_out.clone()).collect();
         spans.into()
     }
 
-    /// The cylinders that have no calibration, or none for their sequential detector, and why.
+    /// Cylinders without a calibration, or without one for their sequential detector, and the
+    /// reasons.
     pub fn refusals(&self) -> Vec<(u8, String)> {
         let refused = self.cylinders.iter().filter_map(|cylinder| {
             let refusal = cylinder.result.as_ref().err().map(ToString::to_string);

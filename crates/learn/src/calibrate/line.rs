@@ -1,26 +1,26 @@
-//! A line through points of which a few are wrong.
+//! A line through points, a few of which are wrong.
 
-/// Beyond this many deviations an error loses weight (Huber 1964): 95 % as good as least squares
-/// where all is normal.
+/// Deviations beyond which an error loses weight (Huber 1964): 95 % as efficient as least squares
+/// where all errors are normal.
 const HUBER: f64 = 1.345;
 
-/// Of a normal distribution the median magnitude is this part of the deviation.
+/// Median magnitude of a normal distribution, as a part of its standard deviation.
 const NORMAL_MEDIAN: f64 = 0.674_489_75;
 
 const ROUNDS: u32 = 100;
 
-/// y = gain·x + offset.
+/// The line y = gain·x + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub gain: f64,
     pub offset: f64,
 }
 
-/// A line and how far points are from it.
+/// A line and the distance of points from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robust {
     pub line: Line,
-    /// The deviation of the points that are not wrong, from the median of all magnitudes.
+    /// Standard deviation of the points that are not wrong, from the median of all magnitudes.
     pub deviation: f64,
 }
 
@@ -49,9 +49,9 @@ impl Line {
 }
 
 impl Robust {
-    /// The line through `points` (x, y) by Huber's weights, iterated until they rest; `None` where
-    /// the points have no width. Of points on a lattice that mostly are on the line itself, the median
-    /// says nothing: `least` is what they deviate by in any case.
+    /// The line through `points` (x, y) by Huber's weights, iterated until they converge; `None`
+    /// where the points have no width. Where points on a lattice lie mostly on the line itself,
+    /// their median magnitude says nothing, so the deviation is at least `least`.
     pub fn fit(points: &[(f64, f64)], least: f64) -> Option<Self> {
         let mut line = Line::fit(points, |_| 1.0)?;
         let mut deviation = deviation(points, line).max(least);
@@ -87,7 +87,7 @@ fn deviation(points: &[(f64, f64)], line: Line) -> f64 {
 mod tests {
     use super::*;
 
-    /// Noise of ±0.2 mm that is no multiple of anything.
+    /// Noise of ±0.2 mm with no common divisor.
     fn points(outlier: f64) -> Vec<(f64, f64)> {
         let noise = |k: u32| 2e-4 * (f64::from(k) * 12.9898).sin();
         let x = |k: u32| (f64::from(k) * 0.01).sin();

@@ -1,4 +1,4 @@
-//! The reference of the sequential detector: what C1 − C2 is along the stroke, and how well that is known.
+//! The reference of the sequential detector: C1 − C2 along the stroke, and its accuracy.
 
 use super::division::{Division, Halves};
 use super::driving::Drives;
@@ -9,29 +9,30 @@ use super::smoothing::{Equations, Look, Solution};
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::drive::Drive;
 use tertius_core::sequential::noise::LEAST_TIMING;
-use tertius_core::sequential::novelty::{News, Novelty};
 use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::samples::Sample;
+use tertius_core::sequential::thinning::{Independence, Thinning};
 use tertius_core::sequential::velocity::Velocity;
 use tertius_core::sequential::{Noise, Reference};
 
-/// From node to node, m.
+/// Distance between nodes, m.
 const SPACING: f64 = 0.1;
 
-/// What a temperature may do to a difference within so many seconds, m.
+/// Largest change of a difference by temperature within [`WARMING_TIME`], m.
 const WARMING: f64 = 3e-4;
+/// Time within which the temperature may change a difference by [`WARMING`], s.
 const WARMING_TIME: f64 = 900.0;
 
-/// What one cylinder's detector starts from.
+/// Profile and drive of one cylinder's detector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     pub reference: Reference,
-    /// In motion, for each cell between two nodes.
+    /// Number of samples in motion, for each cell between two nodes.
     pub samples: Vec<u64>,
-    /// What the nodes' second differences are taken to be, m.
+    /// Assumed standard deviation of the nodes' second differences, m.
     pub bend: f64,
-    /// `None` where the commands were too few to fit.
+    /// Drive; `None` where there were too few commands to fit one.
     pub drive: Option<Drive>,
 }
 
@@ -49,18 +50,18 @@ struct Gathered {
     noise: Noise,
     first: f64,
     halves: [Equations; 2],
-    /// Which look is gathered, and the half that it teaches.
+    /// The look that is being gathered, and the half that is learnt from it.
     current: Option<(u64, usize)>,
     look: Look,
     samples: Vec<u64>,
     speed: Velocity,
-    novelty: Novelty,
+    thinning: Thinning,
     drives: Box<Drives>,
 }
 
 impl Profiling {
-    /// Of cylinders with the reach `stroke`, m, sampled every `sample_time` seconds, on what teaches by
-    /// `division`.
+    /// A fit for cylinders with the reach `stroke`, m, sampled every `sample_time` seconds, on the
+    /// parts that `division` learns from.
     pub fn new<'a>(
         division: Division,
         stroke: [f64; 2],
@@ -80,7 +81,7 @@ impl Profiling {
             look: Look::new(cells),
             samples: vec![0; cells],
             speed: Velocity::new(&ResidualParameters::DEFAULT, sample_time),
-            novelty: Novelty::new(
+            thinning: Thinning::new(
                 &ResidualParameters::DEFAULT,
                 sample_time,
                 deviation(fitted),
@@ -92,8 +93,8 @@ impl Profiling {
         Self { division, cylinders }
     }
 
-    /// What came of the cylinder of `index` (from 0), and what each half alone has taught; `None` where
-    /// there was nothing to fit.
+    /// The profile of the cylinder of `index` (from 0), and the references of each half alone;
+    /// `None` where there was nothing to fit.
     pub fn result(&self, index: usize) -> Option<(Profile, Halves)> {
         self.cylinders[index].as_ref()?.result()
     }
@@ -110,7 +111,7 @@ impl Surveyor for Profiling {
     fn gap(&mut self, cylinder: u8) {
         if let Some(gathered) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
             gathered.speed.reset();
-            gathered.novelty.reset();
+            gathered.thinning.reset();
             gathered.drives.clear();
         }
     }
@@ -125,9 +126,9 @@ impl Gathered {
         let Some(((c1, c2), velocity)) = pair.zip(speed) else { return };
         let error = self.line.error(c2, c1);
         // At rest one reading says what the one before has said, however it was rounded.
-        let news = self.novelty.step([c1, c2], Sample::at_rest(error));
+        let independence = self.thinning.step([c1, c2], Sample::at_rest(error));
         let place = Reference::place(self.first, SPACING, self.samples.len() + 1, c2);
-        let Some(place) = place.filter(|_| news == News::InMotion) else { return };
+        let Some(place) = place.filter(|_| independence == Independence::InMotion) else { return };
         if let Some((_, half)) = self.current.replace(look).filter(|before| *before != look) {
             self.halves[half].take(&self.look);
             self.look.clear();
@@ -149,7 +150,7 @@ impl Gathered {
         Some((Profile { reference, samples, bend, drive: self.drives.result() }, halves))
     }
 
-    /// Of C1 − C2, which the line is a part of.
+    /// The reference of C1 − C2, with the line as a part of it.
     fn reference(&self, solution: Solution) -> Reference {
         let Line { gain, offset } = self.line;
         let along = |i: usize| (gain - 1.0) * (self.first + SPACING * i as f64) + offset;

@@ -1,9 +1,9 @@
-//! Why a cylinder's C2 is not calibrated, in words for the person who has to mend it.
+//! Why a cylinder's C2 is not calibrated, in words for the person who has to correct it.
 
 use thiserror::Error;
 
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum Refusal {
+pub enum CalibrationRefusal {
     #[error(
         "no frame of it is in this part of the recording; check the cylinder's number and {{n}} in \
          [signals.cylinder], and that its transducers were on the bus"
@@ -19,12 +19,15 @@ pub enum Refusal {
     #[error("{signal} is constant at {value} m in all {rows} cycles; is it connected?")]
     Constant { signal: &'static str, value: f64, rows: u64 },
     #[error(
-        "it moves over {range_mm:.2} mm only, and {least_mm:.0} mm, a tenth of the stroke, are the \
-         least from which a gain can be told from an offset over the whole of it; record it in \
-         motion"
+        "it moves over only {range_mm:.2} mm, and at least {least_mm:.0} mm, a tenth of the \
+         stroke, are needed to tell a gain from an offset over the whole stroke; record it in \
+        motion"
     )]
     HardlyMoves { range_mm: f64, least_mm: f64 },
-    #[error("{rows} cycles have both readings, of {least} at least; the recording is too short")]
+    #[error(
+        "{rows} cycles have both readings, and at least {least} are needed; the recording is \
+        too short"
+    )]
     TooFewRows { rows: u64, least: u64 },
     #[error(
         "C1 and C2 do not move together (correlation {correlation:.3}); are they transducers of the \
@@ -37,19 +40,19 @@ pub enum Refusal {
     )]
     SwappedCylinders { other: u8, with_other: f64, with_own: f64 },
     #[error(
-        "C1 is {gain:.5} times C2{guess}, and two transducers of one stroke are within 0.5 and 2 of \
-         each other; check unit, factor and offset of both in the DBC"
+        "C1 is {gain:.5} times C2{guess}, but for two transducers of one stroke the ratio is \
+         between 0.5 and 2; check unit, factor and offset of both in the DBC"
     )]
     Unit { gain: f64, guess: String },
     #[error(
         "C1 and C2 look swapped: as configured C1 is {as_given_mm:.3} mm (RMS) from a C2 + b, but \
          C2 is {swapped_mm:.3} mm from a C1 + b; exchange them in [signals.cylinder] or at the \
-         machine, or take c2_gain and c2_offset out of the configuration to calibrate anew"
+         machine, or take c2_gain and c2_offset out of the configuration to calibrate again"
     )]
     SwappedTransducers { as_given_mm: f64, swapped_mm: f64 },
     #[error(
-        "{trimmed} of {rows} samples are farther than {limit_mm:.3} mm from any one line: that is \
-         no matter of a few faulty samples; look at C1 - C2 over time (`replay --residuals`)"
+        "{trimmed} of {rows} samples are farther than {limit_mm:.3} mm from any one line, which is \
+         more than a few faulty samples; look at C1 - C2 over time (`replay --residuals`)"
     )]
     NotALine { trimmed: u64, rows: u64, limit_mm: f64 },
 }

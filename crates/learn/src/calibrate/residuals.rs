@@ -1,5 +1,4 @@
-//! What the difference of both readings is beyond what one part of the recording has taught, on another
-//! one.
+//! Residuals of one part of the recording against the reference learnt from another.
 
 use super::division::{Division, Halves};
 use super::fitting::Fitted;
@@ -7,12 +6,12 @@ use super::line::Line;
 use super::trying::FAULTY;
 use crate::survey::Row;
 use tertius_core::sequential::baseline::{Baseline, Loss};
-use tertius_core::sequential::novelty::{News, Novelty};
 use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::samples::Sample;
+use tertius_core::sequential::thinning::{Independence, Thinning};
 use tertius_core::sequential::velocity::Velocity;
 
-/// Of the deviation before it is known, m.
+/// Standard deviation that is assumed before it is known, m.
 const GUESS: f64 = 1e-4;
 
 /// Follows one cylinder as its detector will.
@@ -25,38 +24,38 @@ pub struct Residuals {
     velocity: Velocity,
     baseline: Baseline,
     loss: Loss,
-    novelty: Novelty,
+    thinning: Thinning,
 }
 
-/// What a row has come to.
+/// Residual of one row.
 #[derive(Clone, Copy, Debug)]
 pub struct Residual {
     /// C1 and C2, m.
     pub lengths: [f64; 2],
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: f64,
-    /// Beyond the baseline, m; `None` before it has begun.
+    /// Residual beyond the baseline, m; `None` before the baseline has begun.
     pub beyond: Option<f64>,
-    /// The square of what that may be off by, for what it is compared with may be, m².
+    /// Variance of the residual due to the uncertainty of its reference, m².
     pub doubt: f64,
-    pub news: News,
+    pub independence: Independence,
 }
 
 impl Residual {
-    /// Beyond the baseline, m, where it is evidence of a rod that moves.
+    /// Residual beyond the baseline, m, where it is evidence from a rod in motion.
     pub fn in_motion(&self) -> Option<f64> {
-        self.beyond.filter(|_| self.news == News::InMotion)
+        self.beyond.filter(|_| self.independence == Independence::InMotion)
     }
 }
 
-/// The deviation from a line, as far as it is known, m.
+/// Standard deviation from a line, as far as it is known, m.
 pub fn deviation(fitted: &Fitted) -> f64 {
     if fitted.rms > 0.0 { fitted.rms } else { GUESS }
 }
 
 impl Residuals {
-    /// Of a cylinder with this line, by what the halves of `division` have taught, sampled every
-    /// `sample_time` seconds.
+    /// Residuals of a cylinder with this line, against the references from the halves of
+    /// `division`, sampled every `sample_time` seconds.
     pub fn new(sample_time: f64, fitted: &Fitted, division: Division, halves: Halves) -> Self {
         let deviation = deviation(fitted);
         let parameters = &ResidualParameters::DEFAULT;
@@ -69,25 +68,26 @@ impl Residuals {
             baseline: Baseline::new(parameters, sample_time, deviation),
             loss: Loss::default(),
             // How far healthy residuals go is what is being learnt.
-            novelty: Novelty::new(parameters, sample_time, deviation, f64::INFINITY),
+            thinning: Thinning::new(parameters, sample_time, deviation, f64::INFINITY),
         }
     }
 
-    /// Cycles are missing.
+    /// Reports that cycles are missing.
     pub fn interrupt(&mut self) {
         self.velocity.reset();
-        self.novelty.reset();
+        self.thinning.reset();
         self.loss.begin();
     }
 
-    /// The platform has left its state: what is learnt of one is void in another.
+    /// Reports that the platform has left its state; what was learnt in one does not apply in
+    /// another.
     pub fn leave(&mut self) {
         self.interrupt();
         self.baseline.reset();
     }
 
-    /// Takes a row of a monitored cycle; `None` where there is nothing to compare, or one of both is
-    /// wrong by a lot.
+    /// Takes a row of a monitored cycle; `None` where there is nothing to compare, or a reading is
+    /// grossly wrong.
     pub fn take(&mut self, row: &Row) -> Option<Residual> {
         let velocity = self.velocity.step(row.c2, row.v2);
         let healthy = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
@@ -100,9 +100,9 @@ impl Residuals {
         }
         let (baseline, of_baseline) = (self.baseline.value(), self.baseline.doubt());
         self.baseline.follow(residual, doubt);
-        let news = self.novelty.step([c1, c2], Sample::at_rest(residual));
+        let independence = self.thinning.step([c1, c2], Sample::at_rest(residual));
         let beyond = baseline.map(|baseline| residual - baseline);
         let doubt = doubt * doubt + of_baseline * of_baseline;
-        Some(Residual { lengths: [c1, c2], velocity, beyond, doubt, news })
+        Some(Residual { lengths: [c1, c2], velocity, beyond, doubt, independence })
     }
 }

@@ -1,26 +1,28 @@
-//! What a transducer's readings move in.
+//! The resolution of a transducer's readings.
 
-/// Moves that differ by less are the same, m: the rounding of readings that come as 32-bit floats.
+/// Largest difference of moves that count as equal, m: the rounding of readings that come as 32-bit
+/// floats.
 const ROUNDING: f64 = 1e-6;
 
-/// The smallest moves that are kept.
+/// Number of smallest moves that are kept.
 const KEPT: usize = 32;
 
-/// A count is a move that is at least this part of all of them: a slow rod makes many of one count, and one
-/// odd reading none.
+/// Least share of all moves that the resolution must have: a slow rod makes many moves of one
+/// count, and a single odd reading makes none.
 const LEAST: f64 = 1e-3;
 
-/// The smallest moves of a reading from cycle to cycle, and how often each was. Memory does not grow.
+/// The smallest moves of a reading from cycle to cycle, and how often each occurred. Memory does
+/// not grow.
 #[derive(Clone, Debug, Default)]
 pub struct Resolution {
     newest: Option<f64>,
-    /// By size, m.
+    /// Moves by size, m, with their counts.
     smallest: Vec<(f64, u64)>,
     moves: u64,
 }
 
 impl Resolution {
-    /// Readings are missing.
+    /// Reports that readings are missing.
     pub const fn interrupt(&mut self) {
         self.newest = None;
     }
@@ -41,7 +43,7 @@ impl Resolution {
         self.smallest.truncate(KEPT);
     }
 
-    /// The count, m; 0 where the readings move in no counts that could be told.
+    /// The resolution, m; 0 where the readings move in no discernible steps.
     pub fn count(&self) -> f64 {
         let often = |(_, count): &&(f64, u64)| *count as f64 >= LEAST * self.moves as f64;
         self.smallest.iter().find(often).map_or(0.0, |(size, _)| *size)

@@ -1,17 +1,19 @@
-//! What two readings scatter by from cycle to cycle, whatever they differ by along the stroke.
+//! The scatter of the difference of two readings from cycle to cycle, whatever its shape along the
+//! stroke.
 
 use super::spreading::quantile;
 use tertius_core::sequential::Magnitudes;
 
-/// The first width of the bins of magnitudes, m.
+/// Initial width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
 
-/// Of a normal distribution this part is within so many deviations: on a lattice of counts the median may
-/// be none, and what is beyond may be wild.
+/// Part of a normal distribution within the quantile that is used: on a lattice of counts the
+/// median may be zero, and the outermost values may be wild.
 const PART: f64 = 0.9;
+/// Deviations of a normal distribution within which [`PART`] of it lies.
 const WITHIN: f64 = 1.645;
 
-/// The second differences of what follows each other: a bend is hardly in them.
+/// Second differences of successive values, in which a bend hardly appears.
 #[derive(Clone, Debug)]
 pub(super) struct Roughness {
     newest: [f64; 2],
@@ -26,12 +28,12 @@ impl Default for Roughness {
 }
 
 impl Roughness {
-    /// Cycles are missing.
+    /// Reports that cycles are missing.
     pub(super) const fn interrupt(&mut self) {
         self.held = 0;
     }
 
-    /// Takes what the readings of a cycle differ by, m.
+    /// Takes the difference of the readings of a cycle, m.
     pub(super) fn add(&mut self, difference: f64) {
         let [before, last] = self.newest;
         self.newest = [last, difference];
@@ -42,7 +44,7 @@ impl Roughness {
         }
     }
 
-    /// The standard deviation, m; 0 where there is none.
+    /// The standard deviation, m; 0 where there are no data.
     pub(super) fn deviation(&self) -> f64 {
         quantile(&self.magnitudes, PART) / WITHIN
     }
@@ -55,7 +57,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
-    /// Bends of a millimetre, a lattice of counts and a few wild samples are none of it.
+    /// Bends of a millimetre, a lattice of counts and a few wild samples do not count.
     #[test]
     fn it_is_what_follows_each_other_closely() {
         for (count, expected) in [(1e-9, 1e-4), (2e-4, 1.2e-4)] {

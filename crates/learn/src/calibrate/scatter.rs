@@ -1,12 +1,12 @@
-//! How healthy residuals of a [`Profile`] scatter, each judged by what another part of the recording
-//! has taught.
+//! Distribution of healthy residuals of a [`Profile`], each judged by what was learnt from another
+//! part of the recording.
 
 use super::division::{Division, Halves};
 use super::fitting::Fitted;
 use super::predicting::{Predicted, Predicting};
 use super::profile::Profile;
 use super::residuals::{Residual, Residuals, deviation};
-use super::spreading::Spread;
+use super::spreading::ResidualSpread;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::clip::Clip;
 use tertius_core::sequential::dependence::Measuring;
@@ -17,43 +17,44 @@ use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPEND
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Parameters, Rate};
 
-/// The first width of the bins of magnitudes, m.
+/// Initial width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
 
-/// Samples in motion, none repeated, that a rate function is made of at least: the deviation of so many is
+/// Fewest samples in motion, none repeated, for a rate function: with this many the deviation is
 /// known to 5 %.
 const LEAST_SAMPLES: u64 = 200;
 
-/// Of fewer it is said how well it is known: a minute at 50 Hz.
+/// Number of samples below which a remark says how well the result is known: a minute at 50 Hz.
 const MANY_SAMPLES: u64 = 3000;
 
-/// A prediction that is off by more than so many deviations of the residual tells no transducer from
-/// another: the command does not drive the rod as its drive has it.
+/// Largest error of a prediction, in deviations of the residual, with which a fault can be located:
+/// beyond it the command does not move the rod as the drive assumes.
 const FARTHEST_OFF: f64 = 4.0;
 
-/// What one cylinder's residuals were.
+/// Distribution of one cylinder's residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// Of the weighed residual, and of its square.
+    /// Rate function of the weighted residual.
     pub rate: Rate,
+    /// Rate function of the square of the weighted residual.
     pub square_rate: Rate,
-    /// How much of a window of residuals is news.
+    /// Dependence of the residuals in a window.
     pub dependence: Dependence,
-    /// What was expected of wild samples.
+    /// Expected wild samples.
     pub outliers: Outliers,
-    /// Standard deviation of the residual, m, whatever the speed, wild samples left out.
+    /// Standard deviation of the residual at any speed, m, without wild samples.
     pub deviation: f64,
-    /// How it goes with the speed, and what the readings move in.
-    pub spread: Spread,
-    /// `None` without a drive that predicts.
+    /// Growth of the scatter with the speed, and the resolution of the readings.
+    pub spread: ResidualSpread,
+    /// Accuracy of the command's prediction; `None` without a drive that predicts.
     pub prediction: Option<Predicted>,
     pub samples: u64,
-    /// m.
+    /// Largest residual, m.
     pub largest: f64,
 }
 
 impl Scatter {
-    /// The detector that these make, with a level that nothing reaches.
+    /// The detector from these tables, with a level that nothing reaches.
     pub fn design(&self, profile: &Profile, sample_time: f64) -> Design {
         let prediction =
             self.prediction.as_ref().map_or(Prediction::UNKNOWN, Predicted::prediction);
@@ -79,8 +80,8 @@ impl Scatter {
     }
 }
 
-/// What all lots have in common: of each width the lower median, since a fault in one place is in two
-/// of four at the most.
+/// Dependence that all lots have in common: the lower median for each width, since a fault in one
+/// place affects at most two of the four lots.
 fn common(mut lots: Vec<Dependence>) -> Dependence {
     let middle = (lots.len() - 1) / 2;
     let mut common = lots[0];
@@ -102,40 +103,40 @@ pub struct Scattering {
 #[derive(Clone, Debug)]
 struct Judged {
     residuals: Residuals,
-    spread: Spread,
+    spread: ResidualSpread,
     noise: Noise,
     bands: Bands,
     pair: Option<Pair>,
-    /// Of the weighed residuals.
+    /// Magnitudes of the weighted residuals.
     magnitudes: Magnitudes,
-    /// Of those that are not wild, as they are: their number, their squares, m², and the largest of
-    /// all, m.
+    /// Number of residuals that are not wild, and the sum of their squares, m².
     healthy: (u64, f64),
+    /// Largest residual that is not wild, m.
     largest: f64,
     history: History,
-    /// By lots of blocks.
+    /// Dependence by lots of blocks.
     measuring: Vec<Measuring>,
     division: Division,
     predicting: Predicting,
 }
 
 impl Scattering {
-    /// Of cylinders with these lines, profiles and spreads, and what the halves of `division` have taught
-    /// of each, sampled every `sample_time` seconds, with so many `outliers`.
+    /// A pass over cylinders with these lines, profiles and spreads, judged by the references from
+    /// the halves of `division`, sampled every `sample_time` seconds, with the expected `outliers`.
     pub fn new<'a>(
         sample_time: f64,
         outliers: Outliers,
         division: Division,
-        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), Spread)>>,
+        cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), ResidualSpread)>>,
     ) -> Self {
-        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), Spread)| {
+        let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), ResidualSpread)| {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
             let design = |drive| {
                 let (prediction, parameters) = (Prediction::UNKNOWN, &Parameters::DEFAULT);
                 PairDesign::new(drive, sample_time, deviation, prediction, parameters).ok()
             };
-            let Spread { noise, resolution } = spread;
+            let ResidualSpread { noise, resolution } = spread;
             Judged {
                 residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
                 spread,
@@ -154,7 +155,7 @@ impl Scattering {
         Self { cylinders: cylinders.into_iter().map(|all| all.map(judged)).collect() }
     }
 
-    /// What came of the cylinder of `index` (from 0); `None` where there was too little.
+    /// The scatter of the cylinder of `index` (from 0); `None` where there were not enough data.
     pub fn result(&self, index: usize) -> Option<Scatter> {
         let Judged { magnitudes, predicting, measuring, spread, bands, healthy, .. } =
             self.cylinders[index].as_ref()?;
@@ -179,8 +180,8 @@ impl Scattering {
         })
     }
 
-    /// Why there is no result for the cylinder of `index` (from 0), or not much of one, for a person;
-    /// `None` where there is, or nothing to make it from.
+    /// Why there is no result, or an uncertain one, for the cylinder of `index` (from 0), in words;
+    /// `None` where the result is good, or there was nothing to make it from.
     pub fn remark(&self, index: usize) -> Option<String> {
         let samples = self.cylinders[index].as_ref()?.magnitudes.total();
         if samples >= MANY_SAMPLES {
@@ -190,8 +191,8 @@ impl Scattering {
             ("no tables for the sequential detector", format!("it takes {LEAST_SAMPLES}"))
         } else {
             let known = 100.0 / (2.0 * samples as f64).sqrt();
-            let then = format!("what they scatter by is known to {known:.1} %");
-            ("little for the sequential detector to go by", then)
+            let then = format!("their scatter is known to {known:.1} %");
+            ("too little for a reliable sequential detector", then)
         };
         Some(format!(
             "{told}: where one part has been, the other has {samples} samples in motion, and {then}; \
@@ -246,7 +247,7 @@ impl Judged {
         let Some((residual, beyond)) = residual.zip(beyond) else { return };
         let share = self.noise.share(residual.velocity);
         let sample = Sample { residual: beyond, share, doubt: residual.doubt };
-        self.history.push(sample, &Clip::new(&self.bands), residual.news);
+        self.history.push(sample, &Clip::new(&self.bands), residual.independence);
         if residual.in_motion().is_some() {
             let weighed = sample.share * beyond;
             self.magnitudes.add(weighed);

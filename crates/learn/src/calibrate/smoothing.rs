@@ -1,57 +1,59 @@
-//! The least squares of a profile along the stroke: hat functions that bend as much as the data say, a term
-//! in velocity, and a constant of its own for every half minute, as a temperature changes it.
+//! Least squares of a profile along the stroke: hat functions whose bend is chosen by the data, a
+//! term in velocity, and a separate constant for every half minute, which follows the temperature.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use tertius_core::sequential::reference::Place;
 
-/// What one look at a place is off by, m, however many samples it has: they have the same bend in common,
-/// the same way of the rod and the same rounding.
+/// Error of one look at a place, m, however many samples it has: they share the same bend, the same
+/// motion of the rod and the same rounding.
 const LOOK: f64 = 2e-5;
 
-/// What the velocity may be worth: two devices are sampled so far apart, s.
+/// Largest effect of the velocity: the difference of the sampling times of two devices, s.
 const TIMING: f64 = 3e-3;
 
-/// What the profile bends by from node to node may be one of these, m.
+/// Candidates for the bend of the profile from node to node, m.
 const BENDS: [f64; 5] = [0.5e-4, 0.8e-4, 1.3e-4, 2e-4, 3e-4];
 
-/// Weighed sums of the samples in one cell.
+/// Weighted sums of the samples in one cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     weight: f64,
-    /// Of both hats, and of the velocity.
+    /// Sums of both hats, and of the velocity.
     first: [f64; 3],
-    /// Of their products.
+    /// Sums of the products of these.
     second: [[f64; 3]; 3],
-    /// Of the residual, and of it with each of them.
+    /// Sum of the residual.
     residual: f64,
+    /// Sums of the products of the residual with both hats, and with the velocity.
     with: [f64; 3],
 }
 
-/// The samples of half a minute, cell by cell.
+/// Sums of the samples of half a minute, cell by cell.
 #[derive(Clone, Debug)]
 pub(super) struct Look(Vec<Sums>);
 
-/// The normal equations of many looks: nodes, and the velocity as the last.
+/// Normal equations of many looks: the nodes, and the velocity as the last unknown.
 #[derive(Clone, Debug)]
 pub(super) struct Equations {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
-    /// Of the hats, weighed as the looks are.
+    /// Sums of the hats, weighted as the looks are.
     hats: DVector<f64>,
-    /// What a look's own constant may be, m.
+    /// Standard deviation of a look's own constant, m.
     own: f64,
 }
 
-/// What solves them.
+/// Solution of the equations.
 #[derive(Clone, Debug)]
 pub(super) struct Solution {
-    /// m.
+    /// Values of the nodes, m.
     pub nodes: Vec<f64>,
-    /// Of each node beside what all have in common, m: that is the baseline's.
+    /// Standard deviation of each node, apart from what all have in common, which the baseline
+    /// follows, m.
     pub deviations: Vec<f64>,
-    /// s.
+    /// Coefficient of the velocity, s.
     pub velocity: f64,
-    /// Where the data were: of each node.
+    /// Weight of the data at each node.
     hats: DVector<f64>,
 }
 
@@ -60,7 +62,7 @@ impl Look {
         Self(vec![Sums::default(); cells])
     }
 
-    /// Takes a residual, m, of this `weight`, 1/m².
+    /// Adds a residual, m, with this `weight`, 1/m².
     pub(super) fn add(&mut self, place: Place, velocity: f64, residual: f64, weight: f64) {
         let sums = &mut self.0[place.cell];
         let values = [1.0 - place.part, place.part, velocity];
@@ -82,7 +84,7 @@ impl Look {
 }
 
 impl Equations {
-    /// Of so many `cells`; what all of a look are off by may be `own`, m.
+    /// Equations for `cells`; the standard deviation of a look's common error is `own`, m.
     pub(super) fn new(cells: usize, own: f64) -> Self {
         let unknowns = cells + 2;
         Self {
@@ -93,7 +95,7 @@ impl Equations {
         }
     }
 
-    /// Takes a look: however many samples a cell has, it was looked at once.
+    /// Adds a look: however many samples a cell has, it counts as seen once.
     pub(super) fn take(&mut self, look: &Look) {
         let speed = self.right.len() - 1;
         let (mut total, mut residual) = (1.0 / (self.own * self.own), 0.0);
@@ -125,7 +127,7 @@ impl Equations {
         self.hats.iter_mut().zip(first).for_each(|(hats, first)| *hats += first);
     }
 
-    /// Of both.
+    /// Sum of these equations and `other`.
     pub(super) fn with(&self, other: &Self) -> Self {
         Self {
             matrix: &self.matrix + &other.matrix,
@@ -135,7 +137,7 @@ impl Equations {
         }
     }
 
-    /// The bend of the largest restricted likelihood, m; `None` where nothing was seen.
+    /// The bend with the largest restricted likelihood, m; `None` without data.
     pub(super) fn bend(&self) -> Option<f64> {
         let likelihood = |bend: f64| -> Option<f64> {
             let factor = self.factor(bend)?;
@@ -147,7 +149,7 @@ impl Equations {
         known.max_by(|one, other| one.1.total_cmp(&other.1)).map(|(bend, _)| bend)
     }
 
-    /// With second differences of `bend`, m; `None` where nothing was seen.
+    /// The solution with second differences of `bend`, m; `None` without data.
     pub(super) fn solve(&self, bend: f64) -> Option<Solution> {
         let factor = self.factor(bend)?;
         let solution = factor.solve(&self.right);
@@ -185,8 +187,8 @@ impl Equations {
 }
 
 impl Solution {
-    /// The same, with the mean that `other` has where this one was fitted: half a recording has a
-    /// temperature of its own.
+    /// This solution, shifted to the mean of `other` where this one was fitted, since half a
+    /// recording has its own temperature.
     pub(super) fn beside(mut self, other: &Self) -> Self {
         let both = self.nodes.iter().zip(&other.nodes);
         let off: f64 = both.zip(&self.hats).map(|((one, other), hat)| hat * (other - one)).sum();
@@ -205,7 +207,8 @@ mod tests {
 
     const CELLS: usize = 20;
 
-    /// Residuals of a rod that goes up and down between `ends`, m, of a stroke of 2 m; `bent` along it.
+    /// Residuals of a rod that moves up and down between `ends`, m, of a stroke of 2 m; `bent`
+    /// along it.
     fn looks(
         equations: &mut Equations,
         seed: u64,
@@ -247,7 +250,7 @@ mod tests {
         assert!((1.3e-4..=3e-4).contains(&bend(|x| 3e-4 * (10.0 * x).sin())));
     }
 
-    /// The errors are what their standard deviations say, where the rod was often, once and never.
+    /// The errors match their standard deviations where the rod was often, once and never.
     #[test]
     fn a_profile_knows_its_own_doubt() {
         let bent: fn(f64) -> f64 = |x| 2e-4 * (5.0 * x).sin();
@@ -271,7 +274,7 @@ mod tests {
         assert!((0.5..1.2).contains(&rms) && most < 4.0, "{rms} {most}");
     }
 
-    /// What one look has seen for half a minute is no more than a look.
+    /// What is seen for half a minute within one look counts as one look.
     #[test]
     fn a_long_look_is_one_look() {
         let doubt = |looked: &[(u32, [f64; 2])]| solved(looked, |_| 0.0, 3).1.deviations[8];

@@ -1,4 +1,5 @@
-//! How healthy residuals go with the velocity: σ² + (s v)², on samples of which a few may be wild.
+//! Dependence of healthy residuals on the velocity: σ² + (s v)², on samples of which a few may be
+//! wild.
 
 use super::division::{Division, Halves};
 use super::fitting::Fitted;
@@ -7,37 +8,39 @@ use super::resolution::Resolution;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::{Magnitudes, Noise};
 
-/// From bin to bin of |v|, m/s; all beyond the last one are in it.
+/// Width of the bins of |v|, m/s; the last bin has everything beyond.
 const SPEED: f64 = 0.05;
+/// Number of bins of |v|.
 const SPEEDS: usize = 40;
 
-/// A bin with fewer samples is not fitted.
+/// Fewest samples of a bin that is fitted.
 const LEAST_SAMPLES: f64 = 100.0;
 
-/// The first width of the bins of magnitudes, m.
+/// Initial width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
 
-/// What is farther off is wild: at first in deviations by the median, or in counts, …
+/// Distance beyond which a sample is wild in the first step, in deviations by the median.
 const WILD: f64 = 6.0;
+/// Distance beyond which a sample is wild in the first step, in counts.
 const WILD_COUNTS: f64 = 3.0;
 
-/// … and then in deviations at that speed.
+/// Distance beyond which a sample is wild in the second step, in deviations at its speed.
 const FAR: f64 = 4.0;
 
 const ROUNDS: usize = 4;
 
-/// Of a normal distribution the deviation by the median magnitude.
+/// Standard deviation of a normal distribution over its median magnitude.
 const BY_MEDIAN: f64 = 1.4826;
 
-/// What a cylinder's residuals scatter by, and what its readings move in.
+/// Scatter of a cylinder's residuals, and the resolution of its readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
+pub struct ResidualSpread {
     pub noise: Noise,
-    /// Of C1 and of C2, m; 0 where that is not known.
+    /// Resolutions of C1 and of C2, m; 0 where not known.
     pub resolution: [f64; 2],
 }
 
-/// Sees how the residuals of every cylinder that has a profile scatter.
+/// Observes the scatter of the residuals of every cylinder that has a profile.
 #[derive(Clone, Debug)]
 pub struct Spreading {
     cylinders: Vec<Option<Spreads>>,
@@ -47,13 +50,13 @@ pub struct Spreading {
 struct Spreads {
     residuals: Residuals,
     resolutions: [Resolution; 2],
-    /// By |v|: the sum of v², and the residuals' magnitudes.
+    /// Sum of v² and the residuals' magnitudes, by bins of |v|.
     speeds: Vec<(f64, Magnitudes)>,
 }
 
 impl Spreading {
-    /// Of cylinders with these lines and what the halves of `division` have taught of each, sampled every
-    /// `sample_time` seconds.
+    /// A pass over cylinders with these lines, against the references from the halves of
+    /// `division`, sampled every `sample_time` seconds.
     pub fn new<'a>(
         sample_time: f64,
         division: Division,
@@ -67,8 +70,8 @@ impl Spreading {
         Self { cylinders: cylinders.into_iter().map(|both| both.map(spreads)).collect() }
     }
 
-    /// What came of the cylinder of `index` (from 0); `None` where there was nothing.
-    pub fn result(&self, index: usize) -> Option<Spread> {
+    /// The spread of the cylinder of `index` (from 0); `None` without data.
+    pub fn result(&self, index: usize) -> Option<ResidualSpread> {
         self.cylinders[index].as_ref()?.result()
     }
 }
@@ -111,7 +114,7 @@ impl Spreads {
         }
     }
 
-    fn result(&self) -> Option<Spread> {
+    fn result(&self) -> Option<ResidualSpread> {
         let resolution = [0, 1].map(|which: usize| self.resolutions[which].count());
         let counts = WILD_COUNTS * 0.5 * (resolution[0] + resolution[1]);
         let first =
@@ -121,11 +124,11 @@ impl Spreads {
             noise = self.fit(|square, _| FAR * noise.variance(square.sqrt()).sqrt())?;
         }
         let rest = noise.rest.max(Noise::of_rounding(resolution));
-        (rest > 0.0).then_some(Spread { noise: Noise { rest, ..noise }, resolution })
+        (rest > 0.0).then_some(ResidualSpread { noise: Noise { rest, ..noise }, resolution })
     }
 
-    /// The line of the mean squares on v², of what is within a limit, m, by v² and the magnitudes of a
-    /// bin; `None` where there is nothing.
+    /// The line of the mean squares over v², for magnitudes within a limit, m, that depends on v²
+    /// and the magnitudes of a bin; `None` without data.
     fn fit(&self, limit: impl Fn(f64, &Magnitudes) -> f64) -> Option<Noise> {
         let mut points = Vec::with_capacity(SPEEDS);
         for (squares, magnitudes) in &self.speeds {
@@ -146,7 +149,8 @@ impl Spreads {
     }
 }
 
-/// σ² + s² v² through points of v², mean square and samples, each weighed by how well it is known.
+/// Fit of σ² + s² v² to points of v², mean square and number of samples, each weighted by its
+/// accuracy.
 fn line(points: &[(f64, f64, f64)]) -> Option<Noise> {
     let total: f64 = points.iter().map(|(.., count)| count).sum();
     let mean = points.iter().map(|(_, square, count)| square * count).sum::<f64>() / total;
@@ -172,7 +176,7 @@ fn line(points: &[(f64, f64, f64)]) -> Option<Noise> {
     Some(Noise { rest: variance[0].sqrt(), timing: variance[1].sqrt() })
 }
 
-/// The magnitude that `part` of them is below, m; 0 of nothing.
+/// The magnitude below which `part` of them are, m; 0 without data.
 pub(super) fn quantile(magnitudes: &Magnitudes, part: f64) -> f64 {
     let mut left = (part * magnitudes.total() as f64) as u64;
     for (magnitude, count) in magnitudes.bins() {

@@ -1,4 +1,4 @@
-//! The band that R3 keeps on data that the calibration was not made from.
+//! The band of R3 on data from which the calibration was not made.
 
 use super::fitting::Fitted;
 use super::{Bound, LEAST_BOUND, Line};
@@ -6,40 +6,40 @@ use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
 use crate::identify::moments::Spread;
 use crate::survey::{Row, Surveyor};
 
-/// Beyond this many times the limit of the fit a sample is a faulty one and no part of the band. A
-/// bend that the first part of a recording did not show is still within it.
+/// Multiple of the limit of the fit beyond which a sample is faulty and excluded from the band. A
+/// bend that the first part of a recording did not show stays within it.
 pub(super) const FAULTY: f64 = 3.0;
 
-/// A bound is above the largest residual seen by this factor: nobody has seen the largest.
+/// Factor by which a bound exceeds the largest residual seen, since larger ones will come.
 const MARGIN: f64 = 1.2;
 
-/// What C1 and C2 of one cylinder are apart.
+/// Differences of C1 and C2 of one cylinder.
 #[derive(Clone, Debug)]
-pub struct Tried {
+pub struct TriedBand {
     line: Line,
     limit: f64,
-    /// C1 − C2 as it comes (Figure 5-14), faulty samples left out, m.
+    /// C1 − C2 as measured (Figure 5-14), without faulty samples, m.
     pub before: Spread,
     /// C1 − Ĉ2 (Figure 5-15), m.
     pub after: Spread,
     pub magnitudes: Sketch,
     maxima: Maxima,
-    /// Samples that were taken for faulty ones.
+    /// Number of samples taken for faulty.
     pub faulty: u64,
-    /// The largest of them, m.
+    /// Largest of the faulty samples, m.
     pub worst_faulty: f64,
 }
 
-/// The third reading.
+/// The third pass.
 #[derive(Clone, Debug)]
 pub struct Trying {
-    cylinders: Vec<Option<Tried>>,
+    cylinders: Vec<Option<TriedBand>>,
 }
 
 impl Trying {
-    /// Of these calibrations; `block`: cycles that are one warning.
+    /// A pass over these calibrations; `block` is the number of cycles that count as one warning.
     pub fn new<'a>(fits: impl IntoIterator<Item = Option<&'a Fitted>>, block: u32) -> Self {
-        let tried = |fitted: &Fitted| Tried {
+        let tried = |fitted: &Fitted| TriedBand {
             line: fitted.line,
             limit: FAULTY * fitted.limit,
             before: Spread::default(),
@@ -52,8 +52,9 @@ impl Trying {
         Self { cylinders: fits.into_iter().map(|fitted| fitted.map(tried)).collect() }
     }
 
-    /// A bound for all cylinders that is exceeded `per_year` times a year, and never was in this
-    /// part, but by those that are not `healthy` (by index); `None` where it is too short for that.
+    /// A bound for all cylinders that is exceeded `per_year` times a year and was never exceeded in
+    /// this part, except on cylinders that are not `healthy` (by index); `None` where the part is
+    /// too short.
     pub fn bound(
         &self,
         per_year: f64,
@@ -61,7 +62,7 @@ impl Trying {
         healthy: impl Fn(usize) -> bool,
     ) -> Option<Bound> {
         let own = self.cylinders.iter().enumerate().filter(|(index, _)| healthy(*index));
-        let own: Vec<&Tried> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
+        let own: Vec<&TriedBand> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
         let tried = || own.iter();
         let tails: Option<Vec<Tail>> =
             tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
@@ -80,7 +81,7 @@ impl Trying {
         })
     }
 
-    pub fn into_cylinders(self) -> Vec<Option<Tried>> {
+    pub fn into_cylinders(self) -> Vec<Option<TriedBand>> {
         self.cylinders
     }
 }
@@ -98,7 +99,7 @@ impl Surveyor for Trying {
     }
 }
 
-impl Tried {
+impl TriedBand {
     fn take(&mut self, c1: f64, c2: f64) {
         let error = self.line.error(c2, c1);
         if error.abs() > self.limit {
@@ -112,7 +113,7 @@ impl Tried {
         self.maxima.add(error);
     }
 
-    /// What is farther than this was taken for a faulty sample, m.
+    /// Distance beyond which a sample is taken for faulty, m.
     pub const fn limit(&self) -> f64 {
         self.limit
     }

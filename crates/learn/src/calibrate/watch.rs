@@ -1,5 +1,5 @@
-//! How much evidence against a healthy machine its recording seems to hold: the levels of the
-//! sequential detectors.
+//! Evidence against a healthy machine in its own recording, and the levels of the sequential
+//! detectors that follow.
 
 use super::{Cuts, Division, Halves};
 use crate::extremes::{Asked, Maxima, levels};
@@ -7,85 +7,86 @@ use crate::survey::{Row, Surveyor};
 use tertius_core::sequential::{Design, Input, Sequential};
 use tertius_core::time::Timestamp;
 
-/// Judged time of which the largest evidence counts, s: longer bursts are one event.
+/// Judged time of which only the largest evidence counts, s, so that a longer burst is one event.
 const BLOCK: f64 = 10.0;
 
-/// A block of which the largest evidence is less is nothing to look at, nats.
+/// Least evidence of a block that is kept, nats.
 const WORTH_TELLING: f64 = 15.0;
 
-/// So many blocks are kept at most.
+/// Most blocks that are kept.
 const MOST: usize = 2000;
 
 /// Reads the recording with the sequential detectors of all cylinders that have one.
 #[derive(Clone, Debug)]
 pub struct Watch {
     sample_time: f64,
-    /// Of those of all designs the largest, nats.
+    /// Largest of the least levels of all designs, nats.
     least_level: f64,
-    /// What is not judged. The baseline goes on over it: a fault that stays behind its beginning is still
-    /// one where only that is cut out.
+    /// Parts that are not judged. The baseline continues across them, so that a fault of which only
+    /// the beginning is cut out remains one.
     cuts: Option<Cuts>,
-    /// By cylinder.
+    /// Detectors by cylinder.
     watched: Vec<Option<Watched>>,
 }
 
 #[derive(Clone, Debug)]
 struct Watched {
     detector: Sequential,
-    /// What the halves of a recording have taught, where the rest is judged by it.
+    /// References from the halves of a recording, where each half is judged by the other.
     halves: Option<(Division, Halves)>,
-    /// The half that the detector goes by now.
+    /// The half that the detector uses now.
     half: Option<usize>,
     maxima: Maxima,
     worst: Option<Sight>,
-    /// Of each block that has one worth telling.
+    /// Largest evidence of each block that is worth reporting.
     sights: Vec<Sight>,
 }
 
-/// The largest evidence of a time, and where it was.
+/// The largest evidence of a time, and its circumstances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight {
     pub nats: f64,
-    /// s since the recording's first frame.
+    /// Time since the recording's first frame, s.
     pub t: f64,
     pub at: Timestamp,
-    /// What C1 read, m.
+    /// Reading of C1, m.
     pub length: f64,
-    /// Samples of its window.
+    /// Width of its window, samples.
     pub width: usize,
-    /// Of a scatter that grew, not of a mean that moved.
+    /// Whether the scatter grew; otherwise the mean moved.
     pub scatter: bool,
 }
 
-/// The level h of one cylinder, and what stands against it.
+/// Level h of one cylinder, and objections to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnLevel {
-    /// `None` of too little judged time.
+    /// Required level; `None` with too little judged time.
     pub asked: Option<Asked>,
-    /// The largest evidence.
+    /// Largest evidence.
     pub worst: Option<Sight>,
-    /// Blocks with evidence worth telling, in the order of time.
+    /// Blocks with evidence worth reporting, in the order of time.
     pub sights: Vec<Sight>,
 }
 
-/// The level h of all cylinders.
+/// Level h of all cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// h, nats: at least the largest evidence seen, and what spikes reach (`sequential::wild`).
+    /// Level h, nats: at least the largest evidence seen, and what spikes reach
+    /// (`sequential::wild`).
     pub nats: f64,
-    /// The largest evidence seen, nats.
+    /// Largest evidence seen, nats.
     pub worst: f64,
-    /// The time that all detectors together have judged, h.
+    /// Time that all detectors together have judged, h.
     pub hours: f64,
-    /// No cylinder contradicts what theory says of healthy evidence.
+    /// Whether every cylinder agrees with the theory of healthy evidence.
     pub sound: bool,
 }
 
-/// A design, and how the halves of a recording judge each other.
+/// A design, and the references by which the halves of a recording judge each other.
 type Crossed<'a> = (&'a Design, Option<(Division, Halves)>);
 
 impl Watch {
-    /// By these `designs`, of readings every `sample_time` seconds.
+    /// A watch by these `designs`, of readings every `sample_time` seconds.
     pub fn new<'a>(
         designs: impl IntoIterator<Item = Option<&'a Design>>,
         sample_time: f64,
@@ -94,7 +95,7 @@ impl Watch {
         Self::of(all, None, sample_time)
     }
 
-    /// The same, of a recording whose halves judge each other, without what is cut out.
+    /// A watch of a recording whose halves judge each other, without the parts cut out.
     pub fn crossed<'a>(
         designs: impl IntoIterator<Item = Option<(&'a Design, &'a Halves)>>,
         division: Division,
@@ -115,7 +116,7 @@ impl Watch {
         Self { sample_time, least_level, cuts, watched }
     }
 
-    /// What every cylinder's level has to be that all together have `per_year` false alarms a year;
+    /// The level that each cylinder needs for `per_year` false alarms a year of all together;
     /// `None` without a detector.
     pub fn levels(&self, per_year: f64) -> Vec<Option<OwnLevel>> {
         let maxima: Vec<_> = self.watched.iter().flatten().map(|one| &one.maxima).collect();
@@ -128,8 +129,8 @@ impl Watch {
         self.watched.iter().map(|watched| watched.as_ref().map(&mut own)).collect()
     }
 
-    /// One level for all that is reached `per_year` times a year, all cylinders together; `None` where
-    /// no cylinder has a detector, or one has judged too little.
+    /// One level for all cylinders that is reached `per_year` times a year, all cylinders together;
+    /// `None` where no cylinder has a detector, or one has judged for too short a time.
     pub fn level(&self, per_year: f64) -> Option<Level> {
         let levels = self.levels(per_year);
         let asked: Vec<Asked> =
@@ -147,31 +148,31 @@ impl Watch {
 }
 
 impl OwnLevel {
-    /// The level, nats, where there was enough to find it.
+    /// The level, nats, where there were enough data.
     pub fn nats(&self) -> Option<f64> {
         self.asked.as_ref().map(Asked::level)
     }
 
-    /// What is to be said of a tail that falls too slowly, for a person; `None` of one that does not.
+    /// Remark on a tail that falls too slowly; `None` for any other.
     pub fn remark(&self) -> Option<String> {
         let asked = self.asked.filter(|asked| asked.is_sound())?;
         asked.slower.map(|slope| {
             format!(
-                "large evidence is more frequent than theory has it (its tail falls by {slope:.2} a nat, \
-                 not by 1), as of readings that stand off for a fraction of a second now and then: at \
-                 {:.1} nats about {:.0} false alarms a year are to be reckoned with",
+                "large evidence is more frequent than in theory (its tail falls by {slope:.2} a \
+                 nat, not by 1), as when readings are sometimes off for a fraction of a second: at \
+                {:.1} nats expect about {:.0} false alarms a year",
                 asked.level(),
                 asked.per_year().ceil()
             )
         })
     }
 
-    /// What contradicts the theory, where something does: the largest evidence.
+    /// The largest evidence, if it contradicts the theory.
     pub fn contradiction(&self) -> Option<Sight> {
         self.worst.filter(|_| self.asked.is_some_and(|asked| !asked.is_sound()))
     }
 
-    /// When there was evidence beyond the level, s.
+    /// Times with evidence beyond the level, s.
     pub fn beyond(&self) -> impl Iterator<Item = f64> + '_ {
         let level = self.nats().unwrap_or(f64::INFINITY);
         self.sights.iter().filter(move |sight| sight.nats > level).map(|sight| sight.t)
@@ -192,7 +193,7 @@ impl Watched {
         }
     }
 
-    /// Goes by what the other half has taught; `false` where it is not to be judged.
+    /// Selects the reference from the other half; `false` where the row is not to be judged.
     fn refer(&mut self, t: f64) -> bool {
         let Some((division, halves)) = &self.halves else { return true };
         let Some(half) = division.judged(t) else { return false };

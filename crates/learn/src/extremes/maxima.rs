@@ -2,15 +2,15 @@
 
 use super::sketch::Sketch;
 
-/// The maxima that are kept at least: as many as ever make a tail.
+/// Least number of maxima that are kept: as many as a tail ever needs.
 const KEPT: usize = 1000;
 
-/// Maxima of blocks of cycles, the largest of them one by one.
+/// Maxima of blocks of cycles; the largest of them are kept singly.
 #[derive(Clone, Debug)]
 pub struct Maxima {
-    /// Cycles of a block.
+    /// Length of a block, cycles.
     block: u32,
-    /// Of the block that is not yet full.
+    /// Maximum of the block that is not yet full.
     newest: f64,
     filled: u32,
     cycles: u64,
@@ -20,7 +20,7 @@ pub struct Maxima {
 }
 
 impl Maxima {
-    /// Of blocks of `block` cycles, at least one.
+    /// Maxima of blocks of `block` cycles, at least one.
     pub fn new(block: u32) -> Self {
         Self {
             block: block.max(1),
@@ -33,8 +33,8 @@ impl Maxima {
         }
     }
 
-    /// Takes a cycle's residual. Cycles that are not judged are left out, so that a block is a time
-    /// of judging and not of waiting.
+    /// Takes a cycle's residual. Cycles that are not judged are left out, so that a block measures
+    /// judged time.
     pub fn add(&mut self, residual: f64) {
         self.newest = self.newest.max(residual.abs());
         self.filled += 1;
@@ -56,17 +56,17 @@ impl Maxima {
         }
     }
 
-    /// Cycles that were taken.
+    /// Number of cycles taken.
     pub const fn cycles(&self) -> u64 {
         self.cycles
     }
 
-    /// Blocks that are full.
+    /// Number of full blocks.
     pub const fn blocks(&self) -> u64 {
         self.blocks
     }
 
-    /// Cycles of a block.
+    /// Length of a block, cycles.
     pub const fn block(&self) -> u32 {
         self.block
     }
@@ -76,12 +76,12 @@ impl Maxima {
         self.all.largest()
     }
 
-    /// The level below which the share `part` of all blocks stays; `None` without a full block.
+    /// The level that the share `part` of all blocks does not exceed; `None` without a full block.
     pub fn quantile(&self, part: f64) -> Option<f64> {
         self.all.quantile(part)
     }
 
-    /// The largest maxima, the largest first: all of them, or at least a thousand.
+    /// The largest maxima in descending order: all of them, or at least a thousand.
     pub fn largest(&self) -> Vec<f64> {
         let mut largest = self.largest.clone();
         largest.sort_unstable_by(|a, b| b.total_cmp(a));

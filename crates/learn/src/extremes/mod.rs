@@ -1,8 +1,8 @@
-//! How large a healthy residual gets, and how seldom: what thresholds are made of.
+//! Extremes of healthy residuals and how often they occur, from which thresholds follow.
 //!
-//! Residuals of neighbouring cycles depend on each other, and one burst is one alarm. So what is
-//! counted are the maxima of blocks about as long as a warning lasts ([`Maxima`]). The largest of
-//! them are extrapolated by a tail ([`Tail`]). All of it streams: memory does not grow.
+//! Residuals of neighbouring cycles depend on each other, and one burst is one alarm. Therefore the
+//! maxima of blocks about as long as a warning lasts are counted ([`Maxima`]), and the largest of
+//! them are extrapolated by a tail ([`Tail`]). Everything streams: memory does not grow.
 
 mod maxima;
 mod sketch;

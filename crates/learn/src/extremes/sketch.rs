@@ -1,12 +1,12 @@
-//! Quantiles of what streams by.
+//! Quantiles of a stream.
 
-/// The lower end of the first bin that counts magnitudes apart.
+/// Lower end of the first bin of magnitudes.
 const LEAST: f64 = 1e-9;
 
-/// One bin by the one before: the accuracy of a quantile.
+/// Ratio of neighbouring bins: the accuracy of a quantile.
 const RATIO: f64 = 1.005;
 
-/// Up to about 1e3.
+/// Number of bins, up to about 1e3.
 const BINS: usize = 5600;
 
 /// A histogram of magnitudes in bins of equal ratio.
@@ -22,7 +22,7 @@ impl Sketch {
         Self { bins: vec![0; BINS], count: 0, largest: 0.0 }
     }
 
-    /// Takes the magnitude of a finite value; another is left out.
+    /// Adds the magnitude of a finite value; other values are ignored.
     pub fn add(&mut self, value: f64) {
         let magnitude = value.abs();
         if !magnitude.is_finite() {
@@ -43,7 +43,7 @@ impl Sketch {
         self.largest
     }
 
-    /// Bins that are not empty, `group` of them taken together: lower and upper end, and the count.
+    /// Bins that are not empty, merged in groups of `group`: lower and upper end, and the count.
     pub fn bins(&self, group: usize) -> impl Iterator<Item = (f64, f64, u64)> + '_ {
         let group = group.max(1);
         let end = move |bin: usize| LEAST * RATIO.powi(bin as i32);
@@ -57,8 +57,8 @@ impl Sketch {
             .filter(|(_, _, count)| *count > 0)
     }
 
-    /// A magnitude that the share `part` (0 to 1) of all is not above, at most 0.5 % too large;
-    /// `None` of nothing.
+    /// A magnitude that the share `part` (0 to 1) does not exceed, at most 0.5 % too large; `None`
+    /// without data.
     pub fn quantile(&self, part: f64) -> Option<f64> {
         let wanted = (part * self.count as f64).ceil().max(1.0) as u64;
         let mut below = 0;

@@ -1,84 +1,86 @@
-//! Levels of evidence by what theory says of its tail, where a recording does not contradict it.
+//! Levels of evidence from the theory of its tail, where a recording does not contradict the
+//! theory.
 //!
-//! A nat of evidence is a factor of e in rarity where the model of the residuals is right, so that the
-//! tail of healthy evidence has slope one, whatever the recording. It is confirmed or corrected within
-//! bounds, by all cylinders together: one test, not one for each. What lies on a lattice is counted
-//! with its ties.
+//! Where the model of the residuals is right, a nat of evidence is a factor of e in rarity, so that
+//! the tail of healthy evidence has slope one in any recording. All cylinders together confirm or
+//! correct the slope within bounds, in one test and not one for each. Values on a lattice are
+//! counted with their ties.
 
 use super::maxima::Maxima;
 use super::per_second;
 
-/// Slopes that are believed: in (0, 1] evidence is rarer than it says, and below the lower bound the
-/// model of the residuals is wrong and not its tail.
+/// Slopes that are accepted: within (0, 1] evidence is rarer than it claims, and below the lower
+/// bound the model of the residuals is wrong, not its tail.
 const SLOPES: [f64; 2] = [0.75, 1.0];
 
-/// Slope one weighs as much as so many excesses.
+/// Weight of slope one, in excesses.
 const PRIOR: f64 = 20.0;
 
-/// An excess of slope one is beyond it once in three thousand, nats.
+/// Farthest excess, nats: a tail of slope one exceeds it once in three thousand.
 const FARTHEST: f64 = 8.0;
 
-/// The tail begins below this part of the blocks, …
+/// Part of the blocks in which the tail begins.
 const PART: f64 = 0.1;
 
-/// … at most so many of them, and at least so many.
+/// Most blocks in a tail.
 const MOST: usize = 100;
+/// Fewest blocks in a tail.
 const LEAST: usize = 5;
 
-/// The largest level that a detector is given, nats: with more it has lost its sense, as a fault takes so
-/// long that it is none of its own any more.
+/// Largest level of a detector, nats: with a higher one it would be useless, since a fault would
+/// take so long that it is attributed to the environment.
 pub const LARGEST_LEVEL: f64 = 30.0;
 
-/// What one series of evidence came to.
+/// Result for one series of evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
-    /// The level that it takes for its share of the wanted rate, nats, before [`Asked::level`].
+    /// Level for the series' share of the wanted rate, nats, before [`Asked::level`].
     pub nats: f64,
-    /// Where its tail begins, nats.
+    /// Level at which the tail begins, nats.
     pub floor: f64,
-    /// Of its tail, per nat.
+    /// Slope of the tail, per nat.
     pub slope: f64,
-    /// Blocks beyond the floor.
+    /// Number of blocks beyond the floor.
     pub peaks: usize,
-    /// The largest, nats.
+    /// Largest evidence, nats.
     pub worst: f64,
-    /// The time that was judged, s.
+    /// Judged time, s.
     pub seconds: f64,
-    /// No level is less, nats.
+    /// Lowest level allowed, nats.
     pub least: f64,
-    /// What the tail falls by in truth, per nat, where that is less than any slope that is believed,
+    /// Slope by which the tail actually falls, per nat, where it is less than any accepted slope,
     /// beyond chance.
     pub slower: Option<f64>,
 }
 
 impl Asked {
-    /// The level that is given.
+    /// The level that is used, nats.
     pub fn level(&self) -> f64 {
         self.nats.clamp(self.least, LARGEST_LEVEL)
     }
 
-    /// How often its level is reached in a year, by what the tail falls by in truth.
+    /// How often the level is reached in a year, by the tail's actual slope.
     pub fn per_year(&self) -> f64 {
         let slope = self.slower.unwrap_or(self.slope);
         let beyond = (-slope * (self.level() - self.floor)).exp();
         self.peaks as f64 / self.seconds * beyond / per_second(1.0)
     }
 
-    /// The recording goes on as theory has it: no peak is beyond the level, and that is none that
-    /// hides faults.
+    /// Whether the recording agrees with the theory: no peak exceeds the level, and the level does
+    /// not hide faults.
     pub fn is_sound(&self) -> bool {
         self.nats <= LARGEST_LEVEL && self.worst <= self.level()
     }
 }
 
-/// The excesses beyond the floor of one series.
+/// Excesses of one series beyond its floor.
 struct Excesses {
     floor: f64,
     values: Vec<f64>,
 }
 
 impl Excesses {
-    /// `None` of too few blocks.
+    /// The excesses; `None` with too few blocks.
     fn of(maxima: &Maxima) -> Option<Self> {
         let largest = maxima.largest();
         let tail = ((PART * maxima.blocks() as f64) as usize).clamp(LEAST, MOST);
@@ -92,14 +94,13 @@ impl Excesses {
         self.values.iter().sum::<f64>() / self.values.len().max(1) as f64
     }
 
-    /// They are larger than those of `slope`, beyond chance.
+    /// Whether they are larger than those of `slope`, beyond chance.
     fn is_strange(&self, slope: f64) -> bool {
         self.mean() * slope > 1.0 + 4.0 / (self.values.len().max(1) as f64).sqrt()
     }
 }
 
-/// The slope of all that belong together: a strange one is judged by itself, and what no tail of
-/// slope one has is no more than it is rare.
+/// The slope of all series together: a strange one is judged by itself.
 fn joint(excesses: &[Option<Excesses>]) -> f64 {
     let [least, most] = SLOPES;
     let together = excesses.iter().flatten().filter(|it| !it.is_strange(most));
@@ -107,8 +108,8 @@ fn joint(excesses: &[Option<Excesses>]) -> f64 {
     ((PRIOR + all.len() as f64) / (PRIOR + all.iter().sum::<f64>())).clamp(least, most)
 }
 
-/// What the levels of several series have to be that `per_year` false alarms a year are shared by, all
-/// equally, and none less than `least_level`, nats; `None` for one with too few blocks. Blocks are of cycles of
+/// The levels with which several series share `per_year` false alarms a year equally, none below
+/// `least_level`, nats; `None` for a series with too few blocks. Blocks consist of cycles of
 /// `sample_time` seconds.
 pub fn levels(
     series: &[&Maxima],
@@ -166,7 +167,7 @@ mod tests {
             .collect()
     }
 
-    /// Minutes and hours ask for the same: what a year brings follows from the slope.
+    /// Minutes and hours give the same level: the number a year follows from the slope.
     #[test]
     fn as_theory_has_it_the_length_of_the_recording_does_not_matter() {
         let levels: Vec<f64> = [60, 180, 720]

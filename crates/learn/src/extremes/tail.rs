@@ -4,59 +4,59 @@
 
 use super::maxima::Maxima;
 
-/// A tail of fewer blocks is not fitted.
+/// Fewest blocks to which a tail is fitted.
 pub const LEAST_BLOCKS: u64 = 50;
 
-/// The part of the blocks that makes the tail.
+/// One block in this many is part of the tail.
 const TAIL: u64 = 5;
 
-/// The most blocks that make a tail; of a long recording they are the outermost ones.
+/// Most blocks in a tail; of a long recording they are the outermost ones.
 const MOST: usize = 500;
 
-/// Twice the log-likelihood that a second parameter must gain: χ² of one degree of freedom, one
+/// Least gain of twice the log-likelihood by a second parameter: χ² with one degree of freedom, one
 /// side, 5 %.
 const SIGNIFICANT: f64 = 2.706;
 
-/// Once in so many times the time that was judged: a heavy tail is believed up to there.
+/// Multiple of the judged time up to which a heavy tail is believed.
 const SEEN: f64 = 2.0;
 
-/// Outside of these shapes the likelihood has no maximum that means anything: below, it grows
-/// without bound at the largest excess; above, the tail has no mean, and some tens of peaks cannot
-/// tell one such tail from another.
+/// Range of shapes. Outside it the likelihood has no meaningful maximum: below, it grows without
+/// bound at the largest excess; above, the tail has no mean, and some tens of peaks cannot tell one
+/// such tail from another.
 const SHAPES: std::ops::RangeInclusive<f64> = -0.5..=1.5;
 
 /// The generalised Pareto distribution of excesses: P(X > x) = (1 + ξ x / σ)^(−1/ξ).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pareto {
-    /// ξ; above 0 the tail is heavier than an exponential one.
+    /// Shape ξ; above 0 the tail is heavier than an exponential one.
     pub shape: f64,
-    /// σ, in the unit of the excesses.
+    /// Scale σ, in the unit of the excesses.
     pub scale: f64,
-    /// The largest log-likelihood.
+    /// Maximum of the log-likelihood.
     pub likelihood: f64,
 }
 
-/// How often the residual of one detector is beyond a level.
+/// Tail of one detector's residual: how often it exceeds a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tail {
-    /// The level above which there is a tail.
+    /// Level above which the tail applies.
     pub floor: f64,
-    /// Blocks beyond it.
+    /// Number of blocks beyond the floor.
     pub peaks: usize,
-    /// The time that was judged, s.
+    /// Judged time, s.
     pub seconds: f64,
-    /// The mean excess beyond the floor: the exponential tail.
+    /// Mean excess beyond the floor, which determines the exponential tail.
     pub mean: f64,
-    /// The largest residual seen.
+    /// Largest residual seen.
     pub worst: f64,
     pub pareto: Pareto,
-    /// The Pareto tail is heavier than the exponential one, beyond chance; then it counts as far as
-    /// the recording goes, and an exponential one from there.
+    /// Whether the Pareto tail is heavier than the exponential one, beyond chance; it then applies
+    /// as far as the recording reaches, and an exponential one from there.
     pub heavy: bool,
 }
 
 impl Pareto {
-    /// The fit of largest likelihood to `excesses`, none negative; `None` where all are zero.
+    /// The maximum-likelihood fit to `excesses`, none negative; `None` where all are zero.
     ///
     /// With τ = ξ/σ the best ξ is the mean of ln(1 + τ x) (Grimshaw 1993), so that only τ is
     /// searched; τ max x = eᶻ − 1 puts all of them on one line with the exponential at z = 0.
@@ -85,14 +85,14 @@ impl Pareto {
         Self { shape, scale, likelihood: if sound { likelihood } else { f64::NEG_INFINITY } }
     }
 
-    /// The x that is exceeded with a probability of exp(−`nats`).
+    /// The excess that is exceeded with a probability of exp(−`nats`).
     fn excess(&self, nats: f64) -> f64 {
         let straight = self.shape.abs() < 1e-12;
         let times = if straight { nats } else { (self.shape * nats).exp_m1() / self.shape };
         self.scale * times
     }
 
-    /// ln P(X > x).
+    /// Log-probability ln P(X > x).
     fn log_beyond(&self, excess: f64) -> f64 {
         if self.shape.abs() < 1e-12 {
             return -excess / self.scale;
@@ -103,7 +103,7 @@ impl Pareto {
 }
 
 /// Whether most of `excesses`, in order, differ. Where readings move in steps that are large beside
-/// their noise, peaks are few values many times over, and the zeros among the excesses would pass for
+/// their noise, peaks are a few values repeated, and the zeros among the excesses would look like
 /// the steep beginning of a heavy tail.
 fn distinct(excesses: &[f64]) -> bool {
     let values = excesses.chunk_by(|one, next| (one - next).abs() < 1e-9).count();
@@ -130,7 +130,7 @@ fn golden(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Tail {
-    /// The tail of `maxima` of cycles of `sample_time` seconds; `None` of fewer than
+    /// The tail of `maxima` of cycles of `sample_time` seconds; `None` with fewer than
     /// [`LEAST_BLOCKS`].
     pub fn fit(maxima: &Maxima, sample_time: f64) -> Option<Self> {
         if maxima.blocks() < LEAST_BLOCKS {
@@ -155,7 +155,8 @@ impl Tail {
         })
     }
 
-    /// Blocks a second that are beyond `level`; that of all peaks where it is not above the floor.
+    /// Rate at which blocks exceed `level`, 1/s; the rate of all peaks where `level` is not above
+    /// the floor.
     pub fn rate(&self, level: f64) -> f64 {
         let excess = level - self.floor;
         let all = self.peaks as f64 / self.seconds;
@@ -170,15 +171,15 @@ impl Tail {
         self.pareto.log_beyond(excess.min(edge)) - (excess - edge).max(0.0) / self.mean
     }
 
-    /// The excess up to which a heavy tail is believed: what comes once in about the time that was
-    /// judged, and no more than was seen. Two crowds of values, as of readings that now and then are
-    /// a few counts off, pass for a heavy tail, and far beyond the evidence that grows without bound.
+    /// The excess up to which a heavy tail is believed: what occurs once in about the judged time,
+    /// and no more than was seen. Two populations of values, such as readings that are sometimes a
+    /// few counts off, look like a heavy tail, which would grow without bound far beyond the data.
     fn edge(&self) -> f64 {
         let many = (SEEN * self.peaks as f64).max(1.0);
         self.pareto.excess(many.ln()).min(self.worst - self.floor).max(0.0)
     }
 
-    /// The level that is exceeded `rate` times a second; not below the floor.
+    /// The level that is exceeded `rate` times a second; at least the floor.
     pub fn level(&self, rate: f64) -> f64 {
         let many = (self.peaks as f64 / (self.seconds * rate)).max(1.0);
         if !self.heavy {
@@ -214,7 +215,8 @@ impl Tail {
 /// The one level that all `tails` together exceed `rate` times a second; infinite where there is no
 /// such number.
 ///
-/// Their rates are added up: detectors that exceed together are counted each, on the safe side.
+/// The rates are added up: detectors that exceed their levels together all count, which is on the
+/// safe side.
 pub fn common_level(tails: &[Tail], rate: f64) -> f64 {
     let together = |level: f64| tails.iter().map(|tail| tail.rate(level)).sum::<f64>();
     let mut low = tails.iter().map(|tail| tail.floor).fold(0.0, f64::max);
@@ -276,8 +278,8 @@ mod tests {
         assert!(tail.error(seen) > 0.0 && tail.error(0.5e-6) < rare);
     }
 
-    /// Readings that now and then are off by some counts are two crowds, whatever their tail looks
-    /// like: nothing makes metres of them.
+    /// Readings that are sometimes off by some counts are two populations, whatever their tail
+    /// looks like: they are not extrapolated to metres.
     #[test]
     fn two_crowds_are_no_metres() {
         let mut maxima = Maxima::new(1);
@@ -289,7 +291,7 @@ mod tests {
         assert!(tail.level(per_day(1.0 / 365.0)) < 4e-3, "{tail:?}");
     }
 
-    /// A bounded tail is not taken at its word: that nothing is beyond was never seen.
+    /// A bounded tail is not trusted, since it was never seen that nothing lies beyond.
     #[test]
     fn a_light_tail_is_extrapolated_as_an_exponential() {
         let tail = Tail::fit(&maxima(-0.3, 1e-4), 0.02).expect("2000 blocks");

@@ -1,6 +1,6 @@
-//! Samples of a whole recording in a bounded number.
+//! A bounded number of samples of a whole recording.
 
-/// Every so many-th sample of what streams by, so few that they fit.
+/// Every n-th sample of a stream, with n chosen so that they fit.
 #[derive(Clone, Debug)]
 pub struct Thinned<T> {
     most: usize,
@@ -10,7 +10,7 @@ pub struct Thinned<T> {
 }
 
 impl<T> Thinned<T> {
-    /// Of at most `most` samples, and at least half as many once that many came.
+    /// A store of at most `most` samples, and at least half as many once that many have come.
     pub fn new(most: usize) -> Self {
         Self { most: most.max(2), stride: 1, seen: 0, samples: Vec::new() }
     }
@@ -41,7 +41,7 @@ impl<T> Thinned<T> {
         &self.samples
     }
 
-    /// How many came.
+    /// Number of samples that came.
     pub const fn seen(&self) -> u64 {
         self.seen
     }

@@ -1,50 +1,50 @@
-//! From estimates to what is told of a model.
+//! From estimates to the results for a model.
 
 use super::census::Census;
 use super::estimate::{Estimate, Estimator, OffsetRule};
 use super::outcome::{CylinderOutcome, Identified, Observability};
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::{Shaper, Shaping};
 use super::stages::Each;
 use super::validate::{Candidate, Validator};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
-/// The observer's weights, and the cycles before it is believed.
+/// Weights of the observer, and the cycles before it judges.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
+pub struct ObserverWeights {
     pub q: [f64; 3],
     pub r: [f64; 2],
     pub settle: u32,
 }
 
-/// Estimators of the cylinders that `census` does not refuse; of the others, why.
+/// Estimators of the cylinders that `census` accepts; for the others, the reason.
 pub fn estimators(
     census: &Census,
     shaping: Shaping,
-) -> (Each<Estimator>, Vec<Result<(), Refusal>>) {
+) -> (Each<Estimator>, Vec<Result<(), IdentificationRefusal>>) {
     let judged: Vec<_> = (0..census.cylinders().len()).map(|index| census.judge(index)).collect();
-    let estimator = |(index, judged): (usize, &Result<(), Refusal>)| {
+    let estimator = |(index, judged): (usize, &Result<(), IdentificationRefusal>)| {
         let sources = census.sources(index);
         judged.is_ok().then(|| Estimator::new(Shaper::new(shaping, sources), sources.pressure))
     };
     (Each(judged.iter().enumerate().map(estimator).collect()), judged)
 }
 
-/// What the estimators came to, cylinder by cylinder; not yet tried.
+/// Results of the estimators, cylinder by cylinder; not yet validated.
 pub fn cylinders(
     census: &Census,
-    judged: Vec<Result<(), Refusal>>,
+    judged: Vec<Result<(), IdentificationRefusal>>,
     estimators: &Each<Estimator>,
     rule: OffsetRule,
     shaping: Shaping,
-    weights: &Weights,
+    weights: &ObserverWeights,
 ) -> Vec<CylinderOutcome> {
-    let one = |(index, judged): (usize, Result<(), Refusal>)| {
+    let one = |(index, judged): (usize, Result<(), IdentificationRefusal>)| {
         let sources = census.sources(index);
         let estimator = estimators.0[index].as_ref();
         let result = judged.and_then(|()| {
-            let estimate = estimator.ok_or(Refusal::Absent)?.estimate(rule)?;
+            let estimate = estimator.ok_or(IdentificationRefusal::Absent)?.estimate(rule)?;
             Ok(identified(estimate, shaping.sample_time, sources.velocity, weights))
         });
         let mut remarks = if result.is_ok() { census.remarks(index) } else { Vec::new() };
@@ -61,7 +61,7 @@ fn identified(
     estimate: Estimate,
     sample_time: f64,
     velocity: bool,
-    weights: &Weights,
+    weights: &ObserverWeights,
 ) -> Identified {
     let model = estimate.model(sample_time);
     let [l, v, p, _] = estimate.sizes;
@@ -75,10 +75,14 @@ fn identified(
     }
 }
 
-fn design(model: &Model, velocity: bool, weights: &Weights) -> Result<Design, String> {
-    let Weights { q, r, settle } = *weights;
+fn design(
+    model: &Model,
+    velocity: bool,
+    weights: &ObserverWeights,
+) -> Result<ObserverDesign, String> {
+    let ObserverWeights { q, r, settle } = *weights;
     // Nothing is predicted over here: a gap starts a new trial.
-    Design::new(model, q, r, velocity, settle, 0).map_err(|error| error.to_string())
+    ObserverDesign::new(model, q, r, velocity, settle, 0).map_err(|error| error.to_string())
 }
 
 /// Validators that try every identified model on every cylinder that has data for it.
@@ -86,7 +90,7 @@ pub fn validators(
     census: &Census,
     cylinders: &[CylinderOutcome],
     shaping: Shaping,
-    weights: &Weights,
+    weights: &ObserverWeights,
 ) -> Each<Validator> {
     let one = |on: &CylinderOutcome| {
         let own = on.result.as_ref().ok()?;

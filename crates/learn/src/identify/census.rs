@@ -1,40 +1,42 @@
-//! What a recording has of each cylinder, and whether it can be what it is taken for.
+//! Census of each cylinder's data in a recording, and whether the signals can be what they are
+//! configured as.
 
 use super::moments::{Pair, Spread};
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::Sources;
 use crate::survey::{Row, Surveyor};
 use tertius_core::sample::Quality;
 
-/// A stroke used less than this says nothing: some fifty counts of a 16-bit transducer, mm.
+/// Least motion for an identification, mm: some fifty counts of a 16-bit transducer.
 const LEAST_MOTION: f64 = 5.0;
 
-/// Two signals that should be the same differ by more than noise beyond this factor.
+/// Factor of the noise beyond which two signals that should be equal differ.
 const SAME: f64 = 3.0;
 
-/// A command may be a speed, a voltage or a percentage; what is beyond this factor is none of them.
+/// Largest gain of a command, which may be a speed, a voltage or a percentage.
 const PLAUSIBLE_GAIN: f64 = 300.0;
 
-/// Bar. Hydraulics end at some hundred.
+/// Highest plausible pressure, bar; hydraulics end at some hundred.
 const HIGHEST_PRESSURE: f64 = 2000.0;
 
-/// Correlations of fewer cycles are not looked at.
+/// Fewest cycles of a correlation that is used.
 const ENOUGH: u64 = 250;
 
-/// What is configured.
+/// What the configuration says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Expectations {
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
     pub area_ratio: f64,
-    /// A velocity of C1, and a load pressure, are configured.
+    /// Whether a velocity of C1 is configured.
     pub velocity: bool,
+    /// Whether a load pressure is configured.
     pub pressure: bool,
-    /// a and b of (5-20) for each cylinder, where they are calibrated.
+    /// a and b of (5-20) for each cylinder, where it is calibrated.
     pub calibrations: Vec<Option<(f64, f64)>>,
 }
 
-/// The counts of one cylinder, of its monitored cycles but for `rows`.
+/// Counts of one cylinder, over its monitored cycles, except `rows`, which counts all.
 #[derive(Clone, Debug, Default)]
 pub struct Counted {
     pub rows: u64,
@@ -45,34 +47,35 @@ pub struct Counted {
     pub velocity: Spread,
     pub command: Spread,
     pub pressure: Spread,
-    /// C1 as it came, plausible or not.
+    /// C1 as received, plausible or not.
     pub raw: Spread,
-    /// The recorded velocity over the position's slope.
+    /// Recorded velocity over the position's slope.
     velocity_of_slope: Pair,
-    /// The position's slope over the command.
+    /// Slope of the position over the command.
     slope_of_command: Pair,
     /// C1 − (a C2 + b), and C2 − (a C1 + b).
     as_given: Spread,
     swapped: Spread,
-    /// The cycle before the newest, and the position before it.
+    /// Row of the previous cycle.
     last: Option<Row>,
+    /// Position before the previous cycle.
     before: Option<f64>,
 }
 
-/// Looks at every cylinder.
+/// The first pass, over every cylinder.
 #[derive(Clone, Debug)]
 pub struct Census {
     expected: Expectations,
     cylinders: Vec<Counted>,
-    /// Cycle, command and slope of each cylinder; correlated once the next cycle comes.
+    /// Cycle, command and slope of each cylinder, correlated when the next cycle comes.
     newest: Vec<Option<(u64, f64, f64)>>,
     cycle: u64,
-    /// Of the command of one cylinder with the slope of another, row by row.
+    /// Command of one cylinder with the slope of another, row by row.
     crossed: Vec<Pair>,
 }
 
 impl Census {
-    /// Of `count` cylinders.
+    /// A census of `count` cylinders.
     pub fn new(count: usize, expected: Expectations) -> Self {
         Self {
             expected,
@@ -87,8 +90,8 @@ impl Census {
         &self.cylinders
     }
 
-    /// Where velocity and load pressure of the cylinder of `index` (from 0) come from: recorded if
-    /// they are there in at least half of the cycles that have a position.
+    /// Sources of velocity and load pressure of the cylinder of `index` (from 0): the recorded
+    /// signals if at least half of the cycles with a position have them.
     pub fn sources(&self, index: usize) -> Sources {
         let counted = &self.cylinders[index];
         let half = counted.position.count / 2;
@@ -98,11 +101,11 @@ impl Census {
         }
     }
 
-    /// Whether the cylinder of `index` can be identified.
+    /// Checks whether the cylinder of `index` can be identified.
     ///
     /// # Errors
     /// What is wrong with its data.
-    pub fn judge(&self, index: usize) -> Result<(), Refusal> {
+    pub fn judge(&self, index: usize) -> Result<(), IdentificationRefusal> {
         let counted = &self.cylinders[index];
         let sources = self.sources(index);
         counted.presence()?;
@@ -110,13 +113,13 @@ impl Census {
         counted.units(sources)?;
         let range_mm = counted.position.range() * 1e3;
         if range_mm < LEAST_MOTION {
-            return Err(Refusal::HardlyMoves { range_mm, least_mm: LEAST_MOTION });
+            return Err(IdentificationRefusal::HardlyMoves { range_mm, least_mm: LEAST_MOTION });
         }
         counted.transducers()?;
         self.neighbours(index)
     }
 
-    /// What is worth knowing of a cylinder that can be identified.
+    /// Remarks on a cylinder that can be identified.
     pub fn remarks(&self, index: usize) -> Vec<String> {
         let (counted, sources) = (&self.cylinders[index], self.sources(index));
         let mut remarks = Vec::new();
@@ -173,13 +176,14 @@ impl Census {
         }
     }
 
-    /// Of the command of one cylinder with the motion of another.
+    /// Correlation of the command of one cylinder with the motion of another.
     fn correlation(&self, command: usize, motion: usize) -> f64 {
         let pair = &self.crossed[command * self.cylinders.len() + motion];
         pair.correlation().filter(|_| pair.count() >= ENOUGH).unwrap_or(0.0)
     }
 
-    /// Whose command the motion of the cylinder of `index` follows, if by far rather than its own.
+    /// The cylinder whose command the motion of the cylinder of `index` follows much more closely
+    /// than its own.
     fn stranger(&self, index: usize) -> Option<usize> {
         let with = |command: usize| self.correlation(command, index);
         let best = (0..self.cylinders.len()).max_by(|i, j| with(*i).total_cmp(&with(*j)))?;
@@ -187,8 +191,8 @@ impl Census {
         (best != index && with(best) > 0.5 && by_far).then_some(best)
     }
 
-    /// Whether the cylinder of `index` follows its own command.
-    fn neighbours(&self, index: usize) -> Result<(), Refusal> {
+    /// Checks that the cylinder of `index` follows its own command.
+    fn neighbours(&self, index: usize) -> Result<(), IdentificationRefusal> {
         let Some(other) = self.stranger(index) else { return Ok(()) };
         // Neighbours move alike, one behind the other, and a motion is behind its command: so it may
         // be nearest to the command of the cylinder behind. Where commands are swapped the other one,
@@ -197,7 +201,7 @@ impl Census {
         if way.by_ref().take(self.cylinders.len()).all(|at| at != index) {
             return Ok(());
         }
-        Err(Refusal::SwappedCylinders {
+        Err(IdentificationRefusal::SwappedCylinders {
             other: other as u8 + 1,
             with_other: self.correlation(other, index),
             with_own: self.correlation(index, index),
@@ -224,7 +228,7 @@ impl Surveyor for Census {
 }
 
 impl Counted {
-    /// Counts a row; command and slope of the cycle before it, where they are known.
+    /// Counts a row; returns command and slope of the cycle before it, where they are known.
     fn take(&mut self, row: &Row, expected: &Expectations) -> Option<(f64, f64)> {
         self.rows += 1;
         if !row.monitored {
@@ -259,26 +263,26 @@ impl Counted {
         Some((middle.u?, slope))
     }
 
-    fn presence(&self) -> Result<(), Refusal> {
+    fn presence(&self) -> Result<(), IdentificationRefusal> {
         let rows = self.monitored;
         if self.rows == 0 {
-            return Err(Refusal::Absent);
+            return Err(IdentificationRefusal::Absent);
         }
         if rows == 0 {
-            return Err(Refusal::NeverMonitored { rows: self.rows });
+            return Err(IdentificationRefusal::NeverMonitored { rows: self.rows });
         }
         let signals = [("the position C1", &self.position), ("the command", &self.command)];
         for (signal, spread) in signals {
             let missing = rows - spread.count;
             if missing > rows / 2 {
                 let detail = if signal == "the command" { String::new() } else { self.detail() };
-                return Err(Refusal::Missing { signal, missing, rows, detail });
+                return Err(IdentificationRefusal::Missing { signal, missing, rows, detail });
             }
         }
         Ok(())
     }
 
-    /// What became of the readings of C1 that came.
+    /// What became of the readings of C1, in words.
     fn detail(&self) -> String {
         let of = |quality: Quality| self.implausible[quality as usize];
         let (low, high) = (self.raw.low, self.raw.high);
@@ -303,7 +307,7 @@ impl Counted {
         if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) }
     }
 
-    fn excitation(&self, sources: Sources) -> Result<(), Refusal> {
+    fn excitation(&self, sources: Sources) -> Result<(), IdentificationRefusal> {
         let signals = [
             (true, "the command", &self.command, "m/s"),
             (true, "the position C1", &self.position, "m"),
@@ -313,13 +317,13 @@ impl Counted {
         for (used, signal, spread, unit) in signals {
             if used && spread.range() <= 0.0 {
                 let (value, rows) = (spread.mean, spread.count);
-                return Err(Refusal::Constant { signal, value, unit, rows });
+                return Err(IdentificationRefusal::Constant { signal, value, unit, rows });
             }
         }
         Ok(())
     }
 
-    fn units(&self, sources: Sources) -> Result<(), Refusal> {
+    fn units(&self, sources: Sources) -> Result<(), IdentificationRefusal> {
         let enough = |pair: &Pair| pair.count() >= ENOUGH;
         let together = |pair: &Pair| pair.correlation().unwrap_or(0.0);
         let pair = &self.velocity_of_slope;
@@ -331,7 +335,12 @@ impl Counted {
             let same = (1.0 / SAME..SAME).contains(&factor);
             if together(pair).abs() > 0.3 && !same {
                 let (signal, reference) = ("the velocity of C1", "the position's slope");
-                return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+                return Err(IdentificationRefusal::Unit {
+                    signal,
+                    reference,
+                    factor,
+                    guess: guess(factor),
+                });
             }
         }
         let pair = &self.slope_of_command;
@@ -342,25 +351,30 @@ impl Counted {
         {
             let factor = 1.0 / gain;
             let (signal, reference) = ("the command", "the motion that follows it");
-            return Err(Refusal::Unit { signal, reference, factor, guess: guess(factor) });
+            return Err(IdentificationRefusal::Unit {
+                signal,
+                reference,
+                factor,
+                guess: guess(factor),
+            });
         }
         if sources.pressure && self.pressure.largest > HIGHEST_PRESSURE {
-            return Err(Refusal::PressureUnit { largest: self.pressure.largest });
+            return Err(IdentificationRefusal::PressureUnit { largest: self.pressure.largest });
         }
         Ok(())
     }
 
-    fn transducers(&self) -> Result<(), Refusal> {
+    fn transducers(&self) -> Result<(), IdentificationRefusal> {
         let (as_given_mm, swapped_mm) = (self.as_given.rms() * 1e3, self.swapped.rms() * 1e3);
         let enough = self.as_given.count >= ENOUGH;
         if enough && swapped_mm < 0.5 * as_given_mm && as_given_mm - swapped_mm > 0.5 {
-            return Err(Refusal::SwappedTransducers { as_given_mm, swapped_mm });
+            return Err(IdentificationRefusal::SwappedTransducers { as_given_mm, swapped_mm });
         }
         Ok(())
     }
 }
 
-/// What a factor between two units may come from.
+/// A possible origin of a factor between two units.
 fn guess(factor: f64) -> String {
     if factor < 0.0 {
         return ": its sign is the other way round".to_owned();

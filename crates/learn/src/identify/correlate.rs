@@ -1,9 +1,10 @@
-//! Whether residuals are noise: auto-correlation, cross-correlation with the input, Ljung–Box.
+//! Tests whether residuals are white: auto-correlation, cross-correlation with the input,
+//! Ljung–Box.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::collections::VecDeque;
 
-/// Lags that are looked at, cycles: half a second at 50 Hz.
+/// Number of lags, cycles: half a second at 50 Hz.
 pub const LAGS: usize = 25;
 
 /// Two-sided 99 % of the normal distribution.
@@ -25,22 +26,23 @@ impl Sum {
         self.xy += x * y;
     }
 
-    /// Σ(x − x̄)(y − ȳ) with the means of all.
+    /// Σ(x − x̄)(y − ȳ) with the means over all values.
     fn centred(&self, mean_x: f64, mean_y: f64) -> f64 {
         self.xy - mean_x * self.y - mean_y * self.x + self.count as f64 * mean_x * mean_y
     }
 }
 
-/// Correlations of one residual with itself and with the input, over cycles in a row.
+/// Correlations of one residual with itself and with the input, over consecutive cycles.
 #[derive(Clone, Debug)]
 pub struct Correlator {
-    /// The newest first, at most `LAGS` + 1.
+    /// Newest values first, at most `LAGS` + 1.
     newest: VecDeque<(f64, f64)>,
     residual: Sum,
     input: Sum,
     auto: [Sum; LAGS + 1],
-    /// e(k) u(k − τ), and e(k − τ) u(k).
+    /// Sums of e(k) u(k − τ).
     after: [Sum; LAGS + 1],
+    /// Sums of e(k − τ) u(k).
     before: [Sum; LAGS + 1],
 }
 
@@ -48,15 +50,16 @@ pub struct Correlator {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whiteness {
     pub count: u64,
-    /// r_ee(τ), τ = 0..[`LAGS`].
+    /// Auto-correlation r_ee(τ), τ = 0..[`LAGS`].
     pub auto: Vec<f64>,
-    /// r_eu(τ), τ = −[`LAGS`]..[`LAGS`]: of e(k) with u(k − τ). Where τ is positive the input was
-    /// there first; where it is negative it followed, as it does in a closed loop.
+    /// Cross-correlation r_eu(τ) of e(k) with u(k − τ), τ = −[`LAGS`]..[`LAGS`]. For positive τ the
+    /// input came first; for negative τ it followed, as in a closed loop.
     pub cross: Vec<f64>,
-    /// 99 % of the correlations of white noise lie within ± this.
+    /// Bound of the correlations: 99 % of those of white noise lie within ± this.
     pub bound: f64,
-    /// Q of Ljung and Box over [`LAGS`] lags, and how often white noise has a larger one.
+    /// Q of Ljung and Box over [`LAGS`] lags.
     pub ljung_box: f64,
+    /// Probability that white noise has a larger Q.
     pub p_value: f64,
 }
 
@@ -72,7 +75,7 @@ impl Correlator {
         }
     }
 
-    /// The residual and the input of the next cycle.
+    /// Adds the residual and the input of the next cycle.
     pub fn add(&mut self, residual: f64, input: f64) {
         self.newest.push_front((residual, input));
         self.newest.truncate(LAGS + 1);
@@ -85,12 +88,12 @@ impl Correlator {
         }
     }
 
-    /// The next cycle does not follow.
+    /// Reports that the next cycle does not follow.
     pub fn gap(&mut self) {
         self.newest.clear();
     }
 
-    /// The tests; `None` with less than four times as many values as lags, or a constant.
+    /// The tests; `None` for a constant, or with fewer than four times as many values as lags.
     pub fn whiteness(&self) -> Option<Whiteness> {
         let count = self.residual.count;
         let n = count as f64;
@@ -120,12 +123,12 @@ impl Default for Correlator {
 }
 
 impl Whiteness {
-    /// Auto-correlations beyond the bound; of white noise one in a hundred is.
+    /// Number of auto-correlations beyond the bound; for white noise one in a hundred is.
     pub fn auto_beyond(&self) -> usize {
         self.auto[1..].iter().filter(|r| r.abs() > self.bound).count()
     }
 
-    /// Cross-correlations with inputs of the same cycle or before that are beyond the bound.
+    /// Number of cross-correlations beyond the bound, with inputs of the same or an earlier cycle.
     pub fn cross_beyond(&self) -> usize {
         self.cross[LAGS..].iter().filter(|r| r.abs() > self.bound).count()
     }

@@ -1,6 +1,6 @@
-//! An identification from beginning to end, on whatever can be read again and again.
+//! An identification from beginning to end, on a recording that can be read repeatedly.
 
-use super::assess::{self, Weights};
+use super::assess::{self, ObserverWeights};
 use super::flow::{FlowFit, FlowSources, Scout};
 use super::friction::Stretches;
 use super::nonlinear::Nonlinear;
@@ -9,24 +9,24 @@ use super::{Census, Expectations, OffsetRule, Outcome, Shaping};
 use crate::survey::{Origin, Recording, Window};
 use tertius_config::settings::Settings;
 
-/// What is asked of an identification.
+/// Options of an identification.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wishes {
-    /// Cycles of the centred moving average of velocity and load pressure; odd.
+pub struct Options {
+    /// Width of the centred moving average of velocity and load pressure, cycles; odd.
     pub window: usize,
-    /// The part of the time at the end that is held back for validation, %.
+    /// Part of the time at the end that is held back for validation, %.
     pub held_back: u8,
-    /// The cylinder whose model is taken; `None`: that whose worst is the best.
+    /// Cylinder whose model is used for the machine; `None`: the one whose worst fit is the best.
     pub model_of: Option<u8>,
     pub offset: OffsetRule,
-    /// Flow and friction, too.
+    /// Whether flow and friction are identified, too, and with which supply.
     pub nonlinear: Option<Supply>,
 }
 
-/// Supply pressure, bar; `None`: as it was recorded.
+/// Supply pressure, bar; `None`: as recorded.
 pub type Supply = Option<f64>;
 
-impl Default for Wishes {
+impl Default for Options {
     fn default() -> Self {
         Self {
             window: 5,
@@ -38,51 +38,52 @@ impl Default for Wishes {
     }
 }
 
-/// What an identification is made with.
+/// Inputs of an identification.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct IdentificationCourse<'a> {
     pub settings: &'a Settings,
     pub origin: &'a Origin,
-    pub wishes: Wishes,
+    pub options: Options,
 }
 
-const RUNS_AWAY: &str = "simulated open loop the taken model runs away (VAF below 0 %): a position is \
-                         the sum of all speeds, so what a dead band or a changing offset of the \
-                         command leaves over adds up; the monitor uses the prediction, which is \
-                         led by the readings";
+const RUNS_AWAY: &str = "simulated open loop, the chosen model runs away (VAF below 0 %): a \
+    position is the sum of all speeds, so errors from a dead band or a changing offset of the \
+command add up; the monitor uses the prediction, which follows the readings";
 
-impl Course<'_> {
-    /// Reads `recording` three times: what is in it, the fit, the validation; and twice more for what is
-    /// not linear.
+impl IdentificationCourse<'_> {
+    /// Reads `recording` three times, for the census, the fit and the validation, and twice more
+    /// for the non-linear parts.
     ///
     /// # Errors
     /// The recording's own.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Outcome, R::Error> {
-        let Self { settings, origin, wishes } = *self;
-        let [fitted, validated] = match wishes.held_back {
+        let Self { settings, origin, options } = *self;
+        let [fitted, validated] = match options.held_back {
             0 => [origin.window; 2],
             part => origin.window.split(1.0 - f64::from(part) / 100.0),
         };
         let shaping = Shaping {
             sample_time: settings.machine.sample_time,
-            window: wishes.window,
+            window: options.window,
             area_ratio: settings.machine.area_ratio,
         };
         let observer = &settings.observer;
         let settle = (observer.settle / settings.machine.sample_time).round() as u32;
-        let weights = Weights { q: observer.q, r: observer.r, settle };
+        let weights = ObserverWeights { q: observer.q, r: observer.r, settle };
         let (census, bad) = self.census(recording, fitted)?;
         let (mut estimators, judged) = assess::estimators(&census, shaping);
         recording.read(fitted, &mut estimators)?;
         let mut cylinders =
-            assess::cylinders(&census, judged, &estimators, wishes.offset, shaping, &weights);
+            assess::cylinders(&census, judged, &estimators, options.offset, shaping, &weights);
         let mut validators = assess::validators(&census, &cylinders, shaping, &weights);
         recording.read(validated, &mut validators)?;
         for (cylinder, validator) in cylinders.iter_mut().zip(validators.0) {
             cylinder.trials = validator.map(|validator| validator.finish());
         }
-        let nonlinear =
-            wishes.nonlinear.map(|supply| self.nonlinear(recording, fitted, supply)).transpose()?;
+        let nonlinear = options
+            .nonlinear
+            .map(|supply| self.nonlinear(recording, fitted, supply))
+            .transpose()?;
         let mut outcome = Outcome {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
@@ -95,13 +96,13 @@ impl Course<'_> {
             remarks: origin.remarks.iter().cloned().chain(bad).collect(),
             nonlinear,
         };
-        outcome.choice = outcome.choose(wishes.model_of);
+        outcome.choice = outcome.choose(options.model_of);
         let remarks = doubts(&outcome);
         outcome.remarks.extend(remarks);
         Ok(outcome)
     }
 
-    /// The census of `window`, and what is to be said of values that could not be used.
+    /// The census of `window`, with remarks on values that could not be used.
     fn census<R: Recording>(
         &self,
         recording: &R,
@@ -124,12 +125,15 @@ impl Course<'_> {
         let mut census = Census::new(settings.machine.cylinders.into(), expected);
         let bad = recording.read_counted(window, &mut census)?.bad_signals;
         let told = (bad > 0).then(|| {
-            format!("{bad} values that their frame was too short for, or not a number (NaN)")
+            format!(
+                "{bad} values for which the frame was too short, or that were not a number \
+                (NaN)"
+            )
         });
         Ok((census, told))
     }
 
-    /// How far the spools go, then what they do.
+    /// Finds the reach of the spools, then flow and friction.
     fn nonlinear<R: Recording>(
         &self,
         recording: &R,
@@ -149,7 +153,7 @@ impl Course<'_> {
     }
 }
 
-/// What is to be said of the model that was taken.
+/// Remarks on the chosen model.
 fn doubts(outcome: &Outcome) -> Vec<String> {
     let Some(choice) = outcome.choice else { return Vec::new() };
     let mut doubts = Vec::new();
@@ -167,10 +171,10 @@ fn doubts(outcome: &Outcome) -> Vec<String> {
 }
 
 impl Outcome {
-    /// Whether the taken models, or each cylinder's own (`per_cylinder`), follow what they were tried on.
+    /// Checks that the chosen model, or each cylinder's own (`per_cylinder`), follows the data that
+    /// it was validated on.
     ///
-    /// # Errors
-    /// Which do not, in words: then none is written.
+    /// # Errors Those that do not, in words; no model may be written then.
     pub fn follows(&self, per_cylinder: bool) -> Result<(), String> {
         let Some(choice) = self.choice else { return Ok(()) };
         let of = |n: u8| if per_cylinder { n } else { choice.of };
@@ -188,15 +192,16 @@ impl Outcome {
             return Ok(());
         }
         Err(format!(
-            "the model does not follow its command, and nothing is written: VAF on the data that was \
-             tried, {}; below 0 % a velocity is better told by its mean, below -100 % a position by \
-             chance. Is the command that of this cylinder and in m/s, was the machine healthy, is the \
-             part that was fitted like the one that was tried (--from, --to)?",
+            "the model does not follow its command, and nothing is written: VAF on the data of the \
+             trial, {}; below 0 % the mean predicts a velocity better, below -100 % chance \
+            predicts a position better. Does the command belong to this cylinder, is it in m/s, \
+            was the machine healthy, and is the part that was fitted like the one that was tried \
+            (--from, --to)?",
             strays.join("; ")
         ))
     }
 
-    /// The cylinders that have no model, and why.
+    /// Cylinders without a model, and the reasons.
     pub fn refusals(&self) -> Vec<(u8, String)> {
         let refused = self.cylinders.iter().filter_map(|cylinder| {
             let refusal = cylinder.result.as_ref().err()?;

@@ -2,15 +2,15 @@
 
 use super::moments::Spread;
 use super::qr::{LARGEST_CONDITION, NoRegression, Regression, Triangle};
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::{Sample, Shaper};
 use nalgebra::{Matrix2, Vector2};
 use tertius_core::observe::model::Model;
 
-/// Pairs of cycles without which nothing is fitted: ten seconds at 50 Hz.
+/// Fewest pairs of cycles for a fit: ten seconds at 50 Hz.
 pub const FEWEST_ROWS: u64 = 500;
 
-/// l, l̇, P_L, u, 1 | Δl̇, ΔP_L.
+/// Number of columns: l, l̇, P_L, u, 1 | Δl̇, ΔP_L.
 const COLUMNS: usize = 7;
 const NAMES: [&str; 5] =
     ["the position", "the velocity", "the load pressure", "the command", "the constant"];
@@ -18,38 +18,40 @@ const CONSTANT: usize = 4;
 const VELOCITY_STEP: usize = 5;
 const PRESSURE_STEP: usize = 6;
 
-/// An offset below this part of the command's own deviation is not worth a parameter.
+/// Least offset that is worth a parameter, as a part of the command's standard deviation.
 const WORTHWHILE: f64 = 0.1;
 
 /// Two-sided 99 % of the normal distribution.
 const SIGNIFICANT: f64 = 2.576;
 
-/// Whether a constant is estimated beside (4-7) and (4-8): the command at which the cylinder rests.
+/// Whether a constant, the command at which the cylinder rests, is estimated beside (4-7) and
+/// (4-8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OffsetRule {
-    /// As in the thesis.
+    /// No constant, as in the thesis.
     Never,
     Always,
-    /// If it comes out beyond a tenth of the command's standard deviation, and significant.
+    /// A constant if it is significant and exceeds a tenth of the command's standard deviation.
     WhereItMatters,
 }
 
-/// What was estimated of one cylinder.
+/// Estimates of one cylinder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     pub theta: [f64; 5],
     pub gamma: [f64; 2],
-    /// Standard errors of θ1..θ5 and γ1, γ2; zero for what the reduced model does not have. They
-    /// hold for white residuals, which filtered signals do not have: a lower bound.
+    /// Standard errors of θ1..θ5; zero for parameters that the reduced model does not have. They
+    /// hold for white residuals, which filtered signals do not have, and are thus a lower bound.
     pub theta_errors: [f64; 5],
+    /// Standard errors of γ1 and γ2, a lower bound like those of θ.
     pub gamma_errors: [f64; 2],
-    /// The command at which the cylinder rests, m/s, where it was estimated.
+    /// Command at which the cylinder rests, m/s, where it was estimated.
     pub command_offset: Option<f64>,
-    /// The load pressure that belongs to rest, bar; of no consequence but for simulations.
+    /// Load pressure at rest, bar; needed only for simulations.
     pub pressure_offset: f64,
-    /// (4-7).
+    /// Regression (4-7).
     pub velocity_row: Regression,
-    /// (4-8); absent in the reduced model.
+    /// Regression (4-8); absent in the reduced model.
     pub pressure_row: Option<Regression>,
     /// Root mean squares of l, l̇, P_L and u.
     pub sizes: [f64; 4],
@@ -65,19 +67,19 @@ impl Estimate {
     }
 }
 
-/// Gathers one cylinder's rows of (4-7) and (4-8).
+/// Collects one cylinder's rows of (4-7) and (4-8).
 #[derive(Clone, Debug)]
 pub struct Estimator {
     shaper: Shaper,
     pressure: bool,
     last: Option<Sample>,
     triangle: Triangle<COLUMNS>,
-    /// Every row that was taken, for who wants to compare.
+    /// Commands of all rows taken, for comparison.
     command: Spread,
 }
 
 impl Estimator {
-    /// Of the samples that `shaper` makes; `pressure`: they have a load pressure.
+    /// An estimator from the samples of `shaper`; `pressure`: they have a load pressure.
     pub fn new(shaper: Shaper, pressure: bool) -> Self {
         let (last, triangle) = (None, Triangle::new());
         Self { shaper, pressure, last, triangle, command: Default::default() }
@@ -104,9 +106,9 @@ impl Estimator {
 
     /// The parameters.
     ///
-    /// # Errors
-    /// Too few rows, signals that cannot be told apart, or a rest at a command that never was.
-    pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, Refusal> {
+    /// # Errors Too few rows, signals that cannot be told apart, or a command at rest outside the
+    /// recorded commands.
+    pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, IdentificationRefusal> {
         let plain = || self.fit(false);
         let estimate = match rule {
             OffsetRule::Never => plain()?,
@@ -121,10 +123,14 @@ impl Estimator {
             && !(self.command.low..=self.command.high).contains(&offset)
         {
             let Spread { low, high, .. } = self.command;
-            return Err(Refusal::RestNeverCommanded { offset, low, high });
+            return Err(IdentificationRefusal::RestNeverCommanded { offset, low, high });
         }
         let numbers = estimate.theta.iter().chain(&estimate.gamma).chain(&estimate.command_offset);
-        if numbers.copied().all(f64::is_finite) { Ok(estimate) } else { Err(Refusal::NotFinite) }
+        if numbers.copied().all(f64::is_finite) {
+            Ok(estimate)
+        } else {
+            Err(IdentificationRefusal::NotFinite)
+        }
     }
 
     fn is_worthwhile(&self, estimate: &Estimate) -> bool {
@@ -136,7 +142,7 @@ impl Estimator {
         significant && offset.abs() > WORTHWHILE * deviation
     }
 
-    fn fit(&self, constant: bool) -> Result<Estimate, Refusal> {
+    fn fit(&self, constant: bool) -> Result<Estimate, IdentificationRefusal> {
         let columns = |first: usize| -> Vec<usize> {
             (first..=CONSTANT)
                 .filter(|column| match *column {
@@ -161,16 +167,21 @@ impl Estimator {
         columns: &[usize],
         target: usize,
         equation: &'static str,
-    ) -> Result<Regression, Refusal> {
+    ) -> Result<Regression, IdentificationRefusal> {
         if self.triangle.rows() < FEWEST_ROWS {
-            return Err(Refusal::TooFewRows { rows: self.triangle.rows(), least: FEWEST_ROWS });
+            return Err(IdentificationRefusal::TooFewRows {
+                rows: self.triangle.rows(),
+                least: FEWEST_ROWS,
+            });
         }
         self.triangle.solve(columns, target).map_err(|reason| match reason {
-            NoRegression::TooFewRows { rows } => Refusal::TooFewRows { rows, least: FEWEST_ROWS },
+            NoRegression::TooFewRows { rows } => {
+                IdentificationRefusal::TooFewRows { rows, least: FEWEST_ROWS }
+            }
             NoRegression::Collinear { condition, among } => {
                 let names: Vec<&str> = among.iter().map(|place| NAMES[columns[*place]]).collect();
                 let (among, most) = (names.join(" and "), LARGEST_CONDITION);
-                Refusal::Collinear { equation, among, condition, most }
+                IdentificationRefusal::Collinear { equation, among, condition, most }
             }
         })
     }
@@ -211,8 +222,8 @@ fn assemble(
     }
 }
 
-/// The command u₀ and the load pressure p₀ from which (4-1) has to count so that it needs no
-/// constants: θ3 p₀ + γ1 u₀ = −c₁ and θ5 p₀ + γ2 u₀ = −c₂.
+/// The command u₀ and the load pressure p₀ from which (4-1) counts if it is to need no constants:
+/// θ3 p₀ + γ1 u₀ = −c₁ and θ5 p₀ + γ2 u₀ = −c₂.
 fn offsets(theta: [f64; 5], gamma: [f64; 2], constants: [f64; 2]) -> (f64, f64) {
     let matrix = Matrix2::new(gamma[0], theta[2], gamma[1], theta[4]);
     let rest = matrix.lu().solve(&-Vector2::from(constants));

@@ -2,65 +2,67 @@
 //! direction.
 //!
 //! The rule "if the spool is about c_j, f_NL is s_j" with triangular memberships μ_j that add up to
-//! 1 makes f_NL(x) = Σ μ_j(x) s_j, which is linear in the s_j: least squares on rows of memberships.
-//! It is a line from node to node, so that an s_j that few rows speak of is not told at all.
+//! 1 makes f_NL(x) = Σ μ_j(x) s_j, which is linear in the s_j: least squares on rows of
+//! memberships. It is linear from node to node, so that an s_j that few rows determine is not
+//! reported at all.
 
 use super::qr::{NoRegression, Triangle};
 use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
 use thiserror::Error;
 
-/// Membership functions of a direction (section 3-3-1).
+/// Number of membership functions of a direction (section 3-3-1).
 pub const MEMBERSHIPS: usize = 20;
 const COLUMNS: usize = MEMBERSHIPS + 1;
 
-/// Cycles, weighted by their membership, of which a singleton is known: a second at 50 Hz.
+/// Fewest cycles, weighted by their membership, with which a singleton is known: a second at 50 Hz.
 pub const FEWEST: f64 = 50.0;
 
-/// Samples of each cylinder that are kept for a figure.
+/// Number of samples of each cylinder that are kept for a figure.
 const SAMPLES: usize = 800;
 
-/// Which way the oil goes.
+/// Direction of the oil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// x_m > 0.
+    /// Extending, x_m > 0.
     Extend = 0,
-    /// x_m < 0.
+    /// Retracting, x_m < 0.
     Retract = 1,
 }
 
-/// Where the signals of (3-18) come from.
+/// Sources of the signals of (3-18).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowSources {
-    /// x_m is the recorded spool position; else the command u stands in for it.
+    /// Whether x_m is the recorded spool position; otherwise the command u replaces it.
     pub spool: bool,
-    /// P_S, bar, where it is given instead of recorded.
+    /// Supply pressure P_S, bar, where it is given instead of recorded.
     pub supply: Option<f64>,
-    /// α of (3-5) and (3-17): a_p / A_p.
+    /// Area ratio α of (3-5) and (3-17): a_p / A_p.
     pub area_ratio: f64,
 }
 
-/// What the recording has of one cylinder for (3-18).
+/// Data of one cylinder for (3-18).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// The largest |x_m| out and in.
+    /// Largest |x_m| out and in.
     pub largest: [f64; 2],
-    /// Monitored cycles, and those in which there is no velocity, load pressure, P_S or x_m.
+    /// Number of monitored cycles.
     pub rows: u64,
+    /// Number of monitored cycles without a velocity, load pressure, P_S or x_m.
     pub missing: [u64; 4],
-    /// Cycles in which P_S − sign(x_m) P_L is not positive.
+    /// Number of cycles in which P_S − sign(x_m) P_L is not positive.
     pub no_drop: u64,
 }
 
-/// One rule: at `centre` f_NL is `value`.
+/// One rule: f_NL is `value` at `centre`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Singleton {
-    /// c_j, in the unit of x_m, of its sign.
+    /// Centre c_j, in the unit of x_m, with its sign.
     pub centre: f64,
     /// Σ μ_j over all rows, cycles.
     pub coverage: f64,
-    /// s_j and its standard error (for white residuals), m/s/√bar: f_NL over A_p. `None` where less
-    /// than [`FEWEST`] cycles speak of it.
+    /// s_j and its standard error (for white residuals), m/s/√bar: f_NL over A_p. `None` where
+    /// fewer than [`FEWEST`] cycles determine it.
     pub value: Option<(f64, f64)>,
 }
 
@@ -69,7 +71,7 @@ pub struct Singleton {
 pub struct FlowCurve {
     pub singletons: Vec<Singleton>,
     pub rows: u64,
-    /// Of φ/√(P_S ∓ P_L) against the curve, over A_p, m/s/√bar.
+    /// Root mean square of φ/√(P_S ∓ P_L) against the curve, over A_p, m/s/√bar.
     pub rms: f64,
     pub condition: f64,
 }
@@ -81,7 +83,7 @@ pub enum NoFlow {
     NeverMonitored,
     #[error("{what} missing in {missing} of {rows} monitored cycles: {help}")]
     Missing { what: &'static str, missing: u64, rows: u64, help: &'static str },
-    #[error("the spool hardly goes that way: {rows} cycles, {least:.0} are the least")]
+    #[error("the spool hardly goes that way: {rows} cycles, and at least {least:.0} are needed")]
     TooFewRows { rows: u64, least: f64 },
     #[error(
         "the spool stays between membership functions {among} so that they cannot be told apart \
@@ -104,8 +106,8 @@ const MISSING: [(&str, &str); 4] = [
     ),
 ];
 
-/// x_m and f_NL over A_p, or the place in [`MISSING`]; `Ok(None)` if the pressure does not drop or
-/// the spool is in its middle.
+/// x_m and f_NL over A_p, or the index in [`MISSING`]; `Ok(None)` if the pressure does not drop or
+/// the spool is centred.
 fn point(row: &Row, sources: &FlowSources) -> Result<Option<(f64, f64)>, usize> {
     let v = row.v1.ok_or(0_usize)?;
     let load = row.load_pressure(sources.area_ratio).ok_or(1_usize)?;
@@ -123,15 +125,15 @@ fn direction(x: f64) -> Direction {
     if x > 0.0 { Direction::Extend } else { Direction::Retract }
 }
 
-/// The memberships of a place `part` of the way from 0 to the last centre, 0 to 1: triangles over
-/// 20 equidistant centres, of which two at most are not 0.
+/// Memberships of the place `part` (0 to 1) on the way from 0 to the last centre: triangles over 20
+/// equidistant centres, at most two of which are not 0.
 pub fn memberships(part: f64) -> [f64; MEMBERSHIPS] {
     let last = MEMBERSHIPS - 1;
     let place = part.clamp(0.0, 1.0) * last as f64;
     std::array::from_fn(|j| (1.0 - (place - j as f64).abs()).max(0.0))
 }
 
-/// The first reading: how far the spools go, and what is missing.
+/// The first pass: the reach of the spools, and missing signals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scout {
     sources: FlowSources,
@@ -177,7 +179,7 @@ impl Reach {
     }
 }
 
-/// The second reading: the curves.
+/// The second pass: the curves.
 #[derive(Clone, Debug)]
 pub struct FlowFit {
     sources: FlowSources,
@@ -192,7 +194,7 @@ struct Fit {
 }
 
 impl FlowFit {
-    /// Over the reach that `scout` found.
+    /// A fit over the reach that `scout` found.
     pub fn new(scout: &Scout) -> Self {
         let fit = || Fit { triangle: Triangle::new(), coverage: [0.0; MEMBERSHIPS] };
         let cylinders: Vec<_> =
@@ -201,13 +203,13 @@ impl FlowFit {
         Self { sources: scout.sources, cylinders, samples }
     }
 
-    /// Some of what the curves are from, spread evenly over the recording: x_m and f_NL over A_p,
+    /// Samples of the curves' data, spread evenly over the recording: x_m and f_NL over A_p,
     /// m/s/√bar, for each cylinder.
     pub fn samples(&self) -> Vec<Vec<(f64, f64)>> {
         self.samples.iter().map(|samples| samples.samples().to_vec()).collect()
     }
 
-    /// Out and in, for each cylinder.
+    /// Curves out and in, for each cylinder.
     pub fn curves(&self) -> Vec<[Result<FlowCurve, NoFlow>; 2]> {
         let both = |(reach, fits): &(Reach, [Fit; 2])| {
             [Direction::Extend, Direction::Retract].map(|direction| {
@@ -283,13 +285,13 @@ impl Fit {
 }
 
 impl FlowCurve {
-    /// How many of the singletons are known.
+    /// Number of singletons that are known.
     pub fn known(&self) -> usize {
         self.singletons.iter().filter(|singleton| singleton.value.is_some()).count()
     }
 
-    /// f_NL over A_p at `x`, m/s/√bar; `None` where a singleton it needs is not known, or beyond
-    /// the data.
+    /// f_NL over A_p at `x`, m/s/√bar; `None` beyond the data, or where a singleton it needs is not
+    /// known.
     pub fn at(&self, x: f64) -> Option<f64> {
         let part = x / self.singletons.last()?.centre;
         if !(0.0..=1.0).contains(&part) {

@@ -1,87 +1,93 @@
 //! The friction curve (3-13) from constant-velocity stretches.
 //!
-//! At constant velocity (3-9) is A_p P_L = F_fr(l̇) + k l + F_0, with the load in F_0: what changes
-//! its sign with the velocity is friction. A_p is not known here, so that forces are told as the
-//! load pressure that balances them, F/A_p in bar. A ship's motion loads the cylinder, too: where
-//! what is left over is as large as the friction, there is no curve (the thesis's Figure 3-10).
+//! At constant velocity (3-9) is A_p P_L = F_fr(l̇) + k l + F_0, with the load in F_0: the part
+//! that changes its sign with the velocity is friction. A_p is not known here, so forces are given
+//! as the load pressure that balances them, F/A_p in bar. A ship's motion also loads the cylinder:
+//! where the remainder is as large as the friction, there is no curve (the thesis's Figure 3-10).
 
 use super::moments::Spread;
 use super::qr::{Regression, Triangle};
 use crate::survey::{Row, Surveyor};
 use thiserror::Error;
 
-/// Parts of a stretch whose mean velocities are compared, and the cycles of each: 2.5 s at 50 Hz.
-/// In the first the pressure may still settle: it is compared, and else left out.
+/// Number of parts of a stretch whose mean velocities are compared; each part is 2.5 s at 50 Hz.
+/// The pressure may still settle in the first, which is compared but otherwise left out.
 const PARTS: usize = 5;
 const PART: u64 = 25;
 
-/// A velocity is constant if the parts' means are within this part of it, or this, m/s.
+/// Largest difference of the parts' means for a constant velocity, as a part of it.
 pub const STEADY: f64 = 0.03;
+/// Absolute limit of the difference of the parts' means for a constant velocity, m/s.
 pub const FLOOR: f64 = 1.5e-3;
 
-/// What is slower stands, m/s.
+/// Slowest velocity that counts as motion, m/s.
 const SLOWEST: f64 = 3e-3;
 
-/// Stretches that are kept of a cylinder: hours of them.
+/// Most stretches of a cylinder that are kept: hours of them.
 const MOST: usize = 4096;
 
-/// Stretches of one speed are within this part of it.
+/// Largest difference of stretches with the same speed, as a part of it.
 const ALIKE: f64 = 0.15;
 
-/// Speeds each way without which there is no curve.
+/// Fewest speeds in each direction for a curve.
 pub const SPEEDS: usize = 4;
 
-/// Of the friction's own root mean square, what may be left over.
+/// Largest remainder, as a part of the friction's own root mean square.
 const SCATTER: f64 = 0.5;
 
-/// Stribeck velocities that are tried, m/s, and how many on the way.
+/// Range of Stribeck velocities that are tried, m/s.
 const STRIBECK: [f64; 2] = [2e-3, 0.2];
+/// Number of Stribeck velocities that are tried.
 const TRIES: usize = 41;
 
 /// Means over a stretch of constant velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// m/s, m and bar.
+    /// Velocity, m/s.
     pub velocity: f64,
+    /// Length, m.
     pub length: f64,
+    /// Load pressure, bar.
     pub pressure: f64,
 }
 
 /// Friction at one speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: f64,
-    /// F_fr/A_p, bar: mean, and deviation between stretches.
+    /// Mean friction F_fr/A_p, bar.
     pub force: f64,
+    /// Standard deviation of the force between stretches, bar.
     pub deviation: f64,
     pub stretches: u64,
 }
 
-/// (3-13), forces over A_p in bar.
+/// Friction curve (3-13), with forces over A_p in bar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionCurve {
     pub points: Vec<Point>,
-    /// μ_v/A_p, bar s/m.
+    /// Viscous friction μ_v/A_p, bar s/m.
     pub viscous: f64,
-    /// F_c0/A_p, bar.
+    /// Coulomb friction F_c0/A_p, bar.
     pub coulomb: f64,
-    /// F_s0/A_p, bar, and c_s, m/s; `None` where no speed is slow enough to show them.
+    /// Static friction F_s0/A_p, bar, and Stribeck velocity c_s, m/s; `None` where no speed is slow
+    /// enough to show them.
     pub stribeck: Option<(f64, f64)>,
     pub stretches: usize,
-    /// Of the stretches' pressures against the curve, bar.
+    /// Root mean square of the stretches' pressures against the curve, bar.
     pub rms: f64,
 }
 
 /// Why there is no curve, in words for people.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoFriction {
-    #[error("no load pressure and velocity are recorded together, from which (3-19) could be had")]
+    #[error("no load pressure and velocity, which (3-19) needs, are recorded together")]
     NoPressure,
     #[error(
         "the recording has {stretches} stretches of 2.5 s at constant velocity, with {out} speeds \
-         outwards and {back} inwards, of {SPEEDS} each at least: the friction curve (3-13) is not \
-         identified; it takes strokes at constant velocities, with the vessel at rest"
+         outwards and {back} inwards, and at least {SPEEDS} each are needed: the friction curve \
+        (3-13) is not identified; record strokes at constant velocities, with the vessel at rest"
     )]
     TooFew { stretches: usize, out: usize, back: usize },
     #[error(
@@ -116,7 +122,7 @@ impl Stretches {
         Self { area_ratio, cylinders: vec![Gathering::default(); cylinders.into()] }
     }
 
-    /// The curve of each cylinder.
+    /// The friction curve of each cylinder.
     pub fn curves(&self) -> Vec<Result<FrictionCurve, NoFriction>> {
         let one = |gathering: &Gathering| match gathering.rows {
             0 => Err(NoFriction::NoPressure),
@@ -189,7 +195,8 @@ impl Gathering {
 }
 
 impl FrictionCurve {
-    /// F_fr/A_p at `velocity`, m/s, bar; 0 at standstill, where (3-10) has static friction.
+    /// Friction F_fr/A_p at `velocity`, m/s, in bar; 0 at standstill, where (3-10) has static
+    /// friction.
     pub fn at(&self, velocity: f64) -> f64 {
         let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
         let slow = self.stribeck.map_or(0.0, |(force, c)| force * (-velocity.abs() / c).exp());
@@ -244,7 +251,7 @@ pub fn curve(found: &[Stretch]) -> Result<FrictionCurve, NoFriction> {
     })
 }
 
-/// The lowest and highest of each group of like speeds, of `speeds` in order.
+/// Lowest and highest speed of each group of similar ones; `speeds` are in order.
 fn groups(speeds: &[f64]) -> Vec<[f64; 2]> {
     let mut groups: Vec<[f64; 2]> = Vec::new();
     for speed in speeds {
@@ -256,7 +263,8 @@ fn groups(speeds: &[f64]) -> Vec<[f64; 2]> {
     groups
 }
 
-/// Load, stiffness, viscous, Coulomb's and static friction for a Stribeck velocity: all linear.
+/// Linear fit of load, stiffness, viscous, Coulomb and static friction for a given Stribeck
+/// velocity.
 fn fitted(found: &[Stretch], stribeck: Option<f64>) -> Option<Regression> {
     let mut triangle = Triangle::<6>::new();
     for it in found {
@@ -268,8 +276,8 @@ fn fitted(found: &[Stretch], stribeck: Option<f64>) -> Option<Regression> {
     triangle.solve(if stribeck.is_some() { &all } else { &all[..4] }, 5).ok()
 }
 
-/// The fit with the least left over, and its Stribeck velocity; without one where none is better
-/// or static friction would help the motion.
+/// The fit with the smallest remainder, and its Stribeck velocity; `None` for the velocity where
+/// static friction gains nothing or would help the motion.
 fn best(found: &[Stretch]) -> Option<(Regression, Option<f64>)> {
     let plain = fitted(found, None);
     let [mut low, mut high] = STRIBECK;

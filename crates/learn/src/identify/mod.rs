@@ -4,13 +4,13 @@
 //! rows ─→ census ─ refusals, sources ─→ shaper ─ samples ─→ estimator ─ θ, γ ─→ validator ─→ Outcome
 //! ```
 //!
-//! - [`census`]: what the recording has of each cylinder, and whether it can be what it is taken for.
+//! - [`census`]: the data of each cylinder, and whether they can be what they are configured as.
 //! - [`shaper`]: position, smoothed velocity and load pressure, command, one sample for each cycle.
 //! - [`qr`]: least squares over a stream, by orthogonal triangles; [`estimate`]: (4-7) and (4-8).
-//! - [`validate`]: simulation and one-step prediction on data that were not used; [`correlate`]:
-//!   whether what is left over is noise.
+//! - [`validate`]: simulation and one-step prediction on data held back; [`correlate`]:
+//!   whether the residuals are white.
 //! - [`flow`], [`friction`]: the non-linear parts of section 3-3-1, on request; [`nonlinear`] holds them.
-//! - [`outcome`]: all of that as plain data, for reports. [`mod@course`]: all of it in turn.
+//! - [`outcome`]: the results as plain data, for reports. [`mod@course`]: all stages in turn.
 //!
 //! Every stage reads the recording once, as a [`Surveyor`](crate::survey::Surveyor), and keeps
 //! nothing that grows with it.
@@ -34,7 +34,7 @@ pub mod validate;
 pub use census::{Census, Expectations};
 pub use estimate::{Estimate, Estimator, OffsetRule};
 pub use outcome::Outcome;
-pub use refusal::Refusal;
+pub use refusal::IdentificationRefusal;
 pub use shaper::{Sample, Shaper, Shaping, Sources};
 pub use stages::Each;
 pub use validate::{Candidate, Validator};

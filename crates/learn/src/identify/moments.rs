@@ -1,4 +1,4 @@
-//! Means, variances and products of what streams by.
+//! Means, variances and products of streams.
 
 /// Mean and variance of one signal (Welford).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,12 +25,12 @@ impl Spread {
         (self.low, self.high) = (self.low.min(value), self.high.max(value));
     }
 
-    /// The mean square deviation from the mean.
+    /// Mean square deviation from the mean.
     pub fn variance(&self) -> f64 {
         if self.count == 0 { 0.0 } else { self.squares / self.count as f64 }
     }
 
-    /// The root of the mean square, the mean included.
+    /// Root mean square, mean included.
     pub fn rms(&self) -> f64 {
         (self.variance() + self.mean * self.mean).sqrt()
     }
@@ -40,7 +40,7 @@ impl Spread {
     }
 }
 
-/// How two signals go together.
+/// Joint moments of two signals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pair {
     count: u64,
@@ -64,14 +64,14 @@ impl Pair {
         self.count
     }
 
-    /// Of −1 to 1; `None` where one of them is constant.
+    /// Correlation coefficient, −1 to 1; `None` where one signal is constant.
     pub fn correlation(&self) -> Option<f64> {
         let size = (self.squares[0] * self.squares[1]).sqrt();
         (size > 0.0 && size.is_finite()).then(|| self.product / size)
     }
 
-    /// The standard deviation of y by that of x: the factor between them if they are the same
-    /// signal in other units.
+    /// Standard deviation of y over that of x: the factor between them if they are the same signal
+    /// in other units.
     pub fn ratio(&self) -> Option<f64> {
         (self.squares[0] > 0.0).then(|| (self.squares[1] / self.squares[0]).sqrt())
     }

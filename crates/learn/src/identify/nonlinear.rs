@@ -3,13 +3,13 @@
 use super::flow::{FlowCurve, FlowSources, NoFlow};
 use super::friction::{FrictionCurve, NoFriction};
 
-/// What section 3-3-1 asks for; cylinder by cylinder from 1.
+/// Flow and friction of section 3-3-1, by cylinder from 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nonlinear {
     pub sources: FlowSources,
-    /// Out and in.
+    /// Flow curves out and in.
     pub flow: Vec<[Result<FlowCurve, NoFlow>; 2]>,
-    /// Samples of what the flow curves are from, x_m and f_NL over A_p, m/s/√bar, for figures.
+    /// Samples of the flow curves' data, x_m and f_NL over A_p, m/s/√bar, for figures.
     pub points: Vec<Vec<(f64, f64)>>,
     pub friction: Vec<Result<FrictionCurve, NoFriction>>,
 }

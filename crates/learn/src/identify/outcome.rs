@@ -1,33 +1,33 @@
-//! Everything that came of an identification, as plain data.
+//! Results of an identification, as plain data.
 
 use super::estimate::Estimate;
 use super::nonlinear::Nonlinear;
-use super::refusal::Refusal;
+use super::refusal::IdentificationRefusal;
 use super::shaper::{Shaping, Sources};
-use super::validate::{Fit, Trials, Tried};
+use super::validate::{Fit, Trials, TriedModel};
 use crate::survey::{Timeline, Window};
 use nalgebra::{Complex, Matrix3, SVD};
 use tertius_core::observe::model::{Model, POSITION};
 
-/// The result for a machine.
+/// Result for a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     pub machine: String,
-    /// The recordings' names.
+    /// Names of the recordings.
     pub inputs: String,
-    /// Where the recording's frames are in time.
+    /// Times of the recording's frames.
     pub timeline: Timeline,
     pub shaping: Shaping,
-    /// What the models were made from, and what they were tried on; the same where nothing is held
-    /// back.
+    /// Part that the models were identified on.
     pub fitted: Window,
+    /// Part that the models were validated on; equal to `fitted` where nothing is held back.
     pub validated: Window,
-    /// Of every configured cylinder, from 1.
+    /// Results of all configured cylinders, from cylinder 1.
     pub cylinders: Vec<CylinderOutcome>,
-    /// Whose model is the machine's; `None` where there is none.
+    /// Choice of the machine's model; `None` where there is none.
     pub choice: Option<Choice>,
     pub remarks: Vec<String>,
-    /// Flow and friction, where they were asked for.
+    /// Flow and friction, where requested.
     pub nonlinear: Option<Nonlinear>,
 }
 
@@ -35,8 +35,8 @@ pub struct Outcome {
 pub struct CylinderOutcome {
     pub number: u8,
     pub sources: Sources,
-    pub result: Result<Identified, Refusal>,
-    /// How every model did on this cylinder; `None` where it could not be tried.
+    pub result: Result<Identified, IdentificationRefusal>,
+    /// Results of every model on this cylinder; `None` where none could be tried.
     pub trials: Option<Trials>,
     pub remarks: Vec<String>,
 }
@@ -48,36 +48,37 @@ pub struct Identified {
     pub model: Model,
     /// Eigenvalues of A, the largest first.
     pub poles: Option<[Complex<f64>; 3]>,
-    /// u → l̇, see [`Model::velocity_gain`].
+    /// Gain from u to l̇, see [`Model::velocity_gain`].
     pub velocity_gain: Option<f64>,
-    /// Of [C; CA; CA²] for a position reading, its states in units of their root mean squares.
+    /// Observability of [C; CA; CA²] for a position reading, with states in units of their root
+    /// mean squares.
     pub observability: Observability,
-    /// Why it has no observer with the configured weights.
+    /// Why the model has no observer with the configured weights.
     pub no_observer: Option<String>,
 }
 
-/// How well the state shows in the readings.
+/// Observability of the state from the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observability {
-    /// Of 3.
+    /// Rank, at most 3.
     pub rank: usize,
-    /// Infinite where the rank is not full.
+    /// Condition number; infinite where the rank is not full.
     pub condition: f64,
 }
 
-/// The model taken for the machine.
+/// The model chosen for the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
-    /// The cylinder that it was identified on.
+    /// Cylinder that it was identified on.
     pub of: u8,
-    /// Its smallest position VAF over all cylinders, %.
+    /// Smallest position VAF over all cylinders, %.
     pub worst: f64,
-    /// The user asked for it.
+    /// Whether the user requested it.
     pub asked: bool,
 }
 
 impl Observability {
-    /// Of `model` with states of the `sizes` root mean square.
+    /// Observability of `model` with states of the root mean squares `sizes`.
     pub fn new(model: &Model, sizes: [f64; 3]) -> Self {
         let size = |i: usize| if sizes[i] > 0.0 { sizes[i] } else { 1.0 };
         let a = Matrix3::from_fn(|i, j| model.a[(i, j)] * size(j) / size(i));
@@ -94,12 +95,12 @@ impl Observability {
 }
 
 impl Outcome {
-    /// How the model of cylinder `of` did on cylinder `on`, open loop: an entry of Figure 4-3.
+    /// Open-loop fit of the model of cylinder `of` on cylinder `on`: an entry of Figure 4-3.
     pub fn simulated(&self, of: u8, on: u8) -> Option<&Fit> {
         self.tried(of, on).map(|tried| &tried.simulated)
     }
 
-    pub fn tried(&self, of: u8, on: u8) -> Option<&Tried> {
+    pub fn tried(&self, of: u8, on: u8) -> Option<&TriedModel> {
         let cylinder = self.cylinders.iter().find(|cylinder| cylinder.number == on)?;
         cylinder.trials.as_ref()?.tried.iter().find(|tried| tried.of == of)
     }
@@ -115,8 +116,8 @@ impl Outcome {
         vafs.map(|fit| fit.position.vaf()).map(finite_or_worst).reduce(f64::min)
     }
 
-    /// The model whose worst cylinder is the best: none is left behind, as the thesis discards a
-    /// model for one cylinder that it does badly on.
+    /// The model whose worst cylinder is the best, as the thesis discards a model that does badly
+    /// on a single cylinder.
     pub fn choose(&self, asked: Option<u8>) -> Option<Choice> {
         if let Some(of) = asked {
             return self.worst(of).map(|worst| Choice { of, worst, asked: true });
@@ -129,30 +130,31 @@ impl Outcome {
     }
 }
 
-/// Open loop, below this a model says less of a signal than its mean does, %.
+/// Open-loop VAF below which a model is worse than the signal's mean, %.
 const SAYS_NOTHING: f64 = 0.0;
 
-/// Open loop, below this a position is farther off than any other one of the recording, taken at
-/// random, would be: that has twice the variance, %.
+/// Open-loop VAF below which a position is farther off than another one of the recording taken at
+/// random, which has twice the variance, %.
 const SAYS_LESS_THAN_CHANCE: f64 = -100.0;
 
-/// What the thesis asks of a model, % (section 4-3).
+/// VAF that the thesis requires of a model, % (section 4-3).
 pub const ASKED: f64 = 90.0;
 
 /// A model that does not follow a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stray {
-    /// The cylinder that it was tried on.
+    /// Cylinder that it was tried on.
     pub on: u8,
-    /// VAF of position and velocity, simulated open loop, %.
+    /// VAF of the position, simulated open loop, %.
     pub position: f64,
+    /// VAF of the velocity, simulated open loop, %.
     pub velocity: f64,
 }
 
 impl Outcome {
-    /// The cylinders that the model of cylinder `of` does not follow: simulated by the commands alone
-    /// it says less of the velocity than that it is constant, or less of the position than chance. A
-    /// position that merely drifts off is none of these (see [`CylinderOutcome::runs_away`]).
+    /// The cylinders that the model of cylinder `of` does not follow: simulated from the commands
+    /// alone, its velocity is worse than a constant, or its position worse than chance. A position
+    /// that merely drifts off does not count (see [`CylinderOutcome::runs_away`]).
     pub fn strays(&self, of: u8) -> Vec<Stray> {
         let stray = |on: u8| {
             let fit = self.simulated(of, on).filter(|fit| fit.position.count() > 0)?;
@@ -176,7 +178,7 @@ impl CylinderOutcome {
     }
 }
 
-/// A model that ran away is worse than any other.
+/// `vaf`, or the worst value for a model that ran away.
 fn finite_or_worst(vaf: f64) -> f64 {
     if vaf.is_finite() { vaf } else { f64::NEG_INFINITY }
 }

@@ -1,13 +1,13 @@
 //! Least squares over a stream of rows.
 //!
-//! Of all rows so far only the triangle R of their QR decomposition is kept. A block of new rows is
-//! put below it and both are triangularised anew by Householder reflections, so that nothing is
-//! ever squared, as it would be in the normal equations (4-5), and memory does not grow. The
-//! triangle holds every regression of one of its columns on any of the others.
+//! Only the triangle R of the QR decomposition of all rows is kept. A block of new rows is put
+//! below it and both are triangularised again by Householder reflections. Thus nothing is squared,
+//! as it would be in the normal equations (4-5), and memory does not grow. The triangle holds every
+//! regression of one of its columns on any of the others.
 
 use nalgebra::{DMatrix, DVector, SVD};
 
-/// Rows that are gathered before they are worked in.
+/// Number of rows that are collected before they are triangularised.
 const BLOCK: usize = 256;
 
 /// The triangle of `K` columns, regressors and targets.
@@ -19,30 +19,30 @@ pub struct Triangle<const K: usize> {
     rows: u64,
 }
 
-/// One regression.
+/// Result of a regression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regression {
     pub coefficients: Vec<f64>,
-    /// Of the coefficients, if the residuals were white.
+    /// Standard errors of the coefficients, if the residuals were white.
     pub standard_errors: Vec<f64>,
-    /// √Σ(y − φᵀθ)², N V(θ) of (4-6) under a root.
+    /// Residual norm √Σ(y − φᵀθ)², the root of N V(θ) of (4-6).
     pub residual_norm: f64,
-    /// Of the regressors, each scaled to length 1.
+    /// Condition number of the regressors, each scaled to length 1.
     pub condition: f64,
     pub rows: u64,
 }
 
-/// Why a regression has no answer.
+/// Why a regression has no solution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoRegression {
-    /// Not more rows than coefficients.
+    /// There are no more rows than coefficients.
     TooFewRows { rows: u64 },
-    /// The regressors of these indices (in the order asked for) are nearly one.
+    /// The regressors of these indices (in the order requested) are nearly collinear.
     Collinear { condition: f64, among: Vec<usize> },
 }
 
-/// Beyond this a regression is refused: readings have four digits at best, and with a condition
-/// number of 1e5 it would be their last one that is fitted.
+/// Largest condition number of a regression: readings have four digits at best, and with 1e5 the
+/// fit would depend on their last one.
 pub const LARGEST_CONDITION: f64 = 1e5;
 
 impl<const K: usize> Triangle<K> {
@@ -54,7 +54,7 @@ impl<const K: usize> Triangle<K> {
         self.rows
     }
 
-    /// Takes a row of regressors and targets. All must be finite.
+    /// Adds a row of regressors and targets. All must be finite.
     pub fn add(&mut self, row: &[f64; K]) {
         for (column, value) in row.iter().enumerate() {
             self.stack[(K + self.gathered, column)] = *value;
@@ -67,7 +67,7 @@ impl<const K: usize> Triangle<K> {
         }
     }
 
-    /// R, K×K.
+    /// The triangle R, K×K.
     fn triangle(&self) -> DMatrix<f64> {
         self.stack.rows(0, K + self.gathered).into_owned().qr().unpack_r()
     }
@@ -127,7 +127,7 @@ fn restacked<const K: usize>(triangle: &DMatrix<f64>) -> DMatrix<f64> {
     stack
 }
 
-/// The condition number of columns of length 1, or which of them go together.
+/// The condition number of columns of length 1, or the columns that are collinear.
 fn condition(scaled: &DMatrix<f64>) -> Result<f64, NoRegression> {
     let svd = SVD::new(scaled.clone(), false, true);
     let (largest, smallest) = (svd.singular_values.max(), svd.singular_values.min());
@@ -186,7 +186,7 @@ mod tests {
         ));
     }
 
-    /// A scale is no collinearity.
+    /// A scale is not a collinearity.
     #[test]
     fn units_do_not_change_the_condition() {
         let mut one = Triangle::<4>::new();

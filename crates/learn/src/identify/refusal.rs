@@ -1,10 +1,10 @@
-//! Why a cylinder is not identified, in words for the person who has to mend it.
+//! Why a cylinder is not identified, in words for the person who has to correct it.
 
 use thiserror::Error;
 
 /// What is wrong with the data of one cylinder.
 #[derive(Clone, Debug, PartialEq, Error)]
-pub enum Refusal {
+pub enum IdentificationRefusal {
     #[error(
         "no frame of it is in the recording; check the cylinder's number and {{n}} in \
          [signals.cylinder], and that its transducers were on the bus"
@@ -18,18 +18,18 @@ pub enum Refusal {
     #[error("{signal} is missing in {missing} of {rows} monitored cycles{detail}")]
     Missing { signal: &'static str, missing: u64, rows: u64, detail: String },
     #[error(
-        "{signal} is constant at {value} {unit} in all {rows} monitored cycles; nothing can be \
-         learnt of how the cylinder answers to it: is it connected, was the machine moving?"
+        "{signal} is constant at {value} {unit} in all {rows} monitored cycles; the cylinder's \
+         response to it cannot be learnt: is it connected, was the machine moving?"
     )]
     Constant { signal: &'static str, value: f64, unit: &'static str, rows: u64 },
     #[error(
-        "it moves over {range_mm:.2} mm only, and {least_mm} mm are the least from which a model \
-         can be told from the readings' own steps; record it in motion"
+        "it moves over only {range_mm:.2} mm, and at least {least_mm} mm are needed to tell a \
+         model from the steps of the readings; record it in motion"
     )]
     HardlyMoves { range_mm: f64, least_mm: f64 },
     #[error(
-        "{rows} cycles in a row that can be used, of {least} at least; the recording is too short, \
-         or has too many gaps"
+        "{rows} consecutive cycles can be used, and at least {least} are needed; the recording is \
+         too short, or has too many gaps"
     )]
     TooFewRows { rows: u64, least: u64 },
     #[error(
@@ -45,7 +45,7 @@ pub enum Refusal {
     #[error(
         "C1 and C2 look swapped: C1 is {as_given_mm:.3} mm (RMS) from a C2 + b as configured, but \
          C2 is {swapped_mm:.3} mm from a C1 + b; exchange them in [signals.cylinder] or at the \
-         machine, or calibrate anew"
+         machine, or calibrate again"
     )]
     SwappedTransducers { as_given_mm: f64, swapped_mm: f64 },
     #[error(
@@ -61,10 +61,10 @@ pub enum Refusal {
     )]
     Collinear { equation: &'static str, among: String, condition: f64, most: f64 },
     #[error(
-        "it would rest at a command of {offset:.4} m/s, but was commanded {low:.4} to {high:.4} m/s \
-         only: no rest was seen that this could come from; check the command's factor and offset in \
-         the DBC and whether it is the speed that was asked for, record motion both ways, or leave \
-         the offset out (--offset never)"
+        "it would rest at a command of {offset:.4} m/s, but was only commanded {low:.4} to \
+         {high:.4} m/s, so no such rest was recorded; check the command's factor and offset in the \
+        DBC and whether it is the requested speed, record motion in both directions, or leave the \
+        offset out (--offset never)"
     )]
     RestNeverCommanded { offset: f64, low: f64, high: f64 },
     #[error("the fitted model holds a number that is not finite")]

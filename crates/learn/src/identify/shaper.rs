@@ -3,47 +3,48 @@
 use crate::survey::Row;
 use std::collections::VecDeque;
 
-/// The widest moving average, cycles.
+/// Widest moving average, cycles.
 pub const WIDEST: usize = 1001;
 
-/// Cycles to either side over which a velocity is taken from positions.
+/// Cycles on either side from which a velocity is computed from positions.
 const REACH: usize = 2;
 
-/// Where velocity and load pressure come from.
+/// Sources of velocity and load pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sources {
-    /// The velocity is recorded; else it is the slope of the position.
+    /// Whether the velocity is recorded; otherwise it is the slope of the position.
     pub velocity: bool,
-    /// The load pressure is known; else the model is reduced to do without.
+    /// Whether the load pressure is known; otherwise the model is reduced and does without.
     pub pressure: bool,
 }
 
-/// How signals are made.
+/// Parameters of the signals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shaping {
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
-    /// Cycles that the moving average covers; odd, 1 is none, at most [`WIDEST`].
+    /// Width of the moving average, cycles; odd, 1 is none, at most [`WIDEST`].
     pub window: usize,
-    /// α of (3-5).
+    /// Area ratio α of (3-5).
     pub area_ratio: f64,
 }
 
 /// The signals of one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// s since the recording's first frame.
+    /// Time since the recording's first frame, s.
     pub t: f64,
-    /// l as it was read by C1, m.
+    /// Length l as read by C1, m.
     pub l: f64,
-    /// l̇ smoothed, m/s.
+    /// Velocity l̇, smoothed, m/s.
     pub v: f64,
-    /// P_L smoothed, bar.
+    /// Load pressure P_L, smoothed, bar.
     pub p: Option<f64>,
-    /// l̇_ctrl, m/s.
+    /// Control speed l̇_ctrl, m/s.
     pub u: f64,
-    /// l̇ and P_L as they came, where they are recorded.
+    /// Velocity l̇ as received, m/s, where it is recorded.
     pub raw_v: Option<f64>,
+    /// Load pressure P_L as received, bar, where it is recorded.
     pub raw_p: Option<f64>,
 }
 
@@ -56,7 +57,7 @@ struct Raw {
     u: f64,
 }
 
-/// Makes samples of rows, some cycles later: a centred average needs what follows.
+/// Makes samples of rows, with a delay of some cycles, since a centred average needs later rows.
 #[derive(Clone, Debug)]
 pub struct Shaper {
     shaping: Shaping,
@@ -69,15 +70,15 @@ impl Shaper {
         Self { shaping, sources, rows: VecDeque::new() }
     }
 
-    /// Cycles to either side of a sample that it depends on.
+    /// Cycles on either side on which a sample depends.
     fn reach(&self) -> usize {
         let average = self.shaping.window / 2;
         if self.sources.velocity { average } else { average + REACH }
     }
 
-    /// The sample in the middle of what was taken. Samples of consecutive calls are those of cycles
-    /// in a row; where there is none, something is missing, or the platform is in no monitored
-    /// state.
+    /// Takes a row and returns the sample in the middle of the rows so far. Samples of consecutive
+    /// calls are consecutive cycles; `None` where something is missing, or the platform is in no
+    /// monitored state.
     pub fn take(&mut self, row: &Row) -> Option<Sample> {
         let Some(raw) = self.raw(row) else {
             self.gap();
@@ -91,7 +92,7 @@ impl Shaper {
         (self.rows.len() == span).then(|| self.middle())
     }
 
-    /// What follows does not belong to what came.
+    /// Reports that the next row does not follow.
     pub fn gap(&mut self) {
         self.rows.clear();
     }
@@ -123,8 +124,8 @@ impl Shaper {
         }
     }
 
-    /// The slope of the parabola of least squares through five positions (Savitzky and Golay): no
-    /// shift in phase, m/s.
+    /// Slope of the least-squares parabola through five positions (Savitzky and Golay), without a
+    /// phase shift, m/s.
     fn slope(&self, i: usize) -> f64 {
         let l = |place: usize| self.rows[place].l;
         (2.0 * (l(i + 2) - l(i - 2)) + (l(i + 1) - l(i - 1))) / (10.0 * self.shaping.sample_time)

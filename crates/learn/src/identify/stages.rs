@@ -3,7 +3,7 @@
 use super::{Estimator, Validator};
 use crate::survey::{Row, Surveyor};
 
-/// One of each cylinder, by its number less one; none where it is not wanted.
+/// One surveyor for each cylinder, by its number less one; `None` where it is not needed.
 #[derive(Clone, Debug)]
 pub struct Each<T>(pub Vec<Option<T>>);
 

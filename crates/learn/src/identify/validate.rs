@@ -1,4 +1,4 @@
-//! What models are worth on data that they were not made from.
+//! Validation of models on data that they were not identified on.
 
 use super::correlate::{Correlator, Whiteness};
 use super::moments::Spread;
@@ -6,40 +6,40 @@ use super::shaper::{Sample, Shaper};
 use crate::survey::Row;
 use nalgebra::{Vector2, Vector3};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
-/// Samples that are kept for figures: a minute at 50 Hz.
+/// Number of samples kept for figures: a minute at 50 Hz.
 pub const EXCERPT: usize = 3000;
 
 /// A model that is tried on a cylinder.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// The cylinder that it was identified on.
+    /// Cylinder that it was identified on.
     pub of: u8,
     pub model: Model,
-    /// The load pressure at rest that belongs to it, bar.
+    /// Load pressure at rest of that cylinder, bar.
     pub pressure_offset: f64,
-    /// Its observer, where it has one.
-    pub observer: Option<Design>,
+    /// Observer of the model, where it has one.
+    pub observer: Option<ObserverDesign>,
 }
 
-/// How well one signal is reproduced.
+/// Accuracy with which one signal is reproduced.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Score {
+pub struct SignalScore {
     measured: Spread,
     error: Spread,
 }
 
-/// Position and velocity of one model on one cylinder.
+/// Accuracy of position and velocity of one model on one cylinder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Fit {
-    /// m.
-    pub position: Score,
-    /// m/s.
-    pub velocity: Score,
+    /// Accuracy of the position, m.
+    pub position: SignalScore,
+    /// Accuracy of the velocity, m/s.
+    pub velocity: SignalScore,
 }
 
-impl Score {
+impl SignalScore {
     fn add(&mut self, measured: f64, predicted: f64) {
         self.measured.add(measured);
         self.error.add(measured - predicted);
@@ -51,7 +51,7 @@ impl Score {
         100.0 * (1.0 - self.error.variance() / self.measured.variance())
     }
 
-    /// Of the error, in the signal's unit.
+    /// Root mean square of the error, in the signal's unit.
     pub fn rms(&self) -> f64 {
         self.error.rms()
     }
@@ -72,15 +72,16 @@ pub struct Shown {
     pub sample: Sample,
     /// l and l̇ of the open-loop simulation.
     pub simulated: [f64; 2],
-    /// l and l̇ predicted from the cycle before by the observer.
+    /// l and l̇ predicted from the previous cycle by the observer.
     pub predicted: Option<[f64; 2]>,
 }
 
 #[derive(Clone, Debug)]
 struct Trial {
     candidate: Candidate,
-    /// State of the open-loop simulation, and of the observer.
+    /// State of the open-loop simulation.
     free: Vector3<f64>,
+    /// State of the observer.
     led: Vector3<f64>,
     simulated: Fit,
     predicted: Fit,
@@ -91,36 +92,36 @@ struct Trial {
 #[derive(Clone, Debug)]
 pub struct Validator {
     shaper: Shaper,
-    /// The command at which the cylinder rests, m/s.
+    /// Command at which the cylinder rests, m/s.
     command_offset: f64,
     trials: Vec<Trial>,
-    /// The trial that is shown in figures.
+    /// Index of the trial that is shown in figures.
     shown: usize,
     excerpt: Vec<Shown>,
     running: Option<u32>,
     starts: u64,
 }
 
-/// What came of one model on one cylinder.
+/// Result of one model on one cylinder.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tried {
-    /// The cylinder that the model was identified on.
+pub struct TriedModel {
+    /// Cylinder that the model was identified on.
     pub of: u8,
-    /// Open loop: from the first sample on by the commands alone.
+    /// Open-loop accuracy: from the first sample on by the commands alone.
     pub simulated: Fit,
-    /// By the observer, from each cycle to the next.
+    /// Accuracy of the observer's prediction from each cycle to the next.
     pub predicted: Fit,
-    /// Of the observer's prediction of position and velocity.
+    /// Whiteness of the observer's prediction errors of position and velocity.
     pub whiteness: [Option<Whiteness>; 2],
 }
 
-/// Everything that came of a cylinder's validation.
+/// Results of a cylinder's validation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trials {
-    pub tried: Vec<Tried>,
-    /// How often a simulation began: once, and after each gap.
+    pub tried: Vec<TriedModel>,
+    /// Number of times a simulation started: once, and after each gap.
     pub starts: u64,
-    /// The beginning, by the cylinder's own model.
+    /// Beginning of the signals, with the cylinder's own model.
     pub excerpt: Vec<Shown>,
 }
 
@@ -182,7 +183,7 @@ impl Validator {
     }
 
     pub fn finish(self) -> Trials {
-        let tried = |trial: Trial| Tried {
+        let tried = |trial: Trial| TriedModel {
             of: trial.candidate.of,
             simulated: trial.simulated,
             predicted: trial.predicted,
@@ -206,7 +207,9 @@ impl Trial {
         self.simulated.position.add(sample.l, self.free[0]);
         self.simulated.velocity.add(sample.v, self.free[1]);
         self.free = model.a * self.free + model.b * input;
-        let Some(Design { a, b, l, settle, .. }) = observer else { return (simulated, None) };
+        let Some(ObserverDesign { a, b, l, settle, .. }) = observer else {
+            return (simulated, None);
+        };
         let predicted = [self.led[0], self.led[1]];
         let velocity = sample.raw_v.unwrap_or(sample.v);
         let errors = Vector2::new(sample.l - self.led[0], velocity - self.led[1]);

@@ -1,4 +1,4 @@
-//! The bytes of what is kept.
+//! The file format of what is kept.
 //!
 //! ```text
 //! tertius learnt 1
@@ -23,29 +23,29 @@ use std::fmt::Write as _;
 use tertius_core::time::Timestamp;
 use thiserror::Error;
 
-/// Of the form above; a newer one may mean anything.
+/// Version of this format; a newer one may mean anything.
 const VERSION: u32 = 1;
 
-/// What every version begins with.
+/// Text with which every version begins.
 pub const MAGIC: &str = "tertius learnt ";
 
-/// The most bytes that are one: all pieces, and their lines and those of the parts.
+/// Largest file, bytes: all pieces, with their lines and those of the parts.
 pub const MAX_SIZE: usize = MOST_BYTES + (4 << 20);
 
-/// Characters of a line that are shown.
+/// Most characters of a line that are shown.
 const SHOWN: usize = 60;
 
 /// CRC-32 of Ethernet and zip.
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Why bytes are not what is kept of a machine.
+/// Why bytes are not the file of a machine.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Refusal {
     #[error("it does not begin with `tertius learnt`: something else is in it")]
     Foreign,
     #[error("it has version {0}, this program knows {VERSION}: a newer one wrote it")]
     Newer(u32),
-    #[error("its content is not that which was written: it was changed or cut")]
+    #[error("its content is not what was written: it was changed or truncated")]
     Changed,
     #[error("line {line} is {found:?}, expected {expected}")]
     Line { line: usize, found: String, expected: &'static str },
@@ -54,7 +54,7 @@ pub enum Refusal {
 }
 
 impl Learnt {
-    /// The bytes to keep.
+    /// The bytes to write.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Self { machine, seals, parts, pieces } = self;
         let [readings, model, weights, calibration] = seals.all();
@@ -80,10 +80,9 @@ impl Learnt {
         bytes
     }
 
-    /// Reads them back.
+    /// Reads the bytes back.
     ///
-    /// # Errors
-    /// What was found and what was expected, whatever the bytes are.
+    /// # Errors What was found and what was expected, for any bytes.
     pub fn parse(bytes: &[u8]) -> Result<Self, Refusal> {
         let version = bytes.strip_prefix(MAGIC.as_bytes()).ok_or(Refusal::Foreign)?;
         let version = version.split(|byte| *byte == b'\n').next().unwrap_or_default();
@@ -105,17 +104,17 @@ impl Learnt {
     }
 }
 
-/// The length of the last line.
+/// Length of the last line.
 const SEAL: usize = "crc32 01234567\n".len();
 
 fn seal(body: &[u8]) -> String {
     format!("crc32 {:08x}\n", CRC.checksum(body))
 }
 
-/// What is left to be read.
+/// Text that is left to be read.
 struct Lines<'a> {
     rest: &'a [u8],
-    /// Of the newest line, from 1.
+    /// Number of the newest line, counted from 1.
     line: usize,
 }
 
@@ -167,13 +166,13 @@ impl<'a> Lines<'a> {
         std::str::from_utf8(line).map_err(|_| Refusal::Changed)
     }
 
-    /// What follows `prefix` on the next line.
+    /// The rest of the next line after `prefix`.
     fn after(&mut self, prefix: &str, expected: &'static str) -> Result<&'a str, Refusal> {
         let line = self.next()?;
         line.strip_prefix(prefix).ok_or_else(|| self.wrong(line, expected))
     }
 
-    /// What is wrong with the newest line.
+    /// The error in the newest line.
     fn wrong(&self, found: &str, expected: &'static str) -> Refusal {
         Refusal::Line { line: self.line, found: found.chars().take(SHOWN).collect(), expected }
     }
@@ -190,7 +189,7 @@ fn part(values: &str) -> Option<Part> {
     words.next().is_none().then_some(Part { first, last, frames, crc })
 }
 
-/// Ends, frames and bytes of a piece.
+/// Time stamps, frames and bytes of a piece.
 fn head(values: &str) -> Option<([Timestamp; 2], u32, usize)> {
     let mut words = values.split(' ');
     let ends = [stamp(words.next()?)?, stamp(words.next()?)?];
@@ -234,7 +233,7 @@ mod tests {
         }
     }
 
-    /// Each bit of each byte, and each end.
+    /// Every bit of every byte is changed, and the file is cut at every place.
     #[test]
     fn whatever_is_changed_is_noticed() {
         let whole = learnt().to_bytes();

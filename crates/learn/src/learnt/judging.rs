@@ -1,4 +1,4 @@
-//! Whether the tables that earlier recordings have taught take a new one for healthy.
+//! Judges whether a new recording is healthy by the tables from earlier recordings.
 
 use crate::calibrate::watch::{Sight, Watch};
 use crate::calibrate::{Cuts, are_few, places};
@@ -9,55 +9,58 @@ use tertius_core::sequential::Reference;
 use tertius_core::sequential::parameters::ResidualParameters;
 use tertius_core::sequential::velocity::Velocity;
 
-/// Readings of neighbouring times are put together, s.
+/// Time over which readings are averaged, s.
 const BLOCK: f64 = 10.0;
 
-/// A healthy C1 − C2 is no farther from what earlier recordings have taught, m: beyond that a transducer was
-/// replaced or adjusted, or has drifted, as on the stops.
+/// Largest healthy difference of C1 − C2 from what earlier recordings have taught, m: beyond it a
+/// transducer was replaced or adjusted, or has drifted, as on the stops.
 const MOST_OFF: f64 = 5e-4;
 
-/// After a fault that is over C1 − C2 is what it was before, m, but for a temperature.
+/// Largest change of C1 − C2 across a fault that is over, m, apart from the temperature.
 const STAYS: f64 = 2e-4;
 
-/// What was before and after is looked at for so long, s.
+/// Time before and after a place that is compared, s.
 const BESIDE: f64 = 120.0;
 
-/// A mean of fewer readings says nothing.
+/// Fewest readings of a mean that is used.
 const LEAST_ROWS: u32 = 400;
 
-/// One reading says no more than this of a mean, m.
+/// Limit of one reading's contribution to a mean, m.
 const CLIP: f64 = 5e-3;
 
-/// What was found in a new recording.
+/// Judgement of a new recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Judgement {
-    /// What is left out of it.
+    /// Parts that are left out.
     pub cuts: Cuts,
-    /// Why, a line for each place.
+    /// Reasons for the cuts, one line for each place.
     pub left_out: Vec<String>,
-    /// Why nothing is learnt from it, a line for each reason; empty where it is healthy but for the cuts.
+    /// Reasons why nothing is learnt from the recording, one line each; empty where it is healthy
+    /// apart from the cuts.
     pub refused: Vec<String>,
 }
 
-/// Judges a recording with the sequential detectors, the bounds of R3 and the profiles of a configuration.
+/// Judges a recording with the sequential detectors, the bounds of R3 and the profiles of a
+/// configuration.
 #[derive(Clone, Debug)]
 pub struct Judging {
     watch: Watch,
-    /// h of each cylinder, nats.
+    /// Level h of each cylinder, nats.
     levels: Vec<f64>,
     cylinders: Vec<Compared>,
 }
 
 #[derive(Clone, Debug)]
 struct Compared {
-    /// a and b of (5-20), and the bound of R3, m.
+    /// a and b of (5-20).
     line: (f64, f64),
+    /// Bound of R3, m.
     bound: f64,
     reference: Option<Reference>,
     velocity: Velocity,
-    /// When |R3| was beyond its bound, s, once in a block, and the largest then, m.
+    /// Times at which |R3| exceeded its bound, s, once in a block, and the largest |R3| then, m.
     beyond: Vec<(f64, f64)>,
-    /// Of C1 − C2 less what is healthy there, block by block from when on, s.
+    /// C1 − C2 less what is healthy there, by blocks from their start, s.
     blocks: Vec<Block>,
 }
 
@@ -68,16 +71,16 @@ struct Block {
     rows: u32,
 }
 
-/// What does not look healthy, and when, s.
+/// A time that does not look healthy, s.
 struct Seen {
     t: f64,
     what: String,
-    /// How far beyond what is healthy; to name the worst.
+    /// Ratio to what is healthy, to name the worst.
     times: f64,
 }
 
 impl Judging {
-    /// By the tables of `settings`, of which `design` was made.
+    /// A judge by the tables of `settings`, from which `design` was made.
     pub fn new(settings: &Settings, design: &MonitorDesign) -> Self {
         let sample_time = settings.machine.sample_time;
         let designs = || design.cylinders.iter().map(|cylinder| cylinder.sequential.as_ref());
@@ -99,7 +102,7 @@ impl Judging {
         }
     }
 
-    /// What came of a recording of this `window`.
+    /// The judgement of a recording with this `window`.
     pub fn judgement(&self, window: Window) -> Judgement {
         let mut judgement =
             Judgement { cuts: Cuts::none(self.cylinders.len()), ..Judgement::default() };
@@ -149,7 +152,7 @@ impl Compared {
         }
     }
 
-    /// All that does not look healthy, in the order of time.
+    /// Everything that does not look healthy, in the order of time.
     fn seen(&self, sights: &[Sight], level: f64) -> Vec<Seen> {
         let evidence = sights.iter().filter(|sight| sight.nats > level).map(|sight| {
             let Sight { nats, t, length, width, scatter, .. } = *sight;
@@ -173,7 +176,7 @@ impl Compared {
         seen
     }
 
-    /// Says what is left out of the cylinder of `index`, or why it cannot be.
+    /// Adds what is left out of the cylinder of `index`, or why it cannot be, to the judgement.
     fn judge(&self, index: usize, seen: &[Seen], window: Window, judgement: &mut Judgement) {
         let n = index + 1;
         let places = places(seen.iter().map(|seen| seen.t));
@@ -191,12 +194,12 @@ impl Compared {
         } else if let Some(last) = seen.last().filter(|seen| seen.t > window.to - BLOCK) {
             let [from, _] = *places.last().unwrap_or(&[last.t; 2]);
             let (from, what) = (from.max(0.0), worst([from, f64::INFINITY]));
-            judgement.refused.push(format!(
-                "cylinder {n}: {what}; from {from:.0} s on, it is not over at the end"
-            ));
+            judgement
+                .refused
+                .push(format!("cylinder {n}: {what}, from {from:.0} s until after the end"));
         } else if let Some((from, off)) = self.off(&places) {
             judgement.refused.push(format!(
-                "cylinder {n}: C1 - C2 is {:.2} mm from what the tables say, from {from:.0} s on: a \
+                "cylinder {n}: C1 - C2 differs from the tables by {:.2} mm from {from:.0} s on: a \
                  transducer has drifted, or was replaced or adjusted",
                 off * 1e3
             ));
@@ -210,8 +213,8 @@ impl Compared {
         } else {
             for [from, to] in places {
                 judgement.left_out.push(format!(
-                    "cylinder {n}: {}; what it read from {:.0} to {to:.0} s is left out: look there for a \
-                     fault",
+                    "cylinder {n}: {}; its readings from {:.0} to {to:.0} s are left out: look \
+                     there for a fault",
                     worst([from, to]),
                     from.max(0.0)
                 ));
@@ -220,14 +223,15 @@ impl Compared {
         }
     }
 
-    /// What C1 − C2 has moved by from before a place to after it, m, where that is no temperature.
+    /// Step of C1 − C2 from before a place to after it, m, where the temperature does not explain
+    /// it.
     fn step(&self, [from, to]: [f64; 2], places: &[[f64; 2]]) -> Option<f64> {
         let before = self.mean([from - BESIDE, from], places)?;
         let after = self.mean([to, to + BESIDE], places)?;
         Some(after - before).filter(|step| step.abs() > STAYS)
     }
 
-    /// Since when C1 − C2 is farther than it may be from what the tables say, s, and how far, m.
+    /// Time from which C1 − C2 differs too much from the tables, s, and the difference, m.
     fn off(&self, places: &[[f64; 2]]) -> Option<(f64, f64)> {
         let long = self.blocks.iter().step_by(6);
         let mut means = long.filter_map(|block| {
@@ -237,7 +241,7 @@ impl Compared {
         means.find(|(_, mean)| mean.abs() > MOST_OFF)
     }
 
-    /// Of C1 − C2 beyond what is healthy, m, between two times and outside of `places`.
+    /// Mean of C1 − C2 beyond what is healthy, m, between two times and outside `places`.
     fn mean(&self, [from, to]: [f64; 2], places: &[[f64; 2]]) -> Option<f64> {
         let within = self.blocks.iter().filter(|block| {
             let [begin, end] = [block.from, block.from + BLOCK];

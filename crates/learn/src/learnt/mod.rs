@@ -1,4 +1,4 @@
-//! What is kept of healthy recordings, so that a machine gets better with each of them.
+//! Frames kept of healthy recordings, so that the tables of a machine improve with each recording.
 //!
 //! ```text
 //! kept pieces ─┐
@@ -6,17 +6,17 @@
 //! recording ─→ judged by the tables that stand ─→ pieces ─→ kept
 //! ```
 //!
-//! Of what the tables are made from, only the sums of least squares would add up by themselves. Tails,
-//! levels, dependence, weights and the trial are of residuals that change with every table before them, so
-//! that sums of earlier ones would be of other detectors. Therefore the frames themselves are kept, those
-//! that the configuration reads, packed in [`Piece`]s of a minute: what is learnt from them and from a new
-//! recording is what is learnt from all recordings together. Beyond [`MOST_BYTES`] pieces go
-//! ([`thinning`]), first those where the rods did what they did in many others.
+//! Among the data behind the tables, only the sums of least squares could simply be added up.
+//! Tails, levels, dependence, weights and the trial depend on residuals that change with every
+//! table before them, so that earlier sums would belong to other detectors. Therefore the frames
+//! that the configuration reads are kept, packed in [`Piece`]s of a minute: learning from them and
+//! from a new recording is learning from all recordings together. Beyond [`MOST_BYTES`] pieces are
+//! dropped ([`thinning`]), first those in which the rods did what they also did in many others.
 //!
-//! - [`archive`]: the bytes of the file, sealed.
-//! - [`seals`]: the configuration that they belong to.
-//! - [`parts`]: which recordings were learnt, so that none counts twice.
-//! - [`judging`]: whether the tables that stand take a new recording for healthy.
+//! - [`archive`]: the format of the file, with its checksum.
+//! - [`seals`]: the configuration that the pieces belong to.
+//! - [`parts`]: the recordings that were learnt, so that none counts twice.
+//! - [`judging`]: whether a new recording is healthy by the present tables.
 
 pub mod archive;
 pub mod judging;
@@ -30,32 +30,32 @@ pub use parts::{Clash, Part, Parting};
 pub use piece::{Damage, Packing, Piece};
 pub use seals::{Broken, Seals};
 
-/// The most that all pieces may have, bytes: three hours of the simulated machine with its six cylinders at 50 Hz.
+/// Most bytes of all pieces: three hours of the simulated machine with its six cylinders at 50 Hz.
 pub const MOST_BYTES: usize = 32 << 20;
 
-/// The most parts that are remembered; of more, the oldest are forgotten.
+/// Most parts that are remembered; the oldest are forgotten.
 pub const MOST_PARTS: usize = 4096;
 
 /// What is kept of one machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Learnt {
-    /// The machine's name.
+    /// Name of the machine.
     pub machine: String,
-    /// Of the configuration with the tables that were learnt from it.
+    /// Seals of the configuration with the tables that were learnt.
     pub seals: Seals,
-    /// What was learnt, in the order of time.
+    /// Parts that were learnt, in the order of time.
     pub parts: Vec<Part>,
-    /// What is kept of that, in the order of time.
+    /// Pieces that are kept of them, in the order of time.
     pub pieces: Vec<Piece>,
 }
 
 impl Learnt {
-    /// The bytes of all pieces.
+    /// Bytes of all pieces.
     pub fn bytes(&self) -> usize {
         self.pieces.iter().map(Piece::bytes).sum()
     }
 
-    /// Adds what a recording came to.
+    /// Adds the parts and pieces of a recording.
     pub fn add(&mut self, parts: impl IntoIterator<Item = Part>, pieces: Vec<Piece>) {
         self.parts.extend(parts);
         self.parts.sort_by_key(|part| part.first);

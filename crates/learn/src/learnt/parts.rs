@@ -1,4 +1,4 @@
-//! Which recordings were learnt, so that none counts twice.
+//! Identifies the recordings that were learnt, so that none counts twice.
 
 use crate::survey::LONGEST_PAUSE;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
@@ -7,19 +7,20 @@ use tertius_core::time::Timestamp;
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A stretch of a recording without a long pause: one of several days has one for each.
+/// A stretch of a recording without a long pause; a recording of several days has several parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Time stamps of its first frame and of the latest.
+    /// Time stamp of the first frame.
     pub first: Timestamp,
+    /// Latest time stamp.
     pub last: Timestamp,
-    /// Frames that the configuration reads.
+    /// Number of frames that the configuration reads.
     pub frames: u64,
     /// CRC-32 of their time stamps, identifiers and payloads.
     pub crc: u32,
 }
 
-/// A part that is of the same time as one that was learnt, and is another one.
+/// A part that overlaps in time with one that was learnt, but differs from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clash {
     pub part: Part,
@@ -27,15 +28,15 @@ pub struct Clash {
 }
 
 impl Part {
-    /// Whether a frame of this time stamp may be one of it.
+    /// Whether a frame with this time stamp may belong to it.
     pub fn holds(&self, at: Timestamp) -> bool {
         self.first <= at && at <= self.last
     }
 
-    /// Whether it is among the `known`, the same.
+    /// Whether the same part is among the `known`.
     ///
-    /// # Errors
-    /// It is of the same time as another one: the same recording cut otherwise, or a clock that was set.
+    /// # Errors It overlaps with another one: the same recording was cut differently, or a clock
+    /// was set.
     pub fn is_among(&self, known: &[Self]) -> Result<bool, Clash> {
         let at_once = |known: &&Self| known.first <= self.last && self.first <= known.last;
         match known.iter().find(at_once) {

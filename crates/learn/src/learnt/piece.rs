@@ -1,24 +1,24 @@
-//! Frames of a minute, packed.
+//! Packed frames of a minute.
 //!
-//! What frames of one identifier have alike is put side by side: the difference of each byte of the payload
-//! to the same one before, byte by byte; and the order of the identifiers and the time from frame to frame,
-//! which repeat from cycle to cycle. Then zstd finds little that is new. Nothing is lost: to the monitor the
-//! frames are those that were recorded.
+//! Similar data are put side by side: for each identifier the difference of each byte of the
+//! payload to the same byte of the previous frame, byte by byte; and the order of the identifiers
+//! and the time from frame to frame, which repeat from cycle to cycle. zstd then compresses well.
+//! Nothing is lost: the monitor gets the frames that were recorded.
 
 use tertius_core::frame::{Frame, Id, Kind, MAX_DATA};
 use tertius_core::time::{Span, Timestamp};
 use thiserror::Error;
 
-/// The longest piece, ns.
+/// Longest piece, ns.
 const LENGTH: i64 = 60_000_000_000;
 
-/// The most frames of a piece: a full bus of 1 Mbit/s has a quarter of it in a minute.
+/// Most frames of a piece: a full bus of 1 Mbit/s has a quarter of this in a minute.
 pub const MOST_FRAMES: usize = 1 << 21;
 
-/// More gains little and takes long.
+/// Compression level; a higher one gains little and takes long.
 const LEVEL: i32 = 9;
 
-/// The most that a piece is unpacked to, bytes.
+/// Most bytes that a piece is unpacked to.
 const MOST_UNPACKED: usize = MOST_FRAMES * (MAX_DATA + 16);
 
 /// Packed frames.
@@ -30,12 +30,12 @@ pub struct Piece {
     packed: Vec<u8>,
 }
 
-/// A piece does not hold what it should.
+/// The contents of a piece are damaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("a piece of it cannot be unpacked")]
 pub struct Damage;
 
-/// What frames have in common that are told apart by nothing else.
+/// Properties that frames of one stream share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Key {
     id: Id,
@@ -44,7 +44,7 @@ struct Key {
 }
 
 impl Piece {
-    /// What a file has of it.
+    /// The piece stored in a file.
     pub fn of_parts(ends: [Timestamp; 2], frames: u32, packed: Vec<u8>) -> Self {
         let [first, last] = ends;
         Self { first, last, frames, packed }
@@ -64,7 +64,7 @@ impl Piece {
         self.frames
     }
 
-    /// Of what it is packed to.
+    /// Size of the packed piece, bytes.
     pub const fn bytes(&self) -> usize {
         self.packed.len()
     }
@@ -73,10 +73,9 @@ impl Piece {
         &self.packed
     }
 
-    /// Gives its frames to `take`, in the order in which they came.
+    /// Passes its frames to `take`, in the order in which they came.
     ///
-    /// # Errors
-    /// It holds something else; some frames may have been given.
+    /// # Errors The piece is damaged; some frames may already have been passed on.
     pub fn unpack(&self, mut take: impl FnMut(&Frame)) -> Result<(), Damage> {
         let (length, packed) = self.packed.split_first_chunk().ok_or(Damage)?;
         let length = u32::from_le_bytes(*length) as usize;
@@ -109,7 +108,7 @@ pub struct Packing {
 }
 
 impl Packing {
-    /// Takes the next frame that is kept: one of data.
+    /// Takes the next frame to be kept, which must be a data frame.
     pub fn take(&mut self, frame: &Frame) {
         let begun = self.open.first().map(|first| frame.timestamp.since(first.timestamp));
         let over = |begun: Span| !(-LENGTH..LENGTH).contains(&begun.as_nanos());
@@ -119,7 +118,7 @@ impl Packing {
         self.open.push(frame.clone());
     }
 
-    /// Ends the piece: what comes next does not follow.
+    /// Ends the piece, because the next frame does not follow.
     pub fn close(&mut self) {
         let frames = std::mem::take(&mut self.open);
         self.done.extend(pack(&frames));
@@ -184,7 +183,7 @@ fn stream(bytes: &mut Vec<u8>, key: &Key, frames: &[&Frame]) {
     }
 }
 
-/// What is left of the frames of one key.
+/// Remaining frames of one key.
 struct Stream<'a> {
     key: Key,
     columns: &'a [u8],
@@ -207,11 +206,11 @@ impl Stream<'_> {
     }
 }
 
-/// What is left of unpacked bytes.
+/// Remaining unpacked bytes.
 struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// Of as few bytes as it takes, seven bits each, the lowest first.
+    /// Reads a number stored in as few bytes as possible, seven bits each, the lowest first.
     fn number(&mut self) -> Result<u64, Damage> {
         let mut value = 0;
         for shift in (0..64).step_by(7) {
@@ -258,7 +257,7 @@ fn number(bytes: &mut Vec<u8>, mut value: u64) {
     bytes.push(value as u8);
 }
 
-/// Small numbers of either sign as small ones without.
+/// Maps small numbers of either sign to small numbers without one.
 const fn unsigned(value: i64) -> u64 {
     (value << 1 ^ value >> 63).cast_unsigned()
 }
@@ -294,7 +293,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the frames and their order.
+        /// Holds for any frames in any order.
         #[test]
         fn what_is_unpacked_is_what_was_packed(
             frames in proptest::collection::vec(frame(), 0..200)

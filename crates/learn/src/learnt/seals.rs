@@ -1,4 +1,4 @@
-//! The configuration that something kept belongs to.
+//! The configuration that the kept pieces belong to.
 
 use crate::tables::model::OF_A_MODEL;
 use crc::{CRC_32_ISO_HDLC, Crc};
@@ -7,36 +7,44 @@ use toml::{Table, Value};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Checksums over the values of a configuration, whatever its comments, order and layout are.
+/// Checksums of the values of a configuration, whatever its comments, order and layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seals {
-    /// How frames become readings: the machine, its signals, the DBC.
+    /// Checksum of what turns frames into readings: the machine, its signals, the DBC.
     pub readings: u32,
-    /// The model (4-1) of the machine and of its cylinders.
+    /// Checksum of the model (4-1) of the machine and of its cylinders.
     pub model: u32,
-    /// Q, R, δ_l and δ_h.
+    /// Checksum of Q, R, δ_l and δ_h.
     pub weights: u32,
-    /// The bound of R3 and the cylinders' calibrations, by which a recording is judged.
+    /// Checksum of the bound of R3 and of the cylinders' calibrations, by which a recording is
+    /// judged.
     pub calibration: u32,
 }
 
-/// What a configuration has otherwise.
+/// What differs in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Broken {
-    #[error("[machine], [signals] or the DBC are not those that it was recorded with")]
+    #[error("[machine], [signals] or the DBC differ from those of the recording")]
     Readings,
     #[error(
-        "[model], or theta, gamma or command_offset of a cylinder, are not those that came of it"
+        "[model], or theta, gamma or command_offset of a cylinder, differ from those that were \
+         learnt"
     )]
     Model,
-    #[error("the weights of [observer] or the thresholds of [fde] are not those that came of it")]
+    #[error(
+        "the weights of [observer] or the thresholds of [fde] differ from those that were \
+        learnt"
+    )]
     Weights,
-    #[error("comparator.bound or the calibrations of [[cylinder]] are not those that came of it")]
+    #[error(
+        "comparator.bound or the calibrations of [[cylinder]] differ from those that were \
+        learnt"
+    )]
     Calibration,
 }
 
 impl Seals {
-    /// Of a configuration and the bytes of its DBC; `None` of a text that is no TOML.
+    /// Seals of a configuration and the bytes of its DBC; `None` for a text that is not TOML.
     pub fn of(config: &str, dbc: &[u8]) -> Option<Self> {
         let table: Table = config.parse().ok()?;
         let mut readings = canonical(&table, &["machine", "signals"]).into_bytes();
@@ -65,20 +73,20 @@ impl Seals {
         })
     }
 
-    /// As a file has them.
+    /// Seals as stored in a file.
     pub const fn of_parts([readings, model, weights, calibration]: [u32; 4]) -> Self {
         Self { readings, model, weights, calibration }
     }
 
-    /// All of them, in that order.
+    /// All checksums, in the order of [`Self::of_parts`].
     pub const fn all(&self) -> [u32; 4] {
         [self.readings, self.model, self.weights, self.calibration]
     }
 
-    /// Whether `other` has the same readings and tables; `all`: or only those of a calibration.
+    /// Checks that `other` has the same readings and tables; without `all`, only those of a
+    /// calibration.
     ///
-    /// # Errors
-    /// What is another one.
+    /// # Errors What differs.
     pub fn agree(&self, other: &Self, all: bool) -> Result<(), Broken> {
         let pairs = [
             (self.readings == other.readings, Broken::Readings),
@@ -90,7 +98,7 @@ impl Seals {
     }
 }
 
-/// The values of these tables in one order.
+/// The values of these tables in a canonical order.
 fn canonical(table: &Table, keys: &[&str]) -> String {
     let mut text = String::new();
     for key in keys {

@@ -1,33 +1,33 @@
-//! Which pieces go where there are too many.
+//! Selects the pieces to drop when there are too many.
 
 use super::Piece;
 use crate::survey::{Row, Surveyor, Timeline};
 use std::collections::BTreeMap;
 
-/// The stroke is divided into cells of this length, m: as a profile's nodes are apart.
+/// Length of a cell of the stroke, m: the distance between a profile's nodes.
 const CELL: f64 = 0.1;
 
-/// A rod has been in a cell for so many rows at least: half a second at 50 Hz.
+/// Fewest rows with which a rod has visited a cell: half a second at 50 Hz.
 const LEAST_ROWS: u32 = 25;
 
-/// Sees which cells of the stroke the rods visit in each piece.
+/// Records which cells of the stroke the rods visit in each piece.
 #[derive(Clone, Debug)]
 pub struct Visiting {
-    /// Where each piece begins, s, in order.
+    /// Start of each piece, s, in order.
     begins: Vec<f64>,
-    /// For each piece the rows of a cylinder in a cell.
+    /// Number of rows of a cylinder in a cell, for each piece.
     rows: Vec<BTreeMap<(u8, i32), u32>>,
 }
 
 impl Visiting {
-    /// Of these pieces, which are in the order of time, as rows of `timeline` show them.
+    /// A record of these pieces, which are in the order of time, with rows timed by `timeline`.
     pub fn new(pieces: &[Piece], timeline: &Timeline) -> Self {
         let begins: Vec<f64> = pieces.iter().map(|it| timeline.seconds(it.first())).collect();
         Self { rows: vec![BTreeMap::new(); begins.len()], begins }
     }
 
-    /// The indices of the pieces that are kept of those with so many `bytes` each, that they have `most`
-    /// together. That piece goes first whose cells were visited in the most others; of equal ones the
+    /// The indices of the pieces that are kept, so that their sizes `bytes` total at most `most`.
+    /// The piece whose cells were visited in the most others is dropped first; of equal ones, the
     /// oldest.
     pub fn keep(&self, bytes: &[usize], most: usize) -> Vec<usize> {
         let cells: Vec<Vec<(u8, i32)>> = self.rows.iter().map(visited).collect();

@@ -1,10 +1,11 @@
-//! What is learnt from a recording starts here: the readings of every cylinder, cycle by cycle.
+//! The readings of every cylinder in a recording, cycle by cycle: the input of everything that
+//! learns.
 //!
-//! The monitor itself decodes, forms the cycles and judges what a reading is worth, so that what is
-//! identified on is what will be monitored. A [`Survey`] is a sink for a monitor of
-//! [`design::surveying`](tertius_config::design::surveying); it hands [`Row`]s to a
-//! [`Surveyor`], and tells where data before and after do not belong together. Nothing is kept but
-//! the last cycle of each cylinder: memory does not grow with the recording.
+//! The monitor itself decodes, forms the cycles and judges the quality of each reading, so that
+//! learning uses the same data as monitoring. A [`Survey`] is a sink for a monitor of
+//! [`design::surveying`](tertius_config::design::surveying). It passes [`Row`]s to a [`Surveyor`]
+//! and reports gaps in the data. It keeps only the last cycle of each cylinder, so memory does not
+//! grow with the recording.
 
 mod recording;
 mod row;
@@ -20,18 +21,19 @@ use tertius_core::alarm::status::MAX_CYLINDERS;
 use tertius_core::monitor::{Notice, Record, Sink};
 use tertius_core::time::Timestamp;
 
-/// Learns from a recording.
+/// Receives the rows of a recording.
 pub trait Surveyor {
-    /// One cylinder in one cycle, in the order of time; rows of one cylinder that have no
-    /// [`Self::gap`] between them are cycles in a row.
+    /// Takes one cylinder in one cycle, in the order of time; rows of one cylinder without a
+    /// [`Self::gap`] between them are consecutive cycles.
     fn row(&mut self, row: &Row);
 
-    /// The next row of `cylinder` does not follow the one before: cycles are missing, the clock
-    /// jumped, the bus was lost, or the window ended. Told once, whether or not a row follows.
+    /// Reports that the next row of `cylinder` does not follow the previous one: cycles are
+    /// missing, the clock jumped, the bus was lost, or the window ended. Called once, whether or
+    /// not a row follows.
     fn gap(&mut self, cylinder: u8);
 }
 
-/// Two learn from the same reading of a recording.
+/// Two surveyors that share one pass over a recording.
 impl<A: Surveyor, B: Surveyor> Surveyor for (A, B) {
     fn row(&mut self, row: &Row) {
         self.0.row(row);
@@ -54,18 +56,18 @@ impl<S: Surveyor> Surveyor for &mut S {
     }
 }
 
-/// Makes rows and gaps of what a monitor records.
+/// Makes rows and gaps from the records of a monitor.
 #[derive(Debug)]
 pub struct Survey<S> {
     first: Timestamp,
     window: Window,
-    /// The cycle of the newest row of each cylinder; `None` after a gap.
+    /// Cycle of the newest row of each cylinder; `None` after a gap.
     newest: [Option<u64>; MAX_CYLINDERS],
     surveyor: S,
 }
 
 impl<S: Surveyor> Survey<S> {
-    /// A survey that counts time from `first`, the recording's first frame, and gives what is
+    /// A survey that counts time from `first`, the recording's first frame, and passes on what is
     /// within `window`.
     pub const fn new(first: Timestamp, window: Window, surveyor: S) -> Self {
         Self { first, window, newest: [None; MAX_CYLINDERS], surveyor }

@@ -1,24 +1,23 @@
-//! Recordings that what learns reads again and again.
+//! Recordings that can be read repeatedly.
 
 use super::{Survey, Surveyor, Timeline, Window};
 use tertius_core::frame::Frame;
 use tertius_core::monitor::{Counts, Monitor, MonitorDesign};
 use tertius_core::time::Timestamp;
 
-/// A recording that can be read as often as needed, the same each time.
+/// A recording that can be read as often as needed, with the same rows each time.
 pub trait Recording {
     type Error;
 
-    /// Shows what is within `window` to `surveyor`.
+    /// Passes the rows within `window` to `surveyor`.
     ///
-    /// # Errors
-    /// It cannot be read any more.
+    /// # Errors The recording can no longer be read.
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error>;
 
-    /// As [`Self::read`], with what the monitor counted on the way; nothing where there was none.
+    /// Reads as [`Self::read`] does and returns what the monitor counted; `None` where there was no
+    /// monitor.
     ///
-    /// # Errors
-    /// As [`Self::read`].
+    /// # Errors See [`Self::read`].
     fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Self::Error> {
         self.read(window, surveyor)?;
         Ok(Counts::default())
@@ -41,23 +40,22 @@ impl<R: Recording> Recording for &R {
 pub trait Frames {
     type Error;
 
-    /// Gives the frames within `window` (seconds since the first one) to `take`, in order.
+    /// Passes the frames within `window` (seconds since the first one) to `take`, in order.
     ///
-    /// # Errors
-    /// They cannot be read any more.
+    /// # Errors The frames can no longer be read.
     fn frames(&self, window: Window, take: impl FnMut(&Frame)) -> Result<(), Self::Error>;
 }
 
-/// Where the rows come from that something is learnt from.
+/// Origin of the rows that something is learnt from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Origin {
-    /// The recordings' names.
+    /// Names of the recordings.
     pub inputs: String,
-    /// Where its frames are in time.
+    /// Times of the recordings' frames.
     pub timeline: Timeline,
-    /// What is learnt from.
+    /// Window that is learnt from.
     pub window: Window,
-    /// What could not be read, for people; empty where everything could.
+    /// Remarks on what could not be read; empty where everything could.
     pub remarks: Vec<String>,
 }
 
@@ -66,14 +64,14 @@ pub struct Origin {
 pub struct Rows<'a, F> {
     pub frames: &'a F,
     pub design: &'a MonitorDesign,
-    /// The time stamp of the first frame.
+    /// Time stamp of the first frame.
     pub first: Timestamp,
 }
 
-/// Before a window the monitor gets to know the platform's state, counters and calm, s.
+/// Time before a window in which the monitor learns the platform's state, counters and calm, s.
 const LEAD: f64 = 10.0;
 
-/// After it the last cycle closes, s.
+/// Time after a window in which its last cycle closes, s.
 const TRAIL: f64 = 1.0;
 
 impl<F: Frames> Recording for Rows<'_, F> {

@@ -4,41 +4,42 @@ use tertius_core::monitor::Record;
 use tertius_core::sample::Quality;
 use tertius_core::time::Timestamp;
 
-/// What a recording says of one cylinder in one cycle; `None` where there is nothing, or nothing
-/// that is worth anything.
+/// Usable data of one cylinder in one cycle; `None` where there are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// The opening of the cycle.
+    /// Opening of the cycle.
     pub timestamp: Timestamp,
-    /// The same in seconds since the recording's first frame.
+    /// Opening of the cycle, seconds since the recording's first frame.
     pub t: f64,
-    /// The number of the cycle: the same for all cylinders, one more in the next cycle.
+    /// Number of the cycle: the same for all cylinders, and one more in the next cycle.
     pub cycle: u64,
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// Positions that passed the plausibility checks, m.
+    /// Position of C1, m, if it passed the plausibility checks.
     pub c1: Option<f64>,
+    /// Position of C2, m, if it passed the plausibility checks.
     pub c2: Option<f64>,
-    /// Their velocities, m/s, where the position passed.
+    /// Velocity by C1, m/s, where its position passed.
     pub v1: Option<f64>,
+    /// Velocity by C2, m/s, where its position passed.
     pub v2: Option<f64>,
-    /// The command as it was sent, its offset not taken off, m/s.
+    /// Command as sent, with its offset, m/s.
     pub u: Option<f64>,
-    /// bar.
+    /// Pressure of the bottom chamber, bar.
     pub pressure_bottom: Option<f64>,
-    /// bar.
+    /// Pressure of the rod chamber, bar.
     pub pressure_rod: Option<f64>,
-    /// The load pressure that the machine itself sends, bar; see [`Self::load_pressure`].
+    /// Load pressure that the machine itself sends, bar; see [`Self::load_pressure`].
     pub pressure_load: Option<f64>,
-    /// P_S, bar.
+    /// Supply pressure P_S, bar.
     pub supply: Option<f64>,
-    /// x_m, positive extends, in its own unit.
+    /// Spool position x_m, positive extends, in its own unit.
     pub spool: Option<f64>,
-    /// The platform is in a monitored state.
+    /// Whether the platform is in a monitored state.
     pub monitored: bool,
-    /// The positions as they came, plausible or not, m.
+    /// Positions as received, plausible or not, m.
     pub raw: [Option<f64>; 2],
-    /// What C1 and C2 are worth.
+    /// Qualities of C1 and C2.
     pub qualities: [Quality; 2],
 }
 
@@ -69,15 +70,15 @@ impl Row {
         }
     }
 
-    /// P_L, bar: as the machine sends it, else P_bot − α P_rod (3-4) with the `area_ratio` α of
-    /// (3-5).
+    /// Load pressure P_L, bar: as the machine sends it, or else P_bot − α P_rod (3-4) with the
+    /// `area_ratio` α of (3-5).
     pub fn load_pressure(&self, area_ratio: f64) -> Option<f64> {
         let of_chambers = || Some(self.pressure_bottom? - area_ratio * self.pressure_rod?);
         self.pressure_load.or_else(of_chambers)
     }
 }
 
-/// Nothing of the cylinder came in that cycle.
+/// Whether nothing of the cylinder came in that cycle.
 pub(super) fn is_empty(record: &Record) -> bool {
     let Record { c1, c2, command, pressures, .. } = record;
     [c1, c2, command].into_iter().chain(pressures).all(Option::is_none)

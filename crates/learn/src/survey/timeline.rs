@@ -1,39 +1,39 @@
-//! The time that learning counts in: the recordings' own, with the long pauses between them shortened.
+//! The time scale of learning: the recordings' own time, with long pauses shortened.
 
 use tertius_core::time::{Span, Timestamp};
 
-/// A pause that is longer counts as this long: nobody learns from it, and blocks that alternate must not fall
-/// into it.
+/// Length to which longer pauses are shortened: nothing is learnt from them, and alternating blocks
+/// must not fall into them.
 pub const LONGEST_PAUSE: Span = Span::from_nanos(LONGEST);
 const LONGEST: i64 = 60_000_000_000;
 
-/// The time stamps of frames, and where each is when long pauses are shortened to a minute. Without a long
-/// pause every place is the time stamp itself.
+/// Time stamps of frames, and their places on a time scale in which long pauses are shortened to a
+/// minute. Without a long pause every place is the time stamp itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Timeline {
     /// The first time stamp and the latest.
     ends: Option<(Timestamp, Timestamp)>,
-    /// In order.
+    /// Long pauses, in order.
     pauses: Vec<Pause>,
 }
 
 /// A long pause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Pause {
-    /// What is stamped later is behind it: frames may be a little out of order, so this is half a minute
-    /// after the latest one before.
+    /// Time stamp from which frames are behind the pause: frames may be slightly out of order, so
+    /// this is half a minute after the latest frame before.
     from: Timestamp,
-    /// What is taken off before it, and behind it.
+    /// Time subtracted before the pause, and behind it.
     off: [Span; 2],
 }
 
 impl Timeline {
-    /// Of frames between these time stamps, without a long pause.
+    /// A timeline of frames between these time stamps, without a long pause.
     pub fn unbroken(first: Timestamp, last: Timestamp) -> Self {
         Self { ends: Some((first, last)), pauses: Vec::new() }
     }
 
-    /// Takes frames between these time stamps, without a long pause.
+    /// Adds frames between these time stamps, without a long pause.
     pub fn span(&mut self, first: Timestamp, last: Timestamp) {
         self.take(first);
         self.ends = self.ends.map(|(begin, end)| (begin, end.max(last)));
@@ -55,8 +55,8 @@ impl Timeline {
         self.ends = Some((first, last.max(at)));
     }
 
-    /// Whether what is `ahead` of the latest frame, as both are placed, is behind a long pause: then
-    /// nothing is known any more of what was before, however short the pause has become.
+    /// Whether a place that is `ahead` of the latest frame's place is behind a long pause: nothing
+    /// is then known of the time before, however short the pause has become.
     pub const fn is_pause(ahead: Span) -> bool {
         ahead.as_nanos() >= LONGEST
     }
@@ -66,35 +66,35 @@ impl Timeline {
         self.ends
     }
 
-    /// Where a frame of this time stamp is.
+    /// The place of a frame with this time stamp.
     pub fn place(&self, at: Timestamp) -> Timestamp {
         at.after(Span::from_nanos(-self.off(at).as_nanos()))
     }
 
-    /// The same in seconds since the first frame.
+    /// The place of a frame with this time stamp, seconds since the first frame.
     pub fn seconds(&self, at: Timestamp) -> f64 {
         self.place(at).since(self.first()).as_seconds()
     }
 
-    /// The time stamp of what is `t` seconds after the first frame.
+    /// The time stamp `t` seconds after the first frame.
     pub fn at(&self, t: f64) -> Timestamp {
         let placed = self.first().after(Span::from_seconds(t));
         let behind = |pause: &&Pause| placed.after(pause.off[0]) >= pause.from;
         placed.after(self.pauses.iter().rfind(behind).map_or(Span::ZERO, |pause| pause.off[1]))
     }
 
-    /// From the first frame to the last, s.
+    /// Length from the first frame to the last, s.
     pub fn length(&self) -> f64 {
         self.ends.map_or(0.0, |(_, last)| self.seconds(last))
     }
 
-    /// What is to be said of the pauses, for people; empty without any.
+    /// Remarks on the pauses; empty without any.
     pub fn remarks(&self) -> Vec<String> {
         let told = self.pauses.iter().map(|Pause { from, off: [before, behind] }| {
             let taken = behind.as_nanos() - before.as_nanos();
             let last = from.after(Span::from_nanos(-LONGEST / 2 - before.as_nanos()));
             format!(
-                "the pause of {:.1} h after {:.1} s counts as a minute in all times that are told here",
+                "the pause of {:.1} h after {:.1} s counts as a minute in all times given here",
                 Span::from_nanos(taken + LONGEST).as_seconds() / 3600.0,
                 last.since(self.first()).as_seconds()
             )

@@ -1,6 +1,6 @@
 //! A part of a recording by time.
 
-/// The time from `from` up to, but not including, `to`, seconds since the first frame.
+/// The time from `from` to `to`, exclusive, in seconds since the first frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     pub from: f64,
@@ -21,7 +21,7 @@ impl Window {
         [Self { from: self.from, to: middle }, Self { from: middle, to: self.to }]
     }
 
-    /// Seconds.
+    /// Length, s.
     pub fn length(&self) -> f64 {
         self.to - self.from
     }

@@ -6,36 +6,36 @@ use crate::extremes::HOURS_PER_YEAR;
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderSequential};
 
-/// What is rarer than the evidence by more than this is bounded by it, and not measured.
+/// Factor in rarity beyond which a rate is bounded by the evidence, and not measured.
 const FAR: f64 = 100.0;
 
-/// The cylinders that have a calibration, with what was fitted.
+/// The cylinders that have a calibration, with their fits.
 pub fn fits(result: &Calibration) -> impl Iterator<Item = (&CylinderCalibration, &Fitted)> {
     result.cylinders.iter().filter_map(|cylinder| Some((cylinder, cylinder.result.as_ref().ok()?)))
 }
 
-/// What the number means, and how far it can be believed.
+/// Meaning of the bound, and its reliability.
 pub fn meaning(bound: &Bound) -> Vec<String> {
     let years = 1.0 / bound.per_year;
     let factor = years * HOURS_PER_YEAR / bound.hours;
     let tail = provenance::tail(bound.heavy);
     let asked = format!(
-        "exceeded {} times a year at most, all cylinders together, by {tail} tail of the largest |R3| of \
+        "exceeded at most {} a year, all cylinders together, by {tail} tail of the largest |R3| of \
          each second; at least 1.2 times the largest seen, {:.3} mm, and the thesis's {:.1} mm",
-        bound.per_year,
+        provenance::times(bound.per_year),
         bound.worst * 1e3,
         LEAST_BOUND * 1e3
     );
     let evidence = format!("evidence: {:.3} cylinder hours", bound.hours);
-    let beyond = "other temperatures, ranges and wear are not in it";
+    let beyond = "other temperatures, ranges and wear are not covered";
     if factor > FAR {
         // Of what was never seen in a time, less than three are in as much of it (95 %).
         let most = 3.0 * HOURS_PER_YEAR * bound.cylinders as f64 / bound.hours;
         return vec![
             asked,
             format!(
-                "{evidence}, none of it beyond the bound: that proves at most {} a year (95 %), and \
-                 what is said of one in {:.0} times as long is extrapolated; {beyond}",
+                "{evidence}, none of it beyond the bound: this proves at most {} a year (95 %), \
+                 and the bound is extrapolated to {:.0} times that time; {beyond}",
                 four_digits(most),
                 factor
             ),
@@ -44,7 +44,7 @@ pub fn meaning(bound: &Bound) -> Vec<String> {
     vec![asked, format!("{evidence}; the wanted rate is {factor:.1e} times beyond it; {beyond}")]
 }
 
-/// The tables, with what they were made from; `None` where no cylinder has a calibration.
+/// The tables, with their origin; `None` where no cylinder has a calibration.
 pub fn of(result: &Calibration, version: &str) -> Option<String> {
     fits(result).next()?;
     let Calibration { machine, inputs, timeline, .. } = result;
@@ -61,7 +61,7 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
             _ = writeln!(text, "# cylinder {} has no sequential detector: {told}", cylinder.number);
         }
     }
-    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    text += "# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.\n";
     if let Some(bound) = &result.bound {
         text += "\n";
         for line in meaning(bound) {

@@ -1,4 +1,5 @@
-//! What was learnt, as tables that the configuration reads, each with where, when and from what it was made.
+//! What was learnt, as tables that the configuration reads, each with the place, time and data it
+//! was made from.
 
 pub mod calibration;
 pub mod model;

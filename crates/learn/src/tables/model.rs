@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 /// Keys of a cylinder that belong to its model.
 pub const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
 
-/// The tables of `outcome`, with what they were made from; `per_cylinder`: each cylinder its own
-/// model instead of the chosen one for all. `None` where there is no model.
+/// The tables of `outcome`, with their origin; `per_cylinder`: each cylinder gets its own model
+/// instead of the one chosen for all. `None` where there is no model.
 pub fn of(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String> {
     let choice = outcome.choice?;
     let chosen = outcome.identified(choice.of)?;
@@ -38,7 +38,7 @@ pub fn of(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String
     Some(text)
 }
 
-/// Where, when and from what, as comments.
+/// Origin of the model, as comments.
 fn provenance(outcome: &Outcome, version: &str) -> String {
     let at = |seconds: f64| date(outcome.timeline.at(seconds));
     let window = |name: &str, window: &crate::survey::Window| {
@@ -64,7 +64,7 @@ fn provenance(outcome: &Outcome, version: &str) -> String {
             _ = writeln!(text, "# cylinder {} was refused: {refusal}", cylinder.number);
         }
     }
-    text += "# Keys of [[cylinder]] belong into that cylinder's table, where the file has one.\n";
+    text += "# Keys of [[cylinder]] belong in that cylinder's table, if the file has one.\n";
     text
 }
 

@@ -1,9 +1,9 @@
-//! Where, when and from what a table was made, as comments of TOML.
+//! Origin of a table, as TOML comments.
 
 use crate::survey::{Timeline, Window};
 use tertius_core::time::Timestamp;
 
-/// The first lines of a file of tables by `command`; `parts` of the recording and their names.
+/// First lines of a file of tables by `command`; `parts` of the recording and their names.
 pub fn heading(
     version: &str,
     command: &str,
@@ -25,18 +25,23 @@ pub fn heading(
     text
 }
 
-/// What a tail is, in words.
+/// A number of times in words: once, or a number.
+pub fn times(count: f64) -> String {
+    if count == 1.0 { "once".to_owned() } else { format!("{count} times") }
+}
+
+/// Name of a tail.
 pub const fn tail(heavy: bool) -> &'static str {
     if heavy { "a generalised Pareto, beyond the evidence exponential," } else { "an exponential" }
 }
 
-/// A name cannot end the comment that it stands in.
+/// `text` on one line, so that a name cannot end the comment that it stands in.
 pub fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
-/// The least number of four digits that is not below `value`: a threshold has no more than that to
-/// say, and is not rounded to less.
+/// The least number of four digits that is not below `value`: a threshold has no more significant
+/// digits, and must not be rounded down.
 pub fn four_digits(value: f64) -> f64 {
     if !(value > 0.0 && value.is_finite()) {
         return value;

@@ -6,23 +6,23 @@ use crate::extremes::HOURS_PER_YEAR;
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
-/// The number of its cylinder and the name of its residual.
+/// Cylinder number and name of the detector's residual.
 pub fn name(detector: &Detector) -> [String; 2] {
     [detector.cylinder.to_string(), format!("R{}", detector.transducer + 1)]
 }
 
-/// In millimetres, or in metres where it is no threshold any more.
+/// A length in millimetres, or in metres where it is too large for a threshold.
 pub fn length(metres: f64) -> String {
     if metres < 3.0 { format!("{:.3} mm", metres * 1e3) } else { format!("{metres:.1} m") }
 }
 
-/// What the numbers mean, and how far they can be believed.
+/// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
     let Thresholds { per_year, hours, .. } = result.thresholds;
-    let count = result.detectors.len();
+    let (count, often) = (result.detectors.len(), provenance::times(per_year));
     vec![
         format!(
-            "high: {count} residuals together exceed it {per_year} times a year of monitoring at most; \
+            "high: {count} residuals together exceed it at most {often} in a year of monitoring; \
              one number for all, since their rates are added up; at least the thesis's {:.1} mm",
             LEAST_HIGH * 1e3
         ),
@@ -31,17 +31,18 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
             .to_owned(),
         format!(
             "evidence: {hours:.4} h for each residual; the wanted rate is {:.2e} times beyond it. \
-             What was not recorded (weather, load, temperature, wear) is not in it, residuals that \
-             go together count twice, and bursts at the border of two seconds, too",
+             What was not recorded (weather, load, temperature, wear) is not covered; residuals \
+             that coincide count twice, as do bursts at the border of two seconds",
             HOURS_PER_YEAR / per_year / hours
         ),
     ]
 }
 
-/// What the level of the sequential detectors means, where `per_year` false alarms were wanted.
+/// Meaning of the level of the sequential detectors, where `per_year` false alarms were wanted.
 pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
+    let often = provenance::times(per_year);
     vec![format!(
-        "level: reached {per_year} times a year, all cylinders together, by a tail of the largest \
+        "level: reached {often} a year, all cylinders together, by a tail of the largest \
          evidence of each ten seconds whose slope is one by theory, and at least 0.75 a nat; at least \
          the largest seen, {:.2} nats, in {:.3} cylinder hours; the wanted rate is {:.1e} times beyond \
          them",
@@ -51,7 +52,7 @@ pub fn sequential_meaning(level: &Level, per_year: f64) -> Vec<String> {
     )]
 }
 
-/// The tables, with what they were made from.
+/// The tables, with their origin.
 pub fn of(result: &Tuning, version: &str) -> String {
     let Tuning { machine, inputs, timeline, window, .. } = result;
     let parts = [("tuned on", *window)];

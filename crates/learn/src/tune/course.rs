@@ -1,4 +1,4 @@
-//! A tuning from beginning to end, on whatever can be read again and again.
+//! A tuning from beginning to end, on a recording that can be read repeatedly.
 
 use super::usable::{limits, sequential};
 use super::{
@@ -12,55 +12,54 @@ use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::observe::model::Model;
 
-/// A step has to be found within this time, s.
+/// Time within which a step has to be found, s.
 const IN_TIME: f64 = 0.1;
 
-/// Noise has to be found within this time, s.
+/// Time within which noise has to be found, s.
 const NOISE_IN_TIME: f64 = 1.0;
 
 /// Cycles of the response to a step that are shown.
 const RESPONSE: usize = 25;
 
-/// δ_l is at most this part of δ_h, as in section 5-4-1.
+/// Largest δ_l, as a part of δ_h, as in section 5-4-1.
 const HYSTERESIS: f64 = 0.75;
 
-/// Other rates that are shown: one an hour, a day, a month, a year, false alarms a year.
+/// Further rates that are shown: one an hour, a day, a month, a year, in false alarms a year.
 const LADDER: [f64; 4] = [8766.0, 365.25, 12.0, 1.0];
 
-/// What noise is counted in if nothing else is asked for, m: four counts, as in the thesis.
+/// Default unit of noise amplitudes, m: four counts, as in the thesis.
 pub const SIGMA: f64 = 4.34e-4;
 
-/// What a tuning is made with.
+/// Inputs of a tuning.
 #[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
+pub struct TuningCourse<'a> {
     pub settings: &'a Settings,
-    /// Of `settings`; its sequential detectors are tried, too.
+    /// Monitor design of `settings`, whose sequential detectors are also tried.
     pub design: &'a MonitorDesign,
     pub origin: &'a Origin,
-    /// Cylinders that are left out, as nothing healthy is known of them.
+    /// Cylinders that are left out because no healthy data of them are known.
     pub without: &'a [u8],
-    /// False alarms of the whole machine that a year may bring.
+    /// Wanted false alarms of the whole machine in a year.
     pub per_year: f64,
-    /// The configured weights are taken as they are.
+    /// Whether the configured weights are kept.
     pub keep_weights: bool,
-    /// The standard deviation that noise is counted in, m.
+    /// Standard deviation that is the unit of noise amplitudes, m.
     pub sigma: f64,
 }
 
 /// Why there is no tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Untuned<E> {
-    /// The recording cannot be read any more.
+    /// The recording can no longer be read.
     Recording(E),
-    /// It says too little, in words.
+    /// The recording holds too little data, in words.
     TooLittle(String),
 }
 
-impl Course<'_> {
-    /// Reads `recording` twice: stretches for the search, and all of it for the thresholds.
+impl TuningCourse<'_> {
+    /// Reads `recording` twice: stretches for the search, and everything for the thresholds.
     ///
-    /// # Errors
-    /// The recording's own, and a recording that says too little.
+    /// # Errors The recording's own, or a recording with too little data.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Tuning, Untuned<R::Error>> {
         let Self { settings, origin, per_year, .. } = *self;
         let cylinders: Vec<CylinderModel> =
@@ -148,9 +147,9 @@ impl Course<'_> {
         let begun = Weights { q: observer.q, r: observer.r };
         let little = || {
             format!(
-                "in no cylinder there is enough to judge: at least {:.0} s in monitored states with \
-                 position and command are needed, without the times after longer gaps, in which the \
-                 observers settle",
+                "no cylinder has enough data to judge: at least {:.0} s in monitored states with \
+                 position and command are needed, not counting the times after longer gaps, in \
+                which the observers settle",
                 f64::from(criterion.block) * criterion.sample_time * LEAST_BLOCKS as f64
             )
         };
@@ -175,14 +174,15 @@ impl Course<'_> {
     }
 }
 
-/// Of every detector, or which has too little.
+/// Tails of every detector, or the detector with too little data.
 fn tails(detectors: &[Detector], block: u32, sample_time: f64) -> Result<Vec<Tail>, String> {
     let least = f64::from(block) * sample_time * LEAST_BLOCKS as f64;
     let tail = |detector: &Detector| {
         detector.tail.ok_or_else(|| {
             format!(
-                "C{} of cylinder {} was judged in {:.1} s only, of {least:.0} s at least: the \
-                 recording is too short, its readings or commands are missing, or the platform is \
+                "C{} of cylinder {} was judged for only {:.1} s, and at least {least:.0} s are \
+                 needed: the recording is too short, its readings or commands are missing, or the \
+                platform is \
                  in no monitored state",
                 detector.transducer + 1,
                 detector.cylinder,

@@ -1,50 +1,50 @@
-//! What weights are worth.
+//! Score of a set of weights.
 
 use super::response;
 use super::store::Store;
 use super::{CylinderModel, Weights, designs};
 use crate::extremes::{Maxima, Tail, common_level};
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
-/// What is asked of an observer.
+/// Requirements for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
-    /// False alarms of the whole machine in a second.
+    /// Wanted false alarms of the whole machine, 1/s.
     pub rate: f64,
-    /// Ts, s.
+    /// Sample time Ts, s.
     pub sample_time: f64,
-    /// Cycles that are one warning.
+    /// Cycles that count as one warning.
     pub block: u32,
     /// Cycles within which a step has to be found.
     pub horizon: usize,
     /// Cycles after which nine tenths of a step have to be gone from the residual.
     pub sharp: usize,
-    /// Cycles before an observer is believed.
+    /// Cycles before an observer judges.
     pub settle: u32,
 }
 
-/// What an observer comes to, of the worst cylinder.
+/// Score of an observer, for the worst cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// The level that healthy residuals exceed at the wanted rate, by exponential tails, m.
+    /// Level that healthy residuals exceed at the wanted rate, by exponential tails, m.
     pub threshold: f64,
-    /// The largest innovation after a unit step within the horizon, at least 1.
+    /// Largest innovation after a unit step within the horizon, at least 1.
     pub peak: f64,
-    /// What an incipient fault (5-18) of [`INCIPIENT`] leaves of itself within the horizon, the mean over where
-    /// in a cycle it begins, m.
+    /// Largest innovation of an incipient fault (5-18) of [`INCIPIENT`] within the horizon,
+    /// averaged over its onset within a cycle, m.
     pub incipient: f64,
     /// Cycles until the response to a step stays below a tenth.
     pub settled: usize,
-    /// What is minimised: how many times as large as they are a step of [`STEP`] and the incipient fault
-    /// would have to be for both to be seen; at 1 and below, they are. Infinite where the response is
-    /// not sharp.
+    /// Value to be minimised: the factor by which a step of [`STEP`] and the incipient fault would
+    /// have to be larger for both to be seen; at 1 and below they are. Infinite where the response
+    /// is not sharp.
     pub times: f64,
 }
 
-/// The step that is to be seen, (5-15), m.
+/// Step that is to be seen, (5-15), m.
 pub const STEP: f64 = 1e-3;
 
-/// The incipient fault that is to be seen, φ in m and b of (5-18): section 5-4-4's own.
+/// Incipient fault that is to be seen, φ in m and b of (5-18): that of section 5-4-4.
 pub const INCIPIENT: (f64, f64) = (0.07, 1.0);
 
 impl Criterion {
@@ -89,7 +89,7 @@ impl Criterion {
         store: &Store,
         index: usize,
         transducer: usize,
-        design: &Design,
+        design: &ObserverDesign,
     ) -> Option<Tail> {
         let mut maxima = Maxima::new(self.block);
         for stretch in store.stretches(index) {

@@ -1,4 +1,4 @@
-//! How large the residuals of the tuned observers get in the whole recording.
+//! Extremes of the tuned observers' residuals in the whole recording.
 
 use super::CylinderModel;
 use super::pause::Pause;
@@ -6,7 +6,7 @@ use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
 use crate::survey::{Row, Surveyor};
-use tertius_core::observe::observer::{Design, Observer, Restart};
+use tertius_core::observe::observer::{Observer, ObserverDesign, Restart};
 
 /// The residuals of one observer.
 #[derive(Clone, Debug)]
@@ -17,30 +17,30 @@ struct Witness {
     maxima: Maxima,
 }
 
-/// Everything that came of one transducer's observer.
+/// Results of one transducer's observer.
 #[derive(Clone, Debug)]
 pub struct Detector {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// 0 is C1, 1 is C2.
+    /// Transducer: 0 is C1, 1 is C2.
     pub transducer: usize,
     pub residuals: Spread,
     pub magnitudes: Sketch,
-    /// The largest magnitudes of the blocks, the largest first: a thousand, or all.
+    /// Largest magnitudes of the blocks, in descending order: a thousand, or all.
     pub peaks: Vec<f64>,
-    /// The residual after a unit step of the reading, cycle by cycle.
+    /// Residual after a unit step of the reading, cycle by cycle.
     pub response: Vec<f64>,
-    /// The level below which nineteen of twenty seconds or so stay, m.
+    /// Level that the residual does not exceed in about nineteen of twenty seconds, m.
     pub calm: f64,
-    /// `None` where too little was judged.
+    /// Tail of the residual; `None` where too little was judged.
     pub tail: Option<Tail>,
-    /// The smallest step that is found in time in nineteen of twenty places, m.
+    /// Smallest step that is found in time in nineteen of twenty places, m.
     pub step: Option<f64>,
-    /// The smallest amplitude of (5-17) that is found in time in nineteen of twenty trials, m.
+    /// Smallest amplitude of (5-17) that is found in time in nineteen of twenty trials, m.
     pub noise: Option<f64>,
 }
 
-/// Reads all of the recording.
+/// The pass over the whole recording.
 #[derive(Clone, Debug)]
 pub struct Evidence {
     cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
@@ -48,9 +48,10 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Of observers by `designs`; `block`: cycles that are one warning.
-    pub fn new(cylinders: &[CylinderModel], designs: &[[Design; 2]], block: u32) -> Self {
-        let witnesses = |(cylinder, designs): (&CylinderModel, &[Design; 2])| {
+    /// A pass with observers by `designs`; `block` is the number of cycles that count as one
+    /// warning.
+    pub fn new(cylinders: &[CylinderModel], designs: &[[ObserverDesign; 2]], block: u32) -> Self {
+        let witnesses = |(cylinder, designs): (&CylinderModel, &[ObserverDesign; 2])| {
             let witness = |i: usize| {
                 cylinder.transducers[i].then(|| Witness {
                     observer: Observer::new(designs[i].clone()),
@@ -65,7 +66,7 @@ impl Evidence {
         Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses }
     }
 
-    /// What every observer came to; tails where there is enough for one.
+    /// Results of every observer; with a tail where there are enough data.
     pub fn detectors(&self, sample_time: f64) -> Vec<Detector> {
         let mut detectors = Vec::new();
         for (cylinder, witnesses) in &self.cylinders {

@@ -6,11 +6,12 @@
 //! ```
 //!
 //! The thesis tuned Q and R by hand, until the innovation was small and a step showed sharply in
-//! it. Here that is a number ([`criterion`]): the smallest step, and the smallest incipient fault (5-18),
-//! that can be told from the healthy innovation at the wanted rate of false alarms, provided that what a
-//! step leaves in the residual is over before another detector could take it for an event of its own. [`mod@search`] makes it as
-//! small as it gets, on [`store`]d stretches of the recording; [`evidence`] then reads all of it,
-//! and [`sensitivity`] says what the thresholds find. [`mod@course`] does all of it in turn.
+//! it. Here a number measures this ([`criterion`]): the smallest step and the smallest incipient
+//! fault (5-18) that can be told from the healthy innovation at the wanted rate of false alarms,
+//! provided that the response to a step is over before another detector could take it for an event
+//! of its own. [`mod@search`] minimises it on [`store`]d stretches of the recording; [`evidence`]
+//! then reads the whole recording, and [`sensitivity`] computes what the thresholds find.
+//! [`mod@course`] runs all of this in turn.
 
 pub mod course;
 pub mod criterion;
@@ -30,33 +31,34 @@ pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
 use crate::survey::{Timeline, Window};
 use tertius_core::observe::model::Model;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::observe::riccati::RiccatiError;
 
 /// What is known of one cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CylinderModel {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub number: u8,
     pub model: Model,
-    /// The command at which it rests, m/s.
+    /// Command at which the cylinder rests, m/s.
     pub command_offset: f64,
-    /// C1 and C2 are configured.
+    /// Whether C1 and C2 are configured.
     pub transducers: [bool; 2],
-    /// Their velocities are.
+    /// Whether the velocities of C1 and C2 are configured.
     pub velocities: [bool; 2],
-    /// Missing cycles that its observers predict over; after more they start anew.
+    /// Most missing cycles over which the observers predict; after more they restart.
     pub max_gap: u32,
 }
 
-/// The diagonals of Q and R.
+/// Diagonals of Q and R.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     pub q: [f64; 3],
     pub r: [f64; 2],
 }
 
-/// The observers of C1 and C2 of each of `cylinders`; `settle`: cycles before they are believed.
+/// The observers of C1 and C2 of each of `cylinders`; `settle` is the number of cycles before they
+/// judge.
 ///
 /// # Errors
 /// A model and weights without a gain, with the cylinder's number.
@@ -64,11 +66,11 @@ pub fn designs(
     cylinders: &[CylinderModel],
     weights: Weights,
     settle: u32,
-) -> Result<Vec<[Design; 2]>, (u8, RiccatiError)> {
+) -> Result<Vec<[ObserverDesign; 2]>, (u8, RiccatiError)> {
     let one = |cylinder: &CylinderModel| {
         let of = |velocity| {
             let Weights { q, r } = weights;
-            Design::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
+            ObserverDesign::new(&cylinder.model, q, r, velocity, settle, cylinder.max_gap)
                 .map_err(|error| (cylinder.number, error))
         };
         let [first, second] = cylinder.velocities;
@@ -77,42 +79,43 @@ pub fn designs(
     cylinders.iter().map(one).collect()
 }
 
-/// The result for a machine.
+/// Result for a machine.
 #[derive(Clone, Debug)]
 pub struct Tuning {
     pub machine: String,
-    /// The recordings' names.
+    /// Names of the recordings.
     pub inputs: String,
-    /// Where the recording's frames are in time.
+    /// Times of the recordings' frames.
     pub timeline: Timeline,
     pub window: Window,
-    /// s.
+    /// Sample time, s.
     pub sample_time: f64,
     pub search: Search,
     pub thresholds: Thresholds,
-    /// Of every transducer that is monitored, by cylinder.
+    /// Results of every transducer that is monitored, by cylinder.
     pub detectors: Vec<Detector>,
-    /// Of the sequential detectors; `None` where there are none, or the recording is too short.
+    /// Level of the sequential detectors; `None` where there are none, or the recording is too
+    /// short.
     pub sequential: Option<crate::calibrate::watch::Level>,
     /// Levels at other rates: false alarms a year, and m.
     pub ladder: Vec<(f64, f64)>,
-    /// The standard deviation that noise is counted in, m.
+    /// Standard deviation that is the unit of noise amplitudes, m.
     pub sigma: f64,
     pub remarks: Vec<String>,
 }
 
-/// δ_h of the thesis, m: less is not asked for.
+/// δ_h of the thesis, m; no smaller one is proposed.
 pub const LEAST_HIGH: f64 = 1e-3;
 
-/// δ_l and δ_h, and what they were made for.
+/// δ_l and δ_h, and the rate that they were made for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// m.
+    /// Lower threshold δ_l, m.
     pub low: f64,
-    /// m.
+    /// Upper threshold δ_h, m.
     pub high: f64,
     /// False alarms of the whole machine in a year of monitoring.
     pub per_year: f64,
-    /// The time that the shortest of the detectors has judged in the recording, h.
+    /// Judged time in the recording of the detector with the least, h.
     pub hours: f64,
 }

@@ -1,6 +1,6 @@
-//! Rows that do not follow each other.
+//! Gaps between rows.
 
-/// What is between the rows of one cylinder.
+/// Gaps between the rows of one cylinder.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pause {
     newest: Option<u64>,
@@ -8,13 +8,13 @@ pub struct Pause {
 }
 
 impl Pause {
-    /// The next row does not follow the one before.
+    /// Reports that the next row does not follow the previous one.
     pub const fn tell(&mut self) {
         self.told = true;
     }
 
-    /// The missing cycles to predict over before the row of `cycle`, as the monitor does with `most` of
-    /// them; `None` where it starts anew.
+    /// The missing cycles to predict over before the row of `cycle`, as the monitor does with at
+    /// most `most`; `None` where the observer restarts.
     pub fn before(&mut self, cycle: u64, most: u32) -> Option<u32> {
         let newest = self.newest.replace(cycle);
         if !std::mem::take(&mut self.told) {

@@ -1,16 +1,16 @@
-//! What a fault of one reading leaves in the innovation.
+//! Response of the innovation to a fault of one reading.
 
 use nalgebra::Vector3;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
 /// The innovation after a unit step of the position reading, cycle by cycle:
 /// e(k+1) = (A − L C) e(k) − L f(k), ν(k) = C e(k) + f(k), without a fault of the velocity.
-pub fn step(design: &Design, cycles: usize) -> Vec<f64> {
+pub fn step(design: &ObserverDesign, cycles: usize) -> Vec<f64> {
     respond(design, std::iter::repeat_n(1.0, cycles))
 }
 
 /// The innovation after `faults` of the position reading.
-pub fn respond(design: &Design, faults: impl IntoIterator<Item = f64>) -> Vec<f64> {
+pub fn respond(design: &ObserverDesign, faults: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let mut error: Vector3<f64> = Vector3::zeros();
     let one = |fault: f64| {
         let position = error[0] + fault;
@@ -22,13 +22,19 @@ pub fn respond(design: &Design, faults: impl IntoIterator<Item = f64>) -> Vec<f6
     faults.into_iter().map(one).collect()
 }
 
-/// Where between two readings an incipient fault may begin, parts of a cycle.
+/// Onsets of an incipient fault between two readings, parts of a cycle.
 const ONSETS: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// The largest innovation, m, within `cycles` of the first reading after an incipient fault φ (1 − (1 + b)^−t)
-/// (5-18) has begun, (φ, b) being `fault`, φ in m and t in s: the mean over where in a cycle of `sample_time`
-/// seconds it begins, since an observer that follows sees it best where it begins with a reading.
-pub fn incipient(design: &Design, (size, b): (f64, f64), sample_time: f64, cycles: usize) -> f64 {
+/// The largest innovation, m, within `cycles` of the first reading after an incipient fault φ (1 −
+/// (1 + b)^−t) (5-18) has begun, where `fault` is (φ, b), φ in m and t in s. It is averaged over
+/// the onset within a cycle of `sample_time` seconds, since an observer that follows sees the fault
+/// best when it begins with a reading.
+pub fn incipient(
+    design: &ObserverDesign,
+    (size, b): (f64, f64),
+    sample_time: f64,
+    cycles: usize,
+) -> f64 {
     let peak = |onset: f64| {
         let since = |k: usize| (k as f64 - onset).max(0.0) * sample_time;
         let faults = (0..=cycles).map(|k| size * (1.0 - (1.0 + b).powf(-since(k))));
@@ -39,7 +45,7 @@ pub fn incipient(design: &Design, (size, b): (f64, f64), sample_time: f64, cycle
 }
 
 /// Cycles after which the response to a unit step stays below a tenth; `most` where it takes longer.
-pub fn settled(design: &Design, most: usize) -> usize {
+pub fn settled(design: &ObserverDesign, most: usize) -> usize {
     let response = step(design, most);
     response.iter().rposition(|value| value.abs() >= 0.1).map_or(0, |last| last + 1)
 }
@@ -49,13 +55,14 @@ mod tests {
     use super::*;
     use tertius_core::observe::model::Model;
 
-    /// The same as two observers side by side, one on a faulty reading.
+    /// The response is the difference of two observers side by side, one of which has a faulty
+    /// reading.
     #[test]
     fn a_response_is_what_two_observers_differ_by() {
         use tertius_core::observe::observer::{Measurement, Observer};
         let theta = [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023];
         let model = Model::new(0.02, theta, [0.0926, 6.5427]);
-        let design = Design::new(&model, [1e-8, 1e-3, 100.0], [1e-8, 1e-2], true, 0, 0)
+        let design = ObserverDesign::new(&model, [1e-8, 1e-3, 100.0], [1e-8, 1e-2], true, 0, 0)
             .expect("Table 4-1 has an observer");
         let expected = step(&design, 12);
         let mut observers = [Observer::new(design.clone()), Observer::new(design.clone())];
@@ -89,7 +96,7 @@ mod tests {
             ([5e-9, 2e-4, 1e4], [1e-8, 5.0], 0.773_681_3e-3, 3),
             ([1e-8, 3e-5, 2e3], [1e-8, 1.0], 0.845_820_9e-3, 4),
         ] {
-            let design = Design::new(&model, q, r, true, 0, 0).expect("it has an observer");
+            let design = ObserverDesign::new(&model, q, r, true, 0, 0).expect("it has an observer");
             let left = incipient(&design, (0.07, 1.0), 0.02, 5);
             assert!((left - expected).abs() < 1e-9, "{left} {expected}");
             assert_eq!(settled(&design, 50), over);

@@ -1,42 +1,44 @@
-//! The weights with the best score: a pattern search over their logarithms, which has no chance in
-//! it and needs no derivatives.
+//! The weights with the best score, by a pattern search over their logarithms, which is
+//! deterministic and needs no derivatives.
 
 use super::criterion::{Criterion, Score};
 use super::store::Store;
 use super::{CylinderModel, Weights};
 
-/// Steps of the search, decades.
+/// Step sizes of the search, decades.
 const STEPS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 
-/// Sweeps with one step.
+/// Most sweeps with one step size.
 const SWEEPS: u32 = 12;
 
-/// A better score is better by this part, or it is chance.
+/// Part by which a score must be better not to be chance.
 const BETTER: f64 = 1e-3;
 
-/// Weights are left for others that make the smallest faults smaller by this part. Less is the recording's
-/// chance: another one of the same machine, or its files in another order, would find others.
+/// Part by which other weights must reduce the smallest faults to be preferred. Less is a
+/// coincidence of the recording: another one of the same machine, or its files in another order,
+/// would give other weights.
 const WORTH: f64 = 0.02;
 
-/// How far weights may go from where they began, decades.
+/// Farthest distance of weights from their start, decades.
 const FARTHEST: f64 = 8.0;
 
-/// What was found.
+/// Result of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Search {
     pub weights: Weights,
     pub score: Score,
-    /// Where it began, and the score of that.
+    /// Weights at the start.
     pub begun: Weights,
+    /// Score of the weights at the start.
     pub before: Score,
-    /// Scores that were computed.
+    /// Number of scores computed.
     pub tried: u32,
-    /// Stored cycles of all cylinders that it was done on.
+    /// Number of stored cycles used, all cylinders together.
     pub cycles: usize,
 }
 
-/// Searches from `begun`. The first of R stays: only ratios matter. `None` where `begun` has no
-/// score.
+/// Searches from `begun`. The first of R stays, since only ratios matter. `None` where `begun` has
+/// no score.
 pub fn search(
     criterion: &Criterion,
     cylinders: &[CylinderModel],
@@ -77,7 +79,7 @@ pub fn search(
     Some(Search { weights, score: best, begun, before, tried, cycles: store.cycles() })
 }
 
-/// Of two that are not sharp the one that is over sooner.
+/// Whether `one` is better; of two that are not sharp, the one that settles sooner.
 fn is_better(one: &Score, other: &Score) -> bool {
     if one.times.is_infinite() && other.times.is_infinite() {
         return one.settled < other.settled;
@@ -85,7 +87,7 @@ fn is_better(one: &Score, other: &Score) -> bool {
     one.times < (1.0 - BETTER) * other.times
 }
 
-/// Which of q and the second of r do anything.
+/// Which of q and of the second of r have an effect.
 fn free(cylinders: &[CylinderModel]) -> [bool; 4] {
     let velocity = cylinders.iter().any(|cylinder| cylinder.velocities.contains(&true));
     let pressure = cylinders.iter().any(|cylinder| cylinder.model.a[(1, 2)] != 0.0);

@@ -5,25 +5,25 @@ use super::store::Store;
 use crate::extremes::Sketch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use tertius_core::observe::observer::Design;
+use tertius_core::observe::observer::ObserverDesign;
 
-/// Found is what is found in this part of all places.
+/// Part of all places in which a fault has to be found.
 pub const FOUND: f64 = 0.95;
 
-/// Trials of noise.
+/// Number of noise trials.
 const TRIALS: u32 = 1000;
 
 /// The smallest step, m, up or down, that takes the residual of C1 (0) or C2 (1) of the cylinder of
 /// `index` beyond `threshold` within `horizon` cycles, its own among them, in [`FOUND`] of all places of the stored
 /// recording; `None` where there is none to try.
 ///
-/// A residual with a fault is the healthy one and the response to the fault: what is linear can be
-/// added. So every place has its own smallest step, and this is a quantile of them.
+/// Since everything is linear, a residual with a fault is the healthy one plus the response to the
+/// fault. Every place thus has its own smallest step, and this is a quantile of them.
 pub fn step(
     store: &Store,
     index: usize,
     transducer: usize,
-    design: &Design,
+    design: &ObserverDesign,
     threshold: f64,
     horizon: usize,
 ) -> Option<f64> {
@@ -49,7 +49,7 @@ pub fn step(
 /// The smallest amplitude, m, of noise as in (5-17), an amplitude times −1, 0 or 1 in every cycle, that
 /// takes a residual of zero beyond `threshold` within `horizon` cycles in [`FOUND`] of many trials; `None` if
 /// none does.
-pub fn noise(design: &Design, threshold: f64, horizon: usize) -> Option<f64> {
+pub fn noise(design: &ObserverDesign, threshold: f64, horizon: usize) -> Option<f64> {
     // The same trials every time: the result is a number, not a matter of luck.
     let mut random = ChaCha8Rng::seed_from_u64(517);
     let mut peaks: Vec<f64> = (0..TRIALS)

@@ -4,27 +4,27 @@ use super::CylinderModel;
 use super::pause::Pause;
 use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
-use tertius_core::observe::observer::{Design, Innovation, Measurement, Observer};
+use tertius_core::observe::observer::{Innovation, Measurement, Observer, ObserverDesign};
 
-/// Cycles of a stretch: half a minute at 50 Hz, so that settling is a small part of it.
+/// Length of a stretch, cycles: half a minute at 50 Hz, so that settling is a small part of it.
 const LENGTH: usize = 1500;
 
-/// Cycles of all cylinders together.
+/// Most cycles, all cylinders together.
 const MOST: usize = 400_000;
 
-/// What the observers of one cylinder get in one cycle.
+/// Inputs of one cylinder's observers in one cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cycle {
-    /// l̇_ctrl less the command's offset, m/s.
+    /// Control speed l̇_ctrl less the command's offset, m/s.
     pub command: Option<f64>,
-    /// Of C1 and C2.
+    /// Measurements of C1 and C2.
     pub measurements: [Option<(f64, Option<f64>)>; 2],
-    /// The platform is in a monitored state.
+    /// Whether the platform is in a monitored state.
     pub monitored: bool,
 }
 
 impl Cycle {
-    /// One that is missing.
+    /// A missing cycle.
     pub const NONE: Self = Self { command: None, measurements: [None; 2], monitored: false };
 
     pub fn new(row: &Row, command_offset: f64) -> Self {
@@ -35,7 +35,7 @@ impl Cycle {
         }
     }
 
-    /// Steps the observer of C1 (0) or C2 (1); its residual where it is judged, m.
+    /// Steps the observer of C1 (0) or C2 (1); returns its residual where it is judged, m.
     pub fn step(&self, observer: &mut Observer, transducer: usize) -> Option<f64> {
         let measurement = self.measurements[transducer]
             .map(|(position, velocity)| Measurement { position, velocity });
@@ -47,11 +47,11 @@ impl Cycle {
     }
 }
 
-/// Stretches of each cylinder, spread evenly over the recording; a few missing cycles are part of one.
+/// Stretches of each cylinder, spread evenly over the recording; a stretch may lack a few cycles.
 #[derive(Clone, Debug)]
 pub struct Store {
     offsets: Vec<f64>,
-    /// Missing cycles that are predicted over.
+    /// Most missing cycles that are predicted over, by cylinder.
     max_gaps: Vec<u32>,
     pauses: Vec<Pause>,
     open: Vec<Vec<Cycle>>,
@@ -70,18 +70,18 @@ impl Store {
         }
     }
 
-    /// Those of the cylinder of `index` (from 0). Within one, cycles follow each other.
+    /// Stretches of the cylinder of `index` (from 0). Within one, cycles follow each other.
     pub fn stretches(&self, index: usize) -> impl Iterator<Item = &[Cycle]> {
         self.stretches[index].samples().iter().map(Vec::as_slice)
     }
 
-    /// What is stored, cycles of all cylinders.
+    /// Number of stored cycles, all cylinders together.
     pub fn cycles(&self) -> usize {
         let stretches = self.stretches.iter().flat_map(Thinned::samples);
         stretches.map(Vec::len).sum()
     }
 
-    /// Ends every stretch: nothing more comes.
+    /// Ends every stretch, because nothing more comes.
     pub fn finish(&mut self) {
         (0..self.open.len()).for_each(|index| self.close(index));
     }
@@ -96,7 +96,7 @@ impl Store {
     /// The residuals of one stretch by `design`, as they are judged.
     pub fn residuals<'a>(
         stretch: &'a [Cycle],
-        design: &Design,
+        design: &ObserverDesign,
         transducer: usize,
     ) -> impl Iterator<Item = Option<f64>> + 'a {
         let mut observer = Observer::new(design.clone());

@@ -1,28 +1,27 @@
-//! Whether thresholds can be used, and what is to be said of them.
+//! Whether thresholds can be used, and remarks on them.
 
 use super::{Detector, LEAST_HIGH, Thresholds, Tuning};
 use crate::calibrate::watch::{Level, Sight, Watch};
 use crate::extremes::{HOURS_PER_YEAR, Tail, per_second};
 use tertius_config::settings::Settings;
 
-/// A threshold is at most this part of the difference at which the machine itself trips, …
+/// Largest threshold, as a part of the difference at which the machine itself trips.
 const LARGEST: f64 = 0.1;
 
-/// … unless the recording itself shows what comes as often as is asked for, a little more or less.
+/// Factor within which a larger threshold is accepted after all, if the recording itself shows such
+/// residuals at the wanted rate.
 const SHOWN: f64 = 1.05;
 
 impl Tuning {
-    /// A threshold beyond reach, or of nothing, is none.
+    /// Refuses a threshold that is out of reach, or that was made from nothing.
     ///
-    /// # Errors
-    /// Why, in words: then nothing is written.
+    /// # Errors The reason, in words; nothing may be written then.
     pub fn usable(&self, settings: &Settings) -> Result<(), String> {
         let Thresholds { high, hours, per_year, .. } = self.thresholds;
         let [low_end, high_end] = settings.machine.stroke;
         if high <= 0.0 {
-            return Err(
-                "the residuals are zero throughout: this is no recording of a machine".to_owned()
-            );
+            return Err("the residuals are zero throughout: this is not a recording of a machine"
+                .to_owned());
         }
         let critical = settings.comparator.critical;
         let farther = HOURS_PER_YEAR / per_year / hours;
@@ -35,10 +34,12 @@ impl Tuning {
             (rate / per_second(1.0)).ceil()
         };
         Err(format!(
-            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, a tenth of \
-         comparator.critical: the observers would hardly find what they are for. Record for longer than \
-         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the recording can \
-         speak of (--false-alarms-per-year): with {:.1} mm, the thesis's, it is about {:.0} a year, with \
+            "for {per_year} false alarms a year the threshold would be {:.1} mm, beyond {:.1} mm, \
+             a tenth of comparator.critical: the observers would hardly find any fault. Record for \
+            longer than \
+         {hours:.3} h, find a better model (`tertius identify`), or ask for a rate that the \
+         recording supports (--false-alarms-per-year): with the thesis's {:.1} mm it is about \
+         {:.0} a year, with \
          {:.1} mm about {:.0}, with the largest residual seen, {:.1} mm, about {:.0}",
             high * 1e3,
             LARGEST * critical * 1e3,
@@ -56,7 +57,7 @@ fn worst(tails: &[Tail]) -> f64 {
     tails.iter().map(|tail| tail.worst).fold(0.0, f64::max)
 }
 
-/// What to think of before these thresholds are used.
+/// Caveats of these thresholds.
 pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     let mut remarks = Vec::new();
     let heavy: Vec<&Detector> =
@@ -72,7 +73,7 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     if result.thresholds.high >= critical {
         remarks.push(format!(
             "the threshold of {:.1} mm is not below comparator.critical, {:.1} mm, where the machine \
-             itself trips: FDE1 and FDE2 then only tell which transducer it was",
+             itself trips: FDE1 and FDE2 then only tell which transducer has failed",
             result.thresholds.high * 1e3,
             critical * 1e3
         ));
@@ -87,14 +88,14 @@ pub(super) fn limits(result: &Tuning, critical: f64) -> Vec<String> {
     remarks
 }
 
-/// How remarks begin on the evidence that a detector with a level of its own has seen, …
+/// Beginning of remarks on the evidence that a detector with a level of its own has seen.
 pub const OF_A_LEVEL: &str = "sequential detector of cylinder";
 
-/// … and how they end where it was beyond that.
+/// Ending of such remarks where the evidence exceeded the level.
 pub const WOULD_HAVE_WARNED: &str = "; it would have warned: is that healthy?";
 
-/// The level of the detectors that have none of their own, where the recording supports one, and what
-/// is to be said of all of them.
+/// The level of the detectors that have none of their own, where the recording supports one, and
+/// remarks on all detectors.
 pub(super) fn sequential(
     settings: &Settings,
     watch: &Watch,
@@ -105,8 +106,8 @@ pub(super) fn sequential(
         let level = watch.level(per_year);
         let refused = level.filter(|level| !level.sound).map(|level| {
             format!(
-                "sequential detectors: {:.1} nats of evidence were seen, which no healthy machine has by \
-                 what it was calibrated to; no level is written: calibrate anew",
+                "sequential detectors: {:.1} nats of evidence were seen, which a healthy machine \
+                 would not have with these tables; no level is written: calibrate again",
                 level.worst
             )
         });

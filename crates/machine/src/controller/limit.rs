@@ -1,10 +1,11 @@
-//! A limit that is met without a kink.
+//! A limit without a kink.
 
-/// The part of the limit up to which nothing is changed.
+/// Part of the limit up to which nothing changes.
 const FREE: f64 = 0.9;
 
-/// `value` and its `rate` kept within ±`limit`: as they are up to nine tenths, from there on closer
-/// and closer to the limit. The rate stays the value's own, so that a cylinder can follow both.
+/// `value` and its `rate` kept within ±`limit`: unchanged up to nine tenths, and approaching the
+/// limit asymptotically from there on. The rate stays the value's derivative, so that a cylinder
+/// can follow both.
 pub fn soft(value: f64, rate: f64, limit: f64) -> (f64, f64) {
     let beyond = value.abs() - FREE * limit;
     if beyond <= 0.0 {

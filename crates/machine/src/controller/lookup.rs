@@ -2,14 +2,14 @@
 
 use crate::plant::Cylinder;
 
-/// Intervals of the table.
+/// Number of intervals of the table.
 const INTERVALS: usize = 64;
 
-/// Halvings of the spool's stroke: to 1e-12 of it.
+/// Number of halvings of the spool's stroke: to 1e-12 of it.
 const HALVINGS: usize = 40;
 
 /// The inverse of one cylinder's flow curve, as motion tests would give it: at its usual load and a
-/// steady supply pressure. Between its points it is straight, which the flow is not.
+/// steady supply pressure. It is linear between its points, which the flow is not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LookUp {
     spools: [f64; INTERVALS + 1],
@@ -36,7 +36,7 @@ impl LookUp {
         Self { spools: std::array::from_fn(|node| spool_for(speed(node))), limit }
     }
 
-    /// The spool position for `speed`, m/s; at the table's end for one beyond it.
+    /// The spool position for `speed`, m/s; beyond the table, its end.
     pub fn spool(&self, speed: f64) -> f64 {
         let place = (speed / self.limit + 1.0) * (INTERVALS as f64 / 2.0);
         // A speed that is no number lands at 0, the retracting end.

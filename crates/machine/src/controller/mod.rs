@@ -5,8 +5,8 @@
 //!                                     C1, l̇, P_L ──↑
 //! ```
 //!
-//! It stands in for the real one in simulations. Nothing in the monitor uses it, and it switches
-//! nothing itself: the platform goes to the state that it is asked for.
+//! It replaces the real controller in simulations. Nothing in the monitor uses it, and it switches
+//! nothing itself: the platform goes to the state that is requested.
 
 mod limit;
 mod lookup;
@@ -25,48 +25,50 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerTable {
-    /// Position feedback, 1/s.
+    /// Gain of the position feedback, 1/s.
     pub position: f64,
-    /// Velocity feedback, 1.
+    /// Gain of the velocity feedback, 1.
     pub velocity: f64,
-    /// Feedback of what of the load pressure changes fast, m/s per bar.
+    /// Gain of the feedback of fast changes of the load pressure, m/s per bar.
     pub pressure: f64,
-    /// What is slower than this is the load and is not fed back, s.
+    /// Time constant above which a change of the load pressure is the load's and is not fed back,
+    /// s.
     pub pressure_time: f64,
-    /// Of the control speed, m/s.
+    /// Limit of the control speed, m/s.
     pub speed_limit: f64,
-    /// Of the reference: the workspace, m.
+    /// Limit of the reference, the workspace, m.
     pub stroke_limit: f64,
-    /// From Sync until a new command reaches the valve, s.
+    /// Time from Sync until a new command reaches the valve, s.
     pub latency: f64,
-    /// Spool position of the safe state, by the valve's springs: −10 % (section 2-2-1).
+    /// Spool position of the safe state, set by the valve's springs: −10 % (section 2-2-1).
     pub safe_spool: f64,
-    /// The control speed that keeps settled cylinders retracted, m/s.
+    /// Control speed that keeps settled cylinders retracted, m/s.
     pub settled_speed: f64,
-    /// From one platform state to the next, s.
+    /// Time from one platform state to the next, s.
     pub transition: f64,
-    /// The least that the platform stays in a state, s.
+    /// Least time that the platform stays in a state, s.
     pub dwell: f64,
 }
 
 /// What the controller measures in a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Readings {
-    /// C1, m.
+    /// C1 of each cylinder, m.
     pub lengths: [f64; LEGS],
-    /// m/s.
+    /// Velocity of each cylinder, m/s.
     pub speeds: [f64; LEGS],
-    /// P_L, bar.
+    /// P_L of each cylinder, bar.
     pub pressures: [f64; LEGS],
-    /// The vessel, by the motion sensor.
+    /// Pose of the vessel, by the motion sensor.
     pub pose: Pose,
+    /// Rate of the vessel's pose, by the motion sensor.
     pub rate: Rate,
 }
 
 /// What the controller commands for a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Commands {
-    /// u, the control speed l̇_ctrl, m/s.
+    /// Control speed u = l̇_ctrl of each cylinder, m/s.
     pub speeds: [f64; LEGS],
     /// Spool positions, −1 to 1.
     pub spools: [f64; LEGS],
@@ -80,9 +82,9 @@ pub struct Controller {
     look_ups: [LookUp; LEGS],
     plc: Plc,
     retracted: f64,
-    /// The slow part of the load pressures, bar; `None` before the first reading.
+    /// Slow part of the load pressures, bar; `None` before the first reading.
     loads: Option<[f64; LEGS]>,
-    /// How far the slow part follows in a sample.
+    /// Part of a difference that the slow part follows in one sample.
     follow: f64,
 }
 
@@ -107,7 +109,7 @@ impl Controller {
         }
     }
 
-    /// The platform goes to `state`, through those in between.
+    /// Requests `state`; the platform passes through those in between.
     pub fn request(&mut self, state: State) {
         self.plc.request(state);
     }
@@ -122,7 +124,7 @@ impl Controller {
         Reference::engaged(&self.hexapod, pose, rate, self.table.stroke_limit)
     }
 
-    /// One cycle: what `readings` lead to.
+    /// Runs one cycle: the commands that follow from `readings`.
     pub fn step(&mut self, readings: &Readings) -> Commands {
         let changes = self.pressure_changes(&readings.pressures);
         let phase = self.plc.step();
@@ -169,7 +171,7 @@ impl Controller {
         Commands { speeds, spools: self.spools(&speeds) }
     }
 
-    /// What of the load pressures is not the load.
+    /// Load pressures without their slow part, which is the load.
     fn pressure_changes(&mut self, pressures: &[f64; LEGS]) -> [f64; LEGS] {
         let loads = self.loads.get_or_insert(*pressures);
         std::array::from_fn(|leg| {

@@ -1,13 +1,13 @@
 //! The platform's states and the way between them (section 2-2-1, Figure 2-4).
 
-/// A state of the platform; each is the neighbour of those beside it.
+/// A state of the platform; only neighbouring states follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum State {
     /// The valves' springs keep the cylinders retracted; the loop is open.
     Safe,
     /// The cylinders are kept retracted by a constant command.
     Settled,
-    /// All cylinders at half their stroke.
+    /// All cylinders stand at half their stroke.
     Neutral,
     /// The vessel's motion is compensated.
     Engaged,
@@ -15,11 +15,12 @@ pub enum State {
 
 const STATES: [State; 4] = [State::Safe, State::Settled, State::Neutral, State::Engaged];
 
-/// Where the platform is in a cycle.
+/// Phase of the platform in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     At(State),
-    /// On the way: `progress` of it is done, 0 to 1, and `rate` is its derivative, 1/s.
+    /// The platform is between two states: `progress`, 0 to 1, is done, and `rate` is its
+    /// derivative, 1/s.
     Between {
         from: State,
         to: State,
@@ -28,7 +29,7 @@ pub enum Phase {
     },
 }
 
-/// The sequence of states, moved by time alone.
+/// The sequence of states, driven by time alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plc {
     from: State,
@@ -42,15 +43,16 @@ pub struct Plc {
 }
 
 impl Plc {
-    /// In `state`; a transition takes `transition` seconds, and a state is kept for `dwell` seconds.
+    /// A PLC in `state`; a transition takes `transition` seconds, and a state is kept for `dwell`
+    /// seconds.
     pub fn new(state: State, transition: f64, dwell: f64, sample_time: f64) -> Self {
         let samples = |seconds: f64| (seconds / sample_time).round() as u32;
         let (transition, dwell) = (samples(transition).max(1), samples(dwell));
         Self { from: state, to: state, wanted: state, samples: 0, transition, dwell, sample_time }
     }
 
-    /// The platform goes to `state`, through those in between. Safe is reached from anywhere at
-    /// once: the valves are let go.
+    /// Requests `state`; the platform passes through those in between. Safe is reached at once from
+    /// anywhere: the valves are released.
     pub fn request(&mut self, state: State) {
         self.wanted = state;
         if state == State::Safe {
@@ -58,12 +60,13 @@ impl Plc {
         }
     }
 
-    /// What is reported: on the way the lower of both, as the higher is not reached or left.
+    /// The state that is reported: during a transition the lower of both, since the higher is not
+    /// yet reached or already left.
     pub fn state(&self) -> State {
         self.from.min(self.to)
     }
 
-    /// The phase of this cycle; then time goes on by a sample.
+    /// The phase of this cycle; time then advances by one sample.
     pub fn step(&mut self) -> Phase {
         if self.from == self.to {
             if self.wanted != self.to && self.samples >= self.dwell {
@@ -79,7 +82,8 @@ impl Plc {
         phase
     }
 
-    /// Safe and settled differ in who holds the cylinders, not in where they are.
+    /// Duration of a transition, samples. Safe and settled differ in what holds the cylinders, not
+    /// in their position.
     fn transition_time(&self) -> u32 {
         if self.from.min(self.to) == State::Safe { 0 } else { self.transition }
     }

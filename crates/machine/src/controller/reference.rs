@@ -1,14 +1,14 @@
 //! Reference lengths and velocities: the reference generator of Figure 2-3.
 
 use super::limit::soft;
-use crate::hexapod::{Hexapod, LEGS, Legs, Motion, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, LEGS, Legs, Pose, Rate};
 
-/// What the cylinders should do.
+/// Reference motion of the cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
-    /// m.
+    /// Reference lengths, m.
     pub lengths: [f64; LEGS],
-    /// m/s.
+    /// Reference velocities, m/s.
     pub speeds: [f64; LEGS],
 }
 
@@ -18,21 +18,23 @@ impl Reference {
         Self { lengths: [length; LEGS], speeds: [0.0; LEGS] }
     }
 
-    /// The deck stands still over a vessel that moves so; kept within ±`limit`, m.
+    /// The reference with which the deck stands still above a vessel in this motion; kept within
+    /// ±`limit`, m.
     pub fn engaged(hexapod: &Hexapod, pose: &Pose, rate: &Rate, limit: f64) -> Self {
         let deck = hexapod.neutral();
         let legs = Legs::new(hexapod, pose, &deck);
         let mut lengths = legs.strokes(hexapod);
         let still = Rate::default();
         let mut speeds =
-            legs.velocities(Motion { pose, rate }, Motion { pose: &deck, rate: &still });
+            legs.velocities(FrameMotion { pose, rate }, FrameMotion { pose: &deck, rate: &still });
         for (length, speed) in lengths.iter_mut().zip(&mut speeds) {
             (*length, *speed) = soft(*length, *speed, limit);
         }
         Self { lengths, speeds }
     }
 
-    /// `progress` (0 to 1) of the way from one to another, itself moving at `rate`, 1/s.
+    /// The reference at `progress` (0 to 1) of the way from one to another; `progress` changes by
+    /// `rate`, 1/s.
     pub fn between(from: &Self, to: &Self, progress: f64, rate: f64) -> Self {
         let mix = |from: f64, to: f64| from + progress * (to - from);
         Self {

@@ -3,29 +3,29 @@
 use super::{Hexapod, KinematicsError, LEGS, Legs, Pose};
 use nalgebra::{SMatrix, SVector};
 
-/// Newton–Raphson ends after so many steps; from anywhere within the workspace it needs about five.
+/// Most Newton–Raphson steps; from anywhere within the workspace about five are needed.
 pub const MAX_ITERATIONS: usize = 30;
 
-/// It has converged when a step is shorter than this, m and rad. What a further step would change
-/// is this squared.
+/// Length of a step below which the iteration has converged, m and rad. A further step would change
+/// the result by the square of this.
 const LAST_STEP: f64 = 1e-9;
 
-/// Below this the determinant of the Jacobian, rows scaled to length 1, counts as zero: 1e-5 rad
+/// Determinant of the Jacobian, rows scaled to length 1, below which it counts as zero: 1e-5 rad
 /// from a singular pose.
 const SINGULAR: f64 = 1e-6;
 
-/// A pose that has the lengths asked for.
+/// A pose that has the wanted lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Of the deck in the base's frame.
+    /// Pose of the deck in the base's frame.
     pub pose: Pose,
     pub iterations: usize,
 }
 
 impl Hexapod {
     /// Finds the deck's pose in the base's frame from the strokes, m, beginning at `guess`
-    /// to. Of the up to 40 poses that have these lengths it is the one that the guess leads
-    /// to: the neutral pose, or that of the sample before.
+    /// to. Up to 40 poses have these lengths; the guess (the neutral pose, or that of the
+    /// sample before) determines which one is found.
     ///
     /// # Errors
     /// Strokes beyond the reach, lengths that no pose has, and singular poses on the way.

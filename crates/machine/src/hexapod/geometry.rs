@@ -1,25 +1,25 @@
-//! Where the gimbals are.
+//! Positions of the gimbals.
 
 use super::{KinematicsError, LEGS, Pose, inverse};
 use nalgebra::Vector3;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
-/// The measures of a hexapod with three pairs of gimbals on a circle at each end. Every leg leads
+/// Dimensions of a hexapod with three pairs of gimbals on a circle at each end. Every leg leads
 /// from a base pair to the deck's pair beside it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Geometry {
-    /// Of the base gimbals' circle, m.
+    /// Radius of the circle of the base gimbals, m.
     pub base_radius: f64,
     /// Half of the angle between the two gimbals of a pair, rad.
     pub base_half_angle: f64,
-    /// Of the deck gimbals' circle, m.
+    /// Radius of the circle of the deck gimbals, m.
     pub top_radius: f64,
     pub top_half_angle: f64,
-    /// The deck above the base at half of its greatest heave, where all strokes are 0, m.
+    /// Height of the deck above the base at half of its greatest heave, where all strokes are 0, m.
     pub neutral_height: f64,
-    /// Strokes that the cylinders reach, \[retracted, extended\], m.
+    /// Strokes within the cylinders' reach, \[retracted, extended\], m.
     pub reach: [f64; 2],
 }
 
@@ -35,7 +35,7 @@ pub struct Hexapod {
 }
 
 impl Hexapod {
-    /// The hexapod with these measures; they are taken as they are.
+    /// The hexapod with these dimensions, which are not checked.
     pub fn new(geometry: &Geometry) -> Self {
         let third = TAU / 3.0;
         // Even legs stand on the right of their base pair and lean to the deck's pair there.
@@ -86,8 +86,7 @@ impl Hexapod {
 
     /// Whether all strokes are within the reach.
     ///
-    /// # Errors
-    /// The first cylinder whose stroke is not.
+    /// # Errors The first cylinder whose stroke is outside.
     pub fn check(&self, strokes: &[f64; LEGS]) -> Result<(), KinematicsError> {
         let [low, high] = self.reach;
         match strokes.iter().position(|stroke| !(low..=high).contains(stroke)) {
@@ -104,8 +103,7 @@ impl Hexapod {
     /// the strokes that hold the deck at `top` over a base at `base`, both poses in the
     /// same frame, m.
     ///
-    /// # Errors
-    /// If a cylinder does not reach that far.
+    /// # Errors A cylinder does not reach that far.
     pub fn inverse(&self, base: &Pose, top: &Pose) -> Result<[f64; LEGS], KinematicsError> {
         let strokes = inverse::Legs::new(self, base, top).strokes(self);
         self.check(&strokes)?;

@@ -16,7 +16,7 @@ pub struct Legs {
 }
 
 impl Legs {
-    /// to. Nothing is checked: see [`Hexapod::inverse`].
+    /// Legs between `base` and `top`, (A-4) to. Nothing is checked: see [`Hexapod::inverse`].
     pub fn new(hexapod: &Hexapod, base: &Pose, top: &Pose) -> Self {
         let (base_turn, top_turn) = (base.rotation(), top.rotation());
         let apart = top.translation - base.translation;
@@ -29,14 +29,15 @@ impl Legs {
         Self { directions, lengths, base_arms, top_arms }
     }
 
-    /// m.
+    /// Strokes, m.
     pub fn strokes(&self, hexapod: &Hexapod) -> [f64; LEGS] {
         self.lengths.map(|length| length - hexapod.neutral_length())
     }
 
-    /// ℓ̇ᵢ, m/s, while base and deck move, (A-13). Each turns its own arms, so (A-14)'s
-    /// J(ẋ − ẋₛ) is this only where both frames have one origin.
-    pub fn velocities(&self, base: Motion<'_>, top: Motion<'_>) -> [f64; LEGS] {
+    /// Velocities ℓ̇ᵢ of the cylinders while base and deck move, m/s, (A-13). Each motion
+    /// turns its own arms, so this equals (A-14)'s J(ẋ − ẋₛ) only where both frames have the same
+    /// origin.
+    pub fn velocities(&self, base: FrameMotion<'_>, top: FrameMotion<'_>) -> [f64; LEGS] {
         let apart = top.rate.translation - base.rate.translation;
         let (base_spin, top_spin) = (base.spin(), top.spin());
         std::array::from_fn(|leg| {
@@ -46,8 +47,8 @@ impl Legs {
         })
     }
 
-    /// 6×6: takes the deck's velocity and angular velocity (m/s, rad/s) to the cylinders'
-    /// velocities, the base at rest.
+    /// The Jacobian, 6×6: from the deck's velocity and angular velocity (m/s, rad/s) to the
+    /// cylinders' velocities, with the base at rest.
     pub fn jacobian(&self) -> SMatrix<f64, LEGS, LEGS> {
         let mut jacobian = SMatrix::<f64, LEGS, LEGS>::zeros();
         for leg in 0..LEGS {
@@ -60,14 +61,14 @@ impl Legs {
     }
 }
 
-/// A frame on the move.
+/// A moving frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<'a> {
+pub struct FrameMotion<'a> {
     pub pose: &'a Pose,
     pub rate: &'a Rate,
 }
 
-impl Motion<'_> {
+impl FrameMotion<'_> {
     fn spin(&self) -> Vector3<f64> {
         self.pose.angular_velocity(self.rate)
     }

@@ -15,7 +15,7 @@ mod pose;
 
 pub use forward::{MAX_ITERATIONS, Solution};
 pub use geometry::{Geometry, Hexapod};
-pub use inverse::{Legs, Motion};
+pub use inverse::{FrameMotion, Legs};
 pub use pose::{Pose, Rate};
 
 /// Legs of a hexapod.
@@ -30,13 +30,13 @@ pub enum KinematicsError {
         .reach[0], .reach[1]
     )]
     Unreachable {
-        /// From 1.
+        /// Cylinder number, counted from 1.
         cylinder: usize,
         stroke: f64,
         reach: [f64; 2],
     },
-    /// At this pose the lengths do not determine a motion: the deck can move though all cylinders
-    /// stand still, or none of them can hold it.
+    /// At this pose the lengths do not determine the motion: the deck can move although all
+    /// cylinders stand still, or the cylinders cannot hold it.
     #[error("the pose is singular: the cylinders' lengths do not determine it")]
     Singular,
     /// Newton–Raphson found no pose with these lengths.

@@ -14,9 +14,10 @@ pub struct Pose {
 /// How a [`Pose`] changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
-    /// m/s.
+    /// Rate of the translation, m/s.
     pub translation: Vector3<f64>,
-    /// φ̇, θ̇, ψ̇, rad/s; not an angular velocity, see [`Pose::angular_velocity`].
+    /// Rates of the angles φ̇, θ̇, ψ̇, rad/s; not an angular velocity, see
+    /// [`Pose::angular_velocity`].
     pub attitude: Vector3<f64>,
 }
 
@@ -33,7 +34,7 @@ impl Default for Rate {
 }
 
 impl Pose {
-    /// From surge, sway, heave, m, and roll, pitch, yaw, rad.
+    /// A pose from surge, sway, heave, m, and roll, pitch, yaw, rad.
     pub fn new(translation: [f64; 3], attitude: [f64; 3]) -> Self {
         Self { translation: translation.into(), attitude: attitude.into() }
     }
@@ -42,8 +43,8 @@ impl Pose {
         self.translation.iter().chain(&self.attitude).all(|number| number.is_finite())
     }
 
-    /// takes coordinates of the body to those of the outer frame; first yaw, then pitch,
-    /// then roll, each about the axis that the turns before have left.
+    /// Rotation matrix from coordinates of the body to those of the outer frame: first yaw,
+    /// then pitch, then roll, each about the axis left by the earlier turns.
     pub fn rotation(&self) -> Matrix3<f64> {
         let [roll, pitch, yaw] = self.attitude.into();
         let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
@@ -60,7 +61,7 @@ impl Pose {
         )
     }
 
-    /// Columns: the axes, in the outer frame, about which roll, pitch and yaw turn at this pose.
+    /// Axes, as columns in the outer frame, about which roll, pitch and yaw turn at this pose.
     /// Singular where pitch is ±90°.
     pub fn axes(&self) -> Matrix3<f64> {
         let (sp, cp) = self.attitude[1].sin_cos();

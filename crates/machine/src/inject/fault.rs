@@ -1,4 +1,4 @@
-//! A fault as a person asks for it: `step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65`.
+//! A fault as a person writes it: `step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65`.
 
 use super::kind::{Key, Kind, Rule, nearest};
 use super::shape::{Code, Shape, Window};
@@ -22,25 +22,25 @@ pub const SENSORS: [&str; 11] = [
 /// A fault of one signal of one cylinder, not yet placed on the bus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// From 1.
+    /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// One of [`SENSORS`].
+    /// Sensor with the fault, one of [`SENSORS`].
     pub sensor: &'static str,
     pub wanted: Wanted,
     pub window: Window,
 }
 
-/// What is asked for; some of it depends on the signal.
+/// The requested fault, some of which depends on the signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wanted {
     Shape(Shape),
-    /// `None`: just above the valid range.
+    /// A value out of range; `None`: just above the valid range.
     OutOfRange(Option<Code>),
-    /// The raw code; `None`: the one that is configured.
+    /// A broken wire's raw code; `None`: the one that is configured.
     BrokenWire(Option<i64>),
 }
 
-/// What is wrong with the words of a fault: what was found, and what was expected.
+/// What is wrong with the text of a fault: what was found, and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     #[error(
@@ -92,13 +92,13 @@ impl Fault {
         let mut parts = text.split(',').map(str::trim);
         // `split` gives at least one part.
         let kind = find_kind(parts.next().unwrap_or_default())?;
-        let mut words = Words::new(kind);
+        let mut values = KeyValues::new(kind);
         for part in parts {
             let form = || SpecError::Form { given: part.to_owned() };
             let (key, value) = part.split_once('=').ok_or_else(form)?;
-            words.add(key.trim(), value.trim())?;
+            values.add(key.trim(), value.trim())?;
         }
-        words.fault()
+        values.fault()
     }
 }
 
@@ -111,12 +111,12 @@ pub(super) fn find_kind(given: &str) -> Result<&'static Kind, SpecError> {
 }
 
 /// The keys and values that were given for a kind.
-pub(super) struct Words<'a> {
+pub(super) struct KeyValues<'a> {
     kind: &'static Kind,
     given: Vec<(&'static str, &'a str)>,
 }
 
-impl<'a> Words<'a> {
+impl<'a> KeyValues<'a> {
     pub fn new(kind: &'static Kind) -> Self {
         Self { kind, given: Vec::new() }
     }

@@ -9,18 +9,18 @@ use tertius_core::decode::{Decoded, Inserted, SignalPlan};
 use tertius_core::frame::{Frame, Id, Kind};
 use tertius_core::time::{Span, Timestamp};
 
-/// Puts faults into frames, which it takes one by one. Nothing is allocated once it is made.
+/// Puts faults into frames, one frame at a time. It allocates only when it is made.
 #[derive(Clone, Debug)]
 pub struct Injector {
-    /// By identifier.
+    /// Messages with faults, sorted by identifier.
     lines: Vec<Line>,
     tallies: Vec<Tally>,
     first: Option<Timestamp>,
-    /// The frame that is passed on in the place of one with a fault.
+    /// The frame that replaces one with a fault.
     changed: Frame,
 }
 
-/// What happens to one message, in order.
+/// Faults of one message, in the order in which they act.
 #[derive(Clone, Debug)]
 struct Line {
     id: Id,
@@ -29,34 +29,34 @@ struct Line {
 
 #[derive(Clone, Debug)]
 enum Stage {
-    /// Faults of one signal that are applied to its value together, and rounded once.
+    /// Faults of one signal, applied to its value together and rounded once.
     Signal {
         plan: SignalPlan,
         faults: Vec<Active>,
     },
-    /// The payload is repeated.
+    /// Repetition of the whole payload.
     Stale(Active, Option<Frame>),
     Loss(Active, f64),
 }
 
-/// Of the frame that nothing was put into yet.
+/// Identifier of [`Injector::changed`] before the first frame with a fault.
 const NO_ID: Id = Id::standard(0).expect("0 has at most 11 bits");
 
 /// One fault at work.
 #[derive(Clone, Debug)]
 struct Active {
-    /// Among the tallies.
+    /// Index of the fault's tally.
     index: usize,
     shape: Shape,
     window: Window,
     rng: ChaCha8Rng,
-    /// Of a freeze: what is held.
+    /// Reading that a freeze holds.
     held: Option<Reading>,
 }
 
 impl Injector {
-    /// An injector of `faults`, which act in this order where they meet. Each draws from a stream
-    /// of its own of `seed`, so that one fault more does not change the others.
+    /// An injector of `faults`, which act in this order where they meet. Each draws from its own
+    /// stream of `seed`, so that another fault does not change the earlier ones.
     pub fn new(faults: &[Placed], seed: u64) -> Self {
         let mut lines: Vec<Line> = Vec::new();
         for (index, placed) in faults.iter().enumerate() {
@@ -78,15 +78,15 @@ impl Injector {
         }
     }
 
-    /// Takes the next frame and gives the frame to pass on in its place; `None` if it is lost. The
+    /// Takes the next frame and returns the frame to pass on instead; `None` if it is lost. The
     /// first frame of all, whatever it is, starts the time of the faults.
     pub fn take<'a>(&'a mut self, frame: &'a Frame) -> Option<&'a Frame> {
         self.take_measured(frame, |_| None)
     }
 
-    /// As [`Self::take`], where it is known what the transducers had before they rounded it to the
-    /// counts of `frame`: a fault of a transducer adds to that, so that a quarter of a count is one
-    /// count in every fourth reading, and not nothing.
+    /// Takes the next frame as [`Self::take`] does, where the transducers' lengths before their
+    /// rounding to the counts of `frame` are known. A fault of a transducer adds to those lengths,
+    /// so that a quarter of a count changes every fourth reading by one count instead of none.
     pub fn take_measured<'a>(
         &'a mut self,
         frame: &'a Frame,
@@ -109,7 +109,7 @@ impl Injector {
         Some(&self.changed)
     }
 
-    /// What became of each fault so far, in the order in which they were given.
+    /// Tallies of all faults so far, in the order in which the faults were given.
     pub fn tallies(&self) -> &[Tally] {
         &self.tallies
     }
@@ -124,8 +124,9 @@ impl Line {
         }
     }
 
-    /// Faults of one signal share a stage, unless one of the whole message stands between them:
-    /// other signals have other bits, so the order among signals does not matter.
+    /// Adds a fault of a signal. Faults of one signal share a stage, unless a fault of the whole
+    /// message stands between them. The order among signals does not matter, since they have
+    /// different bits.
     fn add_to_signal(&mut self, active: Active, plan: &SignalPlan) {
         for stage in self.stages.iter_mut().rev() {
             match stage {
@@ -141,7 +142,7 @@ impl Line {
 }
 
 impl Stage {
-    /// Applies the stage to `frame`; `false` if it is lost.
+    /// Applies the stage to `frame`; returns `false` if it is lost.
     fn apply(
         &mut self,
         elapsed: Span,
@@ -218,7 +219,7 @@ fn change(
 }
 
 impl Active {
-    /// Applies the fault to `reading`; whether there was anything to do.
+    /// Applies the fault to `reading`; returns whether there was anything to do.
     fn apply(
         &mut self,
         plan: &SignalPlan,

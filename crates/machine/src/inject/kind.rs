@@ -1,17 +1,17 @@
-//! The kinds of faults that a person can ask for, with their keys.
+//! The kinds of faults that can be requested, with their keys.
 
 /// A key of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Key {
     pub name: &'static str,
-    /// What it is, with its unit.
+    /// Meaning of the key, with its unit.
     pub what: &'static str,
     pub rule: Rule,
-    /// `None`: the key must be given, or may be left out as its kind has it.
+    /// Default; `None`: the key must be given, or its kind says what its absence means.
     pub default: Option<f64>,
 }
 
-/// Which numbers are sound.
+/// Rule for valid numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
     Finite,
@@ -22,7 +22,7 @@ pub(super) enum Rule {
 }
 
 impl Rule {
-    /// What a sound number is, for people.
+    /// What a valid number is, for people.
     pub const fn expected(self) -> &'static str {
         match self {
             Self::Finite => "a number without unit, such as 0.00175 or -2e-3",
@@ -37,7 +37,7 @@ impl Rule {
 #[derive(Debug, PartialEq)]
 pub(super) struct Kind {
     pub name: &'static str,
-    /// Another name, in use elsewhere.
+    /// Another name for the kind, in use elsewhere.
     pub alias: Option<&'static str>,
     pub what: &'static str,
     pub keys: &'static [Key],
@@ -59,7 +59,7 @@ pub(super) const KINDS: [Kind; 11] = [
     Kind {
         name: "noise",
         alias: None,
-        what: "Type II: adds size × −1, 0 or 1, drawn anew each frame",
+        what: "Type II: adds size × −1, 0 or 1, drawn for each frame",
         keys: &[key("size", "m", Rule::Finite, None)],
     },
     Kind {
@@ -122,7 +122,7 @@ pub(super) const KINDS: [Kind; 11] = [
     },
 ];
 
-/// Keys of every kind.
+/// Keys that every kind has.
 pub(super) const COMMON: [&str; 4] = ["cylinder", "sensor", "at", "until"];
 
 impl Kind {
@@ -136,13 +136,13 @@ impl Kind {
         self.keys.iter().find(|key| key.name == name)
     }
 
-    /// All keys that it may have.
+    /// All keys that this kind may have.
     pub fn keys(&self) -> impl Iterator<Item = &'static str> {
         COMMON.into_iter().chain(self.keys.iter().map(|key| key.name))
     }
 }
 
-/// The kinds with their keys and units, a line each, for a person.
+/// All kinds with their keys and units, one line each, for a person.
 pub fn grammar() -> String {
     let mut text = String::new();
     for kind in &KINDS {

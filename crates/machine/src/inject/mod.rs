@@ -4,14 +4,14 @@
 //! text ─ Fault ─→ place ─ Placed ─→ Injector: frames in, frames out
 //! ```
 //!
-//! [`Fault::parse`] and [`table::parse`] read what a person asks for, [`place()`] finds the signals
-//! by configuration and DBC, and [`Injector`] changes frames one by one: only the bits of the
-//! signals that have a fault, and no time stamp. It is pure: time comes with the frames, and
-//! whatever is random comes from a seed, so that the same seed gives the same bytes.
+//! [`Fault::parse`] and [`table::parse`] read requested faults, [`place()`] finds their signals by
+//! configuration and DBC, and [`Injector`] changes frames one by one: only the bits of signals with
+//! a fault, and no time stamp. It is pure: time comes with the frames and randomness from a seed,
+//! so that the same seed gives the same bytes.
 //!
 //! A fault is added after the event: the machine's controller did not see it, so the motion in the
-//! recording does not answer to it. Where more is known than frames, as of a simulated machine, a fault of a
-//! transducer is in its length before that is rounded to counts.
+//! recording does not answer to it. On a simulated machine, where the exact lengths are known, a
+//! fault of a transducer is added to the length before it is rounded to counts.
 
 mod fault;
 mod injector;

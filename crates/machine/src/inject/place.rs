@@ -1,4 +1,4 @@
-//! Where on the bus a fault is: the signal of the configuration and its DBC.
+//! Finds where on the bus a fault is: the configured signal and its DBC.
 
 use super::fault::{Fault, Wanted};
 use super::kind::nearest;
@@ -18,7 +18,7 @@ pub struct Placed {
     pub window: Window,
 }
 
-/// Why a fault has no place on this machine.
+/// Why a fault cannot be placed on this machine.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlaceError {
     #[error("there is no cylinder {given}; the configuration has cylinders 1 to {cylinders}")]
@@ -42,13 +42,12 @@ pub enum PlaceError {
     WithinRange { signal: String, reading: String, valid: String },
 }
 
-/// The code of an S7 analogue input's overflow, where nothing is configured.
+/// Overflow code of an S7 analogue input, used where none is configured.
 const BROKEN_WIRE: i64 = 32767;
 
 /// Finds the signal of `fault`.
 ///
-/// # Errors
-/// If the machine does not have it, or it cannot be out of range as asked.
+/// # Errors The machine does not have the signal, or it cannot be out of range as requested.
 pub fn place(
     fault: &Fault,
     settings: &Settings,
@@ -86,11 +85,11 @@ pub fn place(
     Ok(Placed { id: message.id, plan: signal.plan.clone(), shape, window: fault.window })
 }
 
-/// What the monitor takes for valid.
+/// The range that the monitor takes for valid.
 struct Valid {
-    /// Raw codes, both inclusive.
+    /// Range of raw codes, both ends inclusive.
     codes: Option<[i64; 2]>,
-    /// In the signal's unit, both inclusive.
+    /// Range of values in the signal's unit, both ends inclusive.
     values: Option<[f64; 2]>,
 }
 
@@ -103,7 +102,7 @@ impl Valid {
         Self { codes, values: Some(settings.valid_lengths(signal)) }
     }
 
-    /// The value asked for, or one just above the range; refused where it would be within.
+    /// The requested value, or one just above the range; refused if it is within the range.
     fn beyond(
         &self,
         name: &str,
@@ -140,7 +139,7 @@ impl Valid {
     }
 }
 
-/// What a frame with `code` reads: the raw number of an integer signal, and the value.
+/// The reading of a frame with `code`: the raw number of an integer signal, and the value.
 fn as_read(plan: &SignalPlan, code: Code) -> (Option<i128>, f64) {
     let wanted = match code {
         Code::Raw(raw) => raw as f64,

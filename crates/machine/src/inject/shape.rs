@@ -1,4 +1,4 @@
-//! What a fault does to a reading, and when.
+//! How and when a fault changes a reading.
 
 use crate::transducer::Grid;
 use rand::RngExt;
@@ -6,12 +6,12 @@ use rand_chacha::ChaCha8Rng;
 use tertius_core::decode::Raw;
 use tertius_core::time::Span;
 
-/// A value to put in the place of a reading.
+/// A value that replaces a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Code {
-    /// As it stands in the frame.
+    /// Raw number as in the frame.
     Raw(i64),
-    /// In the signal's unit.
+    /// Value in the signal's unit.
     Physical(f64),
 }
 
@@ -20,7 +20,7 @@ pub enum Code {
 pub enum Shape {
     /// Type I (5-15): adds `size`.
     Step { size: f64 },
-    /// Type II (5-17): adds `size` times a random integer of {−1, 0, 1}, a new one each frame.
+    /// Type II (5-17): adds `size` times a random integer of {−1, 0, 1}, drawn for each frame.
     Noise { size: f64 },
     /// Type III (5-18), (5-19): adds size · (1 − (1 + b)^−(t − t0)), t in **seconds**.
     Incipient { size: f64, b: f64 },
@@ -32,7 +32,7 @@ pub enum Shape {
     Freeze,
     /// Adds `size` to single frames, each with `probability`.
     Spike { size: f64, probability: f64 },
-    /// Always this value: a broken wire's code, a value out of range.
+    /// Replaces the reading with this value: a broken wire's code, or a value out of range.
     Constant(Code),
     /// Repeats the whole payload of the last frame before the fault, its alive counter included.
     Stale,
@@ -40,16 +40,16 @@ pub enum Shape {
     Loss { probability: f64 },
 }
 
-/// When a fault is there, counted from the first frame: `from` inclusive, `until` exclusive.
+/// Time of a fault after the first frame: `from` inclusive, `until` exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     pub from: Span,
-    /// `None`: to the end.
+    /// End of the fault; `None`: the end of the recording.
     pub until: Option<Span>,
 }
 
 impl Window {
-    /// The time since the fault's beginning, s, if it is there `elapsed` after the first frame.
+    /// Time since the fault's beginning, s, if it is active `elapsed` after the first frame.
     pub fn age(&self, elapsed: Span) -> Option<f64> {
         let there = elapsed >= self.from && self.until.is_none_or(|until| elapsed < until);
         let age = elapsed.as_nanos().saturating_sub(self.from.as_nanos());
@@ -57,7 +57,7 @@ impl Window {
     }
 }
 
-/// A reading as its transducer has it before it rounds it to counts, m.
+/// A transducer's reading before it is rounded to counts, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unrounded {
     pub length: f64,
@@ -67,17 +67,17 @@ pub struct Unrounded {
 /// A reading on its way through the faults of its signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reading {
-    /// In the signal's unit.
+    /// Value in the signal's unit.
     pub physical: f64,
-    /// As it stands in a frame; `None` once something was added, which is rounded only at the end.
+    /// Raw number as in a frame; `None` once something was added, as rounding comes last.
     pub raw: Option<Raw>,
-    /// What its transducer rounds it to, before it is rounded for the frame; `None` where that is not
-    /// known, or where no transducer reads any more.
+    /// Grid to which the transducer rounds before the value is rounded for the frame; `None` where
+    /// it is not known, or where the value is no longer the transducer's.
     pub grid: Option<Grid>,
 }
 
 impl Reading {
-    /// Rounded as its transducer does, in the signal's unit.
+    /// The value as its transducer rounds it, in the signal's unit.
     pub fn rounded(&self) -> f64 {
         self.grid.map_or(self.physical, |grid| grid.nearest(self.physical))
     }

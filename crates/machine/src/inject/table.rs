@@ -1,19 +1,19 @@
-//! Faults in a table: `cylinder,sensor,kind,t0,magnitude,parameter,t1`, a line each.
+//! Faults in a table: `cylinder,sensor,kind,t0,magnitude,parameter,t1`, one line each.
 
 use super::MAX_FAULTS;
-use super::fault::{Fault, SpecError, Words, find_kind};
+use super::fault::{Fault, KeyValues, SpecError, find_kind};
 
 /// The longest table, bytes.
 pub const MAX_TEXT: usize = 1 << 20;
 
-/// The columns, which a table's first line names in this order.
+/// Columns of a table, which its first line names in this order.
 pub const HEADER: [&str; 7] = ["cylinder", "sensor", "kind", "t0", "magnitude", "parameter", "t1"];
 
 /// Why a table is refused, and where.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
-pub struct TableError {
-    /// From 1.
+pub struct FaultTableError {
+    /// Line number, counted from 1.
     pub line: usize,
     pub reason: Reason,
 }
@@ -35,7 +35,7 @@ pub enum Reason {
     TooLong,
 }
 
-/// Which column stands for the key that is wrong.
+/// The column of the key that is wrong.
 fn column(error: &SpecError) -> &'static str {
     let key = match error {
         SpecError::Missing { key, .. } | SpecError::Value { key, .. } => *key,
@@ -57,23 +57,23 @@ fn column(error: &SpecError) -> &'static str {
 ///
 /// # Errors
 /// The first thing wrong with it.
-pub fn parse(text: &str) -> Result<Vec<(usize, Fault)>, TableError> {
+pub fn parse(text: &str) -> Result<Vec<(usize, Fault)>, FaultTableError> {
     if text.len() > MAX_TEXT {
-        return Err(TableError { line: 1, reason: Reason::TooLong });
+        return Err(FaultTableError { line: 1, reason: Reason::TooLong });
     }
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let mut lines = (1..).zip(text.lines().map(str::trim));
     let mut lines = lines.by_ref().filter(|(_, line)| !(line.is_empty() || line.starts_with('#')));
     let (line, header) = lines.next().unwrap_or((1, ""));
     if !header.split(',').map(str::trim).eq(HEADER) {
-        return Err(TableError { line, reason: Reason::Header { found: excerpt(header) } });
+        return Err(FaultTableError { line, reason: Reason::Header { found: excerpt(header) } });
     }
     let mut faults = Vec::new();
     for (line, row) in lines {
         if faults.len() == MAX_FAULTS {
-            return Err(TableError { line, reason: Reason::TooMany });
+            return Err(FaultTableError { line, reason: Reason::TooMany });
         }
-        let fault = fault(row).map_err(|reason| TableError { line, reason })?;
+        let fault = fault(row).map_err(|reason| FaultTableError { line, reason })?;
         faults.push((line, fault));
     }
     Ok(faults)
@@ -86,10 +86,10 @@ fn fault(row: &str) -> Result<Fault, Reason> {
     };
     let spec = |error| Reason::Spec { error };
     let kind = find_kind(kind).map_err(spec)?;
-    let mut words = Words::new(kind);
+    let mut values = KeyValues::new(kind);
     let given = [("cylinder", cylinder), ("sensor", sensor), ("at", t0), ("until", t1)];
     for (key, value) in given.into_iter().filter(|(_, value)| !value.is_empty()) {
-        words.add(key, value).map_err(spec)?;
+        values.add(key, value).map_err(spec)?;
     }
     // Their keys are codes of which 0 is one, and no magnitudes.
     let is_code = matches!(kind.name, "out_of_range" | "broken_wire");
@@ -98,7 +98,7 @@ fn fault(row: &str) -> Result<Fault, Reason> {
     {
         match kind.keys.get(place).filter(|_| !is_code) {
             _ if value.is_empty() => {}
-            Some(key) => words.add(key.name, value).map_err(spec)?,
+            Some(key) => values.add(key.name, value).map_err(spec)?,
             None if value.parse() == Ok(0.0) => {}
             None => {
                 let given = excerpt(value);
@@ -106,7 +106,7 @@ fn fault(row: &str) -> Result<Fault, Reason> {
             }
         }
     }
-    words.fault().map_err(spec)
+    values.fault().map_err(spec)
 }
 
 fn excerpt(text: &str) -> String {

@@ -5,29 +5,29 @@ use super::friction::Friction;
 use super::parameters::Parameters;
 use super::valve::Valve;
 
-/// (3-14), and the spool behind its command.
+/// State of a cylinder (3-14), and the spool, which lags its command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CylinderState {
-    /// l, m; 0 in the middle of the stroke.
+    /// Length l, m; 0 in the middle of the stroke.
     pub length: f64,
-    /// l̇, m/s; exactly 0 while it sticks.
+    /// Velocity l̇, m/s; exactly 0 while the piston sticks.
     pub speed: f64,
-    /// P_L = P_bot − α P_rod (3-4), bar.
+    /// Load pressure P_L = P_bot − α P_rod (3-4), bar.
     pub pressure: f64,
-    /// Main spool, −1 to 1.
+    /// Position of the main spool, −1 to 1.
     pub spool: f64,
 }
 
-/// What acts on a cylinder over a sub-step.
+/// Inputs of a cylinder over a sub-step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
-    /// Commanded spool position.
+    /// Commanded spool position, −1 to 1.
     pub spool: f64,
-    /// Mass carried, as a part of the usual.
+    /// Mass carried, as a part of the usual mass.
     pub load: f64,
-    /// Of the frame along the cylinder, gravity included, m/s².
+    /// Acceleration of the frame along the cylinder, gravity included, m/s².
     pub acceleration: f64,
-    /// bar.
+    /// Supply pressure, bar.
     pub supply: f64,
 }
 
@@ -36,14 +36,14 @@ pub struct Drive {
 pub struct Cylinder {
     valve: Valve,
     friction: Friction,
-    /// A_p, N/bar.
+    /// Piston area A_p as force per pressure, N/bar.
     force_per_bar: f64,
-    /// A_p and a_p, m².
+    /// Areas A_p and a_p, m².
     areas: [f64; 2],
     area_ratio: f64,
-    /// k, N/m.
+    /// Stiffness k, N/m.
     stiffness: f64,
-    /// kg.
+    /// Mass, kg.
     mass: f64,
     /// α of (3-8), bar/m.
     stiffening: f64,
@@ -51,12 +51,12 @@ pub struct Cylinder {
     leakage: f64,
     ends: [f64; 2],
     sub_step: f64,
-    /// What is left of the spool's error after half a sub-step.
+    /// Part of the spool's error that remains after half a sub-step.
     spool_decay: f64,
 }
 
 impl Cylinder {
-    /// The cylinder of that index, from 0.
+    /// The cylinder with this index, from 0.
     pub fn new(parameters: &Parameters, index: usize, sub_step: f64) -> Self {
         let table = &parameters.cylinder;
         let spread = &parameters.spread;
@@ -90,8 +90,8 @@ impl Cylinder {
         (self.stiffness * length + self.mass * load * acceleration) / self.force_per_bar
     }
 
-    /// The speed, m/s, at which a piston settles that carries its load with the spool at `spool`,
-    /// without friction: flow less leakage.
+    /// The speed at which a piston without friction settles when it carries its load with the spool
+    /// at `spool`, m/s: flow less leakage.
     pub fn settled_speed(&self, spool: f64, pressure: f64, supply: f64) -> f64 {
         self.valve.flow(spool, pressure, supply) - self.leakage / self.stiffening * pressure
     }
@@ -103,7 +103,7 @@ impl Cylinder {
         [supply - rod, rod]
     }
 
-    /// Goes on by one sub-step and says what oil it took from the supply, m³/s.
+    /// Advances by one sub-step and returns the oil taken from the supply, m³/s.
     pub fn step(&self, state: &mut CylinderState, drive: &Drive) -> f64 {
         let mass = self.mass * drive.load;
         let (weight, mobility) = (mass * drive.acceleration, 1.0 / mass);
@@ -156,12 +156,12 @@ impl Cylinder {
         if flow >= 0.0 { self.areas[0] * flow } else { -self.areas[1] * flow }
     }
 
-    /// (3-8).
+    /// Rate of change of the load pressure (3-8), bar/s.
     fn pressure_rise(&self, state: &CylinderState, flow: f64) -> f64 {
         self.stiffening * (flow - state.speed) - self.leakage * state.pressure
     }
 
-    /// The piston meets the cylinder's end without a rebound.
+    /// Stops the piston at the cylinder's end without a rebound.
     fn stop_at_ends(&self, state: &mut CylinderState) {
         let [low, high] = self.ends;
         if state.length <= low {

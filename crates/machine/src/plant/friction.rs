@@ -2,21 +2,21 @@
 
 use serde::Deserialize;
 
-/// (3-13): μ_v v + sign(v) (F_c0 + F_s0 exp(−|v| / c_s)); at rest (3-10).
+/// Friction (3-13): μ_v v + sign(v) (F_c0 + F_s0 exp(−|v| / c_s)); at rest (3-10).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// μ_v, N s/m.
+    /// Viscous friction μ_v, N s/m.
     pub viscous: f64,
-    /// F_c0, N.
+    /// Coulomb friction F_c0, N.
     pub coulomb: f64,
-    /// F_s0, N: what holds at rest beyond Coulomb's.
+    /// Static friction F_s0 beyond Coulomb's, N.
     pub stiction: f64,
-    /// c_s, m/s.
+    /// Stribeck speed c_s, m/s.
     pub stribeck_speed: f64,
 }
 
-/// Beyond so many Stribeck speeds less than a ten millionth of the stiction is left.
+/// Number of Stribeck speeds beyond which less than a ten millionth of the stiction is left.
 const FAST: f64 = 16.0;
 
 impl Friction {
@@ -38,8 +38,9 @@ impl Friction {
         self.viscous * speed + self.dry(speed.abs()).copysign(speed)
     }
 
-    /// Whether a piston at rest stays there under `force`, N, of all else. Static friction then
-    /// balances it: in (3-10) the minimum belongs around |F_ext|, with the sign of F_ext.
+    /// Whether a piston at rest stays there under the `force` of everything else, N. Static
+    /// friction then balances it: in (3-10) the minimum belongs around |F_ext|, with the sign of
+    /// F_ext.
     pub fn holds(&self, force: f64) -> bool {
         force.abs() <= self.coulomb + self.stiction
     }

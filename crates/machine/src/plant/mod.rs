@@ -5,8 +5,8 @@
 //!                                 ↑ supply pressure        ↑ friction, load
 //! ```
 //!
-//! Integrated in fixed sub-steps by the midpoint rule; the event within a sub-step, the piston's
-//! coming to rest, is taken at its end.
+//! The plant is integrated in fixed sub-steps by the midpoint rule. When the piston comes to rest
+//! within a sub-step, the stop is placed at its end.
 
 mod cylinder;
 mod friction;
@@ -26,16 +26,16 @@ pub const CYLINDERS: usize = 6;
 /// Pascals in a bar.
 pub const PASCAL: f64 = 1e5;
 
-/// What acts on the plant over one sample.
+/// Inputs of the plant over one sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inputs {
     /// Commanded spool positions, −1 to 1.
     pub spools: [f64; CYLINDERS],
-    /// The masses that the cylinders carry now, as parts of their usual load.
+    /// Masses that the cylinders carry now, as parts of their usual load.
     pub loads: [f64; CYLINDERS],
-    /// How the frame that a cylinder stands on accelerates along it, gravity included, m/s².
+    /// Acceleration of the frame along each cylinder, gravity included, m/s².
     pub accelerations: [f64; CYLINDERS],
-    /// What of the pump's flow is missing, 0 to 1.
+    /// Part of the pump's flow that is missing, 0 to 1.
     pub pump_lost: f64,
 }
 
@@ -65,7 +65,7 @@ impl Plant {
         &self.states
     }
 
-    /// For a start in the middle of a motion.
+    /// States of the cylinders, to be set for a start in the middle of a motion.
     pub fn states_mut(&mut self) -> &mut [CylinderState; CYLINDERS] {
         &mut self.states
     }
@@ -84,7 +84,7 @@ impl Plant {
         self.cylinders[index].chamber_pressures(&self.states[index], self.supply.pressure())
     }
 
-    /// Goes on by `steps` sub-steps under constant inputs.
+    /// Advances by `steps` sub-steps under constant inputs.
     pub fn run(&mut self, inputs: &Inputs, steps: u32) {
         for _ in 0..steps {
             let supply = self.supply.pressure();

@@ -1,4 +1,4 @@
-//! What the plant is made of, as it stands in a table.
+//! Parameters of the plant, as in its table.
 
 use super::CYLINDERS;
 use super::friction::Friction;
@@ -19,19 +19,19 @@ pub struct Parameters {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CylinderTable {
-    /// A_p, m².
+    /// Piston area A_p, m².
     pub piston_area: f64,
     /// α of (3-5): the rod side's area over the piston's.
     pub area_ratio: f64,
-    /// k of (3-9), N/m.
+    /// Stiffness k of (3-9), N/m.
     pub stiffness: f64,
-    /// m of (3-9), kg.
+    /// Mass m of (3-9), kg.
     pub load_mass: f64,
-    /// α of (3-8), bar/m: what the pressure loses where the piston moves and no oil follows.
+    /// α of (3-8), bar/m: the pressure lost per metre that the piston moves while no oil follows.
     pub pressure_rise: f64,
     /// β of (3-8), 1/s.
     pub leakage: f64,
-    /// Where the piston meets the cylinder's ends, m.
+    /// Positions at which the piston meets the cylinder's ends, m.
     pub ends: [f64; 2],
 }
 
@@ -39,16 +39,17 @@ pub struct CylinderTable {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValveTable {
-    /// From command to main spool, s.
+    /// Time constant from the command to the main spool, s.
     pub lag: f64,
     /// Spool position at which the ports begin to open, part of the full stroke.
     pub overlap: f64,
-    /// Of the flow beyond the overlap, the part that grows with the square of the opening.
+    /// Part of the flow beyond the overlap that grows with the square of the opening.
     pub progression: f64,
     /// Flow at the edge of the overlap, part of the full flow.
     pub leakage: f64,
-    /// The piston's speed with the valve fully open and no load, m/s.
+    /// Speed outwards of the piston with the valve fully open and no load, m/s.
     pub extend_speed: f64,
+    /// Speed inwards of the piston with the valve fully open and no load, m/s.
     pub retract_speed: f64,
 }
 
@@ -56,17 +57,17 @@ pub struct ValveTable {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SupplyTable {
-    /// Set point, bar.
+    /// Set point of the supply pressure, bar.
     pub pressure: f64,
-    /// m³/s for each bar below the set point.
+    /// Pump flow for each bar below the set point, m³/s.
     pub pump_gain: f64,
-    /// The most that the pump gives, m³/s.
+    /// Greatest flow of the pump, m³/s.
     pub pump_flow: f64,
-    /// Of the accumulator's gas at the set point, m³.
+    /// Volume of the accumulator's gas at the set point, m³.
     pub gas_volume: f64,
 }
 
-/// What the cylinders have of their own, each a part of the common value.
+/// Differences between the cylinders, each value a part of the common one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {

@@ -1,4 +1,4 @@
-//! The hydraulic power unit with its accumulator: what makes Figure 3-7 of "250 bar".
+//! The hydraulic power unit with its accumulator, which turns "250 bar" into Figure 3-7.
 
 use super::parameters::SupplyTable;
 
@@ -9,7 +9,7 @@ pub struct Supply {
     set_point: f64,
     pump_gain: f64,
     pump_flow: f64,
-    /// Gas pressure times gas volume, bar m³: constant, the gas keeps its temperature.
+    /// Gas pressure times gas volume, bar m³: constant, as the gas keeps its temperature.
     gas: f64,
 }
 
@@ -25,14 +25,14 @@ impl Supply {
         }
     }
 
-    /// bar.
+    /// Supply pressure, bar.
     pub fn pressure(&self) -> f64 {
         self.pressure
     }
 
-    /// `flow`, m³/s, is taken out for `time` seconds. The pump gives more the further the pressure
-    /// is below its set point, up to its limit, less the part of it that is `lost`; the accumulator
-    /// gives the rest, and its gas expands: Ṗ = P²/(P V)₀ · (Q_pump − Q).
+    /// Takes out `flow`, m³/s, for `time` seconds. The pump gives more the further the pressure is
+    /// below its set point, up to its limit, less the part that is `lost`. The accumulator gives
+    /// the rest while its gas expands: Ṗ = P²/(P V)₀ · (Q_pump − Q).
     pub fn step(&mut self, flow: f64, lost: f64, time: f64) {
         let whole = (self.pump_gain * (self.set_point - self.pressure)).clamp(0.0, self.pump_flow);
         let pump = (1.0 - lost) * whole;

@@ -3,17 +3,18 @@
 use super::parameters::ValveTable;
 
 /// f_NL of (3-7) for one valve: a progressive spool (Figure 3-5) with overlap, which leaks (Figure
-/// 3-4c). Flows are speeds of the piston that they would move without a pressure difference lost.
+/// 3-4c). Flows are given as the speed of the piston that they would move without a loss of
+/// pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve {
     overlap: f64,
     leakage: f64,
-    /// Flow at the overlap's edge; what the spool is beyond adds (linear + progressive · beyond) ·
-    /// beyond.
+    /// Flow at the edge of the overlap; an opening `beyond` it adds (linear + progressive · beyond)
+    /// · beyond.
     edge: f64,
     linear: f64,
     progressive: f64,
-    /// m/s at full opening and the nominal supply pressure, out and in.
+    /// Speeds at full opening and nominal supply pressure, out and in, m/s.
     speeds: [f64; 2],
 }
 
@@ -45,8 +46,8 @@ impl Valve {
         self.edge + (self.linear + self.progressive * beyond) * beyond
     }
 
-    /// (3-7): the flow, as a speed in m/s, at load pressure `load` and supply pressure `supply`,
-    /// bar. None flows against its pressure difference.
+    /// The flow (3-7), as a speed in m/s, at load pressure `load` and supply pressure `supply`,
+    /// bar. There is no flow against a pressure difference.
     pub fn flow(&self, spool: f64, load: f64, supply: f64) -> f64 {
         let (speed, drop) = if spool >= 0.0 {
             (self.speeds[0], supply - load)

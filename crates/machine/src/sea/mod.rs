@@ -1,7 +1,7 @@
 //! The sea and the vessel in it: waves of a JONSWAP spectrum, and the motion that they cause in
 //! six degrees of freedom, as a sum of components.
 //!
-//! A seed fixes frequencies and phases. [`Sea::advance`] goes on by one sample; it allocates
+//! A seed fixes frequencies and phases. [`Sea::advance`] advances by one sample and allocates
 //! nothing.
 
 mod motion;
@@ -15,7 +15,7 @@ pub use vessel::{Response, Vessel};
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.80665;
 
-/// Why there is no such sea.
+/// Why a sea cannot exist.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SeaError {
     #[error("the significant wave height is {0} m, expected 0 to 20")]

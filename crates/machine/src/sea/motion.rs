@@ -6,30 +6,31 @@ use crate::hexapod::{Pose, Rate};
 use nalgebra::Complex;
 use rand_chacha::ChaCha8Rng;
 
-/// Position, rate and acceleration of each degree of freedom.
+/// Number of sums: position, rate and acceleration of each degree of freedom.
 const SUMS: usize = 18;
 
-/// After so many samples the waves are computed anew from the time, before rounding adds up.
+/// Number of samples after which the waves are computed anew from the time, before rounding errors
+/// add up.
 const REFRESH: u64 = 1024;
 
-/// The vessel at one instant.
+/// Motion of the vessel at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     pub pose: Pose,
     pub rate: Rate,
-    /// The rate's change, m/s² and rad/s².
+    /// Acceleration, m/s² and rad/s².
     pub acceleration: Rate,
 }
 
-/// Waves, and the vessel in them.
+/// Waves, and the vessel among them.
 #[derive(Clone, Debug)]
 pub struct Sea {
     components: [Component; COMPONENTS],
-    /// e^i(ωt + φ) of each component, now.
+    /// e^i(ωt + φ) of each component at the present time.
     waves: [Complex<f64>; COMPONENTS],
-    /// e^iω·Ts.
+    /// Factor e^iω·Ts by which each component turns in one sample.
     turns: [Complex<f64>; COMPONENTS],
-    /// What the real and the imaginary part of each wave add to each sum.
+    /// Contribution of the real and the imaginary part of each wave to each sum.
     shares: [[[f64; SUMS]; 2]; COMPONENTS],
     sample_time: f64,
     sample: u64,
@@ -56,7 +57,7 @@ impl Sea {
         sea
     }
 
-    /// Goes on by one sample.
+    /// Advances by one sample.
     pub fn advance(&mut self) {
         self.sample += 1;
         if self.sample.is_multiple_of(REFRESH) {
@@ -74,13 +75,13 @@ impl Sea {
         }
     }
 
-    /// The elevation of the sea where the vessel is, m.
+    /// Elevation of the sea at the vessel, m.
     pub fn elevation(&self) -> f64 {
         let heights = self.components.iter().zip(&self.waves);
         heights.map(|(component, wave)| component.amplitude * wave.re).sum()
     }
 
-    /// The vessel, now.
+    /// Motion of the vessel at the present time.
     pub fn motion(&self) -> Motion {
         let mut sums = [0.0; SUMS];
         for (wave, [real, imaginary]) in self.waves.iter().zip(&self.shares) {
@@ -97,8 +98,8 @@ impl Sea {
         }
     }
 
-    /// The standard deviation of `measure`, which takes the vessel's motion linearly to a number,
-    /// over all time: half of the sum of the squared amplitudes.
+    /// The standard deviation over all time of `measure`, a linear function of the vessel's motion:
+    /// the root of half the sum of the squared amplitudes.
     pub fn deviation(&self, measure: impl Fn(&Pose) -> f64) -> f64 {
         let pose = |shares: &[f64; SUMS]| {
             let [a, b, c, d, e, f, ..] = *shares;
@@ -111,7 +112,7 @@ impl Sea {
     }
 }
 
-/// Re(H e^iωt) = H.re cos − H.im sin; a derivative multiplies H by iω.
+/// Contributions by Re(H e^iωt) = H.re cos − H.im sin; a derivative multiplies H by iω.
 fn shares(component: &Component, vessel: &Vessel) -> [[f64; SUMS]; 2] {
     let mut shares = [[0.0; SUMS]; 2];
     let derivative = Complex::new(0.0, component.frequency);

@@ -5,13 +5,13 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 
-/// Components of a sea.
+/// Number of components of a sea.
 pub const COMPONENTS: usize = 40;
 
-/// Frequencies that are taken in, as parts of the peak's. Beyond is a hundredth of the energy.
+/// Band of frequencies, as parts of the peak's. A hundredth of the energy lies beyond.
 const BAND: [f64; 2] = [0.5, 4.0];
 
-/// Steps of the integral over the band.
+/// Number of steps of the integral over the band.
 const STEPS: usize = 4000;
 
 /// A sea state.
@@ -21,26 +21,25 @@ pub struct Spectrum {
     height: f64,
     /// Peak period Tp, s.
     period: f64,
-    /// Peakedness γ; 3.3 in the mean of the JONSWAP campaign.
+    /// Peakedness γ; the JONSWAP mean is 3.3.
     peakedness: f64,
 }
 
 /// A regular wave, ζ(t) = amplitude · cos(frequency · t + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Component {
-    /// rad/s.
+    /// Frequency, rad/s.
     pub frequency: f64,
-    /// m.
+    /// Amplitude, m.
     pub amplitude: f64,
-    /// rad.
+    /// Phase, rad.
     pub phase: f64,
 }
 
 impl Spectrum {
     /// A sea of significant wave height `height`, m (0: calm), and peak period `period`, s.
     ///
-    /// # Errors
-    /// Beyond what a sea can be.
+    /// # Errors A value that no sea can have.
     pub fn new(height: f64, period: f64, peakedness: f64) -> Result<Self, SeaError> {
         if !(0.0..=20.0).contains(&height) {
             return Err(SeaError::Height(height));
@@ -59,8 +58,8 @@ impl Spectrum {
         self.period
     }
 
-    /// S(ω) but for a factor: ω⁻⁵ exp(−1.25 (ωp/ω)⁴) γ^exp(−(ω − ωp)² / 2σ²ωp²), with σ = 0.07
-    /// below the peak and 0.09 above.
+    /// S(ω) up to a factor: ω⁻⁵ exp(−1.25 (ωp/ω)⁴) γ^exp(−(ω − ωp)² / 2σ²ωp²), with σ = 0.07 below
+    /// the peak and 0.09 above.
     pub fn shape(&self, frequency: f64) -> f64 {
         let relative = frequency * self.period / TAU;
         let width = if relative <= 1.0 { 0.07 } else { 0.09 };
@@ -68,8 +67,9 @@ impl Spectrum {
         relative.powi(-5) * (-1.25 * relative.powi(-4)).exp() * self.peakedness.powf(bump)
     }
 
-    /// [`COMPONENTS`] waves of equal energy, that of all together m₀ = Hs²/16. The frequency of
-    /// each is drawn from its share of the spectrum, so that the sea does not repeat itself.
+    /// [`COMPONENTS`] waves of equal energy; the energy of all together is m₀ = Hs²/16. The
+    /// frequency of each is drawn from its share of the spectrum, so that the sea does not repeat
+    /// itself.
     pub fn components(&self, rng: &mut ChaCha8Rng) -> [Component; COMPONENTS] {
         let peak = TAU / self.period;
         let step = (BAND[1] - BAND[0]) * peak / STEPS as f64;

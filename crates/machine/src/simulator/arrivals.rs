@@ -1,29 +1,30 @@
-//! When frames are on the bus.
+//! Times at which frames are on the bus.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_core::time::{Span, Timestamp};
 
-/// Time stamps of a cycle's frames, one after the other as the bus lets them through.
+/// Time stamps of a cycle's frames, which follow each other at the rate of the bus.
 #[derive(Clone, Debug)]
 pub struct Arrivals {
     bit: f64,
     latency: Span,
     rng: ChaCha8Rng,
     opening: Timestamp,
-    /// When the bus is free again.
+    /// Time at which the bus is free again.
     free: Timestamp,
 }
 
-/// The most that Sync comes late, ns, and that a receiver's stamp is late.
+/// Largest delay of Sync, ns.
 const SYNC_JITTER: u32 = 60_000;
+/// Largest delay of a receiver's time stamp, ns.
 const STAMP_JITTER: u32 = 8_000;
 
-/// The stream of the seed that jitter is drawn from.
+/// Stream of the seed for the jitter.
 const STREAM: u64 = u64::MAX - 2;
 
 impl Arrivals {
-    /// On a bus of `bitrate`, bit/s; the controller answers after `latency`, s.
+    /// Arrivals on a bus of `bitrate`, bit/s; the controller answers after `latency`, s.
     pub fn new(bitrate: u32, latency: f64, seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(STREAM);
@@ -36,20 +37,20 @@ impl Arrivals {
         }
     }
 
-    /// A cycle opens at `at`.
+    /// Opens a cycle at `at`.
     pub fn open(&mut self, at: Timestamp) {
         let late = self.rng.random_range(0..SYNC_JITTER);
         self.opening = at.after(Span::from_nanos(i64::from(late)));
         self.free = self.opening.max(self.free);
     }
 
-    /// The controller has its answer.
+    /// Advances to the controller's answer.
     pub fn answer(&mut self) {
         self.free = self.opening.after(self.latency).max(self.free);
     }
 
-    /// When the next frame, of so many bytes, has been received; in whole microseconds, as
-    /// candump's.
+    /// Time at which the next frame, of `length` bytes, has been received; in whole microseconds,
+    /// as candump prints it.
     pub fn next(&mut self, length: usize) -> Timestamp {
         // Frame and pause have 47 bits beside the data; of those that can be stuffed about one in
         // ten is followed by a stuff bit.

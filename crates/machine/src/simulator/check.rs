@@ -1,5 +1,5 @@
-//! Which numbers a machine can have. Beyond them the integration would not follow, or there would
-//! be no machine.
+//! Valid ranges of a machine's numbers. Outside them the integration would fail, or no such machine
+//! exists.
 
 use super::disturbance::Disturbance;
 use super::tables::{TableError, Tables};
@@ -8,13 +8,12 @@ use crate::sea::Response;
 use crate::transducer::{CYLINDERS, Errors, Ripple};
 use std::f64::consts::TAU;
 
-/// Above any that is meant, below any that overflows.
+/// A number above any that is meant, and below any that overflows.
 const MUCH: f64 = 1e9;
 
-/// Whether every number of `tables` is within its range.
+/// Checks that every number of `tables` is within its range.
 ///
-/// # Errors
-/// The first that is not.
+/// # Errors The first number that is not.
 pub fn ranges(tables: &Tables) -> Result<(), TableError> {
     hexapod(tables)?;
     sea(tables)?;

@@ -1,4 +1,5 @@
-//! What befalls the process and the wiring of all transducers, and is no fault of a single one.
+//! Disturbances of the process and of the wiring of all transducers, which are no fault of a single
+//! one.
 
 use crate::controller::Commands;
 use crate::plant::{CYLINDERS, ValveTable};
@@ -7,61 +8,61 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-/// The table of it; what is not there does not happen.
+/// Table of disturbances; an entry that is absent does not happen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Disturbance {
-    /// `part` times the load, of all cylinders.
+    /// Load of all cylinders, multiplied by `part`.
     pub load: Option<Change>,
-    /// `part` of the pump's flow.
+    /// Flow of the pump, multiplied by `part`.
     pub pump: Option<Change>,
     /// Spools stick.
     pub sticking: Option<Sticking>,
-    /// The valves that are built in, where they are others than those that the controller's look-up
-    /// tables were measured on.
+    /// Valves of the plant, where they differ from those that the controller's look-up tables were
+    /// measured on.
     pub valve: Option<ValveTable>,
-    /// Single samples that are off.
+    /// Spikes: single samples that are off.
     pub spikes: Option<Spikes>,
-    /// C2 is sampled beside C1.
+    /// Sampling times of C2 beside those of C1.
     pub sampling: Option<Sampling>,
 }
 
-/// Single samples of each transducer are off, up or down, each by chance.
+/// Spikes: single samples of each transducer are off, up or down, at random.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spikes {
     /// From and until, s after the first cycle.
     pub time: [f64; 2],
-    /// The part of the samples of C1 and of C2, 0 to 1.
+    /// Share of the samples of C1 and of C2 with a spike, 0 to 1.
     pub share: [f64; 2],
-    /// By so many counts.
+    /// Size of a spike, counts.
     pub counts: f64,
 }
 
-/// Each C2 is sampled at another time than its C1.
+/// A sampling time of each C2 that differs from its C1's.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sampling {
     /// From and until, s after the first cycle.
     pub time: [f64; 2],
-    /// Always so much later, s.
+    /// Constant delay of the samples, s.
     #[serde(default)]
     pub skew: f64,
-    /// And by chance sooner or later, standard deviation, s.
+    /// Standard deviation of a random shift of the samples, s.
     #[serde(default)]
     pub jitter: f64,
 }
 
-/// What befalls one reading.
+/// Disturbance of one reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Misread {
-    /// It is sampled so much later, s.
+    /// Delay of the sample, s.
     pub late: f64,
-    /// Counts that it is off by.
+    /// Error of the sample, counts.
     pub counts: f64,
 }
 
-/// Something is another part of what it is usually.
+/// A quantity that is a multiple of its usual value.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Change {
@@ -76,22 +77,22 @@ pub struct Change {
 pub struct Sticking {
     /// From and until, s after the first cycle.
     pub time: [f64; 2],
-    /// Part of the spool's full stroke.
+    /// Width of the band, part of the spool's full stroke.
     pub band: f64,
 }
 
 impl Disturbance {
-    /// What the loads are multiplied by at `time`, s.
+    /// Factor of the loads at `time`, s.
     pub fn load(&self, time: f64) -> f64 {
         part(self.load, time)
     }
 
-    /// What of the pump's flow is missing at `time`, s: 0 to 1.
+    /// Missing part of the pump's flow at `time`, s: 0 to 1.
     pub fn pump_lost(&self, time: f64) -> f64 {
         1.0 - part(self.pump, time)
     }
 
-    /// Where spools go at `time`, s, that are at `before`, by their commands.
+    /// Spool positions at `time`, s, that follow from those `before` and the commands.
     pub fn spools(
         &self,
         time: f64,
@@ -105,7 +106,7 @@ impl Disturbance {
         })
     }
 
-    /// What befalls C1 (0) or C2 (1) of a cylinder at `time`, s.
+    /// Disturbance of C1 (0) or C2 (1) of a cylinder at `time`, s.
     pub fn reading(&self, time: f64, which: usize, rng: &mut ChaCha8Rng) -> Misread {
         let mut misread = Misread::default();
         if let Some(it) = self.sampling.filter(|it| which == 1 && is_in(it.time, time)) {

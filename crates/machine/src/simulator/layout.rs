@@ -1,4 +1,4 @@
-//! Which messages the machine sends, in which order, and what is in them.
+//! Messages that the machine sends, their order and contents.
 
 use super::values::{Origin, Values};
 use crate::controller::Readings;
@@ -43,9 +43,9 @@ const UNNAMED: [(&str, Origin); 8] = [
     ("Plc_State.Counter", Origin::Counter),
 ];
 
-/// When in the cycle a message is sent.
+/// Time within the cycle at which a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum SendPhase {
     /// Right after Sync.
     Sampled,
     /// When the controller has its answer.
@@ -53,23 +53,23 @@ pub enum Phase {
 }
 
 impl Origin {
-    fn phase(self) -> Phase {
+    fn phase(self) -> SendPhase {
         match self {
             Self::Command(_)
             | Self::Spool(_)
             | Self::Bottom(_)
             | Self::Rod(_)
-            | Self::LoadPressure(_) => Phase::Commanded,
-            _ => Phase::Sampled,
+            | Self::LoadPressure(_) => SendPhase::Commanded,
+            _ => SendPhase::Sampled,
         }
     }
 }
 
-/// A message with the frame that is sent of it.
+/// A message with the frame that is sent for it.
 #[derive(Clone, Debug)]
 pub struct Planned {
     pub frame: Frame,
-    pub phase: Phase,
+    pub phase: SendPhase,
     fields: Vec<(SignalPlan, Origin)>,
 }
 
@@ -96,13 +96,13 @@ impl Planned {
         }
     }
 
-    /// What the transducer had before it rounded it for the signal of `plan`.
+    /// The transducer's length before it was rounded for the signal of `plan`.
     pub fn unrounded(&self, plan: &SignalPlan, values: &Values) -> Option<Unrounded> {
         let (_, origin) = self.fields.iter().find(|(known, _)| known == plan)?;
         values.unrounded(*origin)
     }
 
-    /// What the controller reads in `frame`, a frame of this message.
+    /// The readings that the controller takes from `frame`, a frame of this message.
     pub fn read_back(&self, frame: &Frame, readings: &mut Readings) {
         for (plan, origin) in &self.fields {
             let place = match origin {
@@ -122,7 +122,7 @@ impl Planned {
 pub struct Layout {
     pub messages: Vec<Planned>,
     pub values: Values,
-    /// Whether C1's speed is on the bus; otherwise the controller has it by a wire of its own.
+    /// Whether C1's speed is on the bus; otherwise the controller has its own wire for it.
     pub carries_speed: bool,
 }
 
@@ -130,8 +130,8 @@ impl Layout {
     /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
     /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
     ///
-    /// # Errors
-    /// If it is no hexapod, or a signal is not there or not where a controller could send it.
+    /// # Errors The machine is not a hexapod, or a signal is missing or is not where a controller
+    /// could send it.
     pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
         let cylinders = settings.machine.cylinders;
         if usize::from(cylinders) != CYLINDERS {
@@ -142,7 +142,7 @@ impl Layout {
             builder.sync(name)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Sampled)?;
+            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Sampled)?;
         }
         for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin != Origin::Counter) {
             builder.unnamed(name, *origin)?;
@@ -154,7 +154,7 @@ impl Layout {
             builder.unnamed(name, *origin)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, Phase::Commanded)?;
+            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Commanded)?;
             builder.unnamed(
                 &CylinderSignals::of_cylinder("Cyl{n}_Valve.SpoolPosition", cylinder + 1),
                 Origin::Spool(usize::from(cylinder)),
@@ -193,7 +193,7 @@ impl Builder<'_> {
         let lookup = |error| LayoutError::Lookup { key: "signals.sync".to_owned(), error };
         let message = self.database.message(name).map_err(lookup)?;
         let counter = message.signal("Counter").filter(|signal| !signal.plan.is_multiplexed());
-        let planned = self.message(message, Phase::Sampled)?;
+        let planned = self.message(message, SendPhase::Sampled)?;
         planned.fields.extend(counter.map(|signal| (signal.plan.clone(), Origin::Counter)));
         Ok(())
     }
@@ -203,7 +203,7 @@ impl Builder<'_> {
         &mut self,
         signals: &CylinderSignals,
         cylinder: u8,
-        phase: Phase,
+        phase: SendPhase,
     ) -> Result<(), LayoutError> {
         for (key, pattern) in signals.named() {
             let origin = origin(key, usize::from(cylinder));
@@ -234,8 +234,12 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The planned message, made if it is new.
-    fn message(&mut self, message: &Message, phase: Phase) -> Result<&mut Planned, LayoutError> {
+    /// The planned message, which is created if it is new.
+    fn message(
+        &mut self,
+        message: &Message,
+        phase: SendPhase,
+    ) -> Result<&mut Planned, LayoutError> {
         let known = self.messages.iter().position(|planned| planned.frame.id == message.id);
         let place = known.unwrap_or_else(|| {
             let kind = if message.length > 8 { Kind::Fd { flags: 0 } } else { Kind::Data };

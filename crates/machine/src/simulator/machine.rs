@@ -4,7 +4,7 @@ use super::Options;
 use super::disturbance::{Disturbance, Misread};
 use super::tables::{Gangway, SensorTable, Tables};
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
-use crate::hexapod::{Hexapod, Legs, Motion as Moving, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, Rate};
 use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
@@ -14,10 +14,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 
-/// Why there is no such machine.
+/// Why a machine cannot exist.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachineError {
-    #[error("the sea cannot be: {0}")]
+    #[error("the sea cannot exist: {0}")]
     Sea(#[from] SeaError),
     #[error(
         "a sea of {height} m and {period} s moves the cylinders by {stroke:.2} m within an hour, \
@@ -26,25 +26,26 @@ pub enum MachineError {
     Rough { height: f64, period: f64, stroke: f64, limit: f64 },
 }
 
-/// Streams of the seed.
+/// Stream of the seed for the sea.
 const SEA_STREAM: u64 = u64::MAX;
+/// Stream of the seed for the noise of the sensors.
 const SENSOR_STREAM: u64 = u64::MAX - 1;
-/// Of its own, so that what befalls readings changes nothing else.
+/// Stream of the seed for disturbances of readings, separate so that they change nothing else.
 const MISREAD_STREAM: u64 = u64::MAX - 3;
 
-/// What there is to measure at Sync.
+/// Everything that can be measured at Sync.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     pub motion: Motion,
     /// C1 and C2 of each cylinder.
     pub transducers: [[Reading; 2]; CYLINDERS],
-    /// P_bot and P_rod, bar.
+    /// P_bot and P_rod of each cylinder, bar.
     pub chambers: [[f64; 2]; CYLINDERS],
-    /// P_L (3-4) of these, bar.
+    /// P_L (3-4) of each cylinder, bar.
     pub load_pressures: [f64; CYLINDERS],
-    /// −1 to 1.
+    /// Spool positions, −1 to 1.
     pub spools: [f64; CYLINDERS],
-    /// bar.
+    /// Supply pressure, bar.
     pub supply: f64,
 }
 
@@ -62,9 +63,9 @@ pub struct Machine {
     gangway: Gangway,
     disturbance: Disturbance,
     motion: Motion,
-    /// Spool positions of the cycle before and of this one.
+    /// Spool positions of the previous cycle and of this one.
     spools: [[f64; CYLINDERS]; 2],
-    /// Sub-steps under the command of the cycle before, and under this one's.
+    /// Sub-steps under the command of the previous cycle, and under this one's.
     sub_steps: [u32; 2],
     rng: ChaCha8Rng,
     misreads: ChaCha8Rng,
@@ -75,8 +76,7 @@ pub struct Machine {
 impl Machine {
     /// The machine of `tables` in the state that `options` ask for.
     ///
-    /// # Errors
-    /// If the sea cannot be, or is too rough for the cylinders.
+    /// # Errors The sea cannot exist, or is too rough for the cylinders.
     pub fn new(tables: &Tables, sample_time: f64, options: &Options) -> Result<Self, MachineError> {
         let random = |stream| {
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
@@ -140,7 +140,7 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Puts the cylinders where the state has them, as if they had been there for long.
+    /// Puts the cylinders where they stand in `state`, as if they had been there for long.
     fn settle(&mut self, state: State) {
         let [lengths, speeds] = match state {
             State::Safe | State::Settled => return,
@@ -171,17 +171,17 @@ impl Machine {
         self.controller.state()
     }
 
-    /// The truth about the cylinders, now.
+    /// True states of the cylinders at the present time.
     pub fn states(&self) -> &[CylinderState; CYLINDERS] {
         self.plant.states()
     }
 
-    /// The length of the cylinder `leg`, from 0, as its C1 would read it now without noise, m.
+    /// The length of the cylinder `leg`, from 0, as its noiseless C1 would read it now, m.
     pub fn calibrated(&self, leg: usize) -> f64 {
         self.transducers[leg][0].calibrated(self.time(), self.states()[leg].length)
     }
 
-    /// The vessel, now.
+    /// Motion of the vessel at the present time.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
@@ -195,7 +195,7 @@ impl Machine {
         &self.hexapod
     }
 
-    /// Measures everything, once a cycle.
+    /// Measures everything; called once a cycle.
     pub fn sample(&mut self) -> Sample {
         let mut sample = Sample { motion: self.motion, ..Sample::default() };
         let time = self.time();
@@ -225,7 +225,7 @@ impl Machine {
         sample
     }
 
-    /// What the controller makes of its readings. It acts from [`Machine::advance`] on.
+    /// The controller's commands for its readings. They act from [`Machine::advance`] on.
     pub fn command(&mut self, readings: &Readings) -> Commands {
         let commands = self.controller.step(readings);
         let before = self.spools[1];
@@ -233,7 +233,7 @@ impl Machine {
         commands
     }
 
-    /// Goes on until the next Sync.
+    /// Advances to the next Sync.
     pub fn advance(&mut self) {
         let mut inputs = self.inputs(self.spools[0]);
         self.plant.run(&inputs, self.sub_steps[0]);
@@ -244,12 +244,13 @@ impl Machine {
         self.sample += 1;
     }
 
-    /// Since the first cycle, s.
+    /// Time since the first cycle, s.
     fn time(&self) -> f64 {
         self.sample as f64 * self.sample_time
     }
 
-    /// What acts on the cylinders now. Each stands on the vessel: its own frame accelerates.
+    /// Inputs of the cylinders at the present time. Each stands on the vessel, so its own frame
+    /// accelerates.
     fn inputs(&self, spools: [f64; CYLINDERS]) -> Inputs {
         let Motion { pose, acceleration, .. } = &self.motion;
         let legs = Legs::new(&self.hexapod, pose, &self.hexapod.neutral());
@@ -278,7 +279,7 @@ fn weights(hexapod: &Hexapod) -> [f64; CYLINDERS] {
         .map(|direction| GRAVITY * direction.z)
 }
 
-/// The largest stroke of an hour, as Rayleigh's distribution has it, must be within `limit`, m.
+/// Refuses a sea whose largest stroke in an hour, by Rayleigh's distribution, exceeds `limit`, m.
 fn refuse_rough(
     sea: &Sea,
     hexapod: &Hexapod,
@@ -294,8 +295,8 @@ fn refuse_rough(
             // Strokes are to small motions what their velocities are to rates.
             let stroke = |pose: &Pose| {
                 let rate = Rate { translation: pose.translation, attitude: pose.attitude };
-                let base = Moving { pose: &calm, rate: &rate };
-                legs.velocities(base, Moving { pose: &deck, rate: &still })[leg]
+                let base = FrameMotion { pose: &calm, rate: &rate };
+                legs.velocities(base, FrameMotion { pose: &deck, rate: &still })[leg]
             };
             sea.deviation(stroke) * (2.0 * waves.ln()).sqrt()
         })

@@ -5,12 +5,12 @@
 //!                     ↑────────────────── C1 ───────────────────┘ (with faults: in the loop)
 //! ```
 //!
-//! A fault of a transducer is in its length before that is rounded to counts.
+//! A fault of a transducer is added to its length before it is rounded to counts.
 //!
-//! [`Simulator::step`] makes the frames of one cycle and gives them to a sink, in the order of the
-//! bus. It is pure and allocates nothing: time is counted in cycles, and whatever is random comes
-//! from the seed, so that the same seed gives the same bytes. Nothing of the monitor is used here
-//! but the reading of the configuration and the DBC.
+//! [`Simulator::step`] makes the frames of one cycle and passes them to a sink, in the order of the
+//! bus. It is pure and allocates nothing: time is counted in cycles and randomness comes from the
+//! seed, so that the same seed gives the same bytes. The simulator uses the program's configuration
+//! and DBC readers, but nothing of the monitor.
 
 mod arrivals;
 mod check;
@@ -30,34 +30,34 @@ use crate::controller::{Readings, State};
 use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
-use layout::{Layout, Phase};
+use layout::{Layout, SendPhase};
 use tertius_config::settings::Settings;
 use tertius_core::decode::SignalPlan;
 use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
 use tertius_dbc::Database;
 
-/// When the first cycle opens, if nothing else is asked for: 14 November 2023, 22:13:20 UTC.
+/// Default opening of the first cycle: 14 November 2023, 22:13:20 UTC.
 pub const EPOCH: Timestamp = Timestamp::from_nanos(1_700_000_000_000_000_000);
 
-/// What a simulation is made from beside its tables.
+/// Options of a simulation beside its tables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     pub seed: u64,
-    /// Significant wave height, m, and peak period, s; `None`: the table's.
+    /// Significant wave height, m, and peak period, s; `None`: those of the table.
     pub sea: Option<[f64; 2]>,
-    /// In which state the machine begins.
+    /// State in which the machine starts.
     pub start: State,
-    /// Sub-steps of the plant in a sample.
+    /// Number of sub-steps of the plant in a sample.
     pub sub_steps: u32,
-    /// The controller reads C1 with its faults, not as it would be without.
+    /// Whether the controller reads C1 with its faults.
     pub in_loop: bool,
     pub faults: Vec<Placed>,
-    /// The opening of the first cycle.
+    /// Opening of the first cycle.
     pub epoch: Timestamp,
 }
 
-/// Sub-steps in a sample of 20 ms, if nothing else is asked for: 2 ms.
+/// Default number of sub-steps in a sample of 20 ms: 2 ms each.
 pub const SUB_STEPS: u32 = 10;
 
 impl Default for Options {
@@ -74,7 +74,7 @@ impl Default for Options {
     }
 }
 
-/// Why there is no simulation.
+/// Why a simulation cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimulatorError {
     #[error(transparent)]
@@ -91,7 +91,7 @@ pub struct Simulator {
     arrivals: Arrivals,
     injector: Injector,
     in_loop: bool,
-    /// What the controller knows; lengths that did not arrive are those of the cycle before.
+    /// Readings of the controller; lengths that did not arrive are those of the previous cycle.
     readings: Readings,
     cycle: u64,
     epoch: Timestamp,
@@ -101,8 +101,7 @@ pub struct Simulator {
 impl Simulator {
     /// A machine of `tables` that sends the frames which `settings` and `database` describe.
     ///
-    /// # Errors
-    /// If the machine of `settings` is none that can be simulated, or the sea is too rough for it.
+    /// # Errors The machine of `settings` cannot be simulated, or the sea is too rough for it.
     pub fn new(
         tables: &Tables,
         settings: &Settings,
@@ -124,7 +123,7 @@ impl Simulator {
         })
     }
 
-    /// The platform goes to `state`, through those in between.
+    /// Requests `state`; the platform passes through those in between.
     pub fn request(&mut self, state: State) {
         self.machine.request(state);
     }
@@ -133,24 +132,24 @@ impl Simulator {
         &self.machine
     }
 
-    /// What the controller read in the newest cycle.
+    /// Readings of the controller in the newest cycle.
     pub fn readings(&self) -> &Readings {
         &self.readings
     }
 
-    /// When the next cycle opens, but for the jitter of its Sync.
+    /// Opening of the next cycle, without the jitter of its Sync.
     pub fn opening(&self) -> Timestamp {
         let nanos = self.sample_time.as_nanos().saturating_mul(self.cycle as i64);
         self.epoch.after(Span::from_nanos(nanos))
     }
 
-    /// What became of each fault so far, in the order in which they were given.
+    /// Tallies of all faults so far, in the order in which the faults were given.
     pub fn tallies(&self) -> &[Tally] {
         self.injector.tallies()
     }
 
-    /// Makes the frames of one cycle, gives them to `sink` in the order of the bus, and lets the
-    /// machine go on until the next.
+    /// Makes the frames of one cycle, passes them to `sink` in the order of the bus, and advances
+    /// the machine to the next cycle.
     pub fn step(&mut self, sink: &mut impl FnMut(&Frame)) {
         self.arrivals.open(self.opening());
         let sample = self.machine.sample();
@@ -163,16 +162,16 @@ impl Simulator {
                 self.readings.speeds[leg] = sample.transducers[leg][0].speed;
             }
         }
-        self.send(Phase::Sampled, sink);
+        self.send(SendPhase::Sampled, sink);
         let commands = self.machine.command(&self.readings);
         self.layout.values.commanded(&commands);
         self.arrivals.answer();
-        self.send(Phase::Commanded, sink);
+        self.send(SendPhase::Commanded, sink);
         self.machine.advance();
         self.cycle += 1;
     }
 
-    fn send(&mut self, phase: Phase, sink: &mut impl FnMut(&Frame)) {
+    fn send(&mut self, phase: SendPhase, sink: &mut impl FnMut(&Frame)) {
         let Self { layout, arrivals, injector, readings, in_loop, .. } = self;
         for message in layout.messages.iter_mut().filter(|message| message.phase == phase) {
             message.fill(&layout.values);

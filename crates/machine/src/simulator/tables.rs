@@ -12,10 +12,10 @@ use serde::Deserialize;
 /// The longest text of tables, bytes.
 pub const MAX_TEXT: usize = 1 << 20;
 
-/// The tables of the default machine, as they stand in `config/e-type-plant.toml`.
+/// Text of the default tables, `config/e-type-plant.toml`.
 const DEFAULT: &str = include_str!("../../../../config/e-type-plant.toml");
 
-/// Everything about a simulated machine.
+/// All tables of a simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tables {
@@ -37,7 +37,7 @@ pub struct Tables {
     pub disturbance: Disturbance,
 }
 
-/// The sea, if nothing else is asked for.
+/// The default sea.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeaTable {
@@ -45,34 +45,35 @@ pub struct SeaTable {
     pub height: f64,
     /// Peak period, s.
     pub period: f64,
-    /// γ of JONSWAP.
+    /// Peakedness γ of JONSWAP.
     pub peakedness: f64,
 }
 
-/// The gangway slews, and its weight goes from cylinder to cylinder.
+/// Slewing of the gangway, which moves its weight from cylinder to cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gangway {
-    /// The most that it adds to a cylinder's load, as a part of it.
+    /// Largest addition to a cylinder's load, as a part of the load.
     pub load: f64,
-    /// Once round, s.
+    /// Period of one turn, s.
     pub period: f64,
 }
 
-/// Standard deviations of sensors other than the transducers.
+/// Standard deviations of the sensors other than the position transducers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SensorTable {
-    /// Of a chamber's pressure, bar.
+    /// Standard deviation of a chamber's pressure, bar.
     pub pressure: f64,
-    /// Of the supply pressure, bar.
+    /// Standard deviation of the supply pressure, bar.
     pub supply: f64,
 }
 
 /// Why tables are refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
-    /// No TOML, a key that is unknown or missing, a value of the wrong type; with its line.
+    /// The text is not TOML, or has an unknown or missing key or a value of the wrong type; with
+    /// its line.
     #[error("{0}")]
     Form(String),
     #[error("{key} is {value}, expected {low} to {high}")]
@@ -84,7 +85,8 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key has to be there, but `[disturbance]`, ripple, warming and speed_lag.
+    /// Reads tables from TOML; every key is required except `[disturbance]`, ripple, warming and
+    /// speed_lag.
     ///
     /// # Errors
     /// The first thing wrong with them.
@@ -98,7 +100,7 @@ impl Tables {
         Ok(tables)
     }
 
-    /// The tables of the plant that the controller was made for.
+    /// The tables of the plant that the controller was designed for.
     pub fn plant(&self) -> Parameters {
         Parameters {
             cylinder: self.cylinder,
@@ -111,7 +113,7 @@ impl Tables {
 }
 
 impl Default for Tables {
-    /// Those of `config/e-type-plant.toml`.
+    /// The tables of `config/e-type-plant.toml`.
     fn default() -> Self {
         Self::parse(DEFAULT).expect("a test reads the tables that are built in")
     }

@@ -1,10 +1,10 @@
-//! The faults that are in a recording, as a table that `inject` reads, too.
+//! The faults of a recording as a table, which `inject` can also read.
 
 use crate::inject::table::HEADER;
 use crate::inject::{Code, Fault, Shape, Wanted};
 
-/// The table: a line for each fault. A code that a table has no column for is left out; the monitor
-/// calls such a fault by its kind.
+/// The table, with a line for each fault. A code for which a table has no column is left out; the
+/// monitor names such a fault by its kind.
 pub fn table(faults: &[Fault]) -> String {
     let mut text = HEADER.join(",");
     text.push('\n');

@@ -1,29 +1,29 @@
-//! What the frames of a cycle carry.
+//! Values in the frames of a cycle.
 
 use super::machine::Sample;
 use crate::controller::{Commands, State};
 use crate::inject::Unrounded;
 use crate::transducer::Grid;
 
-/// Where a signal's value comes from; `usize` is the cylinder, from 0.
+/// Source of a signal's value; `usize` is the cylinder, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// One up in each cycle, as many bits as the signal has.
+    /// Counter that rises by one in each cycle, with as many bits as the signal has.
     Counter,
-    /// 0: nothing to report.
+    /// Status 0: nothing to report.
     Status,
-    /// Of transducer 0 (C1) or 1 (C2).
+    /// Length by transducer 0 (C1) or 1 (C2) of a cylinder.
     Length(usize, usize),
     Speed(usize, usize),
     Command(usize),
     Spool(usize),
     Bottom(usize),
     Rod(usize),
-    /// P_L (3-4).
+    /// Load pressure P_L (3-4).
     LoadPressure(usize),
-    /// Surge, sway, heave.
+    /// Surge, sway, or heave.
     Translation(usize),
-    /// Roll, pitch, yaw.
+    /// Roll, pitch, or yaw.
     Attitude(usize),
     State,
     Supply,
@@ -40,7 +40,7 @@ pub struct Values {
 }
 
 impl Values {
-    /// Of transducers that round to `grid`.
+    /// Values of transducers that round to `grid`.
     pub fn new(grid: Grid) -> Self {
         let (sample, commands) = (Sample::default(), Commands::default());
         Self { grid, sample, commands, state: 0.0, cycle: 0 }

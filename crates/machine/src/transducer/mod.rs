@@ -1,4 +1,4 @@
-//! The position transducers C1 and C2: what they make of a length.
+//! The position transducers C1 and C2: their readings of a length.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -9,35 +9,35 @@ use std::f64::consts::TAU;
 /// Cylinders, each with two transducers.
 pub const CYLINDERS: usize = 6;
 
-/// What all transducers have in common.
+/// Properties that all transducers share.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Common {
     /// Standard deviation of a length, m.
     pub noise: f64,
-    /// Now and then the readings are off by this much for a while, up or down, m: Figure 5-9.
+    /// Offset of the readings for a while now and then, up or down, m: Figure 5-9.
     pub fluctuation: f64,
-    /// Of a reading to be the first of such a while.
+    /// Probability that such a fluctuation begins with a reading.
     pub fluctuation_probability: f64,
-    /// How long it lasts, s.
+    /// Duration of a fluctuation, s.
     pub fluctuation_time: f64,
     /// Standard deviation of a speed, m/s.
     pub speed_noise: f64,
-    /// How long a speed lags behind, as by a filter of the first order, s. Nothing, unless it is given.
+    /// Time constant with which a speed lags, as by a filter of the first order, s; default 0.
     #[serde(default)]
     pub speed_lag: f64,
-    /// Counts over the whole range: 27648 in (5-3).
+    /// Number of counts over the whole range: 27648 in (5-3).
     pub counts: f64,
-    /// The range that the counts cover, m.
+    /// Range that the counts cover, m.
     pub range: [f64; 2],
 }
 
-/// The counts of a reading.
+/// Grid of a transducer's counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The length of count 0, m.
+    /// Length of count 0, m.
     low: f64,
-    /// m in a count.
+    /// Length of one count, m.
     count: f64,
 }
 
@@ -49,7 +49,7 @@ impl Grid {
 }
 
 impl Common {
-    /// What a length is rounded to.
+    /// The grid that a length is rounded to.
     pub fn grid(&self) -> Grid {
         let [low, high] = self.range;
         Grid { low, count: (high - low) / self.counts }
@@ -60,41 +60,41 @@ impl Common {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
-    /// m at the middle of the stroke.
+    /// Offset at the middle of the stroke, m.
     pub offset: [f64; CYLINDERS],
-    /// m per m.
+    /// Gain error, m per m.
     pub gain: [f64; CYLINDERS],
-    /// What no straight line takes away, m per m².
+    /// Quadratic error, which no straight line removes, m per m².
     pub bow: [f64; CYLINDERS],
-    /// How long after Sync it samples, s.
+    /// Delay of the sample after Sync, s.
     pub skew: [f64; CYLINDERS],
-    /// Nothing, unless it is given.
+    /// Periodic error along the stroke; default none.
     #[serde(default)]
     pub ripple: Ripple,
-    /// Nothing, unless it is given.
+    /// Drift with the temperature; default none.
     #[serde(default)]
     pub warming: Warming,
 }
 
-/// What a transducer's own linearisation leaves along the stroke: two harmonics.
+/// Periodic error that the transducer's own linearisation leaves along the stroke: two harmonics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ripple {
-    /// Of either harmonic, m.
+    /// Amplitudes of the two harmonics, m.
     pub amplitudes: [[f64; 2]; CYLINDERS],
-    /// Their wave lengths, m.
+    /// Wavelengths of the two harmonics, m.
     pub lengths: [f64; 2],
-    /// Of both in the middle of the stroke, rad.
+    /// Phase of both harmonics in the middle of the stroke, rad.
     pub phases: [f64; CYLINDERS],
 }
 
-/// An offset that goes up and down with the temperature.
+/// An offset that rises and falls with the temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Warming {
-    /// m.
+    /// Amplitudes of the offset, m.
     pub amplitudes: [f64; CYLINDERS],
-    /// Once up and down, s.
+    /// Period of one rise and fall, s.
     pub period: f64,
 }
 
@@ -124,32 +124,33 @@ impl Warming {
 pub struct Transducer {
     common: Common,
     errors: Errors,
-    /// From 0.
+    /// Cylinder index, from 0.
     cylinder: usize,
-    /// Readings that a fluctuation lasts.
+    /// Number of readings that a fluctuation lasts.
     lasting: u32,
-    /// Readings that are left of the present one, and what it adds, m.
+    /// Number of readings left of the present fluctuation.
     left: u32,
+    /// Offset of the present fluctuation, m.
     shift: f64,
-    /// What of a change of speed comes in one reading, and the speed that has come, m/s; `None` before the
-    /// first.
+    /// Part of a change of speed that appears in one reading.
     following: f64,
+    /// Speed that has appeared in the readings so far, m/s; `None` before the first.
     followed: Option<f64>,
 }
 
-/// What a transducer says.
+/// Reading of a transducer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// m.
+    /// Length, m.
     pub length: f64,
-    /// The same before it was rounded to counts, m.
+    /// Length before it was rounded to counts, m.
     pub unrounded: f64,
-    /// m/s.
+    /// Speed, m/s.
     pub speed: f64,
 }
 
 impl Transducer {
-    /// The transducer of that cylinder, from 0, which is read every `sample_time` seconds.
+    /// The transducer of cylinder `cylinder`, from 0, which is read every `sample_time` seconds.
     pub fn new(common: &Common, errors: &Errors, cylinder: usize, sample_time: f64) -> Self {
         Self {
             common: *common,
@@ -163,8 +164,8 @@ impl Transducer {
         }
     }
 
-    /// Reads at `time`, s, a piston that is at `length`, m, at Sync and moves at `speed`, m/s; `late` s
-    /// later than it usually does, and off by `counts`.
+    /// Reads at `time`, s, a piston that is at `length`, m, at Sync and moves at `speed`, m/s; the
+    /// sample is `late` s later than usual, and off by `counts`.
     pub fn read(
         &mut self,
         time: f64,
@@ -186,7 +187,7 @@ impl Transducer {
         }
     }
 
-    /// The speed as far as it has come, m/s.
+    /// The speed as far as the lag lets it through, m/s.
     fn lagging(&mut self, speed: f64) -> f64 {
         if self.common.speed_lag == 0.0 {
             return speed;
@@ -197,7 +198,7 @@ impl Transducer {
         followed
     }
 
-    /// What the present fluctuation adds, m; 0 between two.
+    /// Offset of the present fluctuation, m; 0 between two.
     fn fluctuation(&mut self, rng: &mut ChaCha8Rng) -> f64 {
         if self.left > 0 {
             self.left -= 1;
@@ -212,7 +213,7 @@ impl Transducer {
         0.0
     }
 
-    /// What the calibration makes of a true length, m, at `time`, s.
+    /// The reading of a true length, m, at `time`, s, without noise and rounding, m.
     pub fn calibrated(&self, time: f64, length: f64) -> f64 {
         let (errors, i) = (&self.errors, self.cylinder);
         let (ripple, warming) = (errors.ripple.at(i, length), errors.warming.at(i, time));
@@ -221,7 +222,7 @@ impl Transducer {
         straight + ripple + warming
     }
 
-    /// (5-3), counts 1 to the highest: 0 is no signal.
+    /// The length rounded to counts (5-3), from 1 to the highest: 0 means no signal.
     fn quantised(&self, length: f64) -> f64 {
         let Grid { low, count } = self.common.grid();
         let lengths = [low + count, low + self.common.counts * count];

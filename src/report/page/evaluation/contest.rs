@@ -1,4 +1,4 @@
-//! Delay against false alarms: what each detector costs and gives at every level.
+//! Figures of delay against false alarms for each detector at every level.
 
 use crate::evaluate::contest::{GradeResult, Point, Rival, RowFigures};
 use crate::report::page::axis::Axis;
@@ -7,7 +7,8 @@ use crate::report::page::html::capitalised;
 use crate::report::page::palette;
 use plotters::style::RGBColor;
 
-/// Rates of false alarms that are shown, a year: one in a thousand years to one in ten seconds.
+/// Range of rates of false alarms that is shown, a year: from one in a thousand years to one in ten
+/// seconds.
 const SHOWN: [f64; 2] = [1e-3, 3e6];
 
 const COLOURS: [(Rival, &str, RGBColor); 3] = [

@@ -14,9 +14,9 @@ use plotters::style::RGBColor;
 struct Sized {
     study: Study,
     label: &'static str,
-    /// What a unit of the axis is, SI.
+    /// Unit of the axis, in SI units.
     unit: f64,
-    /// Which of [`WITHIN`] its probability is shown for.
+    /// Index of the time in [`WITHIN`] for which its probability is shown.
     within: usize,
 }
 
@@ -27,7 +27,7 @@ const SIZED: [Sized; 4] = [
     Sized { study: Study::Scale, label: "scale (%)", unit: 1e-2, within: 2 },
 ];
 
-/// Of the seas, in their order.
+/// Colours of the seas, in order.
 const COLOURS: [RGBColor; 6] = [
     palette::BLUE,
     palette::VERMILION,
@@ -63,7 +63,7 @@ fn shown(page: &mut Page, heading: &str, figures: Vec<(Figure, String)>) {
     }
 }
 
-/// The rows of a kind on one grade in one sea, by their size.
+/// Rows of a kind on one grade in one sea, by size.
 fn sizes<'a>(
     result: &'a Evaluation,
     sized: &'a Sized,
@@ -76,7 +76,7 @@ fn sizes<'a>(
     rows.filter_map(|row| Some((row.size? / sized.unit, row)))
 }
 
-/// Over the sizes that the curves have; in decades where there is one.
+/// An axis over the sizes of the curves; logarithmic if they span a decade.
 fn by_size(sized: &Sized, curves: &[Curve]) -> Axis {
     let sizes = || curves.iter().flat_map(|curve| curve.runs.iter().flatten()).map(|(x, _)| *x);
     let (low, high) = (sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max));
@@ -147,7 +147,7 @@ fn delays(plan: &Plan, result: &Evaluation, sized: &Sized) -> Option<(Figure, St
     Some((Figure::single(HALF, x, Panel::new(180, y, curves)), title))
 }
 
-/// Each fault once: how far C1 reads off beside the loop, and the rod goes off in it.
+/// Displacements by each fault: of C1's reading beside the loop, and of the rod in it.
 fn moved(result: &Evaluation) -> Option<(Figure, String)> {
     let open = result.rows.iter().filter(|it| it.row.study == Study::Loop && !it.in_loop);
     let points = open.filter_map(|open| {
@@ -165,8 +165,9 @@ fn moved(result: &Evaluation) -> Option<(Figure, String)> {
             .shaped(Shape::Hairline),
         Curve::dots("a kind and size of fault", palette::VERMILION, points),
     ];
-    let panel = Panel::new(220, axis("rod off in the loop (mm)"), curves);
-    let title = "What the controller does with a faulty C1\nBeside the loop C1 reads off and the rod \
-                 goes on as before; in the loop C1 stays near its reference and the rod goes off.";
-    Some((Figure::single(HALF, axis("C1 off beside the loop (mm)"), panel), title.to_owned()))
+    let panel = Panel::new(220, axis("displacement of the rod in the loop (mm)"), curves);
+    let title = "What the controller does with a faulty C1\nBeside the loop C1's reading is off \
+        and the rod moves as before; in the loop C1 stays near its reference and the rod is \
+    displaced.";
+    Some((Figure::single(HALF, axis("error of C1 beside the loop (mm)"), panel), title.to_owned()))
 }

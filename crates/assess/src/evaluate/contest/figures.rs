@@ -1,4 +1,4 @@
-//! What the entries of a row come to.
+//! Figures of a row of the contest.
 
 use super::hours::Hours;
 use super::ladder::{LEVELS, Rival};
@@ -21,35 +21,38 @@ pub struct RowFigures {
     pub label: String,
     pub fault: &'static str,
     pub size: Option<f64>,
-    /// It was tried until the stop that follows it.
+    /// The fault was tried until the machine's next stop.
     pub at_stop: bool,
     pub faults: u64,
-    /// Faults that began while a sequential alarm stood; they are in none of the others.
+    /// Faults that began while a sequential alarm stood; they are excluded from all other figures.
     pub spoilt: u64,
-    /// By rival: at the thesis's thresholds, and at the level h.
+    /// Faults found by each rival: at the thesis's thresholds, and at the level h.
     pub found: [DetectorFigures; Rival::ALL.len()],
-    /// Whom the sequential detector blames in the end, and wrong if it ever was.
+    /// Suspect that the sequential detector blames in the end; wrong if it was ever wrong.
     pub suspect: SuspectFigures,
-    /// What it calls the fault in the end, where the fault has a name.
+    /// How often the sequential detector names the fault correctly in the end, where the fault has
+    /// a name.
     pub kind: Option<Proportion>,
-    /// Lorden's bound for one false alarm a year, s; `None` where there is none, or no hour without
-    /// a fault that it could be made from.
+    /// Lorden's bound for one false alarm a year, s; `None` where there is no bound, or no
+    /// fault-free hours to compute it from.
     pub bound: Option<f64>,
-    /// Cycles to the median detection, by those of the bound, which are one at least.
+    /// Cycles to the median detection divided by those of the bound, which are at least one.
     pub ratio: Option<f64>,
-    /// The curves of delay against false alarms, by rival.
+    /// Curves of delay against false alarms, by rival.
     pub curves: [Vec<Point>; Rival::ALL.len()],
 }
 
-/// One level.
+/// One level of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
-    /// m, or nats.
+    /// Level, m or nats.
     pub level: f64,
     pub false_alarms_per_year: f64,
     pub found: f64,
-    /// s, the cycle in which it is found included; `None` where fewer than half are found.
+    /// Median delay, s, including the cycle in which the fault is found; `None` where fewer than
+    /// half are found.
     pub median: Option<f64>,
+    /// 95th percentile of the delay, s; `None` where fewer are found.
     pub p95: Option<f64>,
 }
 

@@ -1,7 +1,7 @@
-//! What the hours without a fault come to: false alarms, and how far the evidence reaches.
+//! What the fault-free hours show: false alarms, and how large the evidence gets.
 
 use super::ladder::{LEVELS, Rival};
-use super::quiet::{BLOCK, Quiet};
+use super::quiet::{BLOCK, QuietHours};
 use crate::evaluate::outcome::DETECTORS;
 use crate::evaluate::rate::Rate;
 use serde::Serialize;
@@ -12,7 +12,8 @@ use tertius_machine::plant::CYLINDERS;
 
 const RIVALS: usize = Rival::ALL.len();
 
-/// More blocks beyond a level than these are believed, fewer are extrapolated.
+/// False alarms are counted where more blocks than this exceed a level, and extrapolated where
+/// fewer do.
 const MANY: u64 = 100;
 
 /// Hours that are being added up.
@@ -39,10 +40,10 @@ impl Default for Adding {
     }
 }
 
-/// What was said of a healthy machine.
+/// Figures of a healthy machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Hours {
-    /// Of a machine, judged by the sequential detectors.
+    /// Hours of one machine that the sequential detectors judged.
     pub hours: f64,
     /// Warnings of the thesis's thresholds and of the sequential detector at its level.
     pub detectors: BTreeMap<&'static str, Rate>,
@@ -50,17 +51,17 @@ pub struct Hours {
     pub deviation: f64,
     /// The largest values: |R1| or |R2|, m, |R3|, m, and evidence, nats.
     pub largest: [f64; RIVALS],
-    /// False alarms a year of the sequential detector at its level, extrapolated; `None` where the
-    /// hours were too few.
+    /// False alarms a year of the sequential detector at its level, extrapolated; `None` where
+    /// there were too few hours.
     pub expected: Option<f64>,
-    /// The level at which it would be one, nats.
+    /// The level at which one false alarm a year is expected, nats.
     pub level_of_one: Option<f64>,
-    /// Of each rival at each of its levels, false alarms a year.
+    /// False alarms a year of each rival at each of its levels.
     pub false_alarms: [Vec<f64>; RIVALS],
 }
 
 impl Adding {
-    pub(super) fn add(&mut self, quiet: &Quiet) {
+    pub(super) fn add(&mut self, quiet: &QuietHours) {
         self.samples += quiet.samples;
         self.squares += quiet.squares;
         for (mine, more) in self.raises.iter_mut().zip(quiet.raises) {
@@ -74,7 +75,7 @@ impl Adding {
         }
     }
 
-    /// `level` is that of the sequential detector, nats.
+    /// Figures of these hours; `level` is that of the sequential detector, nats.
     pub(super) fn finish(&self, level: f64, sample_time: f64) -> Hours {
         let hours = self.samples as f64 / CYLINDERS as f64 * sample_time / 3600.0;
         if self.samples == 0 {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Who is compared.
+/// Detectors that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rival {
@@ -14,7 +14,7 @@ pub enum Rival {
     Sequential,
 }
 
-/// Levels of each rival.
+/// Number of levels of each rival.
 pub const LEVELS: usize = 28;
 
 impl Rival {
@@ -28,7 +28,7 @@ impl Rival {
         }
     }
 
-    /// A level: m, or nats of the sequential detector.
+    /// The level of `index`: m, or nats for the sequential detector.
     pub fn level(self, index: usize) -> f64 {
         let step = index as f64;
         match self {
@@ -38,7 +38,7 @@ impl Rival {
     }
 }
 
-/// Of every rival and level the cycles until the first value beyond it, that one included.
+/// Cycles until the first value beyond each level of each rival, counting that cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ladder {
     first: [[Option<u32>; LEVELS]; Rival::ALL.len()],

@@ -3,11 +3,12 @@
 //! Where samples are independent, a detector with a mean time of A samples between false alarms
 //! needs at least ln A / D samples in the mean, D being the Kullback-Leibler divergence of a faulty
 //! sample from a healthy one; where it changes from sample to sample, as many as add up to ln A.
-//! Healthy residuals are taken for Gaussian ones of their own standard deviation.
+//! Healthy residuals are taken as Gaussian with their own standard deviation.
 
 use tertius_machine::inject::Shape;
 
-/// Samples, not necessarily whole; `None` where the divergence is not one of the residual alone.
+/// Least mean delay in samples, not necessarily whole; `None` where the divergence does not depend
+/// on the residual alone.
 ///
 /// `deviation` in m; `evidence` is ln A, nats; `sample_time` in s.
 pub fn bound(shape: &Shape, deviation: f64, evidence: f64, sample_time: f64) -> Option<f64> {
@@ -19,12 +20,12 @@ pub fn bound(shape: &Shape, deviation: f64, evidence: f64, sample_time: f64) -> 
     }
 }
 
-/// Nats of a sample that is off by `size`.
+/// Divergence of a sample that is off by `size`, nats.
 fn shifted(size: f64, deviation: f64) -> f64 {
     0.5 * (size / deviation).powi(2)
 }
 
-/// Samples of a drift of `slope` deviations a sample: Σ (slope k)²/2 reaches the evidence.
+/// Samples that a drift of `slope` deviations a sample needs: Σ (slope k)²/2 reaches the evidence.
 fn drifting(slope: f64, evidence: f64) -> f64 {
     let mut sum = 0.0;
     for k in 1..10_000_000_u32 {
@@ -37,7 +38,7 @@ fn drifting(slope: f64, evidence: f64) -> f64 {
     f64::INFINITY
 }
 
-/// Nats of a sample with noise (5-17): −size, 0 or size, each in a third of the cases.
+/// Divergence of a sample with noise (5-17), nats: −size, 0 or size, each in a third of the cases.
 fn noisy(size: f64, deviation: f64) -> f64 {
     let s = size / deviation;
     let normal = |z: f64| (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();

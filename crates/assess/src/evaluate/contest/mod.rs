@@ -1,10 +1,10 @@
-//! The detectors against each other: the thesis's thresholds and the sequential detector, on the same
-//! faults, in the controller's loop, and in the same hours without one.
+//! Comparison of the thesis's thresholds with the sequential detector on the same faults, in the
+//! controller's loop, and on the same fault-free hours.
 //!
-//! The sequential detector has been calibrated to the machine, and its level found, on runs of their
-//! own ([`Learnt`]); so every fault and every hour is new to it. Faults begin when the
-//! windows of its statistics are full. The transducers do not fluctuate as in Figure 5-9: a calibration
-//! on fluctuations takes them for healthy, and then asks for a level that hides what is as large.
+//! The sequential detector is calibrated to the machine, and its level found, on separate runs
+//! ([`Learnt`]), so every fault and every hour is new to it. Faults begin when the windows of its
+//! statistics are full. The transducers do not fluctuate as in Figure 5-9: a calibration on
+//! fluctuations takes them for healthy, and then needs a level that hides faults of that size.
 
 mod figures;
 mod hours;
@@ -18,7 +18,7 @@ mod trial;
 pub use figures::{Point, RowFigures};
 pub use hours::Hours;
 pub use ladder::{LEVELS, Ladder, Rival};
-pub use quiet::Quiet;
+pub use quiet::QuietHours;
 pub use row::{Course, rows};
 pub use trial::Entry;
 
@@ -33,68 +33,70 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_machine::plant::CYLINDERS;
 
-/// From when the observers have settled until the faults begin: longer than the widest window, s.
+/// Time from when the observers have settled until the faults begin, s: longer than the widest
+/// window.
 const LEAD: f64 = 37.0;
 
-/// Cylinders of a machine that have their fault at once. What half of them show is no transducer's to the
-/// detectors, but something that all of them share.
+/// Cylinders of a machine that have a fault at once. Where half of the cylinders show a fault, the
+/// detectors attribute it to something shared.
 const AT_ONCE: u32 = 2;
 
-/// Streams of random numbers of their own, apart from all other jobs.
+/// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 3 << 40;
 const NUMBERS: u64 = 1 << 20;
 
-/// What is tried.
+/// What the contest tries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contest {
     pub grades: Vec<Grade>,
     pub rows: Vec<(Row, Course)>,
     pub seas: Vec<[f64; 2]>,
-    /// Faults in a row.
+    /// Number of faults in a row.
     pub trials: u32,
-    /// Hours of a healthy machine of each grade, in whole stretches, the seas in turn.
+    /// Hours of a healthy machine of each grade, rounded up to whole stretches; the seas take
+    /// turns.
     pub hours: f64,
     pub seed: u64,
 }
 
 /// One simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Job {
-    /// The machine of that number of a row.
+pub enum ContestJob {
+    /// The machine of this number in a row.
     Faulty { row: usize, number: u32 },
     /// A stretch without faults.
     Quiet { grade: Grade, number: u32 },
 }
 
-/// What a job brings.
+/// Result of a job.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Product {
+pub enum ContestProduct {
     Faulty(Vec<Entry>),
-    Quiet(Box<Quiet>),
+    Quiet(Box<QuietHours>),
 }
 
 impl Contest {
-    /// Of every grade in `seas`.
+    /// Contest of every grade in `seas`.
     pub fn new(seed: u64, seas: &[[f64; 2]], trials: u32, hours: f64) -> Self {
         let grades = Grade::ALL.to_vec();
         let rows = grades.iter().flat_map(|grade| rows(*grade, seas)).collect();
         Self { grades, rows, seas: seas.to_vec(), trials, hours, seed }
     }
 
-    /// The machines of a row.
+    /// The number of machines of a row.
     pub const fn machines(&self) -> u32 {
         self.trials.div_ceil(AT_ONCE)
     }
 
     /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<ContestJob> {
         let stretches = (self.hours * 3600.0 / quiet::STRETCH).ceil() as u32;
-        let quiet = self
-            .grades
-            .iter()
-            .flat_map(|grade| (0..stretches).map(|number| Job::Quiet { grade: *grade, number }));
-        let faulty = (0..self.rows.len())
-            .flat_map(|row| (0..self.machines()).map(move |number| Job::Faulty { row, number }));
+        let quiet = self.grades.iter().flat_map(|grade| {
+            (0..stretches).map(|number| ContestJob::Quiet { grade: *grade, number })
+        });
+        let faulty = (0..self.rows.len()).flat_map(|row| {
+            (0..self.machines()).map(move |number| ContestJob::Faulty { row, number })
+        });
         quiet.chain(faulty).collect()
     }
 
@@ -102,16 +104,16 @@ impl Contest {
     ///
     /// # Errors
     /// If the stand has no such machine.
-    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+    pub fn run(&self, stand: &Stand, job: ContestJob) -> Result<ContestProduct, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
         Ok(match job {
-            Job::Faulty { row: index, number } => {
+            ContestJob::Faulty { row: index, number } => {
                 let (row, course) = &self.rows[index];
                 let learnt = stand.learnt(row.cell.grade)?;
                 let mut rng = self.random(1 + index as u64, number);
                 let one = |begin: f64, rng: &mut ChaCha8Rng| few(row, number, begin, rng);
                 let settle = stand.settings.observer.settle;
-                Product::Faulty(match course {
+                ContestProduct::Faulty(match course {
                     Course::Engaged => {
                         let one = one(settle + LEAD, &mut rng);
                         stand.contest(learnt, &one, sea(number), row.watch)?
@@ -122,10 +124,14 @@ impl Contest {
                     }
                 })
             }
-            Job::Quiet { grade, number } => {
+            ContestJob::Quiet { grade, number } => {
                 // Not of the grades: both have the same seas and machines.
                 let seed = self.random(0, number).random();
-                Product::Quiet(Box::new(stand.quiet(stand.learnt(grade)?, sea(number), seed)?))
+                ContestProduct::Quiet(Box::new(stand.quiet(
+                    stand.learnt(grade)?,
+                    sea(number),
+                    seed,
+                )?))
             }
         })
     }
@@ -136,13 +142,13 @@ impl Contest {
         rng
     }
 
-    /// Seeds of the runs that `grade` is learnt from: of the calibration, and of the level.
+    /// Seeds of the runs that `grade` is learnt from: one for the calibration, one for the level.
     pub fn lessons(&self) -> [u64; 2] {
         [0, 1].map(|which| self.random(NUMBERS - 1, which).random())
     }
 }
 
-/// Draws a trial of which only a few cylinders have their fault.
+/// Draws a trial in which only a few cylinders have a fault.
 fn few(row: &Row, number: u32, begin: f64, rng: &mut ChaCha8Rng) -> Try {
     let mut one = Try::draw(row, number, begin, rng);
     let turns = CYLINDERS as u32 / AT_ONCE;
@@ -152,46 +158,46 @@ fn few(row: &Row, number: u32, begin: f64, rng: &mut ChaCha8Rng) -> Try {
     one
 }
 
-/// What it came to on one grade.
+/// Result for one grade of transducers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct GradeResult {
     #[serde(skip)]
     pub of: Grade,
     pub grade: &'static str,
-    /// h, nats.
+    /// Level h of the sequential detector, nats.
     pub level: f64,
-    /// What it was made from: the largest evidence, nats, and the time of cylinders, h; `None` where
-    /// it is configured.
+    /// What the level was made from: the largest evidence, nats, and the time of cylinders, h;
+    /// `None` where the level is configured.
     pub level_from: Option<[f64; 2]>,
     pub hours: Hours,
     pub rows: Vec<RowFigures>,
 }
 
-/// Puts together what the jobs bring, in whatever order.
+/// Collects the results of the jobs, in any order.
 #[derive(Clone, Debug)]
-pub struct Gathering<'a> {
+pub struct ContestGathering<'a> {
     contest: &'a Contest,
     entries: Vec<BTreeMap<u32, Vec<Entry>>>,
     hours: BTreeMap<Grade, hours::Adding>,
 }
 
-impl<'a> Gathering<'a> {
+impl<'a> ContestGathering<'a> {
     pub fn new(contest: &'a Contest) -> Self {
         let entries = vec![BTreeMap::new(); contest.rows.len()];
         Self { contest, entries, hours: BTreeMap::new() }
     }
 
-    /// Takes what a job brought; each job once.
-    pub fn take(&mut self, job: Job, product: Product) {
+    /// Takes the result of a job; each job once.
+    pub fn take(&mut self, job: ContestJob, product: ContestProduct) {
         match (job, product) {
-            (Job::Faulty { row, number }, Product::Faulty(entries)) => {
+            (ContestJob::Faulty { row, number }, ContestProduct::Faulty(entries)) => {
                 self.entries[row].insert(number, entries);
             }
-            (Job::Quiet { grade, .. }, Product::Quiet(quiet)) => {
+            (ContestJob::Quiet { grade, .. }, ContestProduct::Quiet(quiet)) => {
                 self.hours.entry(grade).or_default().add(&quiet);
             }
             // A job brings what it is.
-            (Job::Faulty { .. } | Job::Quiet { .. }, _) => {}
+            (ContestJob::Faulty { .. } | ContestJob::Quiet { .. }, _) => {}
         }
     }
 

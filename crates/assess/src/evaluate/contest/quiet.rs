@@ -1,4 +1,4 @@
-//! Hours without a fault: how large every rival's values get.
+//! Fault-free hours: how large the values of every rival get.
 
 use super::ladder::{LEVELS, Rival};
 use super::trial::values;
@@ -15,19 +15,19 @@ use tertius_machine::simulator::Options;
 /// How long one machine is watched, s.
 pub const STRETCH: f64 = 3600.0;
 
-/// Judged time of which the largest value counts, s: what is beyond a level longer is one event.
+/// Judged time of which only the largest value counts, s, so that a longer excursion is one event.
 pub const BLOCK: f64 = 10.0;
 
 const RIVALS: usize = Rival::ALL.len();
 
-/// What the detectors had of one healthy machine.
+/// What the detectors saw of one healthy machine.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Quiet {
+pub struct QuietHours {
     /// Warnings of each detector.
     pub raises: [u64; DETECTORS],
     /// Cycles of cylinders that the sequential detectors judged.
     pub samples: u64,
-    /// Σ r² of their residuals, in 1e-15 m²: whole, so that sums do not depend on their order.
+    /// Σ r² of their residuals, in 1e-15 m²: an integer, so that sums do not depend on their order.
     pub squares: u128,
     /// The largest value of each block, by rival and cylinder.
     pub blocks: Vec<[Vec<f64>; RIVALS]>,
@@ -35,7 +35,7 @@ pub struct Quiet {
     pub beyond: [[u64; LEVELS]; RIVALS],
 }
 
-/// The largest value of the block that is not yet full.
+/// Largest value of a block that is not yet full.
 #[derive(Clone, Copy, Default)]
 struct Open {
     largest: f64,
@@ -43,7 +43,7 @@ struct Open {
 }
 
 struct Watching {
-    quiet: Quiet,
+    quiet: QuietHours,
     open: [[Open; RIVALS]; CYLINDERS],
     block: u64,
     records: Vec<Record>,
@@ -61,7 +61,7 @@ impl Sink for Watching {
 }
 
 impl Watching {
-    /// Goes through the records of a cycle, with the detectors that made them.
+    /// Takes the records of a cycle, with the detectors that made them.
     fn judge(&mut self, monitor: &Monitor) {
         let mut records = std::mem::take(&mut self.records);
         for record in records.drain(..) {
@@ -93,7 +93,7 @@ impl Watching {
     }
 }
 
-impl Quiet {
+impl QuietHours {
     fn new() -> Self {
         Self {
             raises: [0; DETECTORS],
@@ -117,12 +117,17 @@ impl Stand<'_> {
     ///
     /// # Errors
     /// If there is no such machine.
-    pub fn quiet(&self, learnt: &Learnt, sea: [f64; 2], seed: u64) -> Result<Quiet, StandError> {
+    pub fn quiet(
+        &self,
+        learnt: &Learnt,
+        sea: [f64; 2],
+        seed: u64,
+    ) -> Result<QuietHours, StandError> {
         let options = Options { seed, sea: Some(sea), ..Options::default() };
         let mut simulator = self.steady(learnt.grade, &options)?;
         let mut monitor = Monitor::new(learnt.design.clone());
         let mut watching = Watching {
-            quiet: Quiet::new(),
+            quiet: QuietHours::new(),
             open: Default::default(),
             block: self.cycles(BLOCK),
             records: Vec::new(),

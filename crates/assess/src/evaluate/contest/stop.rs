@@ -1,4 +1,4 @@
-//! Slow faults, and the stop that tells whose they are.
+//! Slow faults, and the stop that tells which transducer has them.
 
 use super::ladder::Ladder;
 use super::trial::{Entry, Heard};
@@ -11,11 +11,12 @@ use tertius_core::time::Span;
 use tertius_machine::controller::State;
 use tertius_machine::simulator::Options;
 
-/// Times that the rods have stood on their stops before anything is wrong.
+/// Times that the rods have stood on their stops before the faults begin.
 const BEFORE: usize = 5;
 
-/// s engaged, and s on the way down and at the stop.
+/// Time engaged, s.
 const ENGAGED: f64 = 60.0;
+/// Time on the way down and at the stop, s.
 const STOPPED: f64 = 60.0;
 
 /// When the faults begin, s: the machine has left the last of the healthy stops.
@@ -31,8 +32,8 @@ impl Sink for Ears {
 }
 
 impl Stand<'_> {
-    /// Plays `one` in `sea`: the rods go to their stops again and again, and once more with the
-    /// faults. What is said of each counts until they leave that stop.
+    /// Plays `one` in `sea`: the rods go to their stops repeatedly, and once more with the faults.
+    /// Warnings count until the rods leave that stop.
     ///
     /// # Errors
     /// If there is no such machine, or no place for such a fault on it.

@@ -1,10 +1,10 @@
-//! One machine with a fault on each cylinder, and what every detector makes of it.
+//! One machine with a fault on each cylinder, and the response of every detector.
 
 use super::ladder::{Ladder, Rival};
 use crate::evaluate::learning::Learnt;
 use crate::evaluate::outcome::{Blame, Outcome};
 use crate::evaluate::stand::{Stand, StandError};
-use crate::evaluate::trial::{Tried, Try};
+use crate::evaluate::trial::{TriedFault, Try};
 use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::sequential::{Input, Sequential};
@@ -16,14 +16,14 @@ use tertius_machine::simulator::Options;
 /// What became of one fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// A sequential alarm stood already.
+    /// A sequential alarm already stood when the fault began.
     pub spoilt: bool,
     /// From the sampling of the first faulty reading to the warning of the observers, of the
     /// comparator and of the sequential detector, s.
     pub delays: [Option<f64>; Rival::ALL.len()],
-    /// Whom the sequential detector blames in the end; wrong if it ever was.
+    /// Suspect that the sequential detector blames in the end; wrong if it was ever wrong.
     pub blame: Option<Blame>,
-    /// What it calls the fault in the end.
+    /// Fault that the sequential detector names in the end.
     pub kind: Option<Fault>,
     pub ladder: Ladder,
 }
@@ -63,7 +63,7 @@ impl Sink for Listener {
     }
 }
 
-/// What each rival looks at in a cycle, in the order of [`Rival::ALL`].
+/// Value that each rival judges in a cycle, in the order of [`Rival::ALL`].
 pub(super) fn values(record: &Record, detector: &Sequential) -> [Option<f64>; Rival::ALL.len()] {
     let [r1, r2, r3] = record.residuals.map(|residual| residual.map(f64::abs));
     let [r1, r2] = [r1.filter(|_| record.judged[0]), r2.filter(|_| record.judged[1])];
@@ -72,9 +72,9 @@ pub(super) fn values(record: &Record, detector: &Sequential) -> [Option<f64>; Ri
     [r1.into_iter().chain(r2).reduce(f64::max), r3, judges.then(|| mean.nats.max(variance.nats))]
 }
 
-/// A fault on its way.
+/// A fault that is being followed.
 struct Followed<'a> {
-    fault: &'a Tried,
+    fault: &'a TriedFault,
     /// The Sync at which the first faulty reading was sampled.
     onset: Option<Timestamp>,
     ladder: Ladder,
@@ -143,12 +143,12 @@ impl Stand<'_> {
 }
 
 impl<'a> Followed<'a> {
-    fn new(fault: &'a Tried) -> Self {
+    fn new(fault: &'a TriedFault) -> Self {
         Self { fault, onset: None, ladder: Ladder::default() }
     }
 }
 
-/// What was said from a fault's onset until nobody listened any more.
+/// Warnings from a fault's onset to the end of its watch.
 pub(super) struct Heard<'a> {
     pub warnings: &'a [Warning],
     pub onset: Timestamp,
@@ -156,7 +156,7 @@ pub(super) struct Heard<'a> {
 }
 
 impl Heard<'_> {
-    /// What it comes to for a fault of `transducer` of `cylinder` (from 1).
+    /// The entry for a fault of `transducer` of `cylinder` (from 1).
     pub fn entry(&self, cylinder: u8, transducer: Suspect, ladder: Ladder) -> Entry {
         let own = |sequential: bool| -> Vec<Warning> {
             let is = |it: &&Warning| (it.detector == Detector::Sequential) == sequential;
@@ -200,7 +200,7 @@ mod tests {
     use super::*;
     use tertius_core::alarm::{Finding, Level};
 
-    /// A warning of cylinder 2 by its sequential detector, at so many ms.
+    /// A warning of cylinder 2 by its sequential detector, at `at` ms.
     fn warning(at: i64, state: State, fault: Fault, suspect: Suspect) -> Warning {
         let place = tertius_core::alarm::register::DETECTORS
             .iter()

@@ -1,7 +1,7 @@
-//! What the weights came to.
+//! Figures of the weights.
 
 use super::trial::{RESIDUALS, STRETCH};
-use super::{FAULTS, Faulty, Job, Kind, Product, Quiet, Weighing};
+use super::{FAULTS, Faulty, QuietMachine, TransducerKind, Weighing, WeightsJob, WeightsProduct};
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
 use crate::evaluate::row::label;
@@ -10,25 +10,26 @@ use std::collections::BTreeMap;
 use tertius_learn::extremes::{HOURS_PER_YEAR, Maxima, Tail, common_level, per_second};
 use tertius_learn::tune::LEAST_HIGH;
 
-/// A day and a year of monitoring in false alarms a year: one an hour, one a day, one.
+/// Rates of false alarms for which thresholds are computed: one an hour, one a day, one a year.
 const RATES: [f64; 3] = [HOURS_PER_YEAR, HOURS_PER_YEAR / 24.0, 1.0];
 
-/// One set on one kind.
+/// Result of one set of weights on one kind of transducers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetResult {
-    /// Of the transducers.
+    /// Kind of the transducers.
     pub kind: &'static str,
-    /// The diagonals of Q and R.
+    /// Diagonal of Q.
     pub q: [f64; 3],
+    /// Diagonal of R.
     pub r: [f64; 2],
     /// Hours of a healthy machine.
     pub hours: f64,
-    /// Warnings of FDE1 and FDE2 in them with the thesis's δ_h, 1 mm.
+    /// Warnings of FDE1 and FDE2 in these hours with the thesis's δ_h, 1 mm.
     pub crossings: Rate,
-    /// δ_h for one false alarm an hour, a day and a year, m, by the tails of the largest of each block;
-    /// `None` where there is too little of them.
+    /// δ_h for one false alarm an hour, a day and a year, m, from the tails of the block maxima;
+    /// `None` where there are too few blocks.
     pub levels: Option<[f64; 3]>,
-    /// With the thesis's δ_h, and with that of one false alarm a day.
+    /// What is seen with the thesis's δ_h, and with that of one false alarm a day.
     pub seen: Vec<Seen>,
 }
 
@@ -43,47 +44,47 @@ pub struct Seen {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SeenFault {
     pub label: String,
-    /// How long it is watched, s; 0 is the faulty reading alone.
+    /// How long the fault is watched, s; 0 is the faulty reading alone.
     pub within: f64,
     pub found: Proportion,
 }
 
-/// Puts together what the jobs bring, in whatever order.
+/// Collects the results of the jobs, in any order.
 #[derive(Clone, Debug)]
-pub struct Gathering<'a> {
+pub struct WeightsGathering<'a> {
     weighing: &'a Weighing,
-    quiet: BTreeMap<(Kind, u32), Vec<Quiet>>,
-    faulty: BTreeMap<(Kind, usize, u32), Vec<Faulty>>,
+    quiet: BTreeMap<(TransducerKind, u32), Vec<QuietMachine>>,
+    faulty: BTreeMap<(TransducerKind, usize, u32), Vec<Faulty>>,
 }
 
-impl<'a> Gathering<'a> {
+impl<'a> WeightsGathering<'a> {
     pub const fn new(weighing: &'a Weighing) -> Self {
         Self { weighing, quiet: BTreeMap::new(), faulty: BTreeMap::new() }
     }
 
-    /// Takes what a job brought; each job once.
-    pub fn take(&mut self, job: Job, product: Product) {
+    /// Takes the result of a job; each job once.
+    pub fn take(&mut self, job: WeightsJob, product: WeightsProduct) {
         match (job, product) {
-            (Job::Quiet { kind, number }, Product::Quiet(quiet)) => {
+            (WeightsJob::Quiet { kind, number }, WeightsProduct::Quiet(quiet)) => {
                 self.quiet.insert((kind, number), quiet);
             }
-            (Job::Faulty { kind, fault, number }, Product::Faulty(faulty)) => {
+            (WeightsJob::Faulty { kind, fault, number }, WeightsProduct::Faulty(faulty)) => {
                 self.faulty.insert((kind, fault, number), faulty);
             }
             // A job brings what it is.
-            (Job::Quiet { .. } | Job::Faulty { .. }, _) => {}
+            (WeightsJob::Quiet { .. } | WeightsJob::Faulty { .. }, _) => {}
         }
     }
 
-    /// The result for every kind and set; `block`: of judged time, s.
+    /// The result for every kind and set; `block` is the length of a block of judged time, s.
     pub fn finish(&self, block: f64) -> Vec<SetResult> {
         let sets = || 0..self.weighing.sets.len();
         let kinds = self.weighing.kinds.iter();
         kinds.flat_map(|kind| sets().map(move |set| self.result(*kind, set, block))).collect()
     }
 
-    fn result(&self, kind: Kind, set: usize, block: f64) -> SetResult {
-        let quiet: Vec<&Quiet> = self
+    fn result(&self, kind: TransducerKind, set: usize, block: f64) -> SetResult {
+        let quiet: Vec<&QuietMachine> = self
             .quiet
             .iter()
             .filter(|((of, _), _)| *of == kind)
@@ -105,7 +106,7 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    fn seen(&self, kind: Kind, set: usize, high: f64) -> Seen {
+    fn seen(&self, kind: TransducerKind, set: usize, high: f64) -> Seen {
         let fault = |(index, (shape, within)): (usize, &_)| {
             let own =
                 self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
@@ -118,8 +119,8 @@ impl<'a> Gathering<'a> {
     }
 }
 
-/// Of every residual over all machines; `None` where one has too little.
-fn tails(quiet: &[&Quiet], block: f64) -> Option<Vec<Tail>> {
+/// Tails of every residual over all machines; `None` where one has too few blocks.
+fn tails(quiet: &[&QuietMachine], block: f64) -> Option<Vec<Tail>> {
     let tail = |index: usize| {
         // What comes in is the largest of a block already.
         let mut maxima = Maxima::new(1);

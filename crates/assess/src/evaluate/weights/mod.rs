@@ -1,15 +1,16 @@
-//! Weights of the observers against each other, each with the threshold that belongs to it.
+//! Comparison of weights for the observers, each set with its own threshold.
 //!
-//! Every set of weights has its monitor, and all of them watch the same machines: hours without a fault
-//! say which δ_h a wanted rate of false alarms takes, and how often the thesis's is crossed; faults of
-//! section 5-4, how many of them are seen with it. Weights without their threshold are worth nothing, and
-//! what a calm sea says of them is not true in a rough one: the seas are tried in turn and judged together.
+//! Every set of weights has its monitor, and all of them watch the same machines: fault-free hours
+//! give the δ_h for a wanted rate of false alarms and show how often the thesis's is crossed; the
+//! faults of section 5-4 show how many are seen with each. Weights cannot be judged without their
+//! threshold, and a result from a calm sea does not hold in a rough one, so the seas are tried in
+//! turn and judged together.
 
 mod figures;
 mod trial;
 
-pub use figures::{Gathering, Seen, SetResult};
-pub use trial::{Faulty, Quiet};
+pub use figures::{Seen, SetResult, WeightsGathering};
+pub use trial::{Faulty, QuietMachine};
 
 use super::grade::Grade;
 use super::row::SIGMA;
@@ -25,8 +26,8 @@ use tertius_learn::tune::{LEAST_HIGH, Weights};
 use tertius_machine::inject::{Shape, Wanted};
 use tertius_machine::plant::CYLINDERS;
 
-/// Sets that are tried when the call names none: of the thesis's design, of fine and of coarse transducers,
-/// and one that is slow.
+/// Sets that are tried when the command line names none: of the thesis's design, of fine and of
+/// coarse transducers, and a slow one.
 pub const SETS: [Weights; 4] = [
     Weights { q: [1e-8, 1e-3, 100.0], r: [1e-8, 1e-2] },
     Weights { q: [5e-9, 2e-4, 1e4], r: [1e-8, 5.0] },
@@ -34,11 +35,11 @@ pub const SETS: [Weights; 4] = [
     Weights { q: [1e-9, 1e-6, 100.0], r: [1e-8, 1e-2] },
 ];
 
-/// The most sets: each has its monitor on every machine.
+/// Most sets: each has its monitor on every machine.
 pub const MOST: usize = 32;
 
-/// The faults that are tried, and how long each is watched by the observer on its transducer, s: 0 is the
-/// faulty reading alone.
+/// Faults that are tried, and how long each is watched by the observer of its transducer, s: 0 is
+/// the faulty reading alone.
 pub const FAULTS: [(Shape, f64); 5] = [
     (Shape::Step { size: STEP }, 0.0),
     (Shape::Step { size: 1.25e-3 }, 0.0),
@@ -47,19 +48,19 @@ pub const FAULTS: [(Shape, f64); 5] = [
     (Shape::Noise { size: SIGMA }, 10.0),
 ];
 
-/// Streams of random numbers of their own, apart from all other jobs.
+/// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 5 << 40;
 const NUMBERS: u64 = 1 << 20;
 
 /// Transducers, and whether their readings are off for a while now and then, as in Figure 5-9.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum TransducerKind {
     Steady,
     Fluctuating,
     Coarse,
 }
 
-impl Kind {
+impl TransducerKind {
     pub const ALL: [Self; 3] = [Self::Steady, Self::Fluctuating, Self::Coarse];
 
     pub const fn name(self) -> &'static str {
@@ -81,9 +82,9 @@ impl Kind {
 /// What is tried.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Weighing {
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<TransducerKind>,
     pub sets: Vec<Weights>,
-    /// Significant wave height, m, and peak period, s; in turn.
+    /// Significant wave height, m, and peak period, s; the seas take turns.
     pub seas: Vec<[f64; 2]>,
     /// Faults of each kind, rounded up to whole machines.
     pub trials: u32,
@@ -94,28 +95,28 @@ pub struct Weighing {
 
 /// One simulated machine, which all sets watch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Job {
-    /// With the fault of that index of [`FAULTS`].
+pub enum WeightsJob {
+    /// A machine with the fault of that index of [`FAULTS`].
     Faulty {
-        kind: Kind,
+        kind: TransducerKind,
         fault: usize,
         number: u32,
     },
     Quiet {
-        kind: Kind,
+        kind: TransducerKind,
         number: u32,
     },
 }
 
-/// What a job brings, of each set.
+/// Result of a job, for each set.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Product {
+pub enum WeightsProduct {
     Faulty(Vec<Faulty>),
-    Quiet(Vec<Quiet>),
+    Quiet(Vec<QuietMachine>),
 }
 
 impl Weighing {
-    /// The monitors of all sets, with the thesis's thresholds; all else is as `settings` have it.
+    /// The monitors of all sets, with the thesis's thresholds and otherwise as in `settings`.
     ///
     /// # Errors
     /// The flaws of the first set that has no observer.
@@ -134,15 +135,15 @@ impl Weighing {
     }
 
     /// All jobs, the longest first.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<WeightsJob> {
         let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
         let machines = self.trials.div_ceil(CYLINDERS as u32);
         let kinds = || self.kinds.iter().copied();
-        let quiet =
-            kinds().flat_map(|kind| (0..stretches).map(move |number| Job::Quiet { kind, number }));
+        let quiet = kinds()
+            .flat_map(|kind| (0..stretches).map(move |number| WeightsJob::Quiet { kind, number }));
         let faulty = kinds().flat_map(|kind| {
             (0..FAULTS.len()).flat_map(move |fault| {
-                (0..machines).map(move |number| Job::Faulty { kind, fault, number })
+                (0..machines).map(move |number| WeightsJob::Faulty { kind, fault, number })
             })
         });
         quiet.chain(faulty).collect()
@@ -152,20 +153,20 @@ impl Weighing {
     ///
     /// # Errors
     /// If the stand has no such machine.
-    pub fn run(&self, stand: &Stand, job: Job) -> Result<Product, StandError> {
+    pub fn run(&self, stand: &Stand, job: WeightsJob) -> Result<WeightsProduct, StandError> {
         let sea = |number: u32| self.seas[number as usize % self.seas.len()];
         // The same machines and times of faults for every kind.
         Ok(match job {
-            Job::Faulty { kind, fault, number } => {
+            WeightsJob::Faulty { kind, fault, number } => {
                 let mut rng = self.random(1 + fault as u64, number);
                 let (shape, watch) = FAULTS[fault];
                 let wanted = Wanted::Shape(shape);
                 let faults = stand.seen(kind, sea(number), wanted, watch, &mut rng)?;
-                Product::Faulty(faults)
+                WeightsProduct::Faulty(faults)
             }
-            Job::Quiet { kind, number } => {
+            WeightsJob::Quiet { kind, number } => {
                 let seed = self.random(0, number).random();
-                Product::Quiet(stand.unseen(kind, sea(number), seed)?)
+                WeightsProduct::Quiet(stand.unseen(kind, sea(number), seed)?)
             }
         })
     }

@@ -1,6 +1,6 @@
 //! One machine that the monitors of all sets watch.
 
-use super::Kind;
+use super::TransducerKind;
 use crate::evaluate::grade::Grade;
 use crate::evaluate::plan::Cell;
 use crate::evaluate::row::{Row, Study};
@@ -20,26 +20,26 @@ pub const STRETCH: f64 = 600.0;
 /// Residuals of a machine: R1 and R2 of each cylinder.
 pub const RESIDUALS: usize = 2 * CYLINDERS;
 
-/// What one set's observers made of one healthy machine.
+/// What one set's observers saw of one healthy machine.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Quiet {
+pub struct QuietMachine {
     /// Warnings of FDE1 and FDE2 with the thesis's thresholds.
     pub raises: u64,
     /// The largest |R1| and |R2| of each block of judged time, by cylinder, m.
     pub blocks: [Vec<f64>; RESIDUALS],
 }
 
-/// The largest |R1| or |R2|, whichever is of the faulty transducer, while a fault was watched, of each
+/// Largest residual of the faulty transducer, |R1| or |R2|, while a fault was watched, for each
 /// cylinder, m; 0 where none was judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Faulty(pub [f64; CYLINDERS]);
 
-/// Hears one monitor over a healthy machine.
+/// Listens to one monitor on a healthy machine.
 struct Listener {
-    quiet: Quiet,
-    /// Cycles of a block.
+    quiet: QuietMachine,
+    /// Length of a block, cycles.
     block: u32,
-    /// Of the blocks that are not yet full: the largest, and its cycles.
+    /// Largest value and number of cycles of each block that is not yet full.
     open: [(f64, u32); RESIDUALS],
 }
 
@@ -83,25 +83,28 @@ impl Sink for Newest {
 }
 
 impl Stand<'_> {
-    fn of_kind(&self, kind: Kind, options: &Options) -> Result<Simulator, StandError> {
+    fn of_kind(&self, kind: TransducerKind, options: &Options) -> Result<Simulator, StandError> {
         match kind {
-            Kind::Steady => self.steady(Grade::Fine, options),
-            Kind::Fluctuating | Kind::Coarse => self.graded(kind.of_grade(), options),
+            TransducerKind::Steady => self.steady(Grade::Fine, options),
+            TransducerKind::Fluctuating | TransducerKind::Coarse => {
+                self.graded(kind.of_grade(), options)
+            }
         }
     }
 
-    /// Watches the healthy machine of `seed` for a stretch of its time, by every set's monitor.
+    /// Watches the healthy machine of `seed` for one stretch with every set's monitor.
     pub(super) fn unseen(
         &self,
-        kind: Kind,
+        kind: TransducerKind,
         sea: [f64; 2],
         seed: u64,
-    ) -> Result<Vec<Quiet>, StandError> {
+    ) -> Result<Vec<QuietMachine>, StandError> {
         let options = Options { seed, sea: Some(sea), ..Options::default() };
         let mut simulator = self.of_kind(kind, &options)?;
         let listener = |design: &_| {
             let block = self.settings.warning_cycles();
-            let listener = Listener { quiet: Quiet::default(), block, open: Default::default() };
+            let listener =
+                Listener { quiet: QuietMachine::default(), block, open: Default::default() };
             (Monitor::new(Clone::clone(design)), listener)
         };
         let mut watching: Vec<_> = self.weighed.iter().map(listener).collect();
@@ -113,11 +116,11 @@ impl Stand<'_> {
         Ok(watching.into_iter().map(|(_, listener)| listener.quiet).collect())
     }
 
-    /// Watches a machine with a fault on one transducer of each cylinder by every set's monitor: `watch`
-    /// seconds from its first reading.
+    /// Watches a machine with a fault on one transducer of each cylinder with every set's monitor,
+    /// for `watch` seconds from the first faulty reading.
     pub(super) fn seen(
         &self,
-        kind: Kind,
+        kind: TransducerKind,
         sea: [f64; 2],
         wanted: Wanted,
         watch: f64,

@@ -6,7 +6,7 @@ use crate::sequential::drive::FEATURES;
 const TS: f64 = 0.02;
 const SETTLE: u32 = 50;
 
-/// A rod that goes nearly as fast as its command: 2 mm/s more, which no drive knows.
+/// A rod that moves slightly faster than its command: 2 mm/s more, which no drive knows.
 fn rod(cycle: u64) -> f64 {
     let t = TS * cycle as f64;
     -0.3 * (0.5 * t).cos() + 2e-3 * t.sin()
@@ -25,9 +25,9 @@ fn noise(cycle: u64, which: u64) -> f64 {
 fn sensor() -> VirtualSensor {
     let mut coefficients = [0.0; FEATURES];
     coefficients[0] = 1.0;
-    VirtualSensor::new(Design {
+    VirtualSensor::new(SensorDesign {
         dynamics: Dynamics::fitted(Drive(coefficients), TS, 5e-5, &Parameters::DEFAULT),
-        scale: Scale { comparator: Comparator { gain: 1.0, offset: 4e-3 }, reference: None },
+        scale: LengthScale { comparator: Comparator { gain: 1.0, offset: 4e-3 }, reference: None },
         sample_time: TS,
         settle: SETTLE,
         max_gap: 5,
@@ -39,8 +39,8 @@ fn sensor() -> VirtualSensor {
 }
 
 /// A sound cycle; C2 is 4 mm short, as the comparator knows.
-fn sound(cycle: u64) -> Input {
-    Input {
+fn sound(cycle: u64) -> SensorInput {
+    SensorInput {
         cycle,
         lengths: [Some(rod(cycle) + noise(cycle, 0)), Some(rod(cycle) + noise(cycle, 1) - 4e-3)],
         velocity: Some(0.0),
@@ -63,7 +63,7 @@ fn learnt() -> VirtualSensor {
     sensor
 }
 
-fn told(sensor: &mut VirtualSensor, input: Input) -> Estimate {
+fn told(sensor: &mut VirtualSensor, input: SensorInput) -> Estimate {
     sensor.step(&input).expect("something is known")
 }
 
@@ -79,10 +79,10 @@ fn nothing_is_valid_before_the_transducers_have_been_followed() {
         let valid = estimate.is_some_and(|estimate| estimate.valid);
         assert_eq!(valid, cycle >= u64::from(SETTLE), "{cycle}");
     }
-    let lost = Input { lengths: [None; 2], ..sound(400) };
+    let lost = SensorInput { lengths: [None; 2], ..sound(400) };
     assert!(told(&mut sensor, lost).valid, "it has followed the command, too");
     sensor.interrupt();
-    assert_eq!(sensor.step(&Input { lengths: [None; 2], ..sound(401) }), None);
+    assert_eq!(sensor.step(&SensorInput { lengths: [None; 2], ..sound(401) }), None);
 }
 
 #[test]
@@ -103,13 +103,14 @@ fn sound_transducers_are_both_used_and_c2_on_the_scale_of_c1() {
         assert!(estimate.valid && estimate.source == Source::Both && estimate.sigma < 2e-4);
         assert!(is_close(&estimate, cycle));
     }
-    let c1_lost = Input { lengths: [None, sound(LEARNT + 500).lengths[1]], ..sound(LEARNT + 500) };
-    let c1_blamed = Input { trusted: [false, true], ..c1_lost };
+    let c1_lost =
+        SensorInput { lengths: [None, sound(LEARNT + 500).lengths[1]], ..sound(LEARNT + 500) };
+    let c1_blamed = SensorInput { trusted: [false, true], ..c1_lost };
     let estimate = told(&mut sensor, c1_blamed);
     assert!(estimate.valid && estimate.source == Source::C2 && is_close(&estimate, LEARNT + 500));
 }
 
-/// What C1 did for half a second before it was blamed is gone to the last bit.
+/// Readings of C1 in the half second before it was blamed leave no trace, to the last bit.
 #[test]
 fn what_a_transducer_did_before_it_was_blamed_is_dropped() {
     let (mut one, mut twin) = (learnt(), learnt());
@@ -121,7 +122,7 @@ fn what_a_transducer_did_before_it_was_blamed_is_dropped() {
         told(&mut twin, sound(cycle));
     }
     for cycle in LEARNT + 25..LEARNT + 100 {
-        let blamed = Input { trusted: [false, true], ..sound(cycle) };
+        let blamed = SensorInput { trusted: [false, true], ..sound(cycle) };
         let mut drifts = blamed;
         drifts.lengths[0] = drifts.lengths[0].map(|c1| c1 + 0.05);
         let (estimate, expected) = (told(&mut one, drifts), told(&mut twin, blamed));
@@ -135,7 +136,7 @@ fn undecided_is_half_of_the_difference_and_too_much_of_it_is_invalid() {
     for (apart, valid) in [(6e-3, true), (12e-3, false)] {
         let mut sensor = learnt();
         for cycle in LEARNT..LEARNT + 100 {
-            let mut undecided = Input { undecided: true, ..sound(cycle) };
+            let mut undecided = SensorInput { undecided: true, ..sound(cycle) };
             undecided.lengths[0] = undecided.lengths[0].map(|c1| c1 + apart);
             let estimate = told(&mut sensor, undecided);
             if cycle > LEARNT + 50 {
@@ -146,12 +147,12 @@ fn undecided_is_half_of_the_difference_and_too_much_of_it_is_invalid() {
     }
 }
 
-/// A noise that crosses zero is not trusted in the moment in which it does.
+/// A noise is not trusted at the moment in which it crosses zero.
 #[test]
 fn while_it_is_undecided_the_largest_difference_of_a_second_counts() {
     let mut sensor = learnt();
     for cycle in LEARNT..LEARNT + 100 {
-        let mut undecided = Input { undecided: true, ..sound(cycle) };
+        let mut undecided = SensorInput { undecided: true, ..sound(cycle) };
         let swing = 8e-3 * (0.3 * (cycle - LEARNT) as f64).sin();
         undecided.lengths[0] = undecided.lengths[0].map(|c1| c1 + swing);
         let estimate = told(&mut sensor, undecided);
@@ -163,12 +164,12 @@ fn while_it_is_undecided_the_largest_difference_of_a_second_counts() {
 
 #[test]
 fn one_alone_needs_a_model_that_is_not_in_doubt() {
-    let blamed = |cycle| Input { trusted: [false, true], ..sound(cycle) };
+    let blamed = |cycle| SensorInput { trusted: [false, true], ..sound(cycle) };
     for (input, valid) in [
         (blamed(LEARNT), true),
-        (Input { undecided: true, ..blamed(LEARNT) }, false),
-        (Input { process: true, ..blamed(LEARNT) }, false),
-        (Input { process: true, ..sound(LEARNT) }, true),
+        (SensorInput { undecided: true, ..blamed(LEARNT) }, false),
+        (SensorInput { process: true, ..blamed(LEARNT) }, false),
+        (SensorInput { process: true, ..sound(LEARNT) }, true),
     ] {
         assert_eq!(told(&mut learnt(), input).valid, valid, "{input:?}");
     }
@@ -178,14 +179,14 @@ fn one_alone_needs_a_model_that_is_not_in_doubt() {
 fn where_the_rod_does_not_follow_only_both_together_are_believed() {
     let mut sensor = learnt();
     for cycle in LEARNT..LEARNT + 200 {
-        let still = Input { follows: false, ..sound(cycle) };
+        let still = SensorInput { follows: false, ..sound(cycle) };
         let estimate = told(&mut sensor, still);
         assert!(estimate.valid && is_close(&estimate, cycle), "{cycle}: {estimate:?}");
     }
-    let still = Input { follows: false, ..sound(LEARNT + 200) };
-    let alone = Input { trusted: [true, false], ..still };
+    let still = SensorInput { follows: false, ..sound(LEARNT + 200) };
+    let alone = SensorInput { trusted: [true, false], ..still };
     assert!(!told(&mut sensor.clone(), alone).valid);
-    let lost = Input { lengths: [None; 2], ..still };
+    let lost = SensorInput { lengths: [None; 2], ..still };
     assert_eq!(sensor.step(&lost), None, "the rod may have gone anywhere");
 }
 
@@ -194,7 +195,8 @@ fn the_command_alone_carries_on_until_its_measured_error_is_too_large() {
     let mut sensor = learnt();
     let (mut before, mut valid) = (0.0, 0);
     for cycle in LEARNT..LEARNT + 2000 {
-        let lost = Input { lengths: [None; 2], trusted: [cycle < LEARNT + 5; 2], ..sound(cycle) };
+        let lost =
+            SensorInput { lengths: [None; 2], trusted: [cycle < LEARNT + 5; 2], ..sound(cycle) };
         let estimate = told(&mut sensor, lost);
         assert!(estimate.source == Source::Model && estimate.sigma >= before, "{estimate:?}");
         before = estimate.sigma;
@@ -205,21 +207,21 @@ fn the_command_alone_carries_on_until_its_measured_error_is_too_large() {
         assert_eq!(estimate.valid, estimate.sigma <= 5e-3);
     }
     assert!((30..1500).contains(&valid), "{valid}");
-    let process = |cycle| Input { lengths: [None; 2], process: true, ..sound(cycle) };
+    let process = |cycle| SensorInput { lengths: [None; 2], process: true, ..sound(cycle) };
     assert!(!told(&mut learnt(), process(LEARNT)).valid, "the model itself is in doubt");
 }
 
-/// Both stood still, unnoticed for half a second, and then were blamed for it: where the rod was last
-/// said to be is as wrong as they are.
+/// Both transducers stood still, unnoticed for half a second, and were then blamed for it: the last
+/// estimate of the rod is as wrong as they are.
 #[test]
 fn blame_that_leaves_nobody_goes_back_to_before_it() {
     let mut sensor = learnt();
     let stuck = sound(LEARNT).lengths;
     for cycle in LEARNT..LEARNT + 25 {
-        told(&mut sensor, Input { lengths: stuck, ..sound(cycle) });
+        told(&mut sensor, SensorInput { lengths: stuck, ..sound(cycle) });
     }
     for cycle in LEARNT + 25..LEARNT + 50 {
-        let blamed = Input { lengths: stuck, trusted: [false; 2], ..sound(cycle) };
+        let blamed = SensorInput { lengths: stuck, trusted: [false; 2], ..sound(cycle) };
         let estimate = told(&mut sensor, blamed);
         assert!((stuck[0].expect("it is") - rod(cycle)).abs() > 0.02, "it went on");
         assert!(estimate.source == Source::Model && is_close(&estimate, cycle), "{estimate:?}");
@@ -229,8 +231,11 @@ fn blame_that_leaves_nobody_goes_back_to_before_it() {
 #[test]
 fn a_length_beyond_the_stroke_is_not_valid() {
     let mut sensor = sensor();
-    let beyond =
-        |cycle| Input { lengths: [Some(1.01), Some(1.006)], command: Some(0.0), ..sound(cycle) };
+    let beyond = |cycle| SensorInput {
+        lengths: [Some(1.01), Some(1.006)],
+        command: Some(0.0),
+        ..sound(cycle)
+    };
     for cycle in 1..300 {
         let estimate = sensor.step(&beyond(cycle));
         assert!(estimate.is_none_or(|estimate| !estimate.valid), "{estimate:?}");

@@ -1,22 +1,23 @@
-//! Readings that agree with each other while an observer disagrees with one of them.
+//! Tests whether readings agree with each other while an observer disagrees with one of them.
 //!
-//! Figure 5-17 takes an observer that is raised alone for its transducer's fault. Where load or valve
-//! are not those of the model both innovations grow, and one of them crosses its threshold first, or
-//! alone. But a fault of a reading is in C1 − C2, too, and at its onset no less than in the innovation:
-//! the sequential detector's residual has it to a tenth of a millimetre.
+//! By Figure 5-17 an observer that is raised alone means a fault of its transducer. But where load
+//! or valve differ from the model both innovations grow, and one of them crosses its threshold
+//! first, or alone. A fault of a reading also appears in C1 − C2, at its onset no less than in the
+//! innovation, and the sequential detector's residual shows it to a tenth of a millimetre.
 //!
-//! At its onset only: noise that began a cycle earlier is in the observer by then, and may be in the
-//! innovation twice and more. But what the machine does differently from the model is in both
-//! innovations, since both observers hear of the same command; a fault is in its own.
+//! This holds at the onset only: noise that began a cycle earlier is already in the observer and
+//! may be in the innovation more than twice. A deviation of the machine from the model, however, is
+//! in both innovations, since both observers get the same command, while a fault is only in its
+//! own.
 
-/// At less than this part of the innovation, C1 − C2 does not have it.
+/// Part of the innovation below which C1 − C2 does not show it.
 const PART: f64 = 0.5;
 
-/// With at least this part of it the other observer sees it, too. Readings have noise of their own, and
-/// one innovation is beyond its threshold first: it is not the whole.
+/// Part of the innovation from which the other observer also sees it. Readings have noise of their
+/// own, and the innovation that first exceeds its threshold is larger than the other.
 const SHARED: f64 = 0.25;
 
-/// Of FDE1 and FDE2.
+/// Agreement for FDE1 and FDE2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
     raised: [bool; 2],
@@ -24,8 +25,9 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Takes a cycle: which of FDE1 and FDE2 are raised, R1 and R2, m, and how far the readings are
-    /// `apart`, m, where that is known and healthy. `contradicted`: they do not agree after all.
+    /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and the difference `apart` of
+    /// the readings, m, where it is known and healthy. `contradicted`: the readings do not agree
+    /// after all.
     pub fn judge(
         &mut self,
         raised: [bool; 2],
@@ -49,7 +51,7 @@ impl Agreement {
         self.raised = raised;
     }
 
-    /// For FDE1 (0) or FDE2 (1): what it found is not its transducer's.
+    /// Whether the finding of FDE1 (0) or FDE2 (1) is the process, and not its transducer.
     pub const fn is_process(&self, i: usize) -> bool {
         self.process[i]
     }
@@ -72,7 +74,8 @@ mod tests {
         assert!(!agreement.is_process(0));
     }
 
-    /// Noise of 0.7 mm, its second sample against its first: the observer had followed that one.
+    /// Noise of 0.7 mm, with its second sample opposite to its first, which the observer had
+    /// followed.
     #[test]
     fn what_only_one_observer_sees_is_not_the_process() {
         for other in [Some(4e-4), Some(-4e-4), None] {

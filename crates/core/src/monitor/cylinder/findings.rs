@@ -1,4 +1,4 @@
-//! What the detectors of a cylinder find, and what that makes of its transducers.
+//! Findings of the detectors of a cylinder, and the resulting states of its transducers.
 
 use super::{Cylinder, Implausible, TRANSDUCERS};
 use crate::alarm::register::PLACES;
@@ -7,7 +7,7 @@ use crate::alarm::{Evidence, Finding, Level};
 use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
 
 impl Cylinder {
-    /// Whether any detector finds anything now.
+    /// Whether any detector has a finding now.
     #[inline]
     pub fn finds_anything(&self) -> bool {
         self.bank.any_found()
@@ -16,7 +16,7 @@ impl Cylinder {
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
     }
 
-    /// What the detectors find now, in the places of the [`crate::alarm::Register`].
+    /// Present findings of the detectors, in the places of the [`crate::alarm::Register`].
     pub fn findings(&self) -> [Option<Finding>; PLACES] {
         let [fde1, fde2, fde3] = self.bank.detections();
         let levels = &self.design.levels;
@@ -40,7 +40,7 @@ impl Cylinder {
         findings
     }
 
-    /// The observer's detection, less the blame where the readings agree.
+    /// The observer's detection, without the blame if the readings agree.
     const fn agreed(&self, i: usize, detection: Detection) -> Detection {
         if self.agreement.is_process(i) {
             return Detection { suspect: Suspect::Process, ..detection };
@@ -48,7 +48,7 @@ impl Cylinder {
         detection
     }
 
-    /// The detection, if whom it blames is not cleared by what is known of the readings themselves.
+    /// The detection, unless plausibility clears the transducer that it blames.
     fn told(&self, k: usize, detection: Detection) -> Detection {
         Detection { suspect: self.precedence.suspect(k, detection.suspect), ..detection }
     }
@@ -91,7 +91,8 @@ impl Cylinder {
         })
     }
 
-    /// R3, or the machine's own rule where that is broken: then the measured difference and its limit.
+    /// The finding of R3, or of the machine's own rule where that is broken: then with the measured
+    /// difference and its limit.
     fn difference_finding(&self, found: Option<Detection>) -> Option<Finding> {
         if !self.was_critical {
             return found.map(|detection| self.observer_finding(detection));
@@ -141,7 +142,7 @@ impl Cylinder {
         })
     }
 
-    /// The state of each transducer, where `stands` knows whom the warnings of this cylinder blame.
+    /// State of each transducer; `stands` tells whether the warnings of this cycle blame it.
     pub fn health(&self, stands: impl Fn(Suspect) -> bool) -> [Health; 2] {
         let verdicts = self.bank.verdicts();
         core::array::from_fn(|i| {

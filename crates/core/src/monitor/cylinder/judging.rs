@@ -1,4 +1,4 @@
-//! What the detectors of a cylinder are told of a cycle.
+//! Inputs of the detectors of a cylinder in a cycle.
 
 use super::agreement::Agreement;
 use super::precedence::{DETECTORS, Standing};
@@ -11,7 +11,7 @@ use crate::time::Timestamp;
 use crate::verdict::{Residuals, Verdict};
 
 impl Cylinder {
-    /// Part of [`Cylinder::evaluate`], also where that is compiled with its sink in another crate.
+    /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
     #[inline(always)]
     pub(super) fn judge(
         &mut self,
@@ -31,9 +31,10 @@ impl Cylinder {
         residuals
     }
 
-    /// The machine's own rule, "difference too big" (thesis, section 1-1), on the readings as they are
-    /// measured: it knows neither a nor b of (5-20), nor that a reading is frozen. One without a signal,
-    /// or beyond what there can be, it replaces by the other, and then has nothing to compare.
+    /// Judges the machine's own rule, "difference too big" (thesis, section 1-1), on the readings
+    /// as measured: it knows neither a nor b of (5-20), nor that a reading is frozen. The machine
+    /// replaces a reading without a signal, or an impossible one, by the other, and then has
+    /// nothing to compare.
     pub(super) fn judge_measured(&mut self, at: Timestamp, readings: &[Option<Reading>; 2]) {
         let measured = |i: usize| {
             let taken = matches!(self.plausibility[i].quality(), Quality::Good | Quality::Frozen);
@@ -47,7 +48,8 @@ impl Cylinder {
         self.was_critical = self.critical.raised().is_some() || (self.was_critical && differ);
     }
 
-    /// What a reading that stands, or is not there, makes of those who disagree with it.
+    /// Judges how a reading that stands still, or is missing, affects detectors that disagree with
+    /// it.
     #[inline]
     pub(super) fn judge_precedence(&mut self) {
         let [fde1, fde2, fde3] = self.bank.verdicts().map(|verdict| verdict == Verdict::Faulty);

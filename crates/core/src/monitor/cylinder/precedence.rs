@@ -1,56 +1,59 @@
-//! What is known of a reading goes before what a model, or a difference, makes of it.
+//! Facts about a reading take precedence over the conclusions from a model or a difference.
 //!
-//! A reading that stands still, or is not there, is a fact. While it lasts the other reading goes on with
-//! the rod, and where the model of the rod is not exact, or the machine's controller reads the one that
-//! stands, the observer of the healthy one disagrees first: Figure 5-17 then blames that. So whoever warns
-//! while a reading stands is told whose it is, until it clears.
+//! That a reading stands still, or is missing, is a fact. Meanwhile the other reading moves on with
+//! the rod. If the model of the rod is not exact, or the machine's controller uses the reading that
+//! stands, the observer of the healthy one disagrees first, and Figure 5-17 would blame that one.
+//! Every detector that warns while a reading stands is therefore told which one it is, until its
+//! warning clears.
 
 use crate::verdict::{Fault, Suspect};
 
-/// FDE1, FDE2, FDE3 and the sequential detector.
+/// Number of detectors: FDE1, FDE2, FDE3 and the sequential detector.
 pub const DETECTORS: usize = 4;
 
-/// Where one reading has stood for so many cycles and the other one leaves it, so many more tell whether
-/// that is a motion, which begins like a fault; and as long as it stands on, nobody can tell.
+/// Number of cycles for which one reading has stood when the other one leaves it; [`AWAITED`] more
+/// cycles show whether this is a motion, which begins like a fault. While the reading keeps
+/// standing, it remains open.
 const STOOD: u32 = 3;
+/// Number of further cycles that show whether the other reading's step is a motion.
 const AWAITED: u32 = 5;
 
 const FDE3: usize = 2;
 
-/// A transducer in a cycle.
+/// State of a transducer in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Standing {
-    /// What the plausibility checks have found, as long as they do.
+    /// Present finding of the plausibility checks.
     pub known: Option<Fault>,
-    /// Its reading stands while the other one goes on.
+    /// Whether its reading stands while the other one moves.
     pub alone: bool,
-    /// Cycles in which nothing new was read.
+    /// Cycles without a new reading.
     pub idle: u32,
 }
 
-/// Whose reading stands.
+/// The transducer whose reading stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Culprit {
     transducer: usize,
-    /// The plausibility checks have said so, too.
+    /// Whether the plausibility checks have also found it.
     known: bool,
 }
 
-/// What each detector has to know.
+/// Precedence for each detector.
 #[derive(Clone, Copy, Debug)]
 pub struct Precedence {
-    /// A detector sees what a plausibility check finds up to so many cycles before the reading stops: it
-    /// has been faulty in between, too.
+    /// Number of cycles before a reading stops in which a detector may already have seen the fault
+    /// that a plausibility check finds later.
     before: u32,
     culprits: [Option<Culprit>; DETECTORS],
-    /// Cycles since each has been raised.
+    /// Cycles since each detector was raised.
     ages: [Option<u32>; DETECTORS],
-    /// FDE3 was raised while this one stood: whose it is has to be awaited.
+    /// The transducer that stood when FDE3 was raised, while its fault is not yet decided.
     awaited: Option<usize>,
 }
 
 impl Precedence {
-    /// What begins within `coincidence` cycles of each other is one event.
+    /// Precedence in which findings within `coincidence` cycles of each other are one event.
     pub fn new(coincidence: u32) -> Self {
         Self {
             before: coincidence,
@@ -60,13 +63,13 @@ impl Precedence {
         }
     }
 
-    /// Takes a cycle in which none is raised.
+    /// Takes a cycle in which no detector is raised.
     #[inline]
     pub fn rest(&mut self) {
         *self = Self::new(self.before);
     }
 
-    /// Takes a cycle: which detectors are raised, and how the transducers stand.
+    /// Takes a cycle: the detectors that are raised, and the states of the transducers.
     pub fn judge(&mut self, raised: [bool; DETECTORS], standing: [Standing; 2]) {
         for (k, raised) in raised.into_iter().enumerate() {
             if !raised {
@@ -94,13 +97,15 @@ impl Precedence {
         });
     }
 
-    /// Time jumped: as with R3, a side does not outlast a time of which nothing is known.
+    /// Forgets a decided side after a time jump: as with R3, it does not outlast a time of which
+    /// nothing is known.
     pub fn interrupt(&mut self) {
         self.culprits = Default::default();
         self.awaited = None;
     }
 
-    /// Whom the detector `k`, of [`DETECTORS`], may suspect, if `suspect` is whom it suspects itself.
+    /// The transducer that detector `k` of [`DETECTORS`] may suspect, if it suspects `suspect`
+    /// itself.
     pub fn suspect(&self, k: usize, suspect: Suspect) -> Suspect {
         const BLAMED: [Suspect; 2] = [Suspect::C1, Suspect::C2];
         let Some(Culprit { transducer, known }) = self.culprits[k] else {
@@ -124,7 +129,7 @@ impl Precedence {
     }
 }
 
-/// Which of two it is that holds, if it is one alone.
+/// The one of two that holds, if only one does.
 const fn only(holds: [bool; 2]) -> Option<usize> {
     match holds {
         [true, false] => Some(0),
@@ -172,7 +177,7 @@ mod tests {
         assert_eq!(of_c2(&precedence), [Suspect::C2; 4]);
     }
 
-    /// A rod that starts looks like a reading that steps, as long as the other one stands.
+    /// A rod that starts to move looks like a reading that steps while the other one stands.
     #[test]
     fn fde3_does_not_blame_one_that_leaves_another_that_stands() {
         let mut precedence = Precedence::new(10);

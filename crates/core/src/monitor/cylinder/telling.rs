@@ -1,4 +1,4 @@
-//! What is told of a cycle of a cylinder.
+//! Records of a cylinder's cycle.
 
 use super::{Cylinder, Evaluation};
 use crate::monitor::gate::Opening;
@@ -7,17 +7,17 @@ use crate::observe::observer::Innovation;
 use crate::sample::Reading;
 use crate::sample::plausibility::Plausibility;
 
-/// What an evaluation leaves for [`Cylinder::record`].
+/// Results that an evaluation leaves for [`Cylinder::record`].
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluated {
     pub(super) readings: [Option<Reading>; 2],
     pub(super) innovations: [Option<Innovation>; 2],
-    /// R3, m.
+    /// Residual R3, m.
     pub(super) difference: Option<f64>,
 }
 
 impl Cylinder {
-    /// What is told of the newest cycle, as long as its inputs are there.
+    /// The record of the newest cycle, available until its inputs are cleared.
     pub fn record(&self, now: Evaluation, evaluated: &Evaluated) -> Record {
         let Evaluated { readings, innovations, difference } = *evaluated;
         let [c1, c2] = readings.map(|reading| reading.map(|reading| reading.position));

@@ -1,7 +1,7 @@
 use super::*;
 use crate::sequential::history::MOST;
 
-/// Six cylinders of which most have dwelt, with readings of all digits.
+/// Six cylinders, most of which have dwelt, with readings of all digits.
 fn archive() -> Archive {
     let mut archive = Archive::new("Ampelmann E-type", 6);
     for (n, history) in archive.cylinders.iter_mut().enumerate() {

@@ -2,23 +2,23 @@
 
 use super::Sequential;
 use crate::sequential::alarm::{Alarm, Cause};
-use crate::sequential::kind::{self, Looks};
-use crate::sequential::novelty::News;
+use crate::sequential::kind::{self, Appearance};
 use crate::sequential::pair::Form;
 use crate::sequential::parameters::{AlarmParameters, Cycles, PairParameters};
 use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
+use crate::sequential::thinning::Independence;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect, Verdict};
 
 impl Sequential {
     /// By what this sample and those before it are evidence of.
-    pub(super) fn judge(&mut self, at: Timestamp, sample: Sample, news: News) {
-        if self.alarm.is_none() && news != News::Repeated {
+    pub(super) fn judge(&mut self, at: Timestamp, sample: Sample, independence: Independence) {
+        if self.alarm.is_none() && independence != Independence::Repeated {
             self.clipping.take(sample.residual * sample.share);
         }
-        self.history.push(sample, self.clipping.clip(), news);
+        self.history.push(sample, self.clipping.clip(), independence);
         let AlarmParameters { least_watched, calm, slow, .. } = self.design.parameters.alarm;
         let widest = WIDTHS[WIDTHS.len() - 1];
         let widest = self.alarm.map_or(widest, |alarm| alarm.watched(least_watched));
@@ -42,8 +42,8 @@ impl Sequential {
     pub(super) fn raise(&mut self, at: Timestamp, cause: Cause, peak: Peak) {
         let back = self.history.cycles(peak.width);
         let (fault, size, cycles) =
-            match kind::looks(&self.history, back, &self.design.parameters.kind) {
-                Some(Looks::Noisy(size)) => (Fault::Noise, size, back),
+            match kind::appearance(&self.history, back, &self.design.parameters.kind) {
+                Some(Appearance::Noisy(size)) => (Fault::Noise, size, back),
                 _ => {
                     let shape = kind::shape(
                         &self.history,
@@ -105,15 +105,15 @@ impl Sequential {
         let age = alarm.age as usize;
         let parameters = self.design.parameters;
         let notable = parameters.alarm.notable * self.design.deviation;
-        match kind::looks(&self.history, age.min(self.cycles.looked_at), &parameters.kind) {
+        match kind::appearance(&self.history, age.min(self.cycles.looked_at), &parameters.kind) {
             // A mean of many samples that stands out is no noise, however small it is beside them.
-            Some(Looks::Noisy(_))
+            Some(Appearance::Noisy(_))
                 if alarm.cause == Cause::Mean && alarm.peak.width > self.cycles.located => {}
             // What healthy residuals do, too: the fault is over, or has left nothing to tell.
-            Some(Looks::Noisy(size)) if size < notable => {}
-            Some(Looks::Noisy(size)) => self.tell_noise(alarm, size),
-            Some(Looks::Steady) => self.tell_shape(alarm),
-            Some(Looks::Neither) | None => {}
+            Some(Appearance::Noisy(size)) if size < notable => {}
+            Some(Appearance::Noisy(size)) => self.tell_noise(alarm, size),
+            Some(Appearance::Steady) => self.tell_shape(alarm),
+            Some(Appearance::Neither) | None => {}
         }
     }
 

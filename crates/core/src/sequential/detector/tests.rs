@@ -5,23 +5,24 @@ use crate::time::Span;
 
 const SAMPLE_TIME: f64 = 0.02;
 
-/// Of residuals of 0.1 mm, as far as one is evidence; `nats` of deviations.
+/// A rate function of residuals of 0.1 mm, up to where one is evidence; `nats` is a function of
+/// deviations.
 fn rate(nats: impl Fn(f64) -> f64) -> Rate {
     let values: Vec<f64> = (0..=30).map(|i| nats(f64::from(i) / 10.0)).collect();
     Rate::new(1e-5, &values)
 }
 
-/// Of readings that are equal on a healthy cylinder, to 0.1 mm.
+/// A detector of readings that are equal on a healthy cylinder, to 0.1 mm.
 fn detector() -> Sequential {
     of_counts([0.0; 2])
 }
 
-/// The same of readings that move in counts of so many metres.
+/// The detector for readings with this resolution, m.
 fn of_counts(resolution: [f64; 2]) -> Sequential {
     with(resolution, vec![0.0; 3])
 }
 
-/// The same of a profile that may be off by so much at −1, 0 and 1 m.
+/// The detector with a profile whose uncertainty at −1, 0 and 1 m is given.
 fn with(resolution: [f64; 2], doubts: Vec<f64>) -> Sequential {
     Sequential::new(Design {
         reference: Reference {
@@ -47,7 +48,7 @@ fn with(resolution: [f64; 2], doubts: Vec<f64>) -> Sequential {
     })
 }
 
-/// Lets a rod go up and down from `begin` for so many `seconds`, C1 off by `fault` of the time, m.
+/// Moves a rod up and down from `begin` for `seconds`, with C1 off by `fault` of the time, m.
 fn go(detector: &mut Sequential, begin: f64, seconds: f64, fault: impl Fn(f64) -> f64) -> f64 {
     for k in 0..(seconds / SAMPLE_TIME) as u32 {
         let t = begin + SAMPLE_TIME * f64::from(k);
@@ -64,8 +65,8 @@ fn go(detector: &mut Sequential, begin: f64, seconds: f64, fault: impl Fn(f64) -
     begin + seconds
 }
 
-/// The rod goes two counts of 0.4 mm a cycle for ten seconds: whatever the rounding of both readings comes
-/// to, it is one draw and no mean of five hundred.
+/// The rod moves two counts of 0.4 mm a cycle for ten seconds: the rounding error of both readings
+/// is one draw and not a mean of five hundred.
 #[test]
 fn what_is_rounded_in_the_same_way_again_and_again_is_said_once() {
     let mut detector = detector();
@@ -85,8 +86,8 @@ fn what_is_rounded_in_the_same_way_again_and_again_is_said_once() {
     assert_eq!(detector.verdict(), Verdict::Healthy);
 }
 
-/// Beyond 0.2 m C1 is 0.19 mm off now and then, on a healthy cylinder: the rod is seldom there, and the profile
-/// knows that it may be off by nearly as much.
+/// Beyond 0.2 m C1 is sometimes 0.19 mm off on a healthy cylinder: the rod is seldom there, and the
+/// profile knows that it may be off by nearly as much.
 #[test]
 fn where_the_profile_may_be_off_it_is_no_fault_and_a_fault_is_still_found() {
     let there = |t: f64| (0.8 * t).sin() > 0.5 && t % 60.0 < 8.0;
@@ -119,7 +120,7 @@ fn where_the_profile_is_not_known_nothing_is() {
     assert_eq!(detector.alarm(), None);
 }
 
-/// A micrometre a second vanishes into the baseline; its mean over a minute does not.
+/// A drift of a micrometre a second vanishes into the baseline; its mean over a minute does not.
 #[test]
 fn what_the_baseline_has_followed_is_found_and_ends_with_its_fault() {
     let mut detector = detector();
@@ -144,7 +145,7 @@ fn an_onset_stays_where_it_was_found() {
     assert_eq!(detector.alarm().map(|alarm| alarm.onset), Some(onset));
 }
 
-/// Each reading is rounded up in every other cycle or so, by turns that are its own.
+/// Each reading is rounded up in about every other cycle, independently of the other.
 #[test]
 fn what_lies_between_two_counts_is_no_noise() {
     for (count, noisy) in [(0.0, true), (4e-4, false)] {
@@ -167,8 +168,8 @@ fn what_lies_between_two_counts_is_no_noise() {
     }
 }
 
-/// The rod rests, and the fault is gone: at rest little is evidence, so that the alarm stands; but what is
-/// left of it is what healthy readings do, and no noise.
+/// The rod rests, and the fault is gone. At rest there is little evidence, so the alarm stands; but
+/// what is left of it is that of healthy readings, and not noise.
 #[test]
 fn what_is_left_of_a_fault_is_no_noise() {
     let mut detector = detector();
@@ -210,7 +211,7 @@ fn the_stop_ends_what_the_stop_has_found() {
     assert_eq!(detector.verdict(), Verdict::Healthy);
 }
 
-/// The bus was lost, and what moved meanwhile is not known.
+/// The bus was lost, and movements meanwhile are not known.
 #[test]
 fn a_side_does_not_outlast_a_lost_bus() {
     let mut detector = detector();
@@ -223,7 +224,7 @@ fn a_side_does_not_outlast_a_lost_bus() {
     assert_eq!(told, Some((Suspect::Undecided, None)));
 }
 
-/// What an earlier alarm has seen of a gain is nothing to one that the stop has found.
+/// Evidence for a gain error in an earlier alarm does not count for one that the stop has found.
 #[test]
 fn every_alarm_begins_with_nothing_of_a_gain() {
     let mut detector = detector();

@@ -1,4 +1,4 @@
-//! What the detectors of all cylinders know together: how both transducers are sampled.
+//! What the detectors of all cylinders know together: the sampling of both transducers.
 
 use super::{Design, Sequential};
 use crate::sequential::alarm::Alarm;
@@ -13,20 +13,21 @@ use crate::verdict::{Fault, Suspect};
 const AHEAD: u32 = 5;
 
 impl Sequential {
-    /// What its residuals say of when C1 and C2 are sampled; `None` while one of both is at fault.
+    /// What the residuals show of the sampling times of C1 and C2; `None` while one of them is at
+    /// fault.
     pub fn said(&self) -> Option<Said> {
         let said = || Said { seen: self.skew.seen(), known: self.design.noise.timing };
         self.is_witness().then(said)
     }
 
-    /// A noise that is nobody's may be the sampling's: were it not asked, those that have no alarm yet would
-    /// be the majority.
+    /// Whether this cylinder can be asked. One with a noise that blames nobody may be affected by
+    /// the sampling: if it were not asked, those without an alarm would be the majority.
     pub(super) fn is_witness(&self) -> bool {
         self.alarm
             .is_none_or(|alarm| alarm.fault == Fault::Noise && alarm.suspect == Suspect::Undecided)
     }
 
-    /// C1 and C2 are sampled so far apart, as all cylinders together have it.
+    /// Allows for the time between the samples of C1 and C2, as found from all cylinders.
     pub fn allow(&mut self, apart: &Apart) {
         let Noise { rest, timing } = self.design.noise.relied_on();
         self.noise = Noise { rest, timing: apart.timing(timing) };
@@ -37,8 +38,8 @@ impl Sequential {
         }
     }
 
-    /// What the noise of an alarm that is nobody's would be of the sampling, which the other cylinders are
-    /// asked for before the next look at it.
+    /// The claim that the noise of an alarm that blames nobody comes from the sampling; the other
+    /// cylinders are asked about it before the alarm is next examined.
     pub fn claim(&self) -> Option<Claim> {
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.is_to_be_claimed(&self.cycles))?;
         let cycles = (alarm.age as usize + alarm.back).min(self.cycles.newest);
@@ -46,8 +47,8 @@ impl Sequential {
         Some(self.witness.claim(cycles, &noise.relied_on(), *sample_time))
     }
 
-    /// Its evidence that `claim` is right, nats: 0 where it can say nothing, `None` where one of both
-    /// readings is to blame.
+    /// Evidence for `claim`, nats: 0 where the cylinder has none, `None` where one of its readings
+    /// is to blame.
     pub fn evidence(&self, claim: &Claim) -> Option<f64> {
         if self.alarm.is_some_and(|alarm| alarm.suspect != Suspect::Undecided) {
             return None;
@@ -60,14 +61,15 @@ impl Sequential {
         })
     }
 
-    /// Hears whether its noise may be the sampling's.
+    /// Takes whether the noise may come from the sampling.
     pub const fn hear(&mut self, may_be_timing: bool) {
         self.may_be_timing = may_be_timing;
     }
 }
 
 impl Alarm {
-    /// It is nobody's, and will soon be looked at: whether it may be the sampling's is to be asked.
+    /// Whether the alarm blames nobody and will soon be examined, so that the others must be asked
+    /// about the sampling.
     fn is_to_be_claimed(&self, cycles: &Cycles) -> bool {
         let soon = self.age.max(cycles.noise_told - 1) + 1..=self.age + AHEAD;
         let asks = self.suspect == Suspect::Undecided && !self.of_timing;

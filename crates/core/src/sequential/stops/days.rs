@@ -1,18 +1,18 @@
-//! The dwells of a day are one reading: they are of the same weather.
+//! Readings by day: the dwells of a day share the same weather and are one reading.
 
 use super::StopParameters;
 use alloc::vec::Vec;
 
-/// What one cylinder has read on a day.
+/// Readings of one cylinder on a day.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Day {
-    /// Days since 1970.
+    /// Number of the day since 1970.
     pub number: i64,
-    /// When, years since 1970.
+    /// Time, years since 1970.
     pub at: f64,
-    /// The means of C1 and C2, m.
+    /// Means of C1 and C2, m.
     pub readings: [f64; 2],
-    /// Of so many dwells.
+    /// Number of dwells.
     pub dwells: u32,
 }
 

@@ -1,15 +1,15 @@
-//! Least squares with what is known of the coefficients beforehand.
+//! Least squares with prior knowledge of the coefficients.
 
 use super::StopParameters;
 
-/// What a fit makes of its first two coefficients is of interest: a constant, and the move.
+/// Fit whose first two coefficients are of interest: a constant, and the move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fit {
-    /// How far the readings have moved, m.
+    /// Move of the readings, m.
     pub moved: f64,
-    /// Its variance, m².
+    /// Variance of the move, m².
     pub variance: f64,
-    /// By which the readings scatter, m², as if they were independent.
+    /// Variance of the readings, m², as if they were independent.
     pub scatter: f64,
 }
 
@@ -18,14 +18,15 @@ pub(super) struct Fit {
 pub struct Scatter {
     /// What is expected, weighing as much as [`StopParameters::expected`] readings.
     pub usual: f64,
-    /// They never scatter by less.
+    /// Least scatter.
     pub least: f64,
 }
 
 const P: &StopParameters = &StopParameters::DEFAULT;
 
-/// Fits `values` by the columns of `rows`, of which column 1 is the move. `deviations` are those of the
-/// coefficients, m; infinite where nothing is known. `None` where the rows do not tell the move.
+/// Fits `values` by the columns of `rows`, of which column 1 is the move. `deviations` are the
+/// prior standard deviations of the coefficients, m; infinite where nothing is known. `None` where
+/// the rows do not determine the move.
 pub(super) fn fit<const N: usize>(
     rows: &[[f64; N]],
     values: &[f64],
@@ -56,7 +57,7 @@ pub(super) fn fit<const N: usize>(
     round()
 }
 
-/// Xᵀ X, its lower half, and Xᵀ y.
+/// The products Xᵀ X, lower half, and Xᵀ y.
 fn products<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> ([[f64; N]; N], [f64; N]) {
     let (mut gram, mut right) = ([[0.0; N]; N], [0.0; N]);
     for (row, value) in rows.iter().zip(values) {
@@ -70,7 +71,7 @@ fn products<const N: usize>(rows: &[[f64; N]], values: &[f64]) -> ([[f64; N]; N]
     (gram, right)
 }
 
-/// The sum of the squares of the residuals, and of their products with their neighbours.
+/// Sum of the squares of the residuals, and of their products with their neighbours.
 fn residuals<const N: usize>(rows: &[[f64; N]], values: &[f64], solution: &[f64; N]) -> (f64, f64) {
     let mut before = 0.0;
     rows.iter().zip(values).fold((0.0, 0.0), |(squares, products), (row, value)| {
@@ -81,7 +82,7 @@ fn residuals<const N: usize>(rows: &[[f64; N]], values: &[f64], solution: &[f64;
     })
 }
 
-/// L of a symmetric matrix of which the lower half is given; `None` where it has none.
+/// Cholesky factor L of a symmetric matrix given by its lower half; `None` where it has none.
 fn cholesky<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     for j in 0..N {
         let whole = a[j][j];
@@ -99,7 +100,7 @@ fn cholesky<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     Some(a)
 }
 
-/// L Lᵀ x = b.
+/// Solves L Lᵀ x = b.
 fn solve<const N: usize>(factor: &[[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     for i in 0..N {
         let sum: f64 = (0..i).map(|k| factor[i][k] * b[k]).sum();
@@ -112,7 +113,7 @@ fn solve<const N: usize>(factor: &[[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     b
 }
 
-/// The log-likelihood of `values`, nats, less what does not depend on the deviations of the
+/// Log-likelihood of `values`, nats, except terms that do not depend on the prior deviations of the
 /// coefficients, where they scatter by `variance`, m².
 pub(super) fn likelihood<const N: usize>(
     rows: &[[f64; N]],

@@ -1,12 +1,13 @@
-//! The mechanical stops of a machine as a reference: which transducer's reading there has drifted.
+//! The mechanical stops of a machine as a reference, to find the transducer whose reading has
+//! drifted.
 //!
-//! On the stops the rods stand where they stood, so that a reading that has changed is that of a
-//! transducer that drifts. But temperature moves all of them, stops wear, and a slow drift is among the
-//! first dwells already, so no reading is compared with the first ones. The readings of a day are one
-//! ([`Day`]), what all cylinders do alike is their temperature and is taken off (`thermometer`), and
-//! ramps and steps are fitted to the difference of the two transducers and to their mean (`fit`). Where
-//! the difference has moved beyond chance, the one that has moved is named as soon as the mean of both
-//! says clearly enough which of them it is (`rule`).
+//! On the stops the rods always stand in the same place, so that a changed reading means a drifting
+//! transducer. But temperature moves all of them, stops wear, and a slow drift already affects the
+//! first dwells, so no reading is compared with the first ones. The readings of a day are averaged
+//! ([`Day`]), the movement common to all cylinders is their temperature and is subtracted
+//! (`thermometer`), and ramps and steps are fitted to the difference of the two transducers and to
+//! their mean (`fit`). Where the difference has moved beyond chance, the transducer that has moved
+//! is named as soon as the mean of both shows clearly enough which it is (`rule`).
 
 mod days;
 mod fit;
@@ -22,7 +23,7 @@ pub use fit::Scatter;
 pub use parameters::StopParameters;
 pub use rule::{Blame, Course, Judgement};
 
-/// What the dwells of a machine say of each cylinder; `None` where too little was read.
+/// Judgement of each cylinder from the dwells of a machine; `None` where too little was read.
 pub fn judge<'a>(histories: impl IntoIterator<Item = &'a DwellHistory>) -> Vec<Option<Judgement>> {
     let coarse = |count: f64| if count > StopParameters::DEFAULT.dithered { count } else { 0.0 };
     let read = |history: &DwellHistory| (history.days(), coarse(history.gauging().count));

@@ -1,5 +1,5 @@
-//! Whose drift it is: by the trend beyond chance against the other transducer, and the machine's common
-//! part.
+//! The rule that names the drifting transducer: by the trend beyond chance against the other
+//! transducer, and the machine's common part.
 
 use super::StopParameters;
 use super::days::Day;
@@ -13,32 +13,32 @@ const P: &StopParameters = &StopParameters::DEFAULT;
 /// Seasons that the mean may have.
 const SEASONS: [f64; P.seasons.len()] = P.seasons;
 
-/// How the readings may have moved.
+/// Course of a move of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
-    /// Since that time, years since 1970.
+    /// A ramp since that time, years since 1970.
     Ramp(f64),
-    /// At once, between the reading at that time and the one before.
+    /// A step between the reading at that time and the previous one.
     Step(f64),
 }
 
-/// Whose drift it is.
+/// Transducer to blame for a drift.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
-    /// The readings have not come apart.
+    /// Neither: the readings have not come apart.
     Neither,
     C1,
     C2,
     Both,
-    /// They have come apart, and it is not known whose doing that is.
+    /// Undecided: the readings have come apart, but it is not known which one has moved.
     Undecided,
 }
 
-/// What the dwells so far say of one cylinder.
+/// Judgement of one cylinder from its dwells so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
     pub blame: Blame,
-    /// By how much C1 and C2 have moved, beside what is common to the machine, m.
+    /// Moves of C1 and C2, without what is common to the machine, m.
     pub moved: [f64; 2],
     pub course: Course,
 }
@@ -55,13 +55,14 @@ impl Judgement {
     }
 }
 
-/// One cylinder's readings, less what is common.
+/// Readings of one cylinder, without what is common.
 struct Series {
     days: Vec<Day>,
-    /// C1 − C2, and the mean of both, m.
+    /// Differences C1 − C2, m.
     apart: Vec<f64>,
+    /// Means of C1 and C2, m.
     mean: Vec<f64>,
-    /// How likely its mean is with each of [`SEASONS`], nats.
+    /// Log-likelihood of the mean with each of [`SEASONS`], nats.
     seasons: [f64; SEASONS.len()],
 }
 
@@ -107,7 +108,7 @@ impl Series {
         courses
     }
 
-    /// How far the difference and the mean have moved by `course`, up to `end`.
+    /// Moves of the difference and of the mean by `course`, up to `end`.
     fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<[Fit; 2]> {
         let share = |day: &Day| match course {
             Course::Ramp(begin) => ((day.at - begin) / (end - begin)).max(0.0),
@@ -128,8 +129,8 @@ impl Series {
     }
 }
 
-/// Judges every cylinder of a machine by the days on which it was read; `counts`: what the readings of
-/// each move in, m. `None` where too little was read.
+/// Judges every cylinder of a machine by the days on which it was read; `counts` are the
+/// resolutions of each one's readings, m. `None` where too little was read.
 pub(super) fn judge(cylinders: &[Vec<Day>], counts: &[f64]) -> Vec<Option<Judgement>> {
     let thermometer =
         if cylinders.len() >= P.cylinders { Thermometer::of(cylinders) } else { None };
@@ -177,14 +178,14 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
     Some(Judgement { blame: blame(fits, count), moved: moved(fits), course })
 }
 
-/// What is known beforehand of the mean.
+/// Prior knowledge of the mean.
 #[derive(Clone, Copy, Debug)]
 struct Prior {
     season: f64,
     alone: usize,
 }
 
-/// How likely the mean is with each of [`SEASONS`].
+/// Log-likelihood of the mean with each of [`SEASONS`].
 fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
     let Some(end) = days.last().map(|day| day.at) else { return Default::default() };
     let row = |day: &Day| {
@@ -201,8 +202,8 @@ fn seasons(days: &[Day], mean: &[f64], alone: usize) -> [f64; SEASONS.len()] {
     })
 }
 
-/// The largest season that the means of the other cylinders may have. The one that has the most of it
-/// may itself drift.
+/// The largest season that the means of the other cylinders may have. The one with the largest is
+/// left out, since it may itself drift.
 fn season(series: &[Series], which: usize) -> f64 {
     let others =
         || series.iter().enumerate().filter(|(i, it)| *i != which && it.days.len() >= P.side);
@@ -233,8 +234,9 @@ fn blame([apart, mean]: [Fit; 2], count: f64) -> Blame {
     }
 }
 
-/// What the difference and the mean of the other cylinders do by the same course, as variances, m²: so
-/// far healthy ones go. The one that goes farthest may itself drift.
+/// Moves of the difference and of the mean of the other cylinders by the same course, as variances,
+/// m²: healthy ones move by that much. The one with the largest move is left out, since it may
+/// itself drift.
 fn others(
     series: &[Series],
     which: usize,

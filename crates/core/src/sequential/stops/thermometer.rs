@@ -1,5 +1,5 @@
-//! What all transducers of a machine read more or less alike: its temperature, which the other
-//! cylinders tell.
+//! The machine's temperature, which all transducers show more or less alike, from the other
+//! cylinders.
 
 use super::StopParameters;
 use super::days::Day;
@@ -11,7 +11,7 @@ const P: &StopParameters = &StopParameters::DEFAULT;
 /// Rounds in which what is common and where each transducer begins are found in turn.
 const ROUNDS: usize = 2;
 
-/// What is common on each day, m; `None` where too few cylinders were ever read on the same days.
+/// Common part on each day, m; `None` where too few cylinders were ever read on the same days.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Thermometer {
     common: BTreeMap<i64, f64>,
@@ -50,7 +50,7 @@ impl Thermometer {
         Some(Self { common: common_to(cylinders, &begins, &read) })
     }
 
-    /// What is common on the day of that number, m; `None` where too few were read.
+    /// Common part on the day of that number, m; `None` where too few were read.
     pub fn on(&self, number: i64) -> Option<f64> {
         self.common.get(&number).copied()
     }
@@ -79,7 +79,7 @@ fn begin(days: &[Day], common: &BTreeMap<i64, f64>, old: [f64; 2]) -> [f64; 2] {
     })
 }
 
-/// 0 of none.
+/// The median; 0 without values.
 pub(super) fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     match values.len() {

@@ -1,8 +1,8 @@
-//! What was heard, in words.
+//! Texts for the frames that were received.
 
 use super::listener::{Status, Warning};
 
-/// Whom a warning suspects, for people.
+/// Suspect of a warning, for people.
 pub fn suspect(name: &str) -> &'static str {
     match name {
         "c1" => "C1",
@@ -28,8 +28,7 @@ pub fn warning(warning: &Warning) -> String {
     text
 }
 
-/// What a status says of the transducers: whom it does not take for healthy, or how many there are
-/// of each kind.
+/// Transducers of a status: those that are not healthy, or the number of each kind.
 pub fn status(status: &Status) -> String {
     let Status { states, level, mode, .. } = status;
     let mut text = format!("gateway {mode}, level {level}: ");
