@@ -10,7 +10,7 @@ use tertius_testing::top;
 /// When the fault of the cylinder begins, s since the first frame: on no grid of the rates. One cylinder
 /// after the other, since what is on all at once is the sampling's.
 fn begin(cylinder: u8) -> f64 {
-    20.0 + 30.0 * f64::from(cylinder - 1) + 0.0137 * f64::from(cylinder)
+    40.0 + 30.0 * f64::from(cylinder - 1) + 0.0137 * f64::from(cylinder)
 }
 
 const LASTS: f64 = 15.0;
@@ -35,11 +35,13 @@ impl Machine {
         let folder = Scratch::new();
         let machine = Self { folder, rate };
         let plant = fs::read_to_string(top().join("config/e-type-plant.toml")).expect("it ships");
-        // Readings that stand off for a while are what the sequential detectors find.
-        let plant = changed(
-            &plant,
-            &[("fluctuation_probability = 5.0e-4", "fluctuation_probability = 0.0")],
-        );
+        let changes = [
+            // Readings that stand off for a while are what the sequential detectors find.
+            ("fluctuation_probability = 5.0e-4", "fluctuation_probability = 0.0"),
+            // At 10 Hz the command predicts a cycle to 0.3 mm. Beside less noise no drive is fitted.
+            ("noise = 4.0e-5", "noise = 5.0e-5"),
+        ];
+        let plant = changed(&plant, &changes);
         machine.folder.write("plant.toml", plant);
         let dbc = fs::read(top().join("dbc/e-type.dbc")).expect("it ships");
         machine.folder.write("e-type.dbc", dbc);
@@ -135,7 +137,7 @@ const DRIFT: &str = "drift,rate=3e-4";
 fn faults_are_found_as_soon_at_every_rate_as_samples_allow() {
     let of = |rate: f64| {
         let machine = Machine::learnt(rate);
-        let log = machine.simulate("healthy.log", 2, 200);
+        let log = machine.simulate("healthy.log", 2, 220);
         let healthy = replay(&[&log], &machine.folder.path("config.toml"), &[]).ok().warnings();
         let false_alarms = healthy.iter().filter(|it| it["detector"] == "sequential").count();
         assert_eq!(false_alarms, 0, "{rate} Hz: {healthy:?}");
@@ -167,9 +169,7 @@ fn faults_are_found_as_soon_at_every_rate_as_samples_allow() {
         for (what, outcome) in [("step", step), ("noise", noise), ("drift", drift)] {
             let [right, wrong] = outcome.blamed;
             assert_eq!(wrong, 0, "{rate} Hz, {what}");
-            // At 10 Hz the command predicts a cycle hardly well enough for a drive to be fitted at all.
-            let told = what != "drift" && rate > 10.0;
-            assert!(!told || right >= 5, "{rate} Hz, {what}: {right} of 6");
+            assert!(what == "drift" || right >= 5, "{rate} Hz, {what}: {right} of 6");
         }
     }
 }

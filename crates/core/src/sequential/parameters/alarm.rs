@@ -117,7 +117,7 @@ impl PairParameters {
         clearly: 3.0,
         decided: 4.0,
         decided_of_any: 5.0,
-        certain: 8.0,
+        certain: 12.0,
         latest: 0.5,
         located: 0.48,
         followed: 5e-3,
