@@ -9,7 +9,7 @@ use crate::decode::Raw;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
 use crate::report::stops::millimetres;
-use crate::sequential::Parameters;
+use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
 use clap::Args;
 use std::io::Write;
@@ -124,7 +124,7 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
 /// A machine that is faster than the rings were made for.
 fn fast_doubt(settings: &Settings) -> Option<String> {
     let sample_time = settings.machine.sample_time;
-    let (wanted, held) = (Parameters::DEFAULT.kind.newest, NEWEST as f64 * sample_time);
+    let (wanted, held) = (SequentialParameters::DEFAULT.kind.newest, NEWEST as f64 * sample_time);
     (held < wanted - SAME_TIME).then(|| {
         format!(
             "machine.sample_time: above 100 Hz the kind of a fault and whose it is are told from less time: \

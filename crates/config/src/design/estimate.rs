@@ -2,7 +2,7 @@
 
 use super::Connector;
 use tertius_core::compare::Comparator;
-use tertius_core::estimate::{Drive, Dynamics, LengthScale, Parameters, SensorDesign};
+use tertius_core::estimate::{Drive, Dynamics, EstimateParameters, LengthScale, SensorDesign};
 use tertius_core::observe::model::Model;
 use tertius_core::sequential;
 
@@ -17,7 +17,7 @@ impl Connector<'_> {
     ) -> SensorDesign {
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
-        let parameters = &Parameters::DEFAULT;
+        let parameters = &EstimateParameters::DEFAULT;
         let (gain, offset) = settings.comparator_of(n);
         let fitted = settings.sequential_of(n).filter(|_| sequential.is_some());
         let dynamics = match fitted.and_then(|fitted| Some((fitted, fitted.drive?))) {

@@ -179,7 +179,7 @@ impl<'a> Connector<'a> {
                 },
                 coincidence: Span::from_seconds(settings.alarm.coincidence),
                 signatures: observers.each_ref().map(Signatures::of_innovation),
-                parameters: &verdict::Parameters::DEFAULT,
+                parameters: &verdict::VerdictParameters::DEFAULT,
                 sample_time: settings.machine.sample_time,
             },
             observers,

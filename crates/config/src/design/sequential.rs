@@ -6,7 +6,9 @@ use tertius_core::sequential::pair::Prediction;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::whitening::Whitening;
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Drive, Noise, PairDesign, Parameters, Rate, Reference};
+use tertius_core::sequential::{
+    Design, Drive, Noise, PairDesign, Rate, Reference, SequentialParameters,
+};
 
 /// Least number of samples with which a cell of the stroke is covered, for a table that does not
 /// say how well its nodes are known.
@@ -39,7 +41,7 @@ impl Connector<'_> {
             level: settings.sequential_level_of(n),
             sample_time,
             clear: settings.warning_cycles(),
-            parameters: &Parameters::DEFAULT,
+            parameters: &SequentialParameters::DEFAULT,
         })
     }
 
@@ -57,7 +59,7 @@ impl Connector<'_> {
         }
         let prediction =
             Prediction { deviation: fitted.prediction, whitening: whitening.flatten() };
-        let parameters = &Parameters::DEFAULT;
+        let parameters = &SequentialParameters::DEFAULT;
         let design = PairDesign::new(drive, sample_time, fitted.deviation, prediction, parameters);
         design
             .map_err(|error| {

@@ -1,7 +1,7 @@
 //! Prediction of a length from the command: with the drive that a calibration has fitted, or else
 //! by the model (4-1).
 
-use super::parameters::Parameters;
+use super::parameters::EstimateParameters;
 use crate::observe::model::Model;
 pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
@@ -38,7 +38,12 @@ enum Driving {
 impl Dynamics {
     /// Dynamics by `drive`, for readings whose difference has the standard deviation `deviation`,
     /// m, every `sample_time` seconds.
-    pub fn fitted(drive: Drive, sample_time: f64, deviation: f64, parameters: &Parameters) -> Self {
+    pub fn fitted(
+        drive: Drive,
+        sample_time: f64,
+        deviation: f64,
+        parameters: &EstimateParameters,
+    ) -> Self {
         let [velocity, slope] = parameters.drive_unknown.map(|deviation| deviation * deviation);
         Self {
             a: pair::dynamics(sample_time, &PairParameters::DEFAULT),
@@ -57,7 +62,7 @@ impl Dynamics {
         q: [f64; 3],
         r: f64,
         sample_time: f64,
-        parameters: &Parameters,
+        parameters: &EstimateParameters,
     ) -> Self {
         Self {
             a: model.a,
@@ -74,7 +79,7 @@ impl Dynamics {
 }
 
 /// Variance of a length that is not followed for a cycle, m².
-fn way(sample_time: f64, parameters: &Parameters) -> f64 {
+fn way(sample_time: f64, parameters: &EstimateParameters) -> f64 {
     let way = parameters.fastest * sample_time;
     way * way
 }
@@ -121,7 +126,8 @@ mod tests {
     #[test]
     fn a_model_goes_by_the_command_less_its_offset_and_holds_the_last() {
         let model = Model::new(0.02, [0.0, -0.1, 0.0, 0.0, 0.0], [0.1, 2.0]);
-        let dynamics = Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02, &Parameters::DEFAULT);
+        let dynamics =
+            Dynamics::model(&model, 0.5, [0.0; 3], 1e-8, 0.02, &EstimateParameters::DEFAULT);
         let mut feed = Feed::new(0.02);
         assert_eq!(feed.step(&dynamics, None), None);
         assert_eq!(feed.step(&dynamics, Some(1.5)), Some(Vector3::new(0.0, 0.1, 2.0)));
@@ -134,7 +140,8 @@ mod tests {
     fn a_drive_moves_the_length_once_it_knows_enough_commands() {
         let mut coefficients = [0.0; FEATURES];
         coefficients[0] = 1.0;
-        let dynamics = Dynamics::fitted(Drive(coefficients), 0.02, 1e-4, &Parameters::DEFAULT);
+        let dynamics =
+            Dynamics::fitted(Drive(coefficients), 0.02, 1e-4, &EstimateParameters::DEFAULT);
         let mut feed = Feed::new(0.02);
         let parts: Vec<_> = (0..17).map(|_| feed.step(&dynamics, Some(0.5))).collect();
         assert_eq!(parts[15], None);

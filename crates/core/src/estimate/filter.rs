@@ -124,7 +124,7 @@ impl Filter {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parameters::Parameters;
+    use super::super::parameters::EstimateParameters;
     use super::*;
     use crate::observe::model::{Model, POSITION};
     use crate::observe::riccati;
@@ -134,7 +134,7 @@ mod tests {
     fn dynamics() -> Dynamics {
         let theta = [-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023];
         let model = Model::new(0.02, theta, [0.0926, 6.5427]);
-        Dynamics::model(&model, 0.0, [1e-8, 1e-3, 100.0], 1e-8, 0.02, &Parameters::DEFAULT)
+        Dynamics::model(&model, 0.0, [1e-8, 1e-3, 100.0], 1e-8, 0.02, &EstimateParameters::DEFAULT)
     }
 
     /// The covariance converges to that of the Riccati equation, which is that of the prediction.

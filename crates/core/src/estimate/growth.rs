@@ -59,7 +59,7 @@ impl Growth {
         }
     }
 
-    /// Variance that `cycles` of prediction add, m², with the `doubt` of [`super::Parameters`]; `None`
+    /// Variance that `cycles` of prediction add, m², with the `doubt` of [`super::EstimateParameters`]; `None`
     /// if nothing was measured.
     ///
     /// It is interpolated linearly between two copies. Beyond the longest one that was compared it

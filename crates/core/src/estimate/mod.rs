@@ -31,7 +31,7 @@ pub mod scale;
 pub mod sensor;
 
 pub use dynamics::{Drive, Dynamics};
-pub use parameters::Parameters;
+pub use parameters::EstimateParameters;
 pub use scale::LengthScale;
 pub use sensor::{SensorDesign, SensorInput, VirtualSensor};
 

@@ -5,7 +5,7 @@ use crate::time::{self, Decay};
 /// The numbers of the virtual sensor, the same for every machine. None is from the thesis, which has no
 /// such sensor: each is reasoned, and docs/EVALUATION.md has the errors of the estimates that come of them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameters {
+pub struct EstimateParameters {
     /// What is measured (innovations, differences and errors of predictions) is a mean over so long, s;
     /// a minute or more. Five minutes: a load or a temperature changes more slowly, and 15 000 squares at
     /// 50 Hz make a mean square known to one per cent.
@@ -31,7 +31,7 @@ pub struct Parameters {
     pub pressure_unknown: f64,
 }
 
-impl Parameters {
+impl EstimateParameters {
     pub const DEFAULT: Self = Self {
         memory: 300.0,
         wild: 100.0,
@@ -44,9 +44,9 @@ impl Parameters {
     };
 
     /// The counts for a machine with this `sample_time`, s.
-    pub fn cycles(&self, sample_time: f64) -> Cycles {
+    pub fn cycles(&self, sample_time: f64) -> EstimateCycles {
         let at_least_one = |seconds: f64| time::cycles(seconds, sample_time).max(1);
-        Cycles {
+        EstimateCycles {
             memory: at_least_one(self.memory),
             reserve: at_least_one(self.reserve),
             difference_left: self.difference_left.per_cycle(sample_time),
@@ -54,15 +54,15 @@ impl Parameters {
     }
 }
 
-impl Default for Parameters {
+impl Default for EstimateParameters {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-/// The times of [`Parameters`] in cycles of one machine.
+/// The times of [`EstimateParameters`] in cycles of one machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycles {
+pub struct EstimateCycles {
     pub memory: u32,
     pub reserve: u32,
     /// What is left after one cycle.
@@ -75,8 +75,8 @@ mod tests {
 
     #[test]
     fn times_are_cycles_of_the_machine() {
-        let of = |rate: f64| Parameters::DEFAULT.cycles(1.0 / rate);
-        let counts = |cycles: Cycles| (cycles.memory, cycles.reserve);
+        let of = |rate: f64| EstimateParameters::DEFAULT.cycles(1.0 / rate);
+        let counts = |cycles: EstimateCycles| (cycles.memory, cycles.reserve);
         assert_eq!(counts(of(50.0)), (15_000, 50));
         assert_eq!(counts(of(10.0)), (3_000, 10));
         assert_eq!(counts(of(100.0)), (30_000, 100));

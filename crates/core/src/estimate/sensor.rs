@@ -5,7 +5,7 @@ use super::dynamics::{Dynamics, Feed};
 use super::filter::{Counted, Filter};
 use super::growth::Growth;
 use super::mean::Mean;
-use super::parameters::{Cycles, Parameters};
+use super::parameters::{EstimateCycles, EstimateParameters};
 use super::scale::LengthScale;
 use super::{Estimate, Source};
 use crate::sequential::parameters::ResidualParameters;
@@ -28,7 +28,7 @@ pub struct SensorDesign {
     pub bound: f64,
     /// Range of valid lengths, inclusive, m.
     pub lengths: (f64, f64),
-    pub parameters: &'static Parameters,
+    pub parameters: &'static EstimateParameters,
 }
 
 /// Inputs of a cylinder in one cycle.
@@ -63,7 +63,7 @@ impl SensorInput {
 #[derive(Clone, Debug)]
 pub struct VirtualSensor {
     design: SensorDesign,
-    cycles: Cycles,
+    cycles: EstimateCycles,
     velocity: Velocity,
     feed: Feed,
     filters: [Filter; 2],

@@ -11,7 +11,7 @@ use super::dwell::{Dwell, Dwelling};
 use super::history::DwellHistory;
 use super::noise::Noise;
 use super::pair::{Pair, PairDesign};
-use super::parameters::{Cycles, Parameters};
+use super::parameters::{SequentialCycles, SequentialParameters};
 use super::rate::Rate;
 use super::reference::Reference;
 use super::samples::{History, Sample};
@@ -52,7 +52,7 @@ pub struct Design {
     pub sample_time: f64,
     /// Cycles without evidence that end an alarm.
     pub clear: u32,
-    pub parameters: &'static Parameters,
+    pub parameters: &'static SequentialParameters,
 }
 
 /// Inputs of a cylinder in one cycle.
@@ -76,7 +76,7 @@ pub struct Input {
 #[derive(Clone, Debug)]
 pub struct Sequential {
     design: Design,
-    cycles: Cycles,
+    cycles: SequentialCycles,
     scales: Scales,
     clipping: Clipping,
     baseline: Baseline,
@@ -334,7 +334,10 @@ impl Sequential {
             Blame::Both | Blame::Undecided => return,
         };
         match &mut self.alarm {
-            Some(alarm) if alarm.suspect == Suspect::Undecided => alarm.suspect = suspect,
+            // No evidence of innovations decides against it.
+            Some(alarm) if alarm.suspect == Suspect::Undecided => {
+                (alarm.suspect, alarm.evidence) = (suspect, None);
+            }
             Some(_) => {}
             None => {
                 let alarm = Alarm::new(Cause::Dwell, Fault::Incipient, size, at);

@@ -60,7 +60,7 @@ pub use dwell::Dwell;
 pub use history::{DwellHistory, Gauging};
 pub use noise::Noise;
 pub use pair::{Pair, PairDesign};
-pub use parameters::Parameters;
+pub use parameters::SequentialParameters;
 pub use rate::{Magnitudes, Rate};
 pub use reference::Reference;
 pub use sampling::{Apart, Sampling};

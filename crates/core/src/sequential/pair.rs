@@ -6,7 +6,7 @@
 //! in the closed loop the machine has, too.
 
 use super::drive::{Commands, Drive};
-use super::parameters::{PairParameters, Parameters};
+use super::parameters::{PairParameters, SequentialParameters};
 use super::whitening::{ORDER, Whitening};
 use crate::observe::riccati::{self, RiccatiError};
 use crate::time;
@@ -46,7 +46,7 @@ pub struct PairDesign {
     gain: [f64; 3],
     drive: Drive,
     sample_time: f64,
-    parameters: &'static Parameters,
+    parameters: &'static SequentialParameters,
     /// What of the slope is left in the next cycle.
     left: f64,
     /// Cycles until it has followed for a while.
@@ -91,7 +91,7 @@ impl PairDesign {
         sample_time: f64,
         deviation: f64,
         prediction: Prediction,
-        parameters: &'static Parameters,
+        parameters: &'static SequentialParameters,
     ) -> Result<Self, RiccatiError> {
         let own = &parameters.pair;
         let a = dynamics(sample_time, own);

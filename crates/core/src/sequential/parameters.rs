@@ -2,11 +2,11 @@
 //!
 //! They are data and no configuration: the same for every machine, chosen on simulated machines of every
 //! kind (docs/EVALUATION.md), on none of the recordings that ship with the project. Times are in seconds and become
-//! counts once, as a detector is built ([`Parameters::cycles`]). What is counted in samples is a matter of
+//! counts once, as a detector is built ([`SequentialParameters::cycles`]). What is counted in samples is a matter of
 //! chance and not of time: so many are needed to tell, however fast they come.
 //!
 //! What is reckoned alike by calibration, detector and report has one value for all of them, that of
-//! [`Parameters::DEFAULT`]; what a single detector goes by, it takes from its design.
+//! [`SequentialParameters::DEFAULT`]; what a single detector goes by, it takes from its design.
 
 mod alarm;
 mod drive;
@@ -26,7 +26,7 @@ use crate::time;
 
 /// All of them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameters {
+pub struct SequentialParameters {
     pub residual: ResidualParameters,
     pub evidence: EvidenceParameters,
     pub alarm: AlarmParameters,
@@ -39,7 +39,7 @@ pub struct Parameters {
     pub stops: StopParameters,
 }
 
-impl Parameters {
+impl SequentialParameters {
     pub const DEFAULT: Self = Self {
         residual: ResidualParameters::DEFAULT,
         evidence: EvidenceParameters::DEFAULT,
@@ -55,12 +55,12 @@ impl Parameters {
 
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the ring of the newest samples is
     /// too short, and what looks back on it does so for a shorter time.
-    pub fn cycles(&self, sample_time: f64) -> Cycles {
+    pub fn cycles(&self, sample_time: f64) -> SequentialCycles {
         let Self { alarm, kind, pair, scale, .. } = self;
         let samples = |seconds: f64| time::samples(seconds, sample_time);
         let at_least_one = |seconds: f64| time::cycles(seconds, sample_time).max(1);
         let newest = (samples(kind.newest) as usize).min(NEWEST);
-        Cycles {
+        SequentialCycles {
             newest,
             looked_at: (samples(kind.looked_at) as usize).min(newest),
             looks: alarm.looks.map(samples),
@@ -75,15 +75,15 @@ impl Parameters {
     }
 }
 
-impl Default for Parameters {
+impl Default for SequentialParameters {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-/// The times of [`Parameters`] in cycles of one machine; see there.
+/// The times of [`SequentialParameters`] in cycles of one machine; see there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycles {
+pub struct SequentialCycles {
     pub newest: usize,
     pub looked_at: usize,
     pub looks: [u32; 7],
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn at_50_hz_and_at_another_rate_times_are_the_same() {
-        let of = |rate: f64| Parameters::DEFAULT.cycles(1.0 / rate);
+        let of = |rate: f64| SequentialParameters::DEFAULT.cycles(1.0 / rate);
         let (slow, usual, fast) = (of(10.0), of(50.0), of(100.0));
         assert_eq!(usual.looks, [10, 16, 25, 50, 100, 200, 400]);
         assert_eq!((usual.newest, usual.looked_at, usual.noise_told), (64, 50, 25));

@@ -4,7 +4,7 @@
 //! function of time, c + s·t + q·t², which may be a step, a ramp or a bent one. While the rod moves
 //! up and down, l is no such function of time, and one of them fails.
 
-use super::parameters::{Cycles, ScaleParameters};
+use super::parameters::{ScaleParameters, SequentialCycles};
 use nalgebra::{SMatrix, SVector};
 
 /// Regressors 1, t, t² and l, and the residual.
@@ -47,7 +47,7 @@ impl Proportion {
         deviation: f64,
         dead_band: f64,
         parameters: &'static ScaleParameters,
-        cycles: &Cycles,
+        cycles: &SequentialCycles,
     ) -> Self {
         let (longest, alike) = (cycles.scale_longest, cycles.scale_alike);
         let sums = [[0.0; COLUMNS]; COLUMNS];
@@ -105,7 +105,7 @@ impl Proportion {
 
 #[cfg(test)]
 mod tests {
-    use super::super::parameters::Parameters;
+    use super::super::parameters::SequentialParameters;
     use super::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
@@ -114,7 +114,7 @@ mod tests {
     const SIGMA: f64 = 1e-4;
 
     fn of_50_hz() -> Proportion {
-        let parameters = &Parameters::DEFAULT;
+        let parameters = &SequentialParameters::DEFAULT;
         Proportion::new(SIGMA, 1e-4, &parameters.scale, &parameters.cycles(0.02))
     }
 

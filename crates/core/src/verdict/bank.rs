@@ -4,7 +4,7 @@
 use super::Verdict;
 use super::fault::{Fault, LONGEST_DIFFERENCES, LONGEST_WINDOW, Signatures, classify_difference};
 use super::history::ResidualHistory;
-use super::parameters::{Cycles, Parameters};
+use super::parameters::{VerdictCycles, VerdictParameters};
 use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
 use crate::time::{Span, Timestamp};
@@ -27,7 +27,7 @@ pub struct BankDesign {
     pub coincidence: Span,
     /// Signatures of faults in R1 and R2.
     pub signatures: [Signatures; 2],
-    pub parameters: &'static Parameters,
+    pub parameters: &'static VerdictParameters,
     /// s.
     pub sample_time: f64,
 }
@@ -59,8 +59,8 @@ pub struct Bank {
     /// Signatures of faults in R1 and R2.
     signatures: [Signatures; 2],
     coincidence: Span,
-    parameters: &'static Parameters,
-    cycles: Cycles,
+    parameters: &'static VerdictParameters,
+    cycles: VerdictCycles,
 }
 
 /// State of a raised FDE.
@@ -208,7 +208,7 @@ mod tests {
             difference: thresholds(1.5e-3),
             coincidence: Span::from_seconds(0.2),
             signatures: [design(), design()].map(|design| Signatures::of_innovation(&design)),
-            parameters: &Parameters::DEFAULT,
+            parameters: &VerdictParameters::DEFAULT,
             sample_time: 0.02,
         })
     }

@@ -4,14 +4,14 @@
 //! newest residuals are compared with both signatures at every onset within the window; the one
 //! that explains most of their energy names the fault, and what neither explains is noise.
 
-use super::parameters::{Cycles, Parameters};
+use super::parameters::{VerdictCycles, VerdictParameters};
 use crate::observe::observer::ObserverDesign;
 use nalgebra::{Vector2, Vector3};
 
-/// Residuals R1 or R2 that are kept: those of [`Parameters::window`] up to 100 Hz.
+/// Residuals R1 or R2 that are kept: those of [`VerdictParameters::window`] up to 100 Hz.
 pub const LONGEST_WINDOW: usize = 32;
 
-/// Residuals R3 that are kept: those of [`Parameters::differences`] up to 100 Hz.
+/// Residuals R3 that are kept: those of [`VerdictParameters::differences`] up to 100 Hz.
 pub const LONGEST_DIFFERENCES: usize = 128;
 
 /// Kinds of faults of Table 5-1 and of the plausibility checks.
@@ -69,12 +69,12 @@ impl Signatures {
         Self { step: respond(|_| 1.0), ramp: respond(|k| k as f64 + 1.0) }
     }
 
-    /// Names the fault in `residuals`, m, oldest first, of which the newest [`Cycles::window`] count.
+    /// Names the fault in `residuals`, m, oldest first, of which the newest [`VerdictCycles::window`] count.
     pub fn classify(
         &self,
         residuals: &[f64; LONGEST_WINDOW],
-        parameters: &Parameters,
-        cycles: &Cycles,
+        parameters: &VerdictParameters,
+        cycles: &VerdictCycles,
     ) -> Fault {
         let residuals = &residuals[LONGEST_WINDOW - cycles.window..];
         let energy = residuals.iter().map(|r| r * r).sum();
@@ -88,8 +88,8 @@ impl Signatures {
 /// already existed a second ago has grown to its bound too slowly for either.
 pub fn classify_difference(
     differences: &[f64; LONGEST_DIFFERENCES],
-    parameters: &Parameters,
-    cycles: &Cycles,
+    parameters: &VerdictParameters,
+    cycles: &VerdictCycles,
 ) -> Fault {
     let differences = &differences[LONGEST_DIFFERENCES - cycles.differences..];
     let count = differences.len();
@@ -124,7 +124,7 @@ pub fn classify_difference(
 }
 
 /// The kind of fault, from the parts of `energy` that the best step and the best ramp explain.
-fn name(step: f64, ramp: f64, energy: f64, parameters: &Parameters) -> Fault {
+fn name(step: f64, ramp: f64, energy: f64, parameters: &VerdictParameters) -> Fault {
     if step.max(ramp) < parameters.explained * energy {
         Fault::Noise
     } else if ramp > parameters.ramp_advantage * step {
@@ -180,7 +180,7 @@ mod tests {
     /// What `values` are of the newest samples at 50 Hz, behind what does not count.
     fn classify(values: impl Fn(usize) -> f64) -> Fault {
         let ring = std::array::from_fn(|k| k.checked_sub(NEWEST).map_or(7e-3, &values));
-        let parameters = Parameters::DEFAULT;
+        let parameters = VerdictParameters::DEFAULT;
         observer().classify(&ring, &parameters, &parameters.cycles(0.02))
     }
 
@@ -210,7 +210,11 @@ mod tests {
         let with = |offset: f64, fault: &dyn Fn(usize) -> f64| {
             let value = |k: usize| offset + small(k) + fault(k);
             let ring = std::array::from_fn(|k| k.checked_sub(64).map_or(7e-3, value));
-            classify_difference(&ring, &Parameters::DEFAULT, &Parameters::DEFAULT.cycles(0.02))
+            classify_difference(
+                &ring,
+                &VerdictParameters::DEFAULT,
+                &VerdictParameters::DEFAULT.cycles(0.02),
+            )
         };
         for offset in [-5e-4, 0.0, 5e-4] {
             for onset in [40, 56, 63] {

@@ -9,7 +9,7 @@ pub mod trigger;
 
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
-pub use parameters::Parameters;
+pub use parameters::VerdictParameters;
 pub use suspect::Suspect;
 pub use trigger::{Thresholds, Trigger};
 

@@ -6,7 +6,7 @@ use crate::time;
 /// The numbers of the classification (Table 5-1). Times are in seconds; a kind is told from samples, so
 /// that below 50 Hz each of them is as many as at 50 Hz ([`time::samples`]).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameters {
+pub struct VerdictParameters {
     /// Newest residuals R1 or R2 that are compared with the signatures of a step and a ramp, s; 0.2 to
     /// 0.32. In 16 samples at 50 Hz the observers of Table 4-1 have followed a step, and random signs
     /// are no signature yet.
@@ -27,7 +27,7 @@ pub struct Parameters {
     pub ramp_advantage: f64,
 }
 
-impl Parameters {
+impl VerdictParameters {
     /// The same for every machine.
     pub const DEFAULT: Self = Self {
         window: 0.32,
@@ -40,10 +40,10 @@ impl Parameters {
 
     /// The counts for a machine with this `sample_time`, s. Above 100 Hz the rings are too short, and the
     /// windows as long as these.
-    pub fn cycles(&self, sample_time: f64) -> Cycles {
+    pub fn cycles(&self, sample_time: f64) -> VerdictCycles {
         let samples = |seconds: f64| time::samples(seconds, sample_time);
         let window = (samples(self.window) as usize).min(LONGEST_WINDOW);
-        Cycles {
+        VerdictCycles {
             window,
             differences: (samples(self.differences) as usize).min(LONGEST_DIFFERENCES),
             looks: self.looks.map(|look| samples(look).min(window as u32 - 1)),
@@ -51,15 +51,15 @@ impl Parameters {
     }
 }
 
-impl Default for Parameters {
+impl Default for VerdictParameters {
     fn default() -> Self {
         Self::DEFAULT
     }
 }
 
-/// The times of [`Parameters`] in samples of one machine.
+/// The times of [`VerdictParameters`] in samples of one machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cycles {
+pub struct VerdictCycles {
     pub window: usize,
     pub differences: usize,
     pub looks: [u32; 3],
@@ -71,10 +71,10 @@ mod tests {
 
     #[test]
     fn times_stay_and_below_50_hz_samples_do() {
-        let of = |rate: f64| Parameters::DEFAULT.cycles(1.0 / rate);
-        let at_50 = Cycles { window: 16, differences: 64, looks: [0, 4, 15] };
+        let of = |rate: f64| VerdictParameters::DEFAULT.cycles(1.0 / rate);
+        let at_50 = VerdictCycles { window: 16, differences: 64, looks: [0, 4, 15] };
         assert_eq!([of(10.0), of(20.0), of(50.0)], [at_50; 3]);
-        assert_eq!(of(100.0), Cycles { window: 32, differences: 128, looks: [0, 8, 30] });
-        assert_eq!(of(1000.0), Cycles { window: 32, differences: 128, looks: [0, 31, 31] });
+        assert_eq!(of(100.0), VerdictCycles { window: 32, differences: 128, looks: [0, 8, 30] });
+        assert_eq!(of(1000.0), VerdictCycles { window: 32, differences: 128, looks: [0, 31, 31] });
     }
 }

@@ -15,7 +15,9 @@ use tertius_core::sequential::rate::Of;
 use tertius_core::sequential::samples::{History, Sample};
 use tertius_core::sequential::statistic::{Bands, DEAD_BAND, Dependence, INDEPENDENT, Scales};
 use tertius_core::sequential::wild::Outliers;
-use tertius_core::sequential::{Design, Magnitudes, Noise, Pair, PairDesign, Parameters, Rate};
+use tertius_core::sequential::{
+    Design, Magnitudes, Noise, Pair, PairDesign, Rate, SequentialParameters,
+};
 
 /// Initial width of the bins of magnitudes, m.
 const BIN: f64 = 1e-6;
@@ -59,7 +61,7 @@ impl Scatter {
         let prediction =
             self.prediction.as_ref().map_or(Prediction::UNKNOWN, Predicted::prediction);
         let pair = profile.drive.and_then(|drive| {
-            let parameters = &Parameters::DEFAULT;
+            let parameters = &SequentialParameters::DEFAULT;
             PairDesign::new(drive, sample_time, self.deviation, prediction, parameters).ok()
         });
         Design {
@@ -75,7 +77,7 @@ impl Scatter {
             level: f64::INFINITY,
             sample_time,
             clear: 1,
-            parameters: &Parameters::DEFAULT,
+            parameters: &SequentialParameters::DEFAULT,
         }
     }
 }
@@ -133,7 +135,8 @@ impl Scattering {
             let (profile, halves) = taught;
             let deviation = deviation(fitted);
             let design = |drive| {
-                let (prediction, parameters) = (Prediction::UNKNOWN, &Parameters::DEFAULT);
+                let (prediction, parameters) =
+                    (Prediction::UNKNOWN, &SequentialParameters::DEFAULT);
                 PairDesign::new(drive, sample_time, deviation, prediction, parameters).ok()
             };
             let ResidualSpread { noise, resolution } = spread;

@@ -26,7 +26,7 @@ fn sensor() -> VirtualSensor {
     let mut coefficients = [0.0; FEATURES];
     coefficients[0] = 1.0;
     VirtualSensor::new(SensorDesign {
-        dynamics: Dynamics::fitted(Drive(coefficients), TS, 5e-5, &Parameters::DEFAULT),
+        dynamics: Dynamics::fitted(Drive(coefficients), TS, 5e-5, &EstimateParameters::DEFAULT),
         scale: LengthScale { comparator: Comparator { gain: 1.0, offset: 4e-3 }, reference: None },
         sample_time: TS,
         settle: SETTLE,
@@ -34,7 +34,7 @@ fn sensor() -> VirtualSensor {
         difference: 1.5e-3,
         bound: 5e-3,
         lengths: (-1.0, 1.0),
-        parameters: &Parameters::DEFAULT,
+        parameters: &EstimateParameters::DEFAULT,
     })
 }
 

@@ -4,7 +4,7 @@ use super::Sequential;
 use crate::sequential::alarm::{Alarm, Cause};
 use crate::sequential::kind::{self, Appearance};
 use crate::sequential::pair::Form;
-use crate::sequential::parameters::{AlarmParameters, Cycles, PairParameters};
+use crate::sequential::parameters::{AlarmParameters, PairParameters, SequentialCycles};
 use crate::sequential::samples::Sample;
 use crate::sequential::statistic::Peak;
 use crate::sequential::thinning::Independence;
@@ -92,7 +92,13 @@ impl Sequential {
             self.look(&mut alarm);
         }
         if alarm.age.is_multiple_of(self.cycles.scale_every) {
-            alarm.scale = self.proportion.scale(alarm.scale.is_some());
+            let before = alarm.scale.is_some();
+            alarm.scale = self.proportion.scale(before);
+            // What seemed a step was a gain, which leaves another signature.
+            let signature = alarm.evidence.is_some() && !self.is_certain(&alarm);
+            if !before && alarm.scale.is_some() && signature {
+                alarm.clear_suspect();
+            }
         }
         self.alarm = Some(alarm);
         if alarm.calm >= self.design.clear {
@@ -118,8 +124,8 @@ impl Sequential {
     }
 
     fn tell_shape(&self, alarm: &mut Alarm) {
-        let PairParameters { clearly, followed, certain, .. } = self.design.parameters.pair;
-        let Cycles { latest, located, looked_at, .. } = self.cycles;
+        let PairParameters { clearly, followed, .. } = self.design.parameters.pair;
+        let SequentialCycles { latest, located, looked_at, .. } = self.cycles;
         let shape = kind::shape(&self.history, self.design.deviation, &self.design.parameters.kind);
         if alarm.fault == Fault::Noise {
             // Whoever was blamed for a noise was so by its innovations: a step has others.
@@ -135,8 +141,7 @@ impl Sequential {
                 // So slow a drift may be anybody's, and what seemed a step was its beginning; but
                 // not a gain's that goes on, or what a stop has told since, or a step's that was certain
                 // and only may be a drift.
-                let certain = alarm.evidence.is_some_and(|nats| nats.abs() > certain);
-                let stays = certain && shape.advantage < clearly;
+                let stays = self.is_certain(alarm) && shape.advantage < clearly;
                 if alarm.age <= looked_at as u32 && !stays {
                     alarm.clear_suspect();
                 }
@@ -155,6 +160,12 @@ impl Sequential {
         if let Some(pair) = &self.pair {
             decide(alarm, pair.compare(form, age, age + alarm.back + 1), pair.decided());
         }
+    }
+
+    /// Whether the side is told, and better than an explanation that is a little better could undo.
+    fn is_certain(&self, alarm: &Alarm) -> bool {
+        let certain = self.design.parameters.pair.certain;
+        alarm.evidence.is_some_and(|nats| nats.abs() > certain)
     }
 
     /// Noise has no onset to compare; its innovations go on.

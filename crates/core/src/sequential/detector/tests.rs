@@ -44,7 +44,7 @@ fn with(resolution: [f64; 2], doubts: Vec<f64>) -> Sequential {
         level: 23.0,
         sample_time: SAMPLE_TIME,
         clear: 50,
-        parameters: &Parameters::DEFAULT,
+        parameters: &SequentialParameters::DEFAULT,
     })
 }
 

@@ -3,7 +3,7 @@
 use super::{Design, Sequential};
 use crate::sequential::alarm::Alarm;
 use crate::sequential::noise::Noise;
-use crate::sequential::parameters::Cycles;
+use crate::sequential::parameters::SequentialCycles;
 use crate::sequential::sampling::{Apart, Said};
 use crate::sequential::witness::Claim;
 use crate::verdict::{Fault, Suspect};
@@ -70,7 +70,7 @@ impl Sequential {
 impl Alarm {
     /// Whether the alarm blames nobody and will soon be examined, so that the others must be asked
     /// about the sampling.
-    fn is_to_be_claimed(&self, cycles: &Cycles) -> bool {
+    fn is_to_be_claimed(&self, cycles: &SequentialCycles) -> bool {
         let soon = self.age.max(cycles.noise_told - 1) + 1..=self.age + AHEAD;
         let asks = self.suspect == Suspect::Undecided && !self.of_timing;
         asks && cycles.looks.iter().any(|look| soon.contains(look))

@@ -15,7 +15,7 @@ fn ideal() -> Drive {
 }
 
 fn design() -> PairDesign {
-    let (deviation, parameters) = (SIGMA * 2.0_f64.sqrt(), &Parameters::DEFAULT);
+    let (deviation, parameters) = (SIGMA * 2.0_f64.sqrt(), &SequentialParameters::DEFAULT);
     PairDesign::new(ideal(), TS, deviation, Prediction::UNKNOWN, parameters)
         .expect("there is a gain")
 }
@@ -89,9 +89,14 @@ fn errors_of_the_command_that_go_on_are_counted_once() {
         .expect("there are such errors");
     let told = |whitening: Option<Whitening>| {
         let prediction = Prediction { deviation, whitening };
-        let design =
-            PairDesign::new(ideal(), TS, SIGMA * 2.0_f64.sqrt(), prediction, &Parameters::DEFAULT)
-                .expect("there is a gain");
+        let design = PairDesign::new(
+            ideal(),
+            TS,
+            SIGMA * 2.0_f64.sqrt(),
+            prediction,
+            &SequentialParameters::DEFAULT,
+        )
+        .expect("there is a gain");
         let nats = |seed: u64| {
             let pair = swinging(seed, design.clone(), 200, |_| ());
             pair.compare(Form::Step, 10, 13).expect("it follows")
