@@ -29,8 +29,7 @@ impl Whitening {
             let foretold: f64 =
                 known.iter().zip(correlation[..order].iter().rev()).map(|(c, r)| c * r).sum();
             let reflection = (correlation[order] - foretold) / whitening.left;
-            // No number is none, either.
-            if !(reflection.abs() < 1.0) {
+            if reflection.is_nan() || reflection.abs() >= 1.0 {
                 return None;
             }
             let before = whitening.coefficients;
