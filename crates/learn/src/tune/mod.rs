@@ -15,6 +15,7 @@
 
 pub mod course;
 pub mod criterion;
+mod drawn;
 pub mod evidence;
 mod pause;
 pub mod response;

@@ -1,8 +1,8 @@
 //! Stretches of a recording in a bounded number of cycles.
 
 use super::CylinderModel;
+use super::drawn::Drawn;
 use super::pause::Pause;
-use crate::extremes::Thinned;
 use crate::survey::{Row, Surveyor};
 use tertius_core::observe::observer::{Innovation, Measurement, Observer, ObserverDesign};
 
@@ -47,7 +47,7 @@ impl Cycle {
     }
 }
 
-/// Stretches of each cylinder, spread evenly over the recording; a stretch may lack a few cycles.
+/// Stretches of each cylinder, drawn from all of the recording; a stretch may lack a few cycles.
 #[derive(Clone, Debug)]
 pub struct Store {
     offsets: Vec<f64>,
@@ -55,7 +55,7 @@ pub struct Store {
     max_gaps: Vec<u32>,
     pauses: Vec<Pause>,
     open: Vec<Vec<Cycle>>,
-    stretches: Vec<Thinned<Vec<Cycle>>>,
+    stretches: Vec<Drawn>,
 }
 
 impl Store {
@@ -66,18 +66,18 @@ impl Store {
             max_gaps: cylinders.iter().map(|cylinder| cylinder.max_gap).collect(),
             pauses: vec![Pause::default(); count],
             open: vec![Vec::new(); count],
-            stretches: vec![Thinned::new(MOST / LENGTH / count); count],
+            stretches: vec![Drawn::new(MOST / LENGTH / count); count],
         }
     }
 
     /// Stretches of the cylinder of `index` (from 0). Within one, cycles follow each other.
     pub fn stretches(&self, index: usize) -> impl Iterator<Item = &[Cycle]> {
-        self.stretches[index].samples().iter().map(Vec::as_slice)
+        self.stretches[index].stretches().iter().map(Vec::as_slice)
     }
 
     /// Number of stored cycles, all cylinders together.
     pub fn cycles(&self) -> usize {
-        let stretches = self.stretches.iter().flat_map(Thinned::samples);
+        let stretches = self.stretches.iter().flat_map(Drawn::stretches);
         stretches.map(Vec::len).sum()
     }
 
