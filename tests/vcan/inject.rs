@@ -68,7 +68,7 @@ fn between_interfaces_it_does_what_it_does_to_a_recording() {
     // A second one would pass the first one's frames back.
     let mut second = Running::start(program(), &arguments, &other);
     assert_eq!(second.end().code(), Some(2));
-    assert!(said(&other, "another `tertius inject` has the interface vcan0"));
+    assert!(said(&other, "another `tertius inject` uses the interface vcan0"));
 
     run("canplayer", &["-I", plain(&machine)]);
     run("cansend", &["vcan1", "1D1#0102030405060708"]);

@@ -53,7 +53,7 @@ fn a_machine_that_plays_is_heard_whole() {
         "ok    interface      t-doctor (virtual CAN) is up",
         "  cycle          Sync each ",
         "ok    error frames   none",
-        "ok    node           nobody else sends as node 81",
+        "ok    node           no other device sends as node 81",
     ] {
         assert!(said.contains(words), "{words:?} is not in\n{said}");
     }
