@@ -22,8 +22,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
-/// Evaluates the monitor on a simulated machine: many faults of every kind and size, and fault-free
-/// hours.
+/// Evaluates the monitor on a simulated machine: with faults of every kind and size, and without
 #[derive(Args, Debug)]
 #[command(
     after_help = "Example:\n  tertius evaluate --config config/e-type-simulated.toml --seed 1 \

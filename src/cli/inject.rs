@@ -24,8 +24,8 @@ const EXAMPLE: &str = "Examples:
       --fault step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65
 
 With --from and --to it stands between two interfaces: the machine, or one who plays it, on the one,
-and whatever is to be tested on the other. It is for test benches. Never put it between a machine and
-its controller in operation: it sends whatever it hears, with faults, and late where it has to.
+and whatever is to be tested on the other. It is for test benches. Never put it between a machine
+and its controller in operation: it sends whatever it hears, with faults, and late where it has to.
 
 A fault is KIND,key=value,… with these keys, whatever the kind:
   cylinder      number of the cylinder, from 1
@@ -41,8 +41,8 @@ A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1.
 Only the bits of the named signals change, clamped to what they can hold, which is reported. The
 machine's controller did not see the fault: the motion in the recording does not answer to it.
 
-Between interfaces the first frame is the first that was forwarded. Error frames are not forwarded; an
-interface that goes away is waited for; what comes meanwhile is dropped.
+Between interfaces the first frame is the first that was forwarded. Error frames are not forwarded;
+an interface that goes away is waited for; what comes meanwhile is dropped.
 At the end, by SIGTERM, SIGINT or --for, it tells what became of the frames and the faults.";
 
 /// Puts faults into candump recordings and writes the result in the format of candump -l, or

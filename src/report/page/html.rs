@@ -235,10 +235,13 @@ fn legend(entries: &[Entry]) -> String {
     text + "</ul>\n"
 }
 
-/// `text` with a capital at the beginning, as a line of its own.
+/// `text` with a capital at the beginning, as a line of its own. A symbol stays: Δ is none of the letters that
+/// δ stands for.
 pub fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
-    rest.next().map_or(String::new(), |first| first.to_uppercase().chain(rest).collect())
+    rest.next().map_or(String::new(), |first| {
+        std::iter::once(first.to_ascii_uppercase()).chain(rest).collect()
+    })
 }
 
 /// Whether a cell is a number: it begins with a digit, after an optional sign, or stands for a
@@ -270,6 +273,13 @@ pub fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sentences_begin_with_a_capital_and_symbols_stay() {
+        assert_eq!(capitalised("learnt from all"), "Learnt from all");
+        assert_eq!(capitalised("δ_h is 2 mm"), "δ_h is 2 mm");
+        assert_eq!(capitalised(""), "");
+    }
 
     #[test]
     fn nothing_that_is_said_becomes_markup() {
