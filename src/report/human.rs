@@ -74,9 +74,9 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
 pub(super) fn overview(summary: &Summary<'_>) -> String {
     let Summary { statistics, counts, .. } = summary;
     let mut text = format!(
-        "{} of recording: {} frames, of which {} not used by this configuration\n",
+        "{} of recording: {}, of which {} not used by this configuration\n",
         wording::clock(summary.duration),
-        statistics.frames,
+        wording::counted(statistics.frames, "frame"),
         summary.ignored_frames(),
     );
     _ = writeln!(

@@ -163,6 +163,22 @@ mod tests {
         }
     }
 
+    /// A stream is clipped by the limits that fit how often its samples are wild.
+    #[test]
+    fn frequent_wild_samples_count_less() {
+        let scales = scales(Outliers::USUAL);
+        let after = |every: usize| {
+            let mut clipping = Clipping::new(&scales);
+            for k in 0..30_000_usize {
+                clipping.take(if k.is_multiple_of(every) { 5e-3 } else { 0.0 });
+            }
+            *clipping.clip()
+        };
+        assert_eq!(after(1000), Clip::new(scales.bands()));
+        assert_eq!(after(30), Clip::of_frequent(&scales));
+        assert!(after(30).farthest < after(1000).farthest);
+    }
+
     /// How many in a row it takes depends on how many are expected, and on how many there are.
     #[test]
     fn a_few_in_a_row_are_a_fault() {
