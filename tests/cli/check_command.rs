@@ -344,6 +344,25 @@ fn deviations_of_nodes_that_are_not_there() {
     tertius(&["check", &with("[1e-5, -2e-5]")], b"").failed(2, &["node_deviations"]);
 }
 
+/// Errors that are alike from one cycle to the next cannot be opposite two cycles apart.
+#[test]
+fn a_correlation_that_no_errors_have() {
+    let scratch = Scratch::new();
+    let table = "tests/recordings/e-type-sequential.toml";
+    let text = fs::read_to_string(top().join(table)).expect("the configuration is there");
+    let text = text.replace("../../dbc/e-type.dbc", "e-type.dbc");
+    scratch.write("e-type.dbc", fs::read(top().join("dbc/e-type.dbc")).expect("it is kept"));
+    let with = |correlation: &str| {
+        let table = format!("[cylinder.sequential]\nprediction_correlation = {correlation}\n");
+        scratch.write("machine.toml", text.replacen("[cylinder.sequential]\n", &table, 1))
+    };
+    check(&with("[0.4, 0.1, -0.2, -0.4, -0.3, -0.1]")).ok();
+    let words = "no errors have the prediction_correlation of cylinder 1";
+    check(&with("[0.9, -0.9, 0.0, 0.0, 0.0, 0.0]")).failed(2, &[words]);
+    check(&with("[0.4, 0.1]")).failed(2, &["prediction_correlation"]);
+    check(&with("[1.5, 0.0, 0.0, 0.0, 0.0, 0.0]")).failed(2, &["prediction_correlation"]);
+}
+
 /// What cannot be: six cylinders' frames within a millisecond at 500 kbit/s.
 #[test]
 fn a_cycle_that_the_bus_cannot_carry() {

@@ -9,6 +9,7 @@ use tertius::calibrate::{
 };
 use tertius::config;
 use tertius::sample::Quality;
+use tertius::sequential::whitening::Whitening;
 use tertius::survey::{Row, Surveyor, Window};
 use tertius_testing::oracle;
 use tertius_testing::support;
@@ -237,8 +238,11 @@ fn a_command_that_predicts_nothing_is_no_drive() {
     };
     let driven = calibrated(&|u| u);
     assert!(driven.drive.is_some() && driven.prediction < 3e-4, "{} m", driven.prediction);
+    let correlation = driven.prediction_correlation.expect("there were errors enough");
+    assert!(Whitening::of(&correlation).is_some(), "{correlation:?}");
     let unrelated = calibrated(&|u| (1e6 * u).sin());
     assert_eq!((unrelated.drive, unrelated.prediction), (None, 0.0));
+    assert_eq!(unrelated.prediction_correlation, None);
 }
 
 /// A recording that loses a cycle every four seconds.

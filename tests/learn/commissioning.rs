@@ -145,6 +145,8 @@ struct Figures {
     bound: f64,
     high: f64,
     levels: Vec<f64>,
+    /// How many each cylinder has of the errors of the command.
+    correlations: Vec<usize>,
 }
 
 impl Figures {
@@ -154,12 +156,18 @@ impl Figures {
         Self {
             bound: number(&table["comparator"]["bound"]),
             high: number(&table["fde"]["high"]),
-            levels: cylinders.map(|cylinder| number(&cylinder["sequential"]["level"])).collect(),
+            levels: cylinders.clone().map(|one| number(&one["sequential"]["level"])).collect(),
+            correlations: cylinders
+                .map(|one| {
+                    one["sequential"]["prediction_correlation"].as_array().map_or(0, Vec::len)
+                })
+                .collect(),
         }
     }
 
     fn assert_usable(&self, most: f64) {
         assert_eq!(self.levels.len(), 6, "{self:?}");
+        assert_eq!(self.correlations, [6; 6], "{self:?}");
         assert!(self.levels.iter().all(|level| (19.3..=30.0).contains(level)), "{self:?}");
         assert!((1.5e-3..=most).contains(&self.bound), "{self:?}");
         assert!((1e-3..=2.5e-3).contains(&self.high), "{self:?}");

@@ -1,50 +1,17 @@
 //! A gateway, a machine and a listener on a vcan interface of a test's own.
 
-use crate::{program, top};
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+pub use crate::process::{Running, excerpt, wait_for};
+
+use crate::{process, program};
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use tertius::bus::append_log_line;
 use tertius::bus::socket::{Options, SocketPort};
-use tertius::bus::{Identifiers, Recording, Sent, Source, Unrestricted, UnrestrictedPort};
+use tertius::bus::{Identifiers, Sent, Unrestricted, UnrestrictedPort};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
-
-/// A process that does not outlive the test.
-pub struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.kill();
-    }
-}
-
-impl Running {
-    pub fn start(program: &str, arguments: &[&str], out: &Path) -> Self {
-        let file = File::options().create(true).append(true).open(out).expect("the folder is ours");
-        let child = Command::new(program)
-            .args(arguments)
-            .stdin(Stdio::null())
-            .stdout(file.try_clone().expect("a file can be shared"))
-            .stderr(file)
-            .spawn();
-        Self(child.unwrap_or_else(|error| panic!("{program}: {error}")))
-    }
-
-    pub fn signal(&self, name: &str) {
-        run("kill", &["-s", name, &self.0.id().to_string()]);
-    }
-
-    /// As SIGKILL does: nothing can be said any more.
-    pub fn kill(&mut self) {
-        // It may have ended by itself.
-        _ = self.0.kill();
-        _ = self.0.wait();
-    }
-}
 
 pub fn run(program: &str, arguments: &[&str]) {
     let output = Command::new(program).args(arguments).output();
@@ -55,33 +22,6 @@ pub fn run(program: &str, arguments: &[&str]) {
 
 pub fn ip(arguments: &[&str]) {
     run("ip", arguments);
-}
-
-/// Waits, at most 30 s, for what other processes do.
-#[track_caller]
-pub fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
-    let started = Instant::now();
-    while !done() {
-        assert!(started.elapsed() < Duration::from_secs(30), "{what} took more than 30 s");
-        std::thread::yield_now();
-    }
-}
-
-/// The frames of e-type-faults from `from` to `to` seconds.
-pub fn excerpt(from: f64, to: f64) -> Vec<Frame> {
-    let path = top().join("tests/recordings/e-type-faults.log.zst");
-    let mut recording = Recording::open(&[path], Default::default()).expect("it ships");
-    let (mut frames, mut first) = (Vec::new(), None);
-    while let Some(frame) = recording.next_frame().expect("it is sound") {
-        let t = frame.timestamp.since(*first.get_or_insert(frame.timestamp)).as_seconds();
-        if t >= to {
-            break;
-        }
-        if t >= from {
-            frames.push(frame.clone());
-        }
-    }
-    frames
 }
 
 /// Tests take turns: there may be one processor, and a gateway that starves is late with reason.
@@ -100,12 +40,7 @@ impl Bench {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = tempfile::tempdir().expect("there is room");
         let bench = Self { interface, folder, _turn: turn };
-        let text = fs::read_to_string(top().join("tests/recordings/e-type.toml")).expect("ships");
-        let dbc = top().join("dbc/e-type.dbc");
-        let text = text
-            .replace("\"can0\"", &format!("{interface:?}"))
-            .replace("\"../../dbc/e-type.dbc\"", &format!("{dbc:?}"));
-        bench.configure(&text);
+        process::configuration(bench.folder.path(), interface);
         bench
     }
 
@@ -194,11 +129,17 @@ impl Bench {
     }
 
     fn write(&self, frames: &[Frame]) {
-        let mut log = Vec::new();
-        for frame in frames {
-            append_log_line(&mut log, self.interface, frame);
-        }
-        fs::write(self.path("played.log"), log).expect("the folder is ours");
+        process::write(&self.path("played.log"), self.interface, frames);
+    }
+
+    /// Stops the gateway, and waits until candump has its last status.
+    pub fn stop(&self, gateway: Running) {
+        gateway.signal("TERM");
+        wait_for("the end", || self.said("stopped") == 1);
+        wait_for("its stopping status", || {
+            let own = self.own_lines();
+            wire(&own).last().and_then(|it| Status::read(it)).is_some_and(|it| it.mode() == 4)
+        });
     }
 
     /// What candump saw of the gateway's own frames, as lines of a log.

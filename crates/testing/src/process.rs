@@ -2,6 +2,7 @@
 
 pub use crate::top;
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -13,15 +14,14 @@ pub struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        _ = self.0.kill();
-        _ = self.0.wait();
+        self.kill();
     }
 }
 
 impl Running {
-    /// Starts `program`, whose output and errors go to the file `out`.
+    /// Starts `program`, whose output and errors go to the end of the file `out`.
     pub fn start(program: &str, arguments: &[&str], out: &Path) -> Self {
-        let file = std::fs::File::create(out).expect("the folder is ours");
+        let file = File::options().create(true).append(true).open(out).expect("the folder is ours");
         let child = Command::new(program)
             .args(arguments)
             .stdin(Stdio::null())
@@ -37,6 +37,13 @@ impl Running {
         assert!(sent.expect("kill runs").success());
     }
 
+    /// As SIGKILL does: nothing can be said any more.
+    pub fn kill(&mut self) {
+        // It may have ended by itself.
+        _ = self.0.kill();
+        _ = self.0.wait();
+    }
+
     pub fn end(&mut self) -> ExitStatus {
         let mut status = None;
         wait_for("a program's end", || {
@@ -47,6 +54,8 @@ impl Running {
     }
 }
 
+/// Waits, at most 30 s, for what other processes do.
+#[track_caller]
 pub fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
     let started = Instant::now();
     while !done() {

@@ -75,15 +75,8 @@ fn a_simulated_recording_that_canplayer_plays_has_the_warnings_of_its_replay() {
     let dump = bench.candump();
     let gateway = bench.gateway();
     run("canplayer", &["-I", &bench.name("machine.log")]);
-    gateway.signal("TERM");
-    wait_for("the end", || bench.said("stopped") == 1);
-    wait_for("its stopping status", || {
-        wire(&bench.own_lines())
-            .last()
-            .and_then(|frame| Status::read(frame))
-            .is_some_and(|it| it.mode() == 4)
-    });
-    drop((gateway, dump));
+    bench.stop(gateway);
+    drop(dump);
     let replay = Command::new(program())
         .args(["replay", &bench.name("bus.log"), "--config", &bench.name("machine.toml")])
         .args(["--format", "jsonl", "--warnings", &bench.name("replayed.log")])

@@ -12,15 +12,8 @@ fn record(bench: &Bench, from: f64, to: f64) -> Vec<String> {
     let dump = bench.candump();
     let gateway = bench.gateway();
     bench.play(&excerpt(from, to));
-    gateway.signal("TERM");
-    wait_for("the end", || bench.said("stopped") == 1);
-    wait_for("its stopping status", || {
-        wire(&bench.own_lines())
-            .last()
-            .and_then(|frame| Status::read(frame))
-            .is_some_and(|it| it.mode() == 4)
-    });
-    drop((gateway, dump));
+    bench.stop(gateway);
+    drop(dump);
     bench.own_lines()
 }
 

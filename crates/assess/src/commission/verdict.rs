@@ -151,7 +151,7 @@ fn wrongs(
     let blind = one.tried >= ENOUGH && (one.delays.len() as f64) < LEAST_FOUND * one.tried as f64;
     blind.then(|| {
         advice.push(ADVICE.to_owned());
-        format!("it finds only {1} of {0} steps of 1 mm", one.tried, one.delays.len())
+        format!("it finds only {} of {} steps of 1 mm", one.delays.len(), one.tried)
     })
 }
 

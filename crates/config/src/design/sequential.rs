@@ -52,8 +52,8 @@ impl Connector<'_> {
         if whitening == Some(None) {
             self.flaws.push(Flaw::new(
                 "cylinder.sequential",
-                format!("the prediction_correlation of cylinder {n} is that of no errors"),
-                "calibrate it anew",
+                format!("no errors have the prediction_correlation of cylinder {n}"),
+                "calibrate it again",
             ));
             return None;
         }

@@ -30,7 +30,7 @@ const BOTH: Matrix2x3<f64> = Matrix2x3::new(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
 pub struct Prediction {
     /// Standard deviation of its errors, m; 0 where it is not known.
     pub deviation: f64,
-    /// What one of them foretells of the next ones; `None` where nobody has measured it.
+    /// Prediction of the next one from the ones before; `None` where nobody has measured it.
     pub whitening: Option<Whitening>,
 }
 
@@ -64,7 +64,7 @@ pub struct PairDesign {
 /// What a fault of C1 leaves in the innovations, by its age in cycles.
 #[derive(Clone, Debug)]
 struct Signature {
-    /// Half of their sum, less what of it those before foretell.
+    /// Half of their sum, less what the ones before predict of it.
     plus: [f64; KEPT],
     /// Half of their difference.
     minus: [f64; KEPT],
@@ -75,7 +75,9 @@ impl Signature {
         let sum = innovations.map(|[g1, g2]| 0.5 * (g1 + g2));
         let before = |age: usize, cycles: usize| if cycles > age { 0.0 } else { sum[age - cycles] };
         Self {
-            plus: core::array::from_fn(|age| whitening.news(sum[age], |ago| before(age, ago))),
+            plus: core::array::from_fn(|age| {
+                whitening.unpredicted(sum[age], |ago| before(age, ago))
+            }),
             minus: innovations.map(|[g1, g2]| 0.5 * (g1 - g2)),
         }
     }
@@ -238,11 +240,11 @@ impl Pair {
             return None;
         }
         let sum = |ago: usize| self.ago(ago).iter().sum::<f64>();
-        let news = |ago: usize| self.design.whitening.news(sum(ago), |cycles| sum(ago + cycles));
         let mut seen = [[0.0; 2]; KEPT];
         for (ago, seen) in seen[..=earliest].iter_mut().enumerate() {
             let [n1, n2] = self.ago(ago);
-            *seen = [news(ago), n1 - n2];
+            let rest = self.design.whitening.unpredicted(n1 + n2, |cycles| sum(ago + cycles));
+            *seen = [rest, n1 - n2];
         }
         let best = (latest..=earliest).fold([0.0_f64; 2], |best, onset| {
             let nats = self.likelihoods(form, &seen[..=onset]);

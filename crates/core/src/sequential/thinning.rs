@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_counts_again_and_again_are_news_once() {
+    fn the_same_counts_again_and_again_are_thinned_out() {
         // Two counts a cycle, C1 rounded up; then a cycle in which C2 is, too.
         let counts = (0..20).map(|k| [2 * k + 1, 2 * k]).chain((20..30).map(|k| [2 * k + 1; 2]));
         let independence = independence(counts);
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn readings_that_part_steadily_are_news() {
+    fn readings_that_part_steadily_are_kept() {
         // C1 is frozen: each cycle it is two counts more off.
         assert!(
             independence((0..30).map(|k| [0, 2 * k]))[11..]
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_rounding_explains_is_news_each_time() {
+    fn what_no_rounding_explains_is_kept_each_time() {
         assert!(
             independence((0..30).map(|k| [2 * k + 3, 2 * k]))
                 .iter()

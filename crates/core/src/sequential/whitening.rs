@@ -1,10 +1,10 @@
-//! Errors that go on from cycle to cycle, made independent of those before.
+//! Correlated errors, made independent of each other.
 //!
-//! What a valve does otherwise than its drive says lasts for several cycles, so that the second error of
-//! the same sign proves little. Linear prediction (Levinson, 1947; Durbin, 1960) takes from each error
-//! what those before it foretell of it.
+//! A valve that differs from its drive does so for several cycles, so that the second error of the same sign
+//! proves little. Linear prediction (Levinson, 1947; Durbin, 1960) subtracts from each error what the ones
+//! before it predict of it.
 
-/// Errors that foretell the next one.
+/// Number of errors that the next one is predicted from.
 pub const ORDER: usize = 6;
 
 /// A linear predictor of the next error by the newest ones.
@@ -17,18 +17,18 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// Errors that are independent already.
+    /// No prediction: the errors are independent already.
     pub const NONE: Self = Self { coefficients: [0.0; ORDER], left: 1.0 };
 
     /// Predictor of errors with this `correlation` between those that are 1, 2, … cycles apart; `None` if
-    /// there are no such errors, because one would foretell another one exactly or better.
+    /// no errors can have it, because the ones before would predict the next one exactly or better.
     pub fn of(correlation: &[f64; ORDER]) -> Option<Self> {
         let mut whitening = Self::NONE;
         for order in 0..ORDER {
             let known = &whitening.coefficients[..order];
-            let foretold: f64 =
+            let predicted: f64 =
                 known.iter().zip(correlation[..order].iter().rev()).map(|(c, r)| c * r).sum();
-            let reflection = (correlation[order] - foretold) / whitening.left;
+            let reflection = (correlation[order] - predicted) / whitening.left;
             if reflection.is_nan() || reflection.abs() >= 1.0 {
                 return None;
             }
@@ -42,15 +42,16 @@ impl Whitening {
         Some(whitening)
     }
 
-    /// Variance of what no error before foretells by the variance of the errors, 0 to 1.
+    /// Variance of the unpredicted part as a fraction of the variance of the errors, 0 to 1.
     pub const fn left(&self) -> f64 {
         self.left
     }
 
-    /// What those before do not foretell of the error `now`; `before` gives the one so many cycles before.
-    pub fn news(&self, now: f64, before: impl Fn(usize) -> f64) -> f64 {
+    /// The part of the error `now` that the ones before do not predict; `before` gives the one so many
+    /// cycles before.
+    pub fn unpredicted(&self, now: f64, before: impl Fn(usize) -> f64) -> f64 {
         let terms = (1..).zip(self.coefficients);
-        terms.fold(now, |left, (cycles, coefficient)| left - coefficient * before(cycles))
+        terms.fold(now, |rest, (cycles, coefficient)| rest - coefficient * before(cycles))
     }
 }
 
@@ -81,16 +82,16 @@ mod tests {
         let whitening = Whitening::of(&correlations).expect("they are of such errors");
         let [first, second, ..] = whitening.coefficients;
         assert!((first - 1.2).abs() < 0.03 && (second + 0.6).abs() < 0.03, "{whitening:?}");
-        let news: Vec<f64> = (ORDER..errors.len())
-            .map(|k| whitening.news(errors[k], |cycles| errors[k - cycles]))
+        let rests: Vec<f64> = (ORDER..errors.len())
+            .map(|k| whitening.unpredicted(errors[k], |cycles| errors[k - cycles]))
             .collect();
         let variance = |values: &[f64]| {
             values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
         };
-        assert!((variance(&news) - 1.0).abs() < 0.03, "{}", variance(&news));
-        assert!((variance(&news) / variance(&errors) - whitening.left()).abs() < 0.01);
+        assert!((variance(&rests) - 1.0).abs() < 0.03, "{}", variance(&rests));
+        assert!((variance(&rests) / variance(&errors) - whitening.left()).abs() < 0.01);
         for apart in 1..=ORDER {
-            assert!(correlation(&news, apart).abs() < 0.03, "{apart}");
+            assert!(correlation(&rests, apart).abs() < 0.03, "{apart}");
         }
     }
 
@@ -98,7 +99,7 @@ mod tests {
     fn independent_errors_are_left_as_they_are() {
         let whitening = Whitening::of(&[0.0; ORDER]).expect("there are such errors");
         assert_eq!(whitening, Whitening::NONE);
-        assert_eq!(whitening.news(0.3, |_| 7.0), 0.3);
+        assert_eq!(whitening.unpredicted(0.3, |_| 7.0), 0.3);
     }
 
     #[test]

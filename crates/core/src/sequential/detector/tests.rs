@@ -240,3 +240,47 @@ fn every_alarm_begins_with_nothing_of_a_gain() {
         Some((Cause::Dwell, None))
     );
 }
+
+/// The suspect of an alarm that had been given one with `evidence`, nats, before the fault grew to `times`
+/// what it began with in a second.
+fn kept(evidence: f64, times: f64) -> Suspect {
+    let mut detector = detector();
+    let grows = |t: f64| 3e-4 * (1.0 + (times - 1.0) * (t - 20.0));
+    let fault = |t: f64| if t < 20.0 { 0.0 } else { grows(t) };
+    let t = go(&mut detector, 0.0, 20.9, fault);
+    let alarm = detector.alarm.as_mut().expect("it is found");
+    (alarm.suspect, alarm.evidence) = (Suspect::C1, Some(evidence));
+    go(&mut detector, t, 0.6, fault);
+    detector.alarm().expect("it stands").suspect
+}
+
+/// What a drift explains hardly better than a step takes away a suspect that was only just named, and
+/// no other; a clear drift takes away both.
+#[test]
+fn a_side_that_was_certain_outlasts_what_only_may_be_a_drift() {
+    let suspects = |times: u32| [6.0, 20.0].map(|nats| kept(nats, 1.0 + 0.05 * f64::from(times)));
+    let all: Vec<[Suspect; 2]> = (0..60).map(suspects).collect();
+    assert_eq!(all[0], [Suspect::C1; 2], "a step is one");
+    assert_eq!(all[59], [Suspect::Undecided; 2], "this is a drift");
+    assert!(all.contains(&[Suspect::Undecided, Suspect::C1]));
+    assert!(!all.contains(&[Suspect::C1, Suspect::Undecided]));
+}
+
+/// A gain error that was taken for a step at first; what a stop has told has no evidence of innovations.
+#[test]
+fn a_gain_takes_back_a_side_that_was_not_certain() {
+    for (evidence, suspect) in
+        [(Some(6.0), Suspect::Undecided), (Some(20.0), Suspect::C1), (None, Suspect::C1)]
+    {
+        let mut detector = detector();
+        let gain = |t: f64| if t < 20.0 { 0.0 } else { 4e-3 * (0.8 * t).sin() };
+        let t = go(&mut detector, 0.0, 22.0, gain);
+        let alarm = detector.alarm.as_mut().expect("it is found");
+        assert_eq!(alarm.scale, None, "it is not told yet");
+        (alarm.suspect, alarm.evidence) = (Suspect::C1, evidence);
+        go(&mut detector, t, 30.0, gain);
+        let alarm = detector.alarm().expect("it stands");
+        assert!(alarm.scale.is_some(), "{alarm:?}");
+        assert_eq!(alarm.suspect, suspect, "{evidence:?}");
+    }
+}

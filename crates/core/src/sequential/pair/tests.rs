@@ -110,7 +110,7 @@ fn errors_of_the_command_that_go_on_are_counted_once() {
     let [[right, wrong], [by_white, wrong_by_white]] = [Some(whitening), None].map(told);
     assert!(
         right >= 175 && wrong <= 2 && by_white < 150,
-        "{right} right, {wrong} wrong of 200; {by_white} and {wrong_by_white} where each is news"
+        "{right} right, {wrong} wrong of 200; {by_white} and {wrong_by_white} where each counts"
     );
 }
 
