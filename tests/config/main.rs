@@ -1,6 +1,7 @@
 //! Configurations: what is read, and what is refused in which words.
 
 mod common;
+mod design;
 mod files;
 mod keys;
 mod properties;

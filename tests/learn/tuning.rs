@@ -91,6 +91,25 @@ fn the_search_makes_bad_weights_as_good_as_those_of_the_simulation() {
     }
 }
 
+/// Weights that are better by less than 2 % are the recording's chance.
+#[test]
+fn weights_that_are_hardly_better_are_left_where_they_are() {
+    let store = store(&rows(5, 30_000));
+    let best = search(&CRITERION, &cylinders(), &store, TRUE).expect("it has a score");
+    let mut hardly = 0;
+    for times in [1.05, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0] {
+        let Weights { q, r } = best.weights;
+        let near = Weights { q: [q[0], q[1] * times, q[2]], r };
+        let found = search(&CRITERION, &cylinders(), &store, near).expect("it has a score");
+        let better = best.score.times < (1.0 - 1e-3) * found.before.times;
+        if better && best.score.times > 0.99 * found.before.times {
+            assert_eq!((found.weights, found.score), (near, found.before), "{times}");
+            hardly += 1;
+        }
+    }
+    assert!(hardly > 0, "{best:?}");
+}
+
 /// A filter that forgets nothing has a small residual, and a step stays in it for ever.
 #[test]
 fn a_residual_that_is_not_sharp_has_no_score() {
@@ -226,7 +245,7 @@ fn noise_of_the_smallest_amplitude_is_found_and_half_of_it_is_not() {
     assert!(amplitude > 1e-3 / most && amplitude <= 1.01e-3, "{amplitude} {most}");
 }
 
-/// Memory is bounded: a longer recording is stored in stretches farther apart.
+/// Memory is bounded: of a longer recording some stretches are drawn.
 #[test]
 fn the_store_keeps_a_bounded_number_of_cycles() {
     let mut store = Store::new(&cylinders());
@@ -235,5 +254,5 @@ fn the_store_keeps_a_bounded_number_of_cycles() {
         store.row(&Row { cycle: k, ..template[(k % 10) as usize] });
     }
     store.finish();
-    assert!((200_000..=400_000).contains(&store.cycles()), "{}", store.cycles());
+    assert!((390_000..=400_000).contains(&store.cycles()), "{}", store.cycles());
 }

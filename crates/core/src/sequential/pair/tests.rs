@@ -99,13 +99,10 @@ fn errors_of_the_command_that_go_on_are_counted_once() {
         .expect("there is a gain");
         let nats = |seed: u64| {
             let pair = swinging(seed, design.clone(), 200, |_| ());
-            pair.compare(Form::Step, 10, 13).expect("it follows")
+            pair.compare(Form::Step, 10, 13).expect("it follows") / pair.decided()
         };
         let all: Vec<f64> = (100..300).map(nats).collect();
-        [
-            all.iter().filter(|nats| **nats < -4.0).count(),
-            all.iter().filter(|nats| **nats > 4.0).count(),
-        ]
+        [all.iter().filter(|it| **it < -1.0).count(), all.iter().filter(|it| **it > 1.0).count()]
     };
     let [[right, wrong], [by_white, wrong_by_white]] = [Some(whitening), None].map(told);
     assert!(
@@ -166,4 +163,17 @@ fn after_a_gap_nothing_is_compared() {
     pair.step(None, Some(0.0));
     assert_eq!(pair.compare(Form::Step, 10, 13), None);
     assert_eq!((pair.newest(), pair.energy(11)), (None, None));
+}
+
+/// Errors that nobody has measured count as if they were independent of each other, and prove too much.
+#[test]
+fn where_the_errors_are_not_known_it_takes_more_to_decide() {
+    let prediction = Prediction { whitening: Some(Whitening::NONE), ..Prediction::UNKNOWN };
+    let decided = |prediction: Prediction| {
+        let deviation = SIGMA * 2.0_f64.sqrt();
+        let parameters = &SequentialParameters::DEFAULT;
+        let design = PairDesign::new(ideal(), TS, deviation, prediction, parameters);
+        Pair::new(design.expect("there is a gain")).decided()
+    };
+    assert!(decided(Prediction::UNKNOWN) > decided(prediction));
 }
