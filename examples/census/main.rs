@@ -32,10 +32,13 @@ struct Asked {
     hours: f64,
     /// Number of faults of each kind for each commissioning.
     faults: usize,
+    /// Numbers of the commissionings to run; empty for all.
+    only: Vec<usize>,
 }
 
 const USAGE: &str = "census [--commissionings N (240)] [--seed N (1)] [--jobs N (1)] [--file LINES.jsonl \
-                     (census.jsonl)] [--longest S (10800)] [--hours H (4)] [--faults N (10) of each kind]\n\
+                     (census.jsonl)] [--longest S (10800)] [--hours H (4)] [--faults N (10) of each kind] \
+                     [--only N,N,…]\n\
                      census --summary LINES.jsonl";
 
 impl Asked {
@@ -49,6 +52,7 @@ impl Asked {
             longest: 10_800.0,
             hours: 4.0,
             faults: 10,
+            only: Vec::new(),
         };
         while let Some(word) = words.next() {
             let value = words.next().ok_or_else(|| format!("{word} wants a value\n{USAGE}"))?;
@@ -65,6 +69,12 @@ impl Asked {
                 "--longest" => asked.longest = number()?,
                 "--hours" => asked.hours = number()?,
                 "--faults" => asked.faults = number()? as usize,
+                "--only" => {
+                    let each = value.split(',').map(str::parse);
+                    let numbers: Result<_, _> = each.collect();
+                    asked.only =
+                        numbers.map_err(|_| format!("--only {value} is no list of numbers"))?;
+                }
                 "--summary" => {
                     asked.file = PathBuf::from(value);
                     asked.summary_only = true;
@@ -73,6 +83,10 @@ impl Asked {
             }
         }
         Ok(asked)
+    }
+
+    fn wants(&self, number: usize) -> bool {
+        self.only.is_empty() || self.only.contains(&number)
     }
 }
 
@@ -110,7 +124,8 @@ fn commission(asked: &Asked) -> Result<(), String> {
     } else {
         BTreeSet::new()
     };
-    let tasks: Vec<&Task> = plan.tasks.iter().filter(|it| !done.contains(&it.number)).collect();
+    let open = |it: &&Task| asked.wants(it.number) && !done.contains(&it.number);
+    let tasks: Vec<&Task> = plan.tasks.iter().filter(open).collect();
     let file = OpenOptions::new().create(true).append(true).open(&asked.file);
     let file = Mutex::new(file.map_err(|error| format!("{}: {error}", asked.file.display()))?);
     let world = one::World::load(&top())?;
