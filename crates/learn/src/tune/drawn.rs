@@ -1,15 +1,19 @@
 //! A bounded number of stretches of a recording of any length, drawn by what they hold.
 
 use super::store::Cycle;
+use crc::{CRC_64_XZ, Crc};
 
-/// Stretches of one cylinder, drawn by lot from all that came, in the order in which they came.
+/// Hash of the readings, which is the lot.
+const LOT: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
+/// Stretches of one cylinder, drawn by lot from all that came, in the order of their lots.
 ///
-/// The lot is a hash of the readings, so that the same recordings give the same stretches in whichever order they
-/// were made.
+/// The lot is a hash of the readings, so that the same recordings give the same stretches in the same order,
+/// whichever was made first.
 #[derive(Clone, Debug)]
 pub struct Drawn {
     most: usize,
-    /// Lot of each.
+    /// Lot of each, ascending.
     lots: Vec<u64>,
     stretches: Vec<Vec<Cycle>>,
 }
@@ -21,13 +25,13 @@ impl Drawn {
     }
 
     pub fn add(&mut self, stretch: Vec<Cycle>) {
-        self.lots.push(lot(&stretch));
-        self.stretches.push(stretch);
-        if self.lots.len() > self.most
-            && let Some((last, _)) = self.lots.iter().enumerate().max_by_key(|(_, lot)| **lot)
-        {
-            self.lots.remove(last);
-            self.stretches.remove(last);
+        let lot = lot(&stretch);
+        let at = self.lots.partition_point(|other| *other < lot);
+        if at < self.most {
+            self.lots.insert(at, lot);
+            self.stretches.insert(at, stretch);
+            self.lots.truncate(self.most);
+            self.stretches.truncate(self.most);
         }
     }
 
@@ -36,15 +40,13 @@ impl Drawn {
     }
 }
 
-/// FNV-1a over the positions that were read: commands come less an offset that was estimated.
+/// The hash of the positions that were read: commands come less an offset that was estimated.
 fn lot(stretch: &[Cycle]) -> u64 {
-    let positions = stretch.iter().flat_map(|cycle| cycle.measurements);
-    let bits = positions.map(|read| read.map_or(0, |(position, _)| position.to_bits()));
-    bits.fold(0xCBF2_9CE4_8422_2325, |hash, bits| {
-        bits.to_le_bytes()
-            .into_iter()
-            .fold(hash, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3))
-    })
+    let mut digest = LOT.digest();
+    for read in stretch.iter().flat_map(|cycle| cycle.measurements) {
+        digest.update(&read.map_or(0, |(position, _)| position.to_bits()).to_le_bytes());
+    }
+    digest.finalize()
 }
 
 #[cfg(test)]
@@ -71,8 +73,7 @@ mod tests {
     fn the_same_stretches_are_drawn_in_either_order() {
         let all = 0..400;
         let one = drawn(all.clone());
-        let mut other = drawn(all.clone().rev());
-        other.reverse();
+        let other = drawn(all.clone().rev());
         assert_eq!(one, other);
         // From everywhere: of each quarter there is some.
         let of = |quarter: u32| {
@@ -85,7 +86,9 @@ mod tests {
     }
 
     #[test]
-    fn of_few_all_are_drawn_as_they_came() {
-        assert_eq!(drawn(0..20), (0..20).map(stretch).collect::<Vec<_>>());
+    fn of_few_all_are_drawn() {
+        let mut all = drawn(0..20);
+        all.sort_by_key(|it| it[0].command.map(|u| u as u32));
+        assert_eq!(all, (0..20).map(stretch).collect::<Vec<_>>());
     }
 }
