@@ -6,8 +6,8 @@ mod fitted;
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::text::TextRule;
 
-/// Most cylinders: Fd_Status has two state bits for each transducer of six cylinders.
-pub(super) const MOST_CYLINDERS: u8 = 6;
+/// Most cylinders: Fd_Status has two state bits for each transducer of six.
+pub(super) const MOST_CYLINDERS: u8 = tertius_core::alarm::status::MAX_CYLINDERS as u8;
 
 const DURATION: &str = "a duration in seconds";
 const FINITE: &str = "nan and inf cannot be computed with";

@@ -20,8 +20,9 @@ pub mod sink;
 pub mod subscriptions;
 mod telling;
 
+use crate::alarm::own::Rate;
 use crate::alarm::status::{MAX_CYLINDERS, Status};
-use crate::alarm::{Detector, Encoder, Register};
+use crate::alarm::{Detector, Encoder, OwnMessage, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
@@ -57,7 +58,13 @@ pub struct MonitorDesign {
 type Place = (usize, usize);
 
 /// Period of Fd_Status.
-const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
+const STATUS_PERIOD: Span = match OwnMessage::Status.rate() {
+    Rate::Every(period) => period,
+    Rate::Events | Rate::Cycles => panic!("it is the sign of life, and has a period"),
+};
+
+// `fill` has a bit for each cylinder.
+const _: () = assert!(MAX_CYLINDERS <= u8::BITS as usize);
 
 /// The monitor of one machine.
 #[derive(Clone, Debug)]
