@@ -3,11 +3,12 @@
 pub(super) mod candump;
 mod hex;
 mod token;
+mod trc;
 
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 1] = [&candump::FORMAT];
+pub static FORMATS: [&Format; 2] = [&trc::FORMAT, &candump::FORMAT];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
@@ -35,11 +36,7 @@ struct Foreign {
     told: &'static str,
 }
 
-static FOREIGN: [Foreign; 6] = [
-    Foreign {
-        begins: |head| head.starts_with(b";$FILEVERSION="),
-        told: "a PEAK trace in TRC; can_logconvert (of python-can) converts it to a candump log",
-    },
+static FOREIGN: [Foreign; 5] = [
     Foreign {
         begins: |head| head.starts_with(b"LOGG"),
         told: "a Vector log in BLF; can_logconvert (of python-can) converts it to a candump log",
