@@ -20,9 +20,8 @@ pub mod sink;
 pub mod subscriptions;
 mod telling;
 
-use crate::alarm::own::Rate;
 use crate::alarm::status::{MAX_CYLINDERS, Status};
-use crate::alarm::{Detector, Encoder, OwnMessage, Register};
+use crate::alarm::{Detector, Encoder, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
@@ -56,12 +55,6 @@ pub struct MonitorDesign {
 
 /// Location of a page: the index of its message, and its own among the pages of that message.
 type Place = (usize, usize);
-
-/// Period of Fd_Status.
-const STATUS_PERIOD: Span = match OwnMessage::Status.rate() {
-    Rate::Every(period) => period,
-    Rate::Events | Rate::Cycles => panic!("it is the sign of life, and has a period"),
-};
 
 // `fill` has a bit for each cylinder.
 const _: () = assert!(MAX_CYLINDERS <= u8::BITS as usize);
