@@ -6,7 +6,7 @@ use super::document::Document;
 use super::problem::{Problems, table_of};
 use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
 use tertius_core::alarm::OwnMessage;
-use tertius_core::alarm::own::{FRAME_BITS, Rate};
+use tertius_core::alarm::own::{FRAME_BITS, Sending};
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are not checked yet, since its values may not be what the user means.
@@ -22,9 +22,9 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
 
 /// How often a message with a period is sent, 1/s.
 fn frequency(message: OwnMessage) -> Option<f64> {
-    match message.rate() {
-        Rate::Every(period) => Some(period.as_seconds().recip()),
-        Rate::Events | Rate::Cycles => None,
+    match message.sending() {
+        Sending::Every(period) => Some(period.as_seconds().recip()),
+        Sending::Events | Sending::Cycles => None,
     }
 }
 
@@ -166,7 +166,7 @@ impl Relations<'_> {
             "raise it, with room for warnings, for example to twice that; is bus.bitrate right?",
         );
         let cyclic =
-            OwnMessage::ALL.iter().filter(|message| message.rate() == Rate::Cycles).count();
+            OwnMessage::ALL.iter().filter(|message| message.sending() == Sending::Cycles).count();
         let estimates = f64::from(machine.cylinders) * cyclic as f64 / machine.sample_time;
         let frames = estimates + periodic;
         let least = told(share_of(frames));

@@ -8,7 +8,7 @@ use crate::time::{Span, Timestamp};
 macro_rules! own_messages {
     ($(
         $(#[doc = $doc:literal])*
-        $message:ident = $name:literal, $base:literal, $queue:expr, $rate:expr;
+        $message:ident = $name:literal, $base:literal, $queue:expr, $sending:expr;
     )*) => {
         /// A message of the gateway's own.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +36,8 @@ macro_rules! own_messages {
             }
 
             /// When it is sent.
-            pub const fn rate(self) -> Rate {
-                match self { $(Self::$message => $rate,)* }
+            pub const fn sending(self) -> Sending {
+                match self { $(Self::$message => $sending,)* }
             }
         }
     };
@@ -45,11 +45,11 @@ macro_rules! own_messages {
 
 own_messages! {
     /// The state of the monitor.
-    Status = "Fd_Status", 0x180, Queue::Status, Rate::Every(Span::from_nanos(100_000_000));
+    Status = "Fd_Status", 0x180, Queue::Status, Sending::Every(Span::from_nanos(100_000_000));
     /// A warning that is raised, changed, cleared or repeated.
-    Warning = "Fd_Warning", 0x280, Queue::Events, Rate::Events;
+    Warning = "Fd_Warning", 0x280, Queue::Events, Sending::Events;
     /// The estimated length of a cylinder.
-    Estimate = "Fd_Estimate", 0x380, Queue::Cyclic, Rate::Cycles;
+    Estimate = "Fd_Estimate", 0x380, Queue::Cyclic, Sending::Cycles;
 }
 
 /// Queue in which frames wait to be sent.
@@ -65,7 +65,7 @@ pub enum Queue {
 
 /// When a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rate {
+pub enum Sending {
     /// With this period.
     Every(Span),
     /// When something happens.

@@ -3,15 +3,15 @@
 use super::cylinder::Cylinder;
 use super::gate::Opening;
 use super::{Monitor, Sink};
-use crate::alarm::own::Rate;
+use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::alarm::{OwnFrame, OwnMessage};
 use crate::time::{Span, Timestamp};
 
 /// Period of Fd_Status.
-pub(super) const STATUS_PERIOD: Span = match OwnMessage::Status.rate() {
-    Rate::Every(period) => period,
-    Rate::Events | Rate::Cycles => panic!("it is the sign of life, and has a period"),
+pub(super) const STATUS_PERIOD: Span = match OwnMessage::Status.sending() {
+    Sending::Every(period) => period,
+    Sending::Events | Sending::Cycles => panic!("it is the sign of life, and has a period"),
 };
 
 impl Monitor {
