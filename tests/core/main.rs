@@ -17,7 +17,6 @@ mod frozen;
 mod hexapod;
 mod inject_properties;
 mod inject_spec;
-mod leap;
 mod monitor_arrival;
 mod monitor_cycles;
 mod monitor_pages;

@@ -68,8 +68,6 @@ detectors! {
     /// The lengths of all cylinders together. It is never raised, and waits for the platform's geometry in
     /// the configuration: until then Fd_Warning only keeps its number.
     Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [];
-    /// A leap of C1 − C2 from one cycle to the next.
-    Leap = 7, "leap", "leap", Basis::Readings, [Leap];
 }
 
 /// What a detector judges.

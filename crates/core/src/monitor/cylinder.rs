@@ -5,7 +5,6 @@ mod allowing;
 mod estimating;
 mod findings;
 mod judging;
-mod leap;
 mod precedence;
 mod telling;
 
@@ -24,7 +23,6 @@ use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
-use leap::Leap;
 use precedence::Precedence;
 pub use telling::Evaluated;
 
@@ -125,7 +123,6 @@ pub struct Cylinder {
     /// Newest measured C1 − C2, m.
     apart: f64,
     was_critical: bool,
-    leap: Leap,
     command_missing: u32,
     push: Option<Push>,
     judged: [bool; 2],
@@ -155,7 +152,6 @@ impl Cylinder {
             }),
             apart: 0.0,
             was_critical: false,
-            leap: Leap::new(design.critical),
             command_missing: 0,
             push: None,
             judged: [false; 2],
@@ -270,7 +266,6 @@ impl Cylinder {
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
-        self.leap.step(difference);
         self.judge_measured(now.at, &readings);
         if self.sequential.is_some() {
             self.judge_sequentially(now, good, &residuals);

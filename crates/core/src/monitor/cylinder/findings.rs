@@ -12,7 +12,6 @@ impl Cylinder {
     pub fn finds_anything(&self) -> bool {
         self.bank.any_found()
             || self.was_critical
-            || self.leap.is_found()
             || self.implausible.iter().any(Implausible::raised)
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
     }
@@ -33,7 +32,6 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
         put(WarningPlace::Sequential, self.sequential_finding());
-        put(WarningPlace::Leap, self.leap.finding(levels.undecided));
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
             for finding in findings.iter_mut().flatten() {
