@@ -29,6 +29,5 @@ mod sequential_scale;
 mod sequential_support;
 mod stops;
 mod survey;
-mod time_jump;
 mod trc;
 mod year;

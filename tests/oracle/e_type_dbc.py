@@ -97,10 +97,6 @@ LAYOUT = {
     ),
 }
 
-LAYOUT["Fd_TimeJump"] = (
-    0x4D1, 8, {**E2E, "By": (24, 32, SIGNED, Fraction(1, 1000), 0, "s")}
-)
-
 LEVELS = ["none", "yellow", "orange", "red", "black"]
 CHOICES = {
     ("Plc_State", "PlatformState"): ["safe", "settled", "neutral", "engaged"],

@@ -8,7 +8,7 @@ use super::status::Status;
 use super::warning::Finding;
 use crate::estimate::Estimate;
 use crate::frame::Id;
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
 /// Length of one count of Fd_Warning.Residual, m.
@@ -186,16 +186,6 @@ impl Encoder {
         payload.put(32, 16, u64::from(position.unwrap_or(0)));
         payload.put(48, 16, u64::from(sigma));
         self.channels[OwnMessage::Estimate as usize].protect(at, payload)
-    }
-}
-
-impl Encoder {
-    /// Encodes Fd_TimeJump: how far the time stamps have jumped.
-    pub fn time_jump(&mut self, at: Timestamp, by: Span) -> OwnFrame {
-        let millis = (by.as_nanos() / 1_000_000).clamp(i32::MIN.into(), i32::MAX.into());
-        let mut payload = Payload::default();
-        payload.put(24, 32, millis as i32 as u32 as u64);
-        self.channels[OwnMessage::TimeJump as usize].protect(at, payload)
     }
 }
 

@@ -50,8 +50,6 @@ own_messages! {
     Warning = "Fd_Warning", 0x280, Queue::Events, Sending::Events;
     /// The estimated length of a cylinder.
     Estimate = "Fd_Estimate", 0x380, Queue::Cyclic, Sending::Cycles;
-    /// A jump of the time stamps.
-    TimeJump = "Fd_TimeJump", 0x480, Queue::Events, Sending::Events;
 }
 
 /// Queue in which frames wait to be sent.

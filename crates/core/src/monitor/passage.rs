@@ -64,7 +64,6 @@ impl Monitor {
     pub(super) fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
         self.counts.time_jumps += 1;
         sink.notice(&Notice::TimeJump { at, by });
-        sink.transmit(&self.encoder.time_jump(at, by));
         self.start_anew(Restart::TimeJump);
         self.register.rephase(at);
         self.begin(at);
