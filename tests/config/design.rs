@@ -17,20 +17,3 @@ fn a_detector_allows_for_as_many_wild_samples_as_its_table() {
     assert_eq!(outliers(0), Some(Outliers { share: 0.003 }));
     assert_eq!(outliers(1), Some(Outliers::UNSAID));
 }
-
-#[test]
-fn a_cell_with_fewer_samples_than_configured_is_not_judged_in() {
-    let path = tertius_testing::top().join("tests/recordings/e-type-sequential.toml");
-    let mut loaded = config::load(&path).expect("it is sound");
-    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
-    let table = loaded.settings.cylinder[0].sequential.as_mut().expect("it is calibrated");
-    table.node_deviations.clear();
-    let samples = table.samples.clone();
-    for least in [400, 1000] {
-        loaded.settings.sequential.least_samples = least;
-        let design = design::judging(&loaded.settings, &database).expect("they fit");
-        let detector = design.cylinders[0].sequential.as_ref().expect("it is calibrated");
-        let expected: Vec<bool> = samples.iter().map(|samples| *samples >= least).collect();
-        assert!(detector.reference.covered == expected && expected.contains(&true), "{least}");
-    }
-}

@@ -10,6 +10,10 @@ use tertius_core::sequential::{
     Design, Drive, Noise, PairDesign, Rate, Reference, SequentialParameters,
 };
 
+/// Least number of samples with which a cell of the stroke is covered, for a table that does not
+/// say how well its nodes are known.
+const LEAST_SAMPLES: u64 = 400;
+
 impl Connector<'_> {
     /// The sequential detector of cylinder `n`; `None` where it is not calibrated or has no C2.
     pub(super) fn sequential(&mut self, n: u8) -> Option<Design> {
@@ -25,7 +29,7 @@ impl Connector<'_> {
         }
         let sample_time = settings.machine.sample_time;
         Some(Design {
-            reference: reference(fitted, settings.sequential.least_samples),
+            reference: reference(fitted),
             rate: Rate::new(fitted.rate_spacing, &fitted.rate),
             square_rate: Rate::new(fitted.rate_spacing, &fitted.square_rate),
             dependence: [fitted.mean_dependence, fitted.square_dependence],
@@ -69,11 +73,11 @@ impl Connector<'_> {
     }
 }
 
-fn reference(fitted: &CylinderSequential, least: u64) -> Reference {
+fn reference(fitted: &CylinderSequential) -> Reference {
     let deviations = &fitted.node_deviations;
     let doubts = deviations.iter().map(|deviation| DOUBTED * deviation).collect();
     // A table of an earlier version has samples alone.
-    let enough = |samples: &u64| !deviations.is_empty() || *samples >= least;
+    let enough = |samples: &u64| !deviations.is_empty() || *samples >= LEAST_SAMPLES;
     Reference {
         first: fitted.first,
         spacing: fitted.spacing,

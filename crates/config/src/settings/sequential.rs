@@ -1,7 +1,7 @@
 //! `[sequential]`, and the tables that `tertius calibrate` has fitted for the detector of one
 //! cylinder.
 
-use crate::kinds::{number, numbers, text, whole};
+use crate::kinds::{number, numbers, text};
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use crate::text::TextRule;
 use tertius_core::sequential::drive::FEATURES;
@@ -43,9 +43,6 @@ table! {
         stop_states: Option<Vec<String>> = None =>
             Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
             "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops";
-        least_samples: u64 = 400 => whole(1, 1_000_000, "a number of samples"),
-            "400",
-            "a cell of a calibration without `node_deviations` is judged in if it had this many samples";
         history: Option<String> = None => text(TextRule::Path),
             "\"/var/lib/tertius/e-type.dwells\"",
             "the file in which the gateway keeps what was read on the stops, relative to this file; absent: \
