@@ -9,7 +9,7 @@ use tertius::alarm::{OwnFrame, Warning};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
-use tertius::frame::{Frame, Id};
+use tertius::frame::Frame;
 use tertius::live::gateway::{Gateway, Journal, Silent};
 use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
@@ -82,8 +82,7 @@ fn gateway() -> Gateway {
         share: 0.05,
         burst: OutboxLimits::BURST,
     };
-    let status = Id::standard(0x1D1).expect("eleven bits");
-    Gateway::new(monitor(), Outbox::new(limits, status), Span::from_seconds(0.01))
+    Gateway::new(monitor(), Outbox::new(limits), Span::from_seconds(0.01))
 }
 
 /// Nanoseconds a frame.

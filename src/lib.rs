@@ -10,7 +10,7 @@
 //!  └───── the gateway's own frames ───── alarm ←──── verdict ←───┘
 //! ```
 //!
-//! - [`bus`]: sources and destinations of frames: candump recordings, SocketCAN, a bus inside the
+//! - [`bus`]: sources and destinations of frames: recordings, SocketCAN, a bus inside the
 //!   program. Only this module knows files of frames and sockets.
 //! - [`decode`]: bit plans, from frames to values. [`dbc`]: a DBC, checked and compiled to them.
 //! - [`sample`]: groups readings into cycles and checks whether they are plausible.

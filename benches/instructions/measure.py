@@ -33,8 +33,8 @@ MOST_RATIO = 1.5
 
 # What a file of src/ is counted as; the first that fits.
 ROOMS = [
-    ("candump lines", r"bus/(candump|buffer|recording|statistics|input)"),
-    ("decode", r"decode/|monitor/(intake|wiring)"),
+    ("candump lines", r"bus/(format|buffer|recording|statistics|input)"),
+    ("decode", r"decode/|monitor/(intake|subscriptions)"),
     ("plausibility", r"sample/plausibility|monitor/implausible"),
     ("sample", r"sample/"),
     ("observe (FDE1, FDE2)", r"observe/"),

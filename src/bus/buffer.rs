@@ -1,36 +1,25 @@
-//! A bounded window on a stream of bytes, cut into lines.
+//! A bounded window on a stream of bytes.
 
 use std::io;
 
-use super::candump::MAX_LINE;
+use super::format::MAX_RECORD;
 use super::input::Input;
 
-/// Size of the buffer: room for many reads of the longest line and for the look-ahead of the time
-/// stamps' vote; small enough to stay in a core's second-level cache.
+/// Size of the buffer: room for the longest record, or for the look-ahead of the time stamps' vote, and
+/// for a read behind it; small enough to stay in a core's second-level cache.
 const CAPACITY: usize = 256 * 1024;
 /// Least free room for a read; below it the unread bytes are moved to the front first.
 const LEAST_READ: usize = 64 * 1024;
 
-/// What the unread bytes begin with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
-    /// A line of `length` bytes; `taken` counts its newline too.
-    Line { length: usize, taken: usize },
-    /// A last line without a newline, of `length` bytes.
-    Unterminated { length: usize },
-    /// A line longer than [`MAX_LINE`], the first bytes of which are in the buffer.
-    TooLong,
-    /// No complete line: more must be read first.
-    More,
-    /// The end of the input.
-    End,
-}
+const _: () = assert!(CAPACITY >= MAX_RECORD + LEAST_READ);
 
 /// Bytes that were read and not yet consumed.
 pub struct Buffer {
     bytes: Box<[u8]>,
     start: usize,
     end: usize,
+    /// Number of bytes of the input before those in the buffer.
+    before: u64,
     /// Whether the input has given its last byte.
     ended: bool,
 }
@@ -38,12 +27,12 @@ pub struct Buffer {
 impl Buffer {
     pub fn new() -> Self {
         let bytes = vec![0; CAPACITY].into_boxed_slice();
-        Self { bytes, start: 0, end: 0, ended: false }
+        Self { bytes, start: 0, end: 0, before: 0, ended: false }
     }
 
     /// Empties the buffer for the next input.
     pub fn restart(&mut self) {
-        (self.start, self.end, self.ended) = (0, 0, false);
+        (self.start, self.end, self.before, self.ended) = (0, 0, 0, false);
     }
 
     #[inline(always)]
@@ -61,17 +50,9 @@ impl Buffer {
         debug_assert!(self.start <= self.end);
     }
 
-    /// What comes next, as far as the bytes read so far show.
-    pub fn next(&self) -> Next {
-        let unread = self.unread();
-        let head = &unread[..unread.len().min(MAX_LINE + 1)];
-        match memchr::memchr(b'\n', head) {
-            Some(length) => Next::Line { length, taken: length + 1 },
-            None if head.len() > MAX_LINE => Next::TooLong,
-            None if !self.ended => Next::More,
-            None if head.is_empty() => Next::End,
-            None => Next::Unterminated { length: head.len() },
-        }
+    /// Number of bytes of the input that were consumed.
+    pub fn consumed(&self) -> u64 {
+        self.before + self.start as u64
     }
 
     /// Drops bytes up to the next newline; returns false if it is not there yet.
@@ -94,6 +75,7 @@ impl Buffer {
     pub fn fill(&mut self, input: &mut Input) -> io::Result<()> {
         if self.bytes.len() - self.end < LEAST_READ {
             self.bytes.copy_within(self.start..self.end, 0);
+            self.before += self.start as u64;
             (self.start, self.end) = (0, self.end - self.start);
         }
         match input.read(&mut self.bytes[self.end..]) {

@@ -1,7 +1,7 @@
 //! Sources and destinations of frames: the only module that knows files of frames and sockets.
 //!
-//! A [`Source`] gives frames one after the other; [`Recording`] reads them from candump recordings:
-//! files, `.gz`, `.zst`, standard input. [`LogWriter`] writes the format of `candump -l`.
+//! A [`Source`] gives frames one after the other; [`Recording`] reads them from recordings: files, `.gz`,
+//! `.zst`, standard input, in any of the formats of [`format_names`]. [`LogWriter`] writes the format of `candump -l`.
 //!
 //! A [`Port`] is a live CAN interface: [`socket`] uses SocketCAN, [`embedded`] is a bus inside the
 //! program. It sends only the gateway's own frames; an [`UnrestrictedPort`] is for stand-ins of the
@@ -11,11 +11,13 @@
 
 mod barren;
 mod buffer;
-mod candump;
 pub mod embedded;
+mod format;
+mod formats;
 mod input;
 mod order;
 mod port;
+mod reason;
 mod recording;
 mod selection;
 pub mod socket;
@@ -25,14 +27,16 @@ mod unrestricted;
 mod writer;
 
 pub use barren::{Barren, Seems};
-pub use candump::{Found, MAX_LINE, Reason, TimeStamps};
+pub use format::{MAX_LINE, TimeStamps};
+pub use formats::names as format_names;
 pub use order::sorted as in_order;
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
+pub use reason::{Found, Reason};
 pub use recording::{Options, Progress, Recording};
 pub use selection::{Ambiguous, Interfaces, Selected, Selection};
 pub use source::{Source, SourceError};
 pub use statistics::{
-    BadLine, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN, KEPT_DAMAGE,
+    BadLine, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN, KEPT_DAMAGE, Place,
     Statistics,
 };
 pub use unrestricted::{Unrestricted, UnrestrictedPort};

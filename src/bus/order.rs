@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::time::Timestamp;
 
-use super::candump::{Extent, Line, blank_frame};
+use super::format::{End, Item, TimeStamps, Unread, blank_frame};
+use super::formats;
 use super::input::InputPlace;
 use super::selection::Interfaces;
 use super::source::SourceError;
@@ -56,40 +57,47 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
 /// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
 fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
     let InputPlace::File(path) = place else { return None };
-    let text = first_bytes(path)?;
+    let (head, end) = first_bytes(path)?;
     let meant = match interfaces {
         Interfaces::All => None,
         Interfaces::Only(name) | Interfaces::One(name) => Some(name.as_bytes()),
     };
-    let mut scratch = blank_frame();
-    let mut first = None;
-    for text in text.split(|byte| *byte == b'\n') {
-        let Ok(Some(line)) = Line::parse(text) else { continue };
-        if line.stamp.extent != Extent::Absolute || line.read_frame(&mut scratch).is_err() {
-            continue;
-        }
-        let at = Timestamp::from_nanos(line.stamp.nanos);
-        if meant.is_none_or(|meant| meant == line.interface) {
-            return Some(at);
-        }
-        first.get_or_insert(at);
+    let mut reader = (formats::recognise(&head, true)?.reader)(TimeStamps::Absolute);
+    let (mut frame, mut first, mut bytes) = (blank_frame(), None, &head[..]);
+    loop {
+        let taken = match reader.read(Unread { bytes, end }, &mut frame) {
+            Item::Frame { taken, interface, absolute } => {
+                if absolute && meant.is_none_or(|meant| meant == interface) {
+                    return Some(frame.timestamp);
+                }
+                first = first.or(absolute.then_some(frame.timestamp));
+                taken
+            }
+            Item::Nothing { taken } | Item::Bad { taken, .. } => taken,
+            Item::LongLine => memchr::memchr(b'\n', bytes).map_or(bytes.len(), |line| line + 1),
+            Item::More => break,
+        };
+        bytes = &bytes[taken..];
     }
     // Of another interface, which is read where the one that is meant is nowhere.
     first.filter(|_| matches!(interfaces, Interfaces::One(_)))
 }
 
-/// First bytes of a file; `None` for anything else: opening and closing a pipe would end its
+/// First bytes of a file, and whether they are all; `None` for anything else: opening and closing a pipe would end its
 /// writer.
-fn first_bytes(path: &Path) -> Option<Vec<u8>> {
+fn first_bytes(path: &Path) -> Option<(Vec<u8>, End)> {
     if !path.metadata().ok()?.is_file() {
         return None;
     }
     let mut input = InputPlace::File(path.to_owned()).open().ok()?;
     let mut bytes = vec![0; PEEK];
-    let mut length = 0;
+    let (mut length, mut end) = (0, End::Open);
     while length < PEEK {
         match input.read(&mut bytes[length..]) {
-            Ok(0) => break,
+            Ok(0) => {
+                end = End::Whole;
+                break;
+            }
             Ok(more) => length += more,
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
             // What is damaged behind it is told when it is read.
@@ -97,5 +105,5 @@ fn first_bytes(path: &Path) -> Option<Vec<u8>> {
         }
     }
     bytes.truncate(length);
-    Some(bytes)
+    Some((bytes, end))
 }

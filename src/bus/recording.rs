@@ -1,19 +1,24 @@
-//! A recording: candump lines from several inputs in turn, as a source of frames.
+//! A recording: several inputs in turn, each in its own format, as a source of frames.
 
 use std::collections::VecDeque;
 use std::io::Read;
 use std::path::Path;
 
-use crate::frame::{Frame, Kind};
+use crate::frame::Frame;
 
-use super::barren::{Barren, Seems};
-use super::buffer::{Buffer, Next};
-use super::candump::{Common, Known, Line, MAX_LINE, Reason, StampClock, TimeStamps, blank_frame};
+use super::barren::{Barren, HEAD, Seems};
+use super::buffer::Buffer;
+use super::format::{
+    End, Format, Item, MAX_LINE, MAX_RECORD, Numbered, Reader, TimeStamps, Unread, blank_frame,
+};
+use super::formats;
+use super::formats::candump::{self, Common, Known};
 use super::input::{Input, InputPlace};
 use super::order;
+use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
-use super::statistics::Statistics;
+use super::statistics::{Place, Statistics};
 
 /// Options for reading a recording.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +37,7 @@ pub struct Progress {
     pub total: Option<u64>,
 }
 
-/// The frames of candump recordings, one file after the other.
+/// The frames of recordings, one file after the other.
 ///
 /// Frames and counts depend on the bytes alone, not on the sizes of the reads. Memory is bounded
 /// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
@@ -43,8 +48,11 @@ pub struct Recording {
     /// Whether the current input's end is missing, so that its last line may be incomplete.
     damaged: bool,
     buffer: Buffer,
+    time_stamps: TimeStamps,
+    /// Format and reader of the current input, once it is recognised.
+    reader: Option<(&'static Format, Box<dyn Reader>)>,
+    /// The shortcut for most lines of candump's format, which nothing of another format passes.
     common: Common,
-    clock: StampClock,
     frame: Frame,
     selection: Selection,
     interfaces: Interfaces,
@@ -104,8 +112,9 @@ impl Recording {
             input: None,
             damaged: false,
             buffer: Buffer::new(),
+            time_stamps: options.time_stamps,
+            reader: None,
             common: Common::new(),
-            clock: StampClock::new(options.time_stamps),
             frame: blank_frame(),
             selection: Selection::new(options.interfaces.clone()),
             interfaces: options.interfaces,
@@ -156,12 +165,13 @@ impl Recording {
     /// Reads a line that differs a little from the previous one; returns its length.
     #[inline(never)]
     fn read_new(&mut self) -> Option<usize> {
+        self.reader.as_ref().filter(|(format, _)| std::ptr::eq(*format, &candump::FORMAT))?;
         let (statistics, selection, held) = (&self.statistics, &self.selection, &self.held);
         let find = |name: &[u8]| known(statistics, selection, held, name);
         self.common.read_new(self.buffer.unread(), &mut self.frame, find)
     }
 
-    /// Handles the next line, or whatever else comes next.
+    /// Handles the next line or record, or whatever else comes next.
     #[inline(never)]
     fn step(&mut self) -> Result<Step, SourceError> {
         if self.selection.is_decided()
@@ -174,51 +184,42 @@ impl Recording {
             let Some(place) = self.places.pop_front() else { return self.end() };
             self.input = Some(place.open()?);
         }
-        match self.buffer.next() {
-            Next::Line { length, taken } => self.line(length, taken),
-            Next::Unterminated { length } if self.damaged => {
-                Ok(self.bad_line(length, length, Reason::CutOff))
+        let Some((_, reader)) = &mut self.reader else { return Ok(self.recognise()) };
+        let end = match (self.buffer.ended(), self.damaged) {
+            (false, _) => End::Open,
+            (true, false) => End::Whole,
+            (true, true) => End::Lost,
+        };
+        let unread = Unread { bytes: self.buffer.unread(), end };
+        match reader.read(unread, &mut self.frame) {
+            Item::Frame { taken, interface, .. } => {
+                self.statistics.add_frame(self.frame.kind, interface);
+                let selected = self.selection.judge(interface);
+                self.buffer.consume(taken);
+                self.give(selected.map_err(|_| self.ambiguous(&self.interfaces))?)
             }
-            Next::Unterminated { length } => self.line(length, length),
-            Next::TooLong => Ok(self.long_line()),
-            Next::More => Ok(self.fill()),
-            Next::End => Ok(self.end_input()),
+            Item::Nothing { taken } => {
+                self.statistics.lines += 1;
+                self.buffer.consume(taken);
+                Ok(Step::On)
+            }
+            Item::Bad { shown, taken, reason } => Ok(self.bad(shown, taken, reason)),
+            Item::LongLine => Ok(self.long_line()),
+            Item::More => Ok(self.more()),
         }
     }
 
-    /// Handles the next line, of `length` bytes, `taken` with its newline.
-    fn line(&mut self, length: usize, taken: usize) -> Result<Step, SourceError> {
-        let text = &self.buffer.unread()[..length];
-        let line = match Line::parse(text) {
-            Ok(Some(line)) => line,
-            Ok(None) => {
-                self.statistics.lines += 1;
-                self.buffer.consume(taken);
-                return Ok(Step::On);
+    /// Finds out the current input's format, as soon as it shows.
+    fn recognise(&mut self) -> Step {
+        let unread = self.buffer.unread();
+        let whole = self.buffer.ended() || unread.len() >= HEAD;
+        match formats::recognise(&unread[..unread.len().min(HEAD)], whole) {
+            Some(format) => {
+                self.reader = Some((format, (format.reader)(self.time_stamps)));
+                Step::On
             }
-            Err(reason) => return Ok(self.bad_line(length, taken, reason)),
-        };
-        let read = line.read_frame(&mut self.frame);
-        if read.is_ok() && self.clock.must_look_ahead(&line) {
-            let whole = self.buffer.ended();
-            if !self.clock.look_ahead(self.buffer.unread(), whole) {
-                return Ok(self.fill());
-            }
+            None => self.fill(),
         }
-        // A bad frame's time counts too: those after it may be relative to it.
-        match self.clock.instant(&line).and_then(|instant| read.map(|()| instant)) {
-            Ok(instant) => self.frame.timestamp = instant,
-            Err(reason) => return Ok(self.bad_line(length, taken, reason)),
-        }
-        let statistics = &mut self.statistics;
-        statistics.lines += 1;
-        statistics.frames += 1;
-        statistics.error_frames += u64::from(self.frame.kind == Kind::Error);
-        statistics.remote_frames += u64::from(matches!(self.frame.kind, Kind::Remote { .. }));
-        statistics.add_interface_frame(line.interface);
-        let selected = self.selection.judge(line.interface);
-        self.buffer.consume(taken);
-        self.give(selected.map_err(|_| self.ambiguous(&self.interfaces))?)
     }
 
     /// Returns, holds back or leaves out the frame that was read.
@@ -259,20 +260,37 @@ impl Recording {
         SourceError::Interfaces { place, found, configured: interfaces.to_string() }
     }
 
-    /// Counts the next line, of which `length` bytes may be shown, as bad.
-    fn bad_line(&mut self, length: usize, taken: usize, reason: Reason) -> Step {
+    /// Counts the next line or record, of which `shown` bytes may be shown, as bad.
+    fn bad(&mut self, shown: usize, taken: usize, reason: Reason) -> Step {
         self.statistics.lines += 1;
-        let number = self.statistics.lines - self.lines_before;
+        let place = match self.reader {
+            Some((Format { numbered: Numbered::Bytes, .. }, _)) => {
+                Place::Byte(self.buffer.consumed())
+            }
+            _ => Place::Line(self.statistics.lines - self.lines_before),
+        };
         let file = self.input.as_ref().map_or("", Input::name);
-        let text = &self.buffer.unread()[..length];
-        self.statistics.add_bad_line(file, number, text, reason);
+        self.statistics.add_bad(file, place, &self.buffer.unread()[..shown], reason);
         self.buffer.consume(taken);
         Step::On
     }
 
+    /// Reads more, unless the input has ended, or what is there should be enough.
+    fn more(&mut self) -> Step {
+        let left = self.buffer.unread().len();
+        if self.buffer.ended() {
+            let reason = if self.damaged { Reason::CutOff } else { Reason::Incomplete };
+            return if left == 0 { self.end_input() } else { self.bad(left, left, reason) };
+        }
+        if left > MAX_RECORD {
+            return self.bad(left, left, Reason::RecordTooLong);
+        }
+        self.fill()
+    }
+
     /// Counts a line that is too long and drops it, however long it is.
     fn long_line(&mut self) -> Step {
-        self.bad_line(MAX_LINE, 0, Reason::LineTooLong);
+        self.bad(MAX_LINE, 0, Reason::LineTooLong);
         // To its very end: what follows within it may look like a line of its own.
         while !self.buffer.drop_line() && !self.buffer.ended() {
             self.fill();
@@ -292,11 +310,11 @@ impl Recording {
     }
 
     fn end_input(&mut self) -> Step {
-        if let Some(input) = self.input.take() {
+        if let Some((input, (format, _))) = self.input.take().zip(self.reader.take()) {
             self.consumed_before += input.consumed();
             if self.statistics.frames == self.frames_before {
                 let lines = self.statistics.lines - self.lines_before;
-                let (file, seems) = (input.name().to_owned(), Seems::of(input.head()));
+                let (file, seems) = (input.name().to_owned(), Seems::of(input.head(), format));
                 self.statistics.add_barren(Barren { file, lines, seems });
             }
         }
@@ -304,7 +322,7 @@ impl Recording {
         self.lines_before = self.statistics.lines;
         self.frames_before = self.statistics.frames;
         self.buffer.restart();
-        self.clock.restart();
+        self.common = Common::new();
         Step::On
     }
 }
@@ -329,3 +347,6 @@ impl Source for Recording {
         Ok(if self.advance()? { Some(&self.frame) } else { None })
     }
 }
+
+#[cfg(test)]
+mod tests;

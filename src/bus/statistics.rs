@@ -1,7 +1,9 @@
 //! Statistics of a recording, beside the frames that were returned.
 
+use crate::frame::Kind;
+
 use super::barren::Barren;
-use super::candump::Reason;
+use super::reason::Reason;
 
 /// Most bad lines that are kept with their text; further ones are only counted.
 pub const KEPT_BAD_LINES: usize = 5;
@@ -13,11 +15,13 @@ pub const KEPT_DAMAGE: usize = 16;
 pub const KEPT_BARREN: usize = 16;
 /// Most bytes of a bad line that are shown.
 const EXCERPT: usize = 80;
+/// Most bytes of a bad record that are shown.
+const SHOWN_BYTES: usize = 16;
 
 /// Statistics of what was read so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Lines of any kind, empty and bad ones included.
+    /// Lines, or records of a format without lines, of any kind, empty and bad ones included.
     pub lines: u64,
     /// Well-formed frames of every kind on every interface, returned or not.
     pub frames: u64,
@@ -27,7 +31,7 @@ pub struct Statistics {
     pub remote_frames: u64,
     /// Frames that were not returned because they are of another interface.
     pub other_interface_frames: u64,
-    /// Lines that are not frames.
+    /// Lines or records that should be frames and are not.
     pub bad_lines: u64,
     /// The first [`KEPT_BAD_LINES`] bad lines.
     pub first_bad_lines: Vec<BadLine>,
@@ -43,14 +47,14 @@ pub struct Statistics {
     pub barren: Vec<Barren>,
 }
 
-/// A line that is not a frame.
+/// A line, or a record of a format without lines, that is not a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BadLine {
     /// Name of the file as given, or "standard input".
     pub file: String,
-    /// Line number within its file, counted from 1.
-    pub line: u64,
-    /// Beginning of the line: at most 80 bytes, `…` if there were more, control characters escaped.
+    pub place: Place,
+    /// Beginning of the line: at most 80 bytes, `…` if there were more, control characters escaped. Of a
+    /// record its first 16 bytes, in hexadecimal.
     pub text: String,
     /// What was found and what was expected.
     pub reason: Reason,
@@ -58,8 +62,21 @@ pub struct BadLine {
 
 impl std::fmt::Display for BadLine {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}: {}: {}", self.file, self.line, self.reason, self.text)
+        let Self { file, place, text, reason } = self;
+        match place {
+            Place::Line(line) => write!(f, "{file}:{line}: {reason}: {text}"),
+            Place::Byte(byte) => write!(f, "{file}, byte {byte}: {reason}: {text}"),
+        }
     }
+}
+
+/// A place within a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Line number, counted from 1.
+    Line(u64),
+    /// Number of bytes before it, after decompression.
+    Byte(u64),
 }
 
 /// An interface and its number of frames.
@@ -92,11 +109,15 @@ impl std::fmt::Display for Damage {
 }
 
 impl Statistics {
-    pub(super) fn add_bad_line(&mut self, file: &str, line: u64, text: &[u8], reason: Reason) {
+    /// Counts a bad line or record, which begins with `shown`.
+    pub(super) fn add_bad(&mut self, file: &str, place: Place, shown: &[u8], reason: Reason) {
         self.bad_lines += 1;
         if self.first_bad_lines.len() < KEPT_BAD_LINES {
-            let (file, text) = (file.to_owned(), excerpt(text));
-            self.first_bad_lines.push(BadLine { file, line, text, reason });
+            let text = match place {
+                Place::Line(_) => excerpt(shown),
+                Place::Byte(_) => hexadecimal(shown),
+            };
+            self.first_bad_lines.push(BadLine { file: file.to_owned(), place, text, reason });
         }
     }
 
@@ -124,8 +145,17 @@ impl Statistics {
         self.interfaces.iter().position(|interface| interface.name.as_bytes() == name)
     }
 
+    /// Counts a frame of this kind on the interface.
+    pub(super) fn add_frame(&mut self, kind: Kind, interface: &[u8]) {
+        self.lines += 1;
+        self.frames += 1;
+        self.error_frames += u64::from(kind == Kind::Error);
+        self.remote_frames += u64::from(matches!(kind, Kind::Remote { .. }));
+        self.add_interface_frame(interface);
+    }
+
     /// Counts a frame of the interface, whose name is ASCII.
-    pub(super) fn add_interface_frame(&mut self, name: &[u8]) {
+    fn add_interface_frame(&mut self, name: &[u8]) {
         if let Some(place) = self.interface(name) {
             self.interfaces[place].frames += 1;
         } else if self.interfaces.len() < INTERFACES_KEPT {
@@ -135,6 +165,13 @@ impl Statistics {
             self.unlisted_interface_frames += 1;
         }
     }
+}
+
+/// The beginning of a record as bytes in hexadecimal.
+fn hexadecimal(record: &[u8]) -> String {
+    let bytes = record.iter().take(SHOWN_BYTES).map(|byte| format!("{byte:02X}"));
+    let dots = (record.len() > SHOWN_BYTES).then(|| "…".to_owned());
+    bytes.chain(dots).collect::<Vec<_>>().join(" ")
 }
 
 /// The beginning of a line as text without effect on a terminal.

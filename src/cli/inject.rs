@@ -6,6 +6,7 @@ use super::files::{Inputs, Mark, Overwriting, Writer};
 use super::machine::Machine;
 use super::progress::Bar;
 use super::proxy::{self, Ends};
+use super::recordings;
 use crate::bus::{
     Interfaces, Options, Recording, Selected, Selection, Source, Statistics, append_log_line,
 };
@@ -45,13 +46,13 @@ Between interfaces the first frame is the first that was forwarded. Error frames
 an interface that goes away is waited for; what comes meanwhile is dropped.
 At the end, by SIGTERM, SIGINT or --for, it tells what became of the frames and the faults.";
 
-/// Puts faults into candump recordings and writes the result in the format of candump -l, or
+/// Puts faults into recordings and writes the result in the format of candump -l, or
 /// forwards frames between two interfaces of a test bench and puts faults into them.
 #[derive(Args, Debug)]
 #[command(after_help = format!("{EXAMPLE}{}{TABLE}", grammar()))]
 pub struct Inject {
-    /// candump recordings, read in turn; may be .gz or .zst, - for standard input
     #[arg(required_unless_present = "from", value_name = "LOG")]
+    #[arg(help = recordings(" or .zst, - for standard input"))]
     logs: Vec<PathBuf>,
     /// Instead of recordings: interface whose frames get faults on their way to that of --to
     #[arg(long, value_name = "NAME", requires = "to")]

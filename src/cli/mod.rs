@@ -79,3 +79,9 @@ impl Arguments {
         }
     }
 }
+
+/// Help for an argument that names recordings, which may also be `packed` so.
+fn recordings(packed: &str) -> String {
+    let formats = crate::bus::format_names();
+    format!("Recordings, read in turn, in any of these formats: {formats}; may be .gz{packed}")
+}

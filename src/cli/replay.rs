@@ -6,6 +6,7 @@ use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
 use super::progress::Bar;
+use super::recordings;
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
@@ -18,13 +19,11 @@ use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// Runs candump recordings through the same monitor as the live gateway.
+/// Runs recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  tertius replay field.log.zst --config config/e-type.toml")]
 pub struct Replay {
-    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; may be .gz
-    /// or .zst, - for standard input
-    #[arg(required = true, value_name = "LOG")]
+    #[arg(required = true, value_name = "LOG", help = recordings(" or .zst, - for standard input"))]
     logs: Vec<PathBuf>,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]

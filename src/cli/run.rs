@@ -77,7 +77,7 @@ pub fn gateway(machine: Machine) -> Gateway {
         share: settings.gateway.bus_share,
         burst: OutboxLimits::BURST,
     };
-    let outbox = Outbox::new(limits, machine.design.encoder.status_id());
+    let outbox = Outbox::new(limits);
     let guard = Span::from_seconds(settings.gateway.guard);
     Gateway::new(Monitor::new(machine.design), outbox, guard)
 }

@@ -4,6 +4,7 @@
 use super::Failure;
 use super::machine::Machine;
 use super::progress::Bar;
+use super::recordings;
 use super::replay::StampOption;
 use crate::bus::{Options, Recording, Source, Statistics, TimeStamps, in_order};
 use crate::frame::{Frame, Kind};
@@ -17,9 +18,7 @@ use std::str::FromStr;
 /// Recordings of a machine, and the part that is used.
 #[derive(Args, Debug)]
 pub struct Field {
-    /// candump recordings (-l, -L, or the console form with time stamps), read in turn; may be .gz
-    /// or .zst
-    #[arg(required = true, value_name = "LOG")]
+    #[arg(required = true, value_name = "LOG", help = recordings(" or .zst"))]
     pub logs: Vec<PathBuf>,
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]

@@ -1,10 +1,9 @@
 //! Frames that wait to be sent, limited in number, age and share of the bus.
 
 use crate::alarm::OwnFrame;
-use crate::alarm::frames::FRAME_BITS;
-use crate::alarm::register::PLACES;
+use crate::alarm::detector::MOST_STANDING;
+use crate::alarm::own::{FRAME_BITS, Queue};
 use crate::alarm::status::MAX_CYLINDERS;
-use crate::frame::Id;
 use crate::time::{Span, Timestamp};
 use std::collections::VecDeque;
 
@@ -25,17 +24,14 @@ pub struct OutboxLimits {
     pub burst: u32,
 }
 
-/// Most warnings that can stand at once on the largest machine.
-const STANDING: usize = PLACES * MAX_CYLINDERS;
-
 impl OutboxLimits {
     /// Most warnings that wait: two for each that can stand, as where one is raised and cleared
     /// before the first could be sent.
-    pub const WAITING: usize = 2 * STANDING;
+    pub const WAITING: usize = 2 * MOST_STANDING;
 
     /// Most frames that may be sent at once: every warning that can stand, the estimates of two
     /// cycles, a status and the stopping status.
-    pub const BURST: u32 = (STANDING + 2 * MAX_CYLINDERS + 1) as u32 + STOPPING_STATUS;
+    pub const BURST: u32 = (MOST_STANDING + 2 * MAX_CYLINDERS + 1) as u32 + STOPPING_STATUS;
 }
 
 /// Frames reserved among those that may be sent at once: the status of a gateway that stops is sent
@@ -66,7 +62,6 @@ pub struct OutboxCounts {
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: OutboxLimits,
-    status_id: Id,
     status: Option<OwnFrame>,
     warnings: VecDeque<OwnFrame>,
     /// Number of warnings that came before the waiting status.
@@ -81,11 +76,10 @@ pub struct Outbox {
 }
 
 impl Outbox {
-    /// An empty outbox; frames with the identifier `status_id` are statuses.
-    pub fn new(limits: OutboxLimits, status_id: Id) -> Self {
+    /// An empty outbox.
+    pub fn new(limits: OutboxLimits) -> Self {
         Self {
             limits,
-            status_id,
             status: None,
             warnings: VecDeque::with_capacity(limits.waiting),
             ahead: 0,
@@ -115,25 +109,27 @@ impl Outbox {
         if self.closing {
             return;
         }
-        if frame.as_frame().id == self.status_id {
-            self.counts.superseded += u64::from(self.status.is_some());
-            self.status = Some(frame);
-            self.ahead = self.warnings.len();
-            return;
-        }
-        if frame.is_estimate() {
-            if self.estimates.len() >= self.limits.estimates {
-                self.counts.outdated += 1;
-                self.estimates.pop_front();
+        match frame.message().queue() {
+            Queue::Status => {
+                self.counts.superseded += u64::from(self.status.is_some());
+                self.status = Some(frame);
+                self.ahead = self.warnings.len();
             }
-            self.estimates.push_back(frame);
-            return;
+            Queue::Cyclic => {
+                if self.estimates.len() >= self.limits.estimates {
+                    self.counts.outdated += 1;
+                    self.estimates.pop_front();
+                }
+                self.estimates.push_back(frame);
+            }
+            Queue::Events => {
+                if self.warnings.len() >= self.limits.waiting {
+                    self.take_warning();
+                    self.counts.crowded_out += 1;
+                }
+                self.warnings.push_back(frame);
+            }
         }
-        if self.warnings.len() >= self.limits.waiting {
-            self.take_warning();
-            self.counts.crowded_out += 1;
-        }
-        self.warnings.push_back(frame);
     }
 
     /// Takes the stopping status: waiting warnings still go before it where the rate limit allows

@@ -2,6 +2,7 @@
 
 use super::sheet::{Section, Sheet};
 use crate::alarm::Detector;
+use crate::alarm::detector::Basis;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::evaluate::{CONFIDENCE, poisson_upper};
@@ -85,12 +86,10 @@ fn ends(values: &[f64]) -> Option<[f64; 2]> {
     Some([low, values.iter().copied().fold(low, f64::max)])
 }
 
-const fn name(detector: Detector) -> &'static str {
-    match detector {
-        Detector::Fde1 => "FDE1 (R1)",
-        Detector::Fde2 => "FDE2 (R2)",
-        Detector::Fde3 => "FDE3 (R3)",
-        _ => "sequential",
+fn name(detector: Detector) -> String {
+    match detector.basis() {
+        Basis::Residual(index) => format!("{} (R{})", detector.label(), index + 1),
+        Basis::Readings | Basis::Samples | Basis::Lengths => detector.label().to_owned(),
     }
 }
 
@@ -103,7 +102,7 @@ pub fn trial(result: &Commissioned) -> Section {
         let count = trial.false_alarms.iter().filter(|it| it.detector == detector).count() as u64;
         let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);
         let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
-        table.add_row([name(detector).to_owned(), count.to_string(), format!("{most:.0}"), judged]);
+        table.add_row([name(detector), count.to_string(), format!("{most:.0}"), judged]);
     }
     table.about(format!("trial on {:.1} min held back: as recorded", trial.held / 60.0))
 }

@@ -101,7 +101,7 @@ pub fn warnings(summary: &Summary<'_>) -> String {
         .iter()
         .zip(episodes.raised())
         .filter(|(_, raised)| **raised > 0)
-        .map(|(detector, raised)| format!("{} {raised}", label(*detector)));
+        .map(|(detector, raised)| format!("{} {raised}", detector.label()));
     let by_detector = by_detector.collect::<Vec<_>>().join(", ");
     let warnings = if total == 1 { "warning" } else { "warnings" };
     format!("{total} {warnings}: {by_detector}")
@@ -125,7 +125,7 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
         clock(episode.raised.since(first).as_seconds()),
         log_time(episode.raised),
         episode.cylinder.to_string(),
-        label(episode.detector).to_owned(),
+        episode.detector.label().to_owned(),
         fault,
         suspect(finding.suspect).to_owned(),
         finding.level.name().to_owned(),
@@ -146,7 +146,7 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         }
         Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
         Notice::Restart { at, cylinder, detector, reason } => {
-            let (label, reason) = (label(detector), spaced(restart_name(reason)));
+            let (label, reason) = (detector.label(), spaced(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))
         }
         Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
@@ -170,15 +170,6 @@ fn timing(apart: &Apart) -> String {
         "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
          transducer is at fault, look at Sync and the devices' clocks"
     )
-}
-
-pub fn label(detector: Detector) -> &'static str {
-    match detector {
-        Detector::Fde1 => "FDE1",
-        Detector::Fde2 => "FDE2",
-        Detector::Fde3 => "FDE3",
-        other => other.name(),
-    }
 }
 
 fn suspect(suspect: Suspect) -> &'static str {

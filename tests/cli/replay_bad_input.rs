@@ -223,7 +223,7 @@ fn a_recording_without_anything_for_this_machine() {
         assert_not_judged(&scratch, &log, E_TYPE, &[], &reason);
         assert_not_judged(&scratch, &log, E_TYPE, &[], seems);
     }
-    let readme = "it is text, but not a candump recording";
+    let readme = "it is text, but not a recording that can be read";
     assert_not_judged(&scratch, "README.md", E_TYPE, &[], readme);
     let other = recording("hanging-load.log.gz");
     let reason = "frames has an identifier of the configuration (080, 1C1, ";

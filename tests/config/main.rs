@@ -2,6 +2,7 @@
 
 mod common;
 mod design;
+mod documents;
 mod files;
 mod keys;
 mod properties;

@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
 
 use tempfile::TempDir;
-use tertius::bus::{Options, Reason, Recording, Source, SourceError};
+use tertius::bus::{Options, Place, Reason, Recording, Source, SourceError};
 use tertius_testing::candump::{drain, read};
 
 /// `count` lines that compress badly enough to be worth several blocks.
@@ -98,11 +98,12 @@ fn a_truncated_file_gives_what_is_readable_and_the_next_one_follows() {
         );
         // Half a line must not become a frame with half the data.
         let bad: Vec<_> =
-            statistics.first_bad_lines.iter().map(|bad| (bad.reason, bad.line)).collect();
+            statistics.first_bad_lines.iter().map(|bad| (bad.reason, bad.place)).collect();
         let last = bad.last().unwrap();
-        assert_eq!((last.1, statistics.first_bad_lines.last().unwrap().text.as_str()), (2, "bad"));
+        assert_eq!(last.1, Place::Line(2));
+        assert_eq!(statistics.first_bad_lines.last().unwrap().text, "bad");
         for (reason, line) in &bad[..bad.len() - 1] {
-            assert_eq!((*reason, *line), (Reason::CutOff, frames.len() as u64));
+            assert_eq!((*reason, *line), (Reason::CutOff, Place::Line(frames.len() as u64)));
         }
     }
 }
@@ -175,8 +176,14 @@ fn several_files_are_read_in_turn_each_with_its_own_lines_and_zero() {
     let read: Vec<_> = frames.iter().map(|f| (f.timestamp.as_seconds(), f.data()[0])).collect();
     assert_eq!(read, [(0.5, 0x11), (0.7, 0x22), (0.1, 0x33), (0.9, 0x44)]);
     let bad: Vec<_> =
-        statistics.first_bad_lines.iter().map(|bad| (bad.file.clone(), bad.line)).collect();
-    assert_eq!(bad, [(first.display().to_string(), 1), (second.display().to_string(), 2)]);
+        statistics.first_bad_lines.iter().map(|bad| (bad.file.clone(), bad.place)).collect();
+    assert_eq!(
+        bad,
+        [
+            (first.display().to_string(), Place::Line(1)),
+            (second.display().to_string(), Place::Line(2))
+        ]
+    );
     assert_eq!(statistics.lines, 6);
 }
 

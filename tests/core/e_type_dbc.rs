@@ -1,6 +1,8 @@
 //! dbc/e-type.dbc, the layout of the default machine, read by can-dbc and by cantools.
 
 use can_dbc::{ByteOrder, Dbc, MessageId, MultiplexIndicator};
+use tertius::alarm::own::identifiers;
+use tertius::alarm::{Detector, OwnMessage};
 use tertius_testing::oracle;
 
 fn e_type() -> Dbc {
@@ -64,4 +66,20 @@ fn can_dbc_reads_the_platform_states() {
         .expect("a VAL_ table");
     let found: Vec<_> = states.iter().map(|state| (state.id, state.description.as_str())).collect();
     assert_eq!(found, [(0, "safe"), (1, "settled"), (2, "neutral"), (3, "engaged")]);
+}
+
+/// Whoever reads the frames by the DBC sees the words of the program's own tables.
+#[test]
+fn the_dbc_has_the_detectors_and_messages_of_the_program() {
+    let dbc = e_type();
+    let words = dbc
+        .value_descriptions_for_signal(MessageId::Standard(0x2D1), "Detector")
+        .expect("a VAL_ table");
+    let words: Vec<_> = words.iter().map(|word| (word.id, word.description.as_str())).collect();
+    assert_eq!(words, Detector::ALL.map(|detector| (detector as i64, detector.name())));
+    let ids = identifiers(81).expect("81 is a node");
+    for (message, id) in OwnMessage::ALL.into_iter().zip(ids) {
+        let own = dbc.messages.iter().find(|own| own.name == message.name()).expect("it is there");
+        assert_eq!((own.id.raw(), own.size), (id.value(), 8), "{}", own.name);
+    }
 }

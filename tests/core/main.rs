@@ -29,4 +29,5 @@ mod sequential_scale;
 mod sequential_support;
 mod stops;
 mod survey;
+mod trc;
 mod year;

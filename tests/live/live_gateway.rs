@@ -35,7 +35,7 @@ fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
         share,
         burst: OutboxLimits::BURST,
     };
-    let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
+    let outbox = Outbox::new(limits);
     Gateway::new(monitor, outbox, Span::from_seconds(0.01))
 }
 

@@ -12,7 +12,7 @@ use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::Clock as Watch;
 use tertius::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
-use tertius::frame::{Frame, Id};
+use tertius::frame::Frame;
 use tertius::live::gateway::{Gateway, Journal};
 use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
@@ -86,7 +86,7 @@ pub fn gateway() -> Gateway {
         share: 0.05,
         burst: OutboxLimits::BURST,
     };
-    let outbox = Outbox::new(limits, Id::standard(0x1D1).expect("eleven bits"));
+    let outbox = Outbox::new(limits);
     Gateway::new(monitor(), outbox, Span::from_seconds(0.01))
 }
 

@@ -412,7 +412,9 @@ fn shared_names(sources: &[Source]) -> Vec<String> {
     for source in sources {
         for item in source.tokens().windows(3) {
             let is_type = ["struct", "enum", "trait", "type", "union"].contains(&item[1].as_str());
-            if item[0] == "pub" && is_type && !SHARED_NAMES.contains(&item[2].as_str()) {
+            // A macro names the types that it declares where it is called.
+            let is_named = item[2] != "$" && !SHARED_NAMES.contains(&item[2].as_str());
+            if item[0] == "pub" && is_type && is_named {
                 places.entry(item[2].clone()).or_default().push(&source.name);
             }
         }

@@ -1,17 +1,18 @@
 //! The configuration: from a TOML file to settings that are known to be sound.
 //!
 //! [`load`] reads the file and the DBC beside it; [`parse`] does the same without a file system. A
-//! file passes three stages: the walk over its keys (`keys.rs` knows them all), the types of
-//! [`settings`], and the relations between values. A file that does not pass is refused with
+//! file passes three stages: the walk over its keys and the types of [`settings`], which are declared
+//! together, key by key, and the relations between values. A file that does not pass is refused with
 //! everything that was found ([`ConfigError`]). [`design`] turns settings and the signals of a DBC
 //! into what a monitor is made from.
 
 pub mod design;
 mod document;
 pub mod edit;
-mod keys;
+mod kinds;
 mod loader;
 mod problem;
+pub mod reference;
 mod relations;
 mod resolve;
 mod schema;
@@ -27,8 +28,8 @@ pub use loader::{Loaded, MAX_DBC_SIZE, load, load_text};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
 
-use keys::ROOT;
 use problem::Problems;
+use settings::ROOT;
 
 /// The longest configuration file, bytes.
 pub const MAX_SIZE: usize = 1 << 20;

@@ -5,10 +5,8 @@ use std::collections::BTreeSet;
 use super::document::Document;
 use super::problem::{Problems, table_of};
 use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
-use tertius_core::alarm::frames::FRAME_BITS;
-
-/// Rate of Fd_Status, 1/s.
-const STATUSES: f64 = 10.0;
+use tertius_core::alarm::OwnMessage;
+use tertius_core::alarm::own::{FRAME_BITS, Sending};
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are not checked yet, since its values may not be what the user means.
@@ -20,6 +18,14 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.share(settings);
     relations.signals(settings);
     relations.cylinders(settings);
+}
+
+/// How often a message with a period is sent, 1/s.
+fn frequency(message: OwnMessage) -> Option<f64> {
+    match message.sending() {
+        Sending::Every(period) => Some(period.as_seconds().recip()),
+        Sending::Events | Sending::Cycles => None,
+    }
 }
 
 struct Relations<'a> {
@@ -146,7 +152,8 @@ impl Relations<'_> {
         let told = |share: f64| (share * 1e3).ceil() / 1e3;
         let default = self.default_note("gateway.bus_share");
         let share = gateway.bus_share;
-        let statuses = share_of(STATUSES);
+        let periodic: f64 = OwnMessage::ALL.into_iter().filter_map(frequency).sum();
+        let statuses = share_of(periodic);
         self.require(
             share >= statuses,
             &["gateway.bus_share", "bus.bitrate"],
@@ -158,7 +165,10 @@ impl Relations<'_> {
             ),
             "raise it, with room for warnings, for example to twice that; is bus.bitrate right?",
         );
-        let frames = f64::from(machine.cylinders) / machine.sample_time + STATUSES;
+        let cyclic =
+            OwnMessage::ALL.iter().filter(|message| message.sending() == Sending::Cycles).count();
+        let estimates = f64::from(machine.cylinders) * cyclic as f64 / machine.sample_time;
+        let frames = estimates + periodic;
         let least = told(share_of(frames));
         self.require(
             !estimate.send || share >= least || share < statuses,

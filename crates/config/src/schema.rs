@@ -1,7 +1,5 @@
-//! The schema of a configuration, as data: tables, keys, types and the limits of single values.
-//!
-//! [`super::keys`] holds the keys; a test there compares them with the types of
-//! [`super::settings`].
+//! The schema of a configuration, as data: tables, keys, types and the limits of single values; and how
+//! [`super::settings`] declares a table once, for the loader, the messages, the types and the documentation.
 
 use std::fmt;
 use std::ops::{Bound, RangeBounds};
@@ -16,13 +14,140 @@ pub(super) struct Table {
 /// A key of a [`Table`].
 pub(super) struct Key {
     pub name: &'static str,
-    pub required: bool,
     /// Meaning of the key, with its unit.
     pub what: &'static str,
     /// Example value as written in the file; empty for tables.
     pub example: &'static str,
+    /// The default as it is written in Rust; `None` for a required key.
+    pub default: Option<&'static str>,
     pub kind: Kind,
 }
+
+/// Declares a table: its type with its defaults, its keys, and how it is read. A row is
+///
+/// ```text
+/// key: Type = default => kind, "example in TOML", "purpose, with its unit";
+/// ```
+///
+/// Without a default the key is required. `Type as Read` is read as another type, from which it follows.
+/// Only a table whose keys all have defaults has one itself.
+macro_rules! table {
+    (
+        $(#[$about:meta])*
+        pub struct $name:ident = $table:ident {
+            $(
+                $(#[$more:meta])*
+                $key:ident: $type:ty $(as $read:ty)? = $default:expr =>
+                    $kind:expr, $example:literal, $what:literal;
+            )*
+        }
+    ) => {
+        table! { @declare [$(#[$about])*] $name $table $(
+            [$(#[$more])*] $key [$type] [$($read)?] [$default] [$kind] $example $what
+        )* }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($key: $default),* }
+            }
+        }
+    };
+    (
+        $(#[$about:meta])*
+        pub struct $name:ident = $table:ident {
+            $(
+                $(#[$more:meta])*
+                $key:ident: $type:ty $(as $read:ty)? $(= $default:expr)? =>
+                    $kind:expr, $example:literal, $what:literal;
+            )*
+        }
+    ) => {
+        table! { @declare [$(#[$about])*] $name $table $(
+            [$(#[$more])*] $key [$type] [$($read)?] [$($default)?] [$kind] $example $what
+        )* }
+    };
+    (
+        @declare [$($about:tt)*] $name:ident $table:ident
+        $(
+            [$($more:tt)*] $key:ident [$type:ty] [$($read:ty)?] [$($default:expr)?] [$kind:expr]
+            $example:literal $what:literal
+        )*
+    ) => {
+        $($about)*
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $name {
+            $(
+                #[doc = $what]
+                #[doc = ""]
+                $($more)*
+                pub $key: $type,
+            )*
+        }
+
+        pub(crate) static $table: $crate::schema::Table = $crate::schema::Table {
+            keys: &[$($crate::schema::Key {
+                name: stringify!($key),
+                what: $what,
+                example: $example,
+                default: table!(@text $($default)?),
+                kind: $kind,
+            }),*],
+        };
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                struct Fields;
+
+                impl<'de> serde::de::Visitor<'de> for Fields {
+                    type Value = $name;
+
+                    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                        f.write_str("a table")
+                    }
+
+                    fn visit_map<A: serde::de::MapAccess<'de>>(
+                        self,
+                        mut map: A,
+                    ) -> Result<$name, A::Error> {
+                        $(let mut $key: Option<$type> = None;)*
+                        while let Some(found) = map.next_key::<String>()? {
+                            match found.as_str() {
+                                $(stringify!($key) => {
+                                    $key = Some(table!(@read map, $type, $($read)?));
+                                })*
+                                other => {
+                                    let known = &[$(stringify!($key)),*];
+                                    return Err(serde::de::Error::unknown_field(other, known));
+                                }
+                            }
+                        }
+                        Ok($name {
+                            $($key: match $key {
+                                Some(value) => value,
+                                None => table!(@absent $key, $($default)?),
+                            },)*
+                        })
+                    }
+                }
+
+                deserializer.deserialize_struct(
+                    stringify!($name),
+                    &[$(stringify!($key)),*],
+                    Fields,
+                )
+            }
+        }
+    };
+    (@text) => { None };
+    (@text $default:expr) => { Some(stringify!($default)) };
+    (@read $map:ident, $type:ty,) => { $map.next_value::<$type>()? };
+    (@read $map:ident, $type:ty, $read:ty) => { <$type>::from($map.next_value::<$read>()?) };
+    (@absent $key:ident,) => {
+        return Err(serde::de::Error::missing_field(stringify!($key)))
+    };
+    (@absent $key:ident, $default:expr) => { $default };
+}
+pub(super) use table;
 
 /// The shape of a key's value.
 pub(super) enum Kind {
@@ -72,22 +197,9 @@ impl Table {
 }
 
 impl Key {
-    pub const fn required(
-        name: &'static str,
-        kind: Kind,
-        example: &'static str,
-        what: &'static str,
-    ) -> Self {
-        Self { name, required: true, what, example, kind }
-    }
-
-    pub const fn optional(
-        name: &'static str,
-        kind: Kind,
-        example: &'static str,
-        what: &'static str,
-    ) -> Self {
-        Self { name, required: false, what, example, kind }
+    /// Whether a table without the key is refused.
+    pub const fn is_required(&self) -> bool {
+        self.default.is_none()
     }
 
     /// The key as a person writes it: `[table]`, `[[tables]]` or `key = example`.

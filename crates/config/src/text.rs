@@ -1,7 +1,12 @@
 //! Rules for texts in the configuration.
 
-use super::settings::{HTTP_OFF, PLACEHOLDER};
 use std::net::SocketAddr;
+
+/// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
+pub const PLACEHOLDER: &str = "{n}";
+
+/// Value of `http.listen` for no HTTP at all.
+pub const HTTP_OFF: &str = "off";
 
 /// The longest name that a DBC file may hold.
 const LONGEST_NAME: usize = 128;

@@ -8,9 +8,9 @@ use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
 use super::document::Document;
-use super::keys::ROOT;
 use super::problem::Problems;
 use super::schema::{Key, Kind, Scalar, Table};
+use super::settings::ROOT;
 
 /// Most characters of a user's key or value that a message repeats.
 const SHOWN: usize = 60;
@@ -50,7 +50,7 @@ impl Walk<'_> {
                 self.value(&join(path, key.name), key, name.span(), value);
             }
         }
-        let absent = |key: &&Key| key.required && !table.contains_key(key.name);
+        let absent = |key: &&Key| key.is_required() && !table.contains_key(key.name);
         for key in schema.keys.iter().filter(absent) {
             // One mistake, one problem: a misspelt key is not missing as well.
             if !meant.contains(&key.name) {
@@ -285,7 +285,7 @@ fn home_of(name: &str, path: &str, table: &Table) -> Option<String> {
 
 /// The least that a table must hold, in words.
 fn sketch(path: &str, schema: &Table) -> String {
-    let required = || schema.keys.iter().filter(|key| key.required);
+    let required = || schema.keys.iter().filter(|key| key.is_required());
     let keys = required().filter(|key| !key.example.is_empty()).map(Key::written);
     let keys: Vec<_> = keys.collect();
     let own = (!keys.is_empty()).then(|| format!("[{path}] with {}", keys.join(", ")));

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use tertius::alarm::frames;
+use tertius::alarm::{OwnMessage, frames};
 use tertius::config;
 use tertius::config::design;
 use tertius::dbc::Database;
@@ -17,4 +17,5 @@ pub static MACHINE: LazyLock<MonitorDesign> = LazyLock::new(|| {
 });
 
 /// Identifiers of the gateway at the shipped node: Fd_Status, Fd_Warning, Fd_Estimate.
-pub static OWN: LazyLock<[Id; 3]> = LazyLock::new(|| frames::identifiers(81).expect("a node"));
+pub static OWN: LazyLock<[Id; OwnMessage::ALL.len()]> =
+    LazyLock::new(|| frames::identifiers(81).expect("a node"));

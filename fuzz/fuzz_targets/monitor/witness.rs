@@ -85,7 +85,7 @@ impl Sink for Witness {
 
     fn transmit(&mut self, frame: &OwnFrame) {
         let frame = frame.as_frame();
-        let [status, warning, _] = *OWN;
+        let [status, warning, ..] = *OWN;
         assert!(frame.id == status || frame.id == warning, "{} is not ours", frame.id);
         assert_eq!(frame.length(), 8);
         self.statuses += u64::from(frame.id == status);

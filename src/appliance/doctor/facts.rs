@@ -1,6 +1,7 @@
 //! Facts about a computer, before anything is judged.
 
 use super::hearing::Hearing;
+use crate::alarm::OwnMessage;
 use crate::bus::Stamps;
 use crate::bus::socket::LinkState;
 use crate::config::settings::Realtime;
@@ -33,7 +34,7 @@ pub struct Wanted {
     /// CANopen node number of the gateway.
     pub node: u8,
     /// Identifiers that the gateway sends; its status is the first.
-    pub own: [Id; 3],
+    pub own: [Id; OwnMessage::ALL.len()],
     pub messages: Vec<Message>,
     pub realtime: Realtime,
 }

@@ -2,6 +2,7 @@
 
 use super::file::{HistoryFile, ReadError};
 use super::worker::{self, Order};
+use crate::alarm::status::MAX_CYLINDERS;
 use crate::appliance::telemetry::Telemetry;
 use crate::monitor::Monitor;
 use crate::sequential::{Archive, DriftLimits};
@@ -10,9 +11,9 @@ use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use tracing::{info, warn};
 
-/// Most orders that wait for the disk: all rods come to rest at nearly the same time. An order that
+/// Most orders that wait for the disk: all rods come to rest at nearly the same time, and two more. An order that
 /// does not fit is dropped, and the next one includes its data.
-const WAITING: usize = 8;
+const WAITING: usize = MAX_CYLINDERS + 2;
 
 /// What is kept, and in which file.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::{DETECTORS, Telemetry, mark};
 use crate::alarm::status::{MAX_CYLINDERS, Status};
-use crate::alarm::{OwnFrame, State, Warning};
+use crate::alarm::{OwnFrame, OwnMessage, State, Warning};
 use crate::bus::{Port, PortCounts};
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{OutboxCounts, OutboxLimits};
@@ -86,7 +86,7 @@ impl Recorder {
     /// do not count.
     pub fn sent(&mut self, frame: &OwnFrame) {
         let at = frame.as_frame().timestamp;
-        if frame.is_warning() && self.warned.contains(&Some(at)) {
+        if frame.message() == OwnMessage::Warning && self.warned.contains(&Some(at)) {
             // Below zero only if the clock was set in between.
             let latency = self.clock.system().since(at).as_seconds().max(0.0);
             self.telemetry.latency.observe(latency);

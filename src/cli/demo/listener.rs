@@ -1,12 +1,13 @@
 //! A listener that decodes the bus like any other node: frames, by the DBC.
 
 use crate::alarm::e2e;
+use crate::alarm::status::MAX_CYLINDERS;
 use crate::cli::Failure;
 use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
 
-/// Number of cylinders of the demonstration's machine.
-pub const CYLINDERS: usize = 6;
+/// Number of cylinders of the demonstration's machine, which is the largest.
+pub const CYLINDERS: usize = MAX_CYLINDERS;
 
 /// Meaning of a frame for the audience.
 #[derive(Clone, Debug, PartialEq)]

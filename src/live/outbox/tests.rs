@@ -1,6 +1,7 @@
 use super::*;
+use crate::alarm::detector::PLACES;
 use crate::alarm::status::Status;
-use crate::alarm::{Detector, Encoder, Finding, Level, Register, Warning};
+use crate::alarm::{Detector, Encoder, Finding, Level, OwnMessage, Register, Warning};
 use crate::verdict::{Fault, Suspect};
 
 const MS: i64 = 1_000_000;
@@ -26,7 +27,7 @@ fn encoder() -> Encoder {
 }
 
 fn outbox() -> Outbox {
-    Outbox::new(limits(), Id::standard(0x1D1).expect("eleven bits"))
+    Outbox::new(limits())
 }
 
 fn warning(encoder: &mut Encoder, ms: i64, cylinder: u8) -> OwnFrame {
@@ -71,7 +72,7 @@ fn a_status_is_not_displaced_by_warnings() {
 #[test]
 fn frames_go_out_in_the_order_in_which_they_came_to_be() {
     let mut encoder = encoder();
-    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() }, outbox().status_id);
+    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() });
     outbox.put(warning(&mut encoder, 0, 1));
     outbox.put(encoder.status(at(0), &Status::default()));
     outbox.put(warning(&mut encoder, 0, 2));
@@ -86,7 +87,7 @@ fn frames_go_out_in_the_order_in_which_they_came_to_be() {
 #[test]
 fn estimates_come_after_all_others_and_the_newest_of_each_cylinder_remain() {
     let mut encoder = encoder();
-    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() }, outbox().status_id);
+    let mut outbox = Outbox::new(OutboxLimits { burst: 9, ..limits() });
     for cycle in 0..3 {
         for cylinder in 1..=6 {
             outbox.put(encoder.estimate(at(cycle * 20), cylinder, None));
@@ -122,7 +123,7 @@ fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
         }
         let before = warnings;
         while let Some(frame) = outbox.next(at(ms)) {
-            (estimates, warnings) = match frame.is_estimate() {
+            (estimates, warnings) = match frame.message() == OwnMessage::Estimate {
                 true => (estimates + 1, warnings),
                 false => (estimates, warnings + 1),
             };
@@ -137,7 +138,7 @@ fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
 #[test]
 fn every_place_at_once_goes_out_at_once() {
     let (waiting, burst) = (OutboxLimits::WAITING, OutboxLimits::BURST);
-    let mut outbox = Outbox::new(OutboxLimits { waiting, burst, ..limits() }, outbox().status_id);
+    let mut outbox = Outbox::new(OutboxLimits { waiting, burst, ..limits() });
     let (mut encoder, mut register) = (encoder(), Register::new(MAX_CYLINDERS));
     let finding = Finding {
         fault: Fault::Abrupt,

@@ -7,6 +7,7 @@ use super::recorder::{Bounds, Gathered, Raised, Recorded};
 use super::zoom::Zoom;
 use super::{Page, histogram::Histogram, stops};
 use crate::alarm::Detector;
+use crate::alarm::detector::Basis;
 use crate::report::human::{self, Heading, Notices};
 use crate::report::{Summary, wording};
 
@@ -157,12 +158,10 @@ fn thresholds(panel: Panel, i: usize, bounds: Bounds) -> Panel {
 }
 
 /// Index of the residual that a detector judges; `None` where it judges none.
-fn place(detector: Detector) -> Option<usize> {
-    match detector {
-        Detector::Fde1 => Some(0),
-        Detector::Fde2 => Some(1),
-        Detector::Fde3 => Some(2),
-        _ => None,
+const fn place(detector: Detector) -> Option<usize> {
+    match detector.basis() {
+        Basis::Residual(index) => Some(index),
+        Basis::Readings | Basis::Samples | Basis::Lengths => None,
     }
 }
 

@@ -22,8 +22,7 @@ use tertius_learn::survey::{Frames, Timeline};
 use tertius_machine::inject::{Injector, place};
 
 /// Detectors that find a fault in a reading that looks plausible.
-pub const DETECTORS: [Detector; 4] =
-    [Detector::Fde1, Detector::Fde2, Detector::Fde3, Detector::Sequential];
+pub const DETECTORS: [Detector; Detector::BY_CHANCE.len()] = Detector::BY_CHANCE;
 
 /// A warning on a machine that is taken for healthy.
 #[derive(Clone, Copy, Debug, PartialEq)]

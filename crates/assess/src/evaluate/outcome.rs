@@ -1,7 +1,7 @@
 //! What became of one fault.
 
 use serde::Serialize;
-use tertius_core::alarm::register::PLACES;
+use tertius_core::alarm::detector::{PLACES, WarningPlace};
 use tertius_core::alarm::{Detector, Finding, State, Warning};
 use tertius_core::time::Timestamp;
 use tertius_core::verdict::{Fault, Suspect};
@@ -10,7 +10,8 @@ use tertius_core::verdict::{Fault, Suspect};
 pub const DETECTORS: usize = Detector::ALL.len();
 
 /// Places of the detectors that warn of bad data of C1 and of C2.
-const DATA: [usize; 2] = [3, 4];
+const DATA: [usize; 2] =
+    [WarningPlace::PlausibilityOfC1 as usize, WarningPlace::PlausibilityOfC2 as usize];
 
 /// The first warning after the onset.
 #[derive(Clone, Copy, Debug, PartialEq)]

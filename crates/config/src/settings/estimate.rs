@@ -1,20 +1,15 @@
-//! The virtual third sensor.
+//! `[estimate]`, the virtual third sensor.
 
-use serde::Deserialize;
+use crate::kinds::number;
+use crate::schema::{Kind, Limits, Scalar, table};
 
-/// Settings of the estimates of each cylinder's length.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Estimate {
-    /// Whether Fd_Estimate is sent for each cylinder in each cycle.
-    pub send: bool,
-    /// Largest standard deviation of a valid estimate, m.
-    pub bound: f64,
-}
-
-impl Default for Estimate {
-    /// A bound of a tenth of the difference at which the machine itself trips.
-    fn default() -> Self {
-        Self { send: false, bound: 5e-3 }
+table! {
+    /// Settings of the estimates of each cylinder's length.
+    pub struct Estimate = ESTIMATE {
+        send: bool = false => Kind::One(Scalar::Switch),
+            "false", "whether Fd_Estimate is sent, for each cylinder in each cycle";
+        bound: f64 = 5e-3 =>
+            number(Limits::above(0.0, "a standard deviation in metres; Fd_Estimate has room for 0.065").most(0.065)),
+            "0.005", "an estimate with a larger standard deviation is not valid, m";
     }
 }

@@ -1,29 +1,41 @@
 //! `[alarm.levels]`: the keys and words for the levels of findings.
 
+use crate::schema::{Kind, Scalar, table};
 use serde::Deserialize;
 use tertius_core::alarm::{Level, Levels};
 
-/// The fields of [`Levels`] as the keys of their table.
-#[derive(Deserialize)]
-#[serde(remote = "Levels", deny_unknown_fields, default = "Levels::default")]
-pub struct LevelsTable {
-    #[serde(with = "LevelName")]
-    located: Level,
-    #[serde(with = "LevelName")]
-    undecided: Level,
-    #[serde(with = "LevelName")]
-    process: Level,
-    #[serde(with = "LevelName")]
-    implausible: Level,
-    #[serde(with = "LevelName")]
-    both: Level,
-    #[serde(with = "LevelName")]
-    critical: Level,
+const fn level() -> Kind {
+    Kind::One(Scalar::Choice(&["none", "yellow", "orange", "red", "black"]))
+}
+
+table! {
+    /// The fields of [`Levels`] as the keys of their table.
+    pub struct LevelsTable = LEVELS {
+        located: Level as LevelName = Levels::default().located => level(),
+            "\"yellow\"", "one transducer is blamed by its FDE";
+        undecided: Level as LevelName = Levels::default().undecided => level(),
+            "\"yellow\"", "R3 beyond its bound, location not decided";
+        process: Level as LevelName = Levels::default().process => level(),
+            "\"yellow\"", "both observers disagree with readings that agree with each other";
+        implausible: Level as LevelName = Levels::default().implausible => level(),
+            "\"orange\"", "a reading is stale, out of range, frozen or has a broken wire";
+        both: Level as LevelName = Levels::default().both => level(),
+            "\"black\"", "neither transducer can be relied on";
+        critical: Level as LevelName = Levels::default().critical => level(),
+            "\"black\"", "the measured C1 - C2 beyond the critical limit";
+    }
+}
+
+impl From<LevelsTable> for Levels {
+    fn from(table: LevelsTable) -> Self {
+        let LevelsTable { located, undecided, process, implausible, both, critical } = table;
+        Self { located, undecided, process, implausible, both, critical }
+    }
 }
 
 /// The words for [`Level`].
 #[derive(Deserialize)]
-#[serde(remote = "Level", rename_all = "lowercase")]
+#[serde(rename_all = "lowercase")]
 enum LevelName {
     None,
     Yellow,
@@ -32,11 +44,14 @@ enum LevelName {
     Black,
 }
 
-/// Type that the table is read into where a test asks for its keys.
-#[cfg(test)]
-#[derive(Deserialize)]
-#[serde(transparent)]
-pub struct ReadLevels {
-    #[serde(with = "LevelsTable")]
-    _read: Levels,
+impl From<LevelName> for Level {
+    fn from(name: LevelName) -> Self {
+        match name {
+            LevelName::None => Self::None,
+            LevelName::Yellow => Self::Yellow,
+            LevelName::Orange => Self::Orange,
+            LevelName::Red => Self::Red,
+            LevelName::Black => Self::Black,
+        }
+    }
 }

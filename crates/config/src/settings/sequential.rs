@@ -1,105 +1,122 @@
 //! `[sequential]`, and the tables that `tertius calibrate` has fitted for the detector of one
 //! cylinder.
 
-use serde::Deserialize;
+use crate::kinds::{number, numbers, text};
+use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
+use crate::text::TextRule;
 use tertius_core::sequential::drive::FEATURES;
 use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
 
-/// Settings of the sequential detectors of all cylinders that are calibrated for one.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Sequential {
-    /// Wanted false alarms of the whole machine in a year of monitoring.
-    pub false_alarms_per_year: f64,
-    /// Level h of all cylinders, nats; absent: that of each cylinder's calibration, else by
-    /// [`tertius_core::sequential::level`].
-    pub level: Option<f64>,
-    /// Share of samples that may be wild, without a fault, on a healthy bus; `tertius calibrate`
-    /// allows for it.
-    pub outlier_share: f64,
-    /// Platform states in which the rods stand on their mechanical stops, named as in
-    /// [`Machine::monitored_states`](super::Machine::monitored_states); absent: none is known.
-    pub stop_states: Option<Vec<String>>,
-    /// Path of the file in which the gateway keeps its readings on the stops, relative to the
-    /// configuration file; absent: in memory only.
-    pub history: Option<String>,
-    /// Drift at which a transducer is due for maintenance, m; absent: a tenth of the difference at
-    /// which the machine itself trips.
-    pub maintenance: Option<f64>,
+const FITTED: &str = "`tertius calibrate` writes it";
+
+const fn fitted(least: usize, most: usize) -> Kind {
+    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
 }
 
-impl Default for Sequential {
-    fn default() -> Self {
-        Self {
-            false_alarms_per_year: 1.0,
-            level: None,
-            outlier_share: Outliers::USUAL.share,
-            stop_states: None,
-            history: None,
-            maintenance: None,
-        }
+const fn dependence() -> Kind {
+    let one = Limits::least(1.0, "how many samples carry as much information as one");
+    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
+}
+
+table! {
+    /// Settings of the sequential detectors of all cylinders that are calibrated for one.
+    pub struct Sequential = SEQUENTIAL {
+        false_alarms_per_year: f64 = 1.0 =>
+            number(Limits::above(0.0, "a rate of the whole machine, in a year of monitoring").most(1e6)),
+            "1.0", "the false alarms that a year of monitoring may bring, all cylinders together";
+        /// Level h of all cylinders, nats; absent: that of each cylinder's calibration, else by
+        /// [`tertius_core::sequential::level`].
+        level: Option<f64> = None =>
+            number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
+            "20.0",
+            "the level h of all cylinders, nats; absent: that of each cylinder's calibration, else by \
+             false_alarms_per_year";
+        outlier_share: f64 = Outliers::USUAL.share =>
+            number(Limits::least(Outliers::LEAST.share, "the share of samples that may be wild").most(0.05)),
+            "0.01",
+            "the share of samples that may be off by any amount without a fault, on a healthy bus; `tertius \
+             calibrate` allows for it: where there are none, 0.001 finds a fault with three samples";
+        /// Platform states in which the rods stand on their mechanical stops, named as in
+        /// [`Machine::monitored_states`](super::Machine::monitored_states); absent: none is known.
+        stop_states: Option<Vec<String>> = None =>
+            Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
+            "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops";
+        history: Option<String> = None => text(TextRule::Path),
+            "\"/var/lib/tertius/e-type.dwells\"",
+            "the file in which the gateway keeps what was read on the stops, relative to this file; absent: \
+             in memory only";
+        maintenance: Option<f64> = None =>
+            number(Limits::above(0.0, "how far a reading on the stop may move, in metres")),
+            "0.005",
+            "a transducer that has drifted this far is due for maintenance, m; absent: a tenth of \
+             comparator.critical";
     }
 }
 
-/// Calibration of the sequential detector of one cylinder.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CylinderSequential {
-    /// Sample time of the readings of the calibration, s; absent: not known.
-    pub sample_time: Option<f64>,
-    /// Level h where the machine has none for all cylinders, nats; absent: by the wanted rate
-    /// alone.
-    pub level: Option<f64>,
-    /// Position of the first node on the stroke, m.
-    pub first: f64,
-    /// Distance from each node to the next, m.
-    pub spacing: f64,
-    /// C1 − C2 at each node, m.
-    pub nodes: Vec<f64>,
-    /// Standard deviation of each node, m; absent: nodes count as known where there were enough
-    /// samples.
-    #[serde(default)]
-    pub node_deviations: Vec<f64>,
-    /// Number of samples of the calibration in each cell between two nodes.
-    pub samples: Vec<u64>,
-    /// Growth of C1 − C2 with the velocity, s.
-    pub velocity: f64,
-    /// Share of wild samples that the calibration allowed for.
-    #[serde(default = "unsaid")]
-    pub outlier_share: f64,
-    /// Standard deviation of the residual at any speed, m.
-    pub deviation: f64,
-    /// Standard deviation of the residual at rest, m.
-    pub noise: f64,
-    /// Growth of the standard deviation with the speed, s: how far apart C1 and C2 are sampled by
-    /// chance.
-    pub timing: f64,
-    /// Steps in which the readings of C1 and of C2 move, m; 0 where not known.
-    #[serde(default)]
-    pub resolution: [f64; 2],
-    /// Steps of `rate` and `square_rate`, which begin at 0, m.
-    pub rate_spacing: f64,
-    /// Rate function of the mean of residuals weighted to scatter as at rest, nats.
-    pub rate: Vec<f64>,
-    /// Rate function of the root mean square of such residuals, nats.
-    pub square_rate: Vec<f64>,
-    /// Number of samples of the mean that carry as much information as one independent sample, for
-    /// each of [`WIDTHS`].
-    pub mean_dependence: [f64; WIDTHS.len()],
-    /// Number of samples of the mean square that carry as much information as one independent
-    /// sample.
-    pub square_dependence: [f64; WIDTHS.len()],
-    /// Velocity as a function of the commands; absent: no fault is located.
-    pub drive: Option<[f64; FEATURES]>,
-    /// Standard deviation of the readings from this prediction over a cycle, m.
-    #[serde(default)]
-    pub prediction: f64,
-    /// Correlation of these errors that are 1, 2, … cycles apart; absent: not known.
-    pub prediction_correlation: Option<[f64; ORDER]>,
-}
-
-const fn unsaid() -> f64 {
-    Outliers::UNSAID.share
+table! {
+    /// Calibration of the sequential detector of one cylinder.
+    pub struct CylinderSequential = CYLINDER_SEQUENTIAL {
+        sample_time: Option<f64> = None => number(Limits::above(0.0, FITTED)),
+            "0.02",
+            "the sample time of the readings that it was calibrated to, s; absent: 0.02, as of tables from \
+             before this key";
+        level: Option<f64> = None =>
+            number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
+            "19.5",
+            "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \
+             false_alarms_per_year";
+        first: f64 => number(Limits::finite(FITTED)),
+            "-1.5", "where on the stroke the first node is, m";
+        spacing: f64 => number(Limits::above(0.0, FITTED)),
+            "0.1", "from node to node, m";
+        nodes: Vec<f64> => fitted(2, 1001),
+            "[0.001, 0.0012]", "C1 - C2 at each node, m";
+        node_deviations: Vec<f64> = Vec::new() =>
+            Kind::List { least: 2, most: 1001, of: Scalar::Number(Limits::least(0.0, FITTED)) },
+            "[0.00001, 0.00005]",
+            "the standard deviation of each node, m: where three times it exceeds 0.2 mm, nothing is judged; \
+             absent: nodes count as known where `samples` are 400 or more";
+        samples: Vec<u64> =>
+            Kind::List { least: 1, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) },
+            "[5000]", "samples that the calibration had between each two nodes";
+        velocity: f64 => number(Limits::finite(FITTED)),
+            "0.0001", "the growth of C1 - C2 with the velocity, s";
+        outlier_share: f64 = Outliers::UNSAID.share =>
+            number(Limits::least(Outliers::LEAST.share, FITTED).most(0.05)),
+            "0.01", "the share of wild samples that the calibration allowed for; absent: 0.02";
+        deviation: f64 => number(Limits::above(0.0, FITTED)),
+            "0.0001", "the standard deviation of the residual, m";
+        noise: f64 => number(Limits::above(0.0, FITTED)),
+            "0.0001",
+            "the standard deviation of the residual at rest, m; a table without it is of an earlier version: \
+             make a new one with `tertius calibrate`";
+        timing: f64 => number(Limits::least(0.0, FITTED)),
+            "0.0001", "the growth of the standard deviation with the speed, s; `tertius calibrate` writes it";
+        resolution: [f64; 2] = [0.0; 2] => numbers(2, Limits::least(0.0, FITTED)),
+            "[1e-4, 1e-4]", "the resolutions of the readings of C1 and of C2, m";
+        rate_spacing: f64 => number(Limits::above(0.0, FITTED)),
+            "1e-5", "from value to value of the rate functions, m";
+        rate: Vec<f64> => fitted(2, 1001),
+            "[0.0, 0.5]", "the rate function of the residual's mean, nats";
+        square_rate: Vec<f64> => fitted(2, 1001),
+            "[0.0, 0.5]", "the rate function of its root mean square, nats";
+        /// Number of samples of the mean that carry as much information as one independent sample, for each of
+        /// [`WIDTHS`].
+        mean_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean that carry as much information as one, by the width of the window";
+        square_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean square that carry as much information as one, by the width of the window";
+        drive: Option<[f64; FEATURES]> = None => fitted(FEATURES, FEATURES),
+            "[0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]", "the velocity by the commands";
+        prediction: f64 = 0.0 => number(Limits::least(0.0, FITTED)),
+            "0.0001", "the deviation of the readings from it, m";
+        prediction_correlation: Option<[f64; ORDER]> = None =>
+            Kind::List { least: ORDER, most: ORDER, of: Scalar::Number(Limits::least(-1.0, FITTED).most(1.0)) },
+            "[0.4, 0.1, -0.2, -0.4, -0.3, -0.1]",
+            "how alike two of these deviations are that are 1, 2, ... cycles apart; absent: not known";
+    }
 }

@@ -1,43 +1,15 @@
 //! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5.
 
+use super::detector::Detector;
 use super::e2e;
+pub use super::own::{FRAME_BITS, identifiers};
+use super::own::{OwnFrame, OwnMessage};
 use super::status::Status;
-use super::warning::{Detector, Finding};
+use super::warning::Finding;
 use crate::estimate::Estimate;
-use crate::frame::{Frame, Id, Kind};
+use crate::frame::Id;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
-
-/// A frame that the gateway may send. Only [`Encoder`] makes one, so that no other identifier can
-/// leave the gateway, whatever arrives.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OwnFrame(Frame);
-
-impl OwnFrame {
-    pub const fn as_frame(&self) -> &Frame {
-        &self.0
-    }
-
-    /// Whether the frame is an Fd_Warning.
-    pub fn is_warning(&self) -> bool {
-        self.base() == TPDO[1]
-    }
-
-    /// Whether the frame is an Fd_Estimate.
-    pub fn is_estimate(&self) -> bool {
-        self.base() == TPDO[2]
-    }
-
-    fn base(&self) -> u32 {
-        self.0.id.value() & !u32::from(u8::MAX >> 1)
-    }
-}
-
-/// COB-IDs of the gateway's TPDO1, TPDO2 and TPDO3 in CANopen's predefined connection set.
-const TPDO: [u32; 3] = [0x180, 0x280, 0x380];
-
-/// Valid node numbers of CANopen, 1 to 127.
-const NODES: core::ops::RangeInclusive<u8> = 1..=127;
 
 /// Length of one count of Fd_Warning.Residual, m.
 const RESIDUAL_UNIT: f64 = 1e-5;
@@ -127,29 +99,17 @@ impl EstimateScale {
 /// Value of Fd_Estimate.Sigma beyond its scale, or where σ is not known.
 const SIGMA_BEYOND: u16 = u16::MAX;
 
-/// Length of a frame of the gateway on the bus, bits, with the most stuff bits it can have and the
-/// interframe space.
-pub const FRAME_BITS: f64 = 135.0;
-
-/// The identifiers that the gateway with CANopen node number `node` sends; `None` unless `node` is
-/// 1 to 127.
-pub fn identifiers(node: u8) -> Option<[Id; 3]> {
-    let [status, warning, estimate] =
-        TPDO.map(|base| Id::standard(base + u32::from(node)).filter(|_| NODES.contains(&node)));
-    Some([status?, warning?, estimate?])
-}
-
 /// Makes the gateway's frames and keeps their alive counters.
 #[derive(Clone, Debug)]
 pub struct Encoder {
-    status: Channel,
-    warning: Channel,
-    estimate: Channel,
+    /// In the order of [`OwnMessage::ALL`].
+    channels: [Channel; OwnMessage::ALL.len()],
     scale: EstimateScale,
 }
 
 #[derive(Clone, Debug)]
 struct Channel {
+    message: OwnMessage,
     id: Id,
     counter: u8,
 }
@@ -157,8 +117,9 @@ struct Channel {
 impl Encoder {
     /// The encoder of the gateway with CANopen node number `node`; `None` unless it is 1 to 127.
     pub fn new(node: u8) -> Option<Self> {
-        let [status, warning, estimate] = identifiers(node)?.map(|id| Channel { id, counter: 0 });
-        Some(Self { status, warning, estimate, scale: EstimateScale::default() })
+        let ids = identifiers(node)?;
+        let channel = |i: usize| Channel { message: OwnMessage::ALL[i], id: ids[i], counter: 0 };
+        Some(Self { channels: core::array::from_fn(channel), scale: EstimateScale::default() })
     }
 
     /// This encoder with estimates on another scale.
@@ -168,7 +129,7 @@ impl Encoder {
 
     /// The identifier of Fd_Status.
     pub const fn status_id(&self) -> Id {
-        self.status.id
+        self.channels[OwnMessage::Status as usize].id
     }
 
     /// Encodes Fd_Status.
@@ -182,7 +143,7 @@ impl Encoder {
         payload.put(48, 3, status.level as u64);
         payload.put(51, 3, status.mode as u64);
         payload.put(54, 6, u64::from(status.active_warnings).min(63));
-        self.status.protect(at, payload)
+        self.channels[OwnMessage::Status as usize].protect(at, payload)
     }
 
     /// Encodes Fd_Warning.
@@ -203,7 +164,7 @@ impl Encoder {
         payload.put(38, 1, u64::from(raised));
         payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
         payload.put(56, 8, threshold_counts(finding.threshold));
-        self.warning.protect(at, payload)
+        self.channels[OwnMessage::Warning as usize].protect(at, payload)
     }
 
     /// Encodes Fd_Estimate. An estimate that is not valid, or does not fit the scales, has no
@@ -224,7 +185,7 @@ impl Encoder {
         payload.put(27, 1, u64::from(position.is_some()));
         payload.put(32, 16, u64::from(position.unwrap_or(0)));
         payload.put(48, 16, u64::from(sigma));
-        self.estimate.protect(at, payload)
+        self.channels[OwnMessage::Estimate as usize].protect(at, payload)
     }
 }
 
@@ -234,7 +195,7 @@ impl Channel {
         // The data ID is the identifier, which has 11 bits.
         e2e::protect(&mut data, self.id.value() as u16, self.counter);
         self.counter = self.counter.wrapping_add(1);
-        OwnFrame(Frame::new(at, self.id, Kind::Data, &data))
+        OwnFrame::new(self.message, at, self.id, &data)
     }
 }
 

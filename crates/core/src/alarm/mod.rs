@@ -1,13 +1,17 @@
 //! Turns verdicts into warnings, and warnings into the gateway's own frames.
 
+pub mod detector;
 pub mod e2e;
 pub mod frames;
 pub mod level;
+pub mod own;
 pub mod register;
 pub mod status;
 pub mod warning;
 
-pub use frames::{Encoder, OwnFrame};
+pub use detector::Detector;
+pub use frames::Encoder;
 pub use level::{Level, Levels};
+pub use own::{OwnFrame, OwnMessage};
 pub use register::Register;
-pub use warning::{Detector, Evidence, Finding, State, Warning};
+pub use warning::{Evidence, Finding, State, Warning};

@@ -1,26 +1,13 @@
 //! The standing warnings, and the messages about each: raised, changed, cleared, repeated.
 
 use super::Level;
-use super::warning::{Detector, Finding, State, Warning};
+use super::detector::Detector;
+pub use super::detector::{DETECTORS, PLACES};
+use super::warning::{Finding, State, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::Suspect;
 use alloc::vec;
 use alloc::vec::Vec;
-
-/// Number of places for the warnings of a cylinder: FDE1, FDE2, FDE3, the plausibility of C1, C2
-/// and the command, then the sequential detector.
-pub const PLACES: usize = 7;
-
-/// Detector of each place.
-pub const DETECTORS: [Detector; PLACES] = [
-    Detector::Fde1,
-    Detector::Fde2,
-    Detector::Fde3,
-    Detector::Plausibility,
-    Detector::Plausibility,
-    Detector::Plausibility,
-    Detector::Sequential,
-];
 
 /// Period with which a standing warning is repeated.
 const REPEAT: Span = Span::from_nanos(1_000_000_000);

@@ -1,40 +1,9 @@
 //! Warnings as they leave the monitor.
 
+use super::detector::Detector;
 use super::level::Level;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
-
-/// Detector that warns. The numbers are those of Fd_Warning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Detector {
-    /// The observer on C1.
-    Fde1 = 1,
-    /// The observer on C2.
-    Fde2 = 2,
-    /// The comparator of C1 and the corrected C2.
-    Fde3 = 3,
-    /// The plausibility checks, which come before any model.
-    Plausibility = 4,
-    Sequential = 5,
-    Hexapod = 6,
-}
-
-impl Detector {
-    pub const ALL: [Self; 6] =
-        [Self::Fde1, Self::Fde2, Self::Fde3, Self::Plausibility, Self::Sequential, Self::Hexapod];
-
-    /// Name in files and reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fde1 => "fde1",
-            Self::Fde2 => "fde2",
-            Self::Fde3 => "fde3",
-            Self::Plausibility => "plausibility",
-            Self::Sequential => "sequential",
-            Self::Hexapod => "hexapod",
-        }
-    }
-}
 
 /// What happened to a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,7 +75,7 @@ pub struct Warning {
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub detector: Detector,
-    /// Place of the warning among those of the cylinder, see [`super::register::DETECTORS`].
+    /// Place of the warning among those of the cylinder, see [`super::detector::WarningPlace`].
     pub place: usize,
     pub state: State,
     pub finding: Finding,

@@ -56,8 +56,8 @@ pub struct MonitorDesign {
 /// Location of a page: the index of its message, and its own among the pages of that message.
 type Place = (usize, usize);
 
-/// Period of Fd_Status.
-const STATUS_PERIOD: Span = Span::from_nanos(100_000_000);
+// `fill` has a bit for each cylinder.
+const _: () = assert!(MAX_CYLINDERS <= u8::BITS as usize);
 
 /// The monitor of one machine.
 #[derive(Clone, Debug)]

@@ -1,7 +1,8 @@
 //! Passage of time for a monitor: with the frames, in order, unless the clock behind them was set.
 
+use super::Monitor;
 use super::sink::{Notice, Sink};
-use super::{Monitor, STATUS_PERIOD};
+use super::telling::STATUS_PERIOD;
 use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};

@@ -2,10 +2,17 @@
 
 use super::cylinder::Cylinder;
 use super::gate::Opening;
-use super::{Monitor, STATUS_PERIOD, Sink};
-use crate::alarm::OwnFrame;
+use super::{Monitor, Sink};
+use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
-use crate::time::Timestamp;
+use crate::alarm::{OwnFrame, OwnMessage};
+use crate::time::{Span, Timestamp};
+
+/// Period of Fd_Status.
+pub(super) const STATUS_PERIOD: Span = match OwnMessage::Status.sending() {
+    Sending::Every(period) => period,
+    Sending::Events | Sending::Cycles => panic!("it is the sign of life, and has a period"),
+};
 
 impl Monitor {
     pub(super) fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {

@@ -1,7 +1,7 @@
 //! Findings of the detectors of a cylinder, and the resulting states of its transducers.
 
 use super::{Cylinder, Implausible, TRANSDUCERS};
-use crate::alarm::register::PLACES;
+use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
 use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
@@ -20,15 +20,18 @@ impl Cylinder {
     pub fn findings(&self) -> [Option<Finding>; PLACES] {
         let [fde1, fde2, fde3] = self.bank.detections();
         let levels = &self.design.levels;
-        let mut findings = [
-            fde1.map(|detection| self.observer_finding(self.told(0, self.agreed(0, detection)))),
-            fde2.map(|detection| self.observer_finding(self.told(1, self.agreed(1, detection)))),
-            self.difference_finding(fde3.map(|detection| self.told(2, detection))),
-            self.implausible_finding(0, Suspect::C1),
-            self.implausible_finding(1, Suspect::C2),
-            self.implausible_finding(2, Suspect::Process),
-            self.sequential_finding(),
-        ];
+        let of_observer =
+            |i, detection| self.observer_finding(self.told(i, self.agreed(i, detection)));
+        let mut findings = [None; PLACES];
+        let mut put = |place: WarningPlace, finding| findings[place as usize] = finding;
+        put(WarningPlace::Fde1, fde1.map(|detection| of_observer(0, detection)));
+        put(WarningPlace::Fde2, fde2.map(|detection| of_observer(1, detection)));
+        let fde3 = fde3.map(|detection| self.told(2, detection));
+        put(WarningPlace::Fde3, self.difference_finding(fde3));
+        put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
+        put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
+        put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
+        put(WarningPlace::Sequential, self.sequential_finding());
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
             for finding in findings.iter_mut().flatten() {

@@ -2,9 +2,11 @@
 
 use crate::frame::{Frame, Kind, MAX_DATA};
 
-use super::log::{identifier, is_fd_length};
-use super::token::token;
-use super::{Found, Reason, hex};
+use super::log::identifier;
+use super::{Found, Reason};
+use crate::bus::format::is_fd_length;
+use crate::bus::formats::hex;
+use crate::bus::formats::token::token;
 
 /// CANFD_BRS and CANFD_ESI of linux/can.h.
 const BIT_RATE_SWITCH: u8 = 1;

@@ -3,8 +3,9 @@
 use crate::frame::Frame;
 
 use super::stamp::Stamp;
-use super::token::token;
-use super::{Extent, Found, MAX_INTERFACE, Reason, console, log};
+use super::{Extent, Found, Reason, console, log};
+use crate::bus::format::MAX_INTERFACE;
+use crate::bus::formats::token::token;
 
 /// Form of the frame's text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,28 +3,13 @@
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
-use super::{Extent, Line, MAX_LINE, Reason, blank_frame};
+use super::{Extent, Line, Reason, TimeStamps, Unread, blank_frame};
+use crate::bus::format::{End, MAX_LINE};
 
 /// Number of lines by which `-td` and `-tz` are told apart.
 const VOTERS: usize = 64;
 /// Number of bytes examined for them: enough for that many lines of any length.
 const HORIZON: usize = VOTERS * MAX_LINE;
-
-/// Interpretation of short time stamps, those with fewer than nine digits before the point. Longer
-/// ones and dates are always absolute.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TimeStamps {
-    /// In the console form: [`Self::Delta`] if one of the first 64 lines is earlier than its
-    /// predecessor, else [`Self::Zero`]. In the log form: [`Self::Absolute`].
-    #[default]
-    Auto,
-    /// As they stand in the lines.
-    Absolute,
-    /// Each counts from the previous line (`candump -td`), the first line of the input from zero.
-    Delta,
-    /// Counted from the recording's start (`candump -tz`), as they stand.
-    Zero,
-}
 
 /// Meaning of the short time stamps of one input.
 #[derive(Debug)]
@@ -41,7 +26,6 @@ enum Meaning {
 /// Converts the time stamps of one input to instants.
 #[derive(Debug)]
 pub struct StampClock {
-    option: TimeStamps,
     meaning: Meaning,
     /// Sum of the deltas, ns.
     elapsed: i64,
@@ -54,12 +38,7 @@ impl StampClock {
             TimeStamps::Absolute | TimeStamps::Zero => Meaning::AsTheyStand,
             TimeStamps::Delta => Meaning::Delta,
         };
-        Self { option, meaning, elapsed: 0 }
-    }
-
-    /// Restarts for the next input, which has its own zero.
-    pub fn restart(&mut self) {
-        *self = Self::new(self.option);
+        Self { meaning, elapsed: 0 }
     }
 
     /// Whether the line can be placed in time only after [`Self::look_ahead`].
@@ -67,11 +46,11 @@ impl StampClock {
         matches!(self.meaning, Meaning::Undecided(_)) && line.is_short_console()
     }
 
-    /// Examines the unread bytes, which begin with the line that must wait; `whole` when no more
-    /// will come. Returns false if it must be called again with more bytes behind the same ones.
-    pub fn look_ahead(&mut self, unread: &[u8], whole: bool) -> bool {
+    /// Examines the unread bytes, which begin with the line that must wait. Returns false if it must be
+    /// called again with more bytes behind the same ones.
+    pub fn look_ahead(&mut self, unread: Unread<'_>) -> bool {
         if let Meaning::Undecided(vote) = &mut self.meaning {
-            match vote.count(unread, whole) {
+            match vote.count(unread.bytes, unread.end != End::Open) {
                 None => return false,
                 Some(true) => self.meaning = Meaning::ConsoleDelta,
                 Some(false) => self.meaning = Meaning::AsTheyStand,

@@ -2,8 +2,10 @@
 
 use crate::frame::{Frame, Id, Kind, MAX_DATA};
 
-use super::token::token;
-use super::{Found, Reason, hex};
+use super::{Found, Reason};
+use crate::bus::format::is_fd_length;
+use crate::bus::formats::hex;
+use crate::bus::formats::token::token;
 
 const MAX_CLASSIC: usize = 8;
 /// CAN_ERR_FLAG of linux/can.h.
@@ -54,11 +56,6 @@ pub fn identifier(digits: &[u8]) -> Result<(Id, bool), Reason> {
     let is_error = value & ERROR_FLAG != 0;
     let id = Id::extended(value & !ERROR_FLAG).ok_or(Reason::ExtendedRange(value))?;
     Ok((id, is_error))
-}
-
-/// Whether a CAN FD frame can have this length, bytes.
-pub fn is_fd_length(length: usize) -> bool {
-    matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64)
 }
 
 fn fd_flags(text: &[u8]) -> Result<u8, Reason> {

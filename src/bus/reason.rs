@@ -1,10 +1,13 @@
-//! Why a line is not a frame, for people.
+//! Why a line or record is not a frame, for people.
 
-use super::MAX_LINE;
+use super::format::MAX_LINE;
 
 /// What was found in a bad line and what was expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
+    /// Any reason of a format: what was found, and what was expected.
+    #[error("found {found}, expected {expected}")]
+    Expected { found: Found, expected: &'static str },
     #[error(
         "the line is longer than {MAX_LINE} bytes: this is not a candump recording, or it lost its \
          line ends"
@@ -12,6 +15,10 @@ pub enum Reason {
     LineTooLong,
     #[error("the line is truncated where the file is damaged")]
     CutOff,
+    #[error("the file ends in the middle of a record")]
+    Incomplete,
+    #[error("the record is longer than {limit} bytes", limit = super::format::MAX_RECORD)]
+    RecordTooLong,
     #[error("candump reports here that it lost frames")]
     DropCount,
     #[error(
@@ -28,7 +35,7 @@ pub enum Reason {
     StampRange,
     #[error("found {0}, expected an interface such as can0 after the time stamp")]
     Interface(Found),
-    #[error("the interface's name has {0} bytes, expected at most {limit}", limit = super::MAX_INTERFACE)]
+    #[error("the interface's name has {0} bytes, expected at most {limit}", limit = super::format::MAX_INTERFACE)]
     InterfaceTooLong(usize),
     #[error("the line ends after the interface, expected a frame such as 181#E02D")]
     NoFrame,

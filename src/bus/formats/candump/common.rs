@@ -5,7 +5,7 @@
 use crate::frame::{Frame, Id, Kind, MAX_DATA};
 use crate::time::Timestamp;
 
-use super::hex;
+use crate::bus::formats::hex;
 
 /// Number of bytes that must be available so that no access beyond the end needs a check; more than
 /// the longest line read here.

@@ -1,0 +1,28 @@
+//! `[[cylinder]]`.
+
+use super::sequential::{CYLINDER_SEQUENTIAL, CylinderSequential};
+use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, whole};
+use crate::schema::{Kind, Limits, table};
+
+table! {
+    /// Overrides for one cylinder.
+    pub struct Cylinder = CYLINDER {
+        n: u8 => whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
+            "1", "which cylinder";
+        c2_gain: f64 = 1.0 =>
+            number(Limits::least(0.5, "both transducers measure the same stroke, so a is close to 1").most(2.0)),
+            "1.0", "a of (5-20)";
+        c2_offset: f64 = 0.0 => number(Limits::finite(FINITE)),
+            "0.0", "b of (5-20), m";
+        theta: Option<[f64; 5]> = None => numbers(5, Limits::finite(FINITE)),
+            "[-0.0101, -0.1231, -1.6891e-5, -10.7104, -0.0023]", "theta of (4-1) for this cylinder";
+        gamma: Option<[f64; 2]> = None => numbers(2, Limits::finite(FINITE)),
+            "[0.0926, 6.5427]", "gamma of (4-1) for this cylinder";
+        command_offset: Option<f64> = None => number(Limits::finite(FINITE)),
+            "0.0", "the command at which this cylinder rests, m/s";
+        sample_time: Option<f64> = None => number(Limits::above(0.0, DURATION)),
+            "0.02", "the sample time of theta and gamma of this cylinder, s; absent: not known";
+        sequential: Option<CylinderSequential> = None => Kind::Table(&CYLINDER_SEQUENTIAL),
+            "", "what `calibrate` has fitted for the sequential detector";
+    }
+}

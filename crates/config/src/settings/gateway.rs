@@ -1,0 +1,49 @@
+//! The gateway itself: `[gateway]`, `[http]` and `[realtime]`.
+
+use crate::kinds::{DURATION, number, text, whole};
+use crate::schema::{Kind, Limits, Scalar, table};
+use crate::text::TextRule;
+use std::net::SocketAddr;
+
+table! {
+    /// The gateway's own node on the bus.
+    pub struct Gateway = GATEWAY {
+        node: u8 = 81 => whole(1, 127, "CANopen has nodes 1 to 127"),
+            "81", "the gateway's CANopen node; Fd_Status is 0x180 + node";
+        bus_share: f64 = 0.05 =>
+            number(Limits::above(0.0, "the part of the bus that the gateway may take").most(0.5)),
+            "0.05", "the largest part of the bus that the gateway takes, 0 to 0.5";
+        max_age: f64 = 0.2 => number(Limits::above(0.0, DURATION).most(10.0)),
+            "0.2", "a frame that could not be sent for this long is dropped, s";
+        guard: f64 = 0.01 => number(Limits::least(0.0, DURATION).most(1.0)),
+            "0.01", "deadlines are kept this far behind the clock, for frames still on their way, s";
+    }
+}
+
+table! {
+    /// HTTP server of the gateway's own state.
+    pub struct Http = HTTP {
+        /// `ADDRESS:PORT` to listen on, or [`HTTP_OFF`].
+        listen: String = "127.0.0.1:9481".to_owned() => text(TextRule::Listen),
+            "\"127.0.0.1:9481\"", "where /health and /metrics are served, ADDRESS:PORT; or off";
+    }
+}
+
+table! {
+    /// Scheduling and memory that the gateway requests from the kernel at its start. A reload changes
+    /// neither.
+    #[derive(Copy, Eq)]
+    pub struct Realtime = REALTIME {
+        priority: u8 = 0 => whole(0, 99, "SCHED_FIFO has priorities 1 to 99; 0 is ordinary"),
+            "0", "the real-time priority of the data path, from the gateway's start on; 0 for none";
+        lock_memory: bool = false => Kind::One(Scalar::Switch),
+            "false", "whether the gateway's memory is locked, from its start on";
+    }
+}
+
+impl Http {
+    /// Address to listen on; `None` if HTTP is off.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.parse().ok()
+    }
+}

@@ -1,0 +1,159 @@
+//! What a recording format is: how an input of the format is recognised, and how its bytes become frames.
+//!
+//! A format need not have lines. A [`Reader`] takes what it can use of the bytes that were read so far, and
+//! says what they are. [`super::Recording`] reads the files, counts, and chooses the interface.
+
+use crate::frame::{Frame, Id, Kind};
+use crate::time::Timestamp;
+
+use super::reason::Reason;
+
+/// Longest line that is read, bytes without its newline; candump's own stay below 400.
+pub const MAX_LINE: usize = 1024;
+/// Longest record that may be asked for whole, bytes. A longer one has to be taken in parts.
+pub const MAX_RECORD: usize = 128 * 1024;
+/// Longest interface name that is accepted; Linux itself allows 15 bytes.
+pub const MAX_INTERFACE: usize = 64;
+
+/// A recording format: a row of the table in [`super::formats`].
+pub struct Format {
+    /// Name for people, as in "it seems to be …".
+    pub name: &'static str,
+    /// How places in an input are numbered.
+    pub numbered: Numbered,
+    /// Whether an input that begins with these bytes has this format; `None` where they are too few to
+    /// tell. At most 512 bytes are shown.
+    pub recognise: fn(head: &[u8]) -> Option<bool>,
+    /// A reader for one input.
+    pub reader: fn(stamps: TimeStamps) -> Box<dyn Reader>,
+}
+
+/// Whether places in an input are lines or bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Numbered {
+    /// Text, in lines counted from 1.
+    Lines,
+    /// Anything else, by the number of bytes before the place, after decompression.
+    #[cfg_attr(not(test), allow(dead_code, reason = "every format that is read so far has lines"))]
+    Bytes,
+}
+
+/// Interpretation of short time stamps, those that do not count from 1970.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimeStamps {
+    /// In candump's console form: [`Self::Delta`] if one of the first 64 lines is earlier than its
+    /// predecessor, else [`Self::Zero`]. In its log form, and in other formats: [`Self::Absolute`].
+    #[default]
+    Auto,
+    /// As they stand in the recording.
+    Absolute,
+    /// Each counts from the previous line (`candump -td`), the first line of the input from zero.
+    Delta,
+    /// Counted from the recording's start (`candump -tz`), as they stand.
+    Zero,
+}
+
+/// Turns the bytes of one input into frames.
+pub trait Reader: Send {
+    /// Reads what the bytes begin with. A frame is written into `frame`, which is undefined afterwards if
+    /// there was none. The result must depend on the input's bytes alone, and not on how many of them are
+    /// there yet.
+    fn read<'a>(&'a mut self, unread: Unread<'a>, frame: &mut Frame) -> Item<'a>;
+}
+
+/// The bytes of an input that were read and not yet taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Unread<'a> {
+    pub bytes: &'a [u8],
+    pub end: End,
+}
+
+/// What comes after the bytes that were read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// There may be more.
+    Open,
+    /// Nothing: the input ends here.
+    Whole,
+    /// The rest of the input is lost, since it is damaged.
+    Lost,
+}
+
+/// What the next bytes of an input are.
+#[derive(Clone, Copy, Debug)]
+pub enum Item<'a> {
+    /// A frame, which ends after `taken` bytes.
+    Frame {
+        taken: usize,
+        /// Name of the interface, of printable ASCII.
+        interface: &'a [u8],
+        /// Whether its time stamp counts from 1970.
+        absolute: bool,
+    },
+    /// A line or record that is no frame, and need not be one.
+    Nothing { taken: usize },
+    /// A line or record that should be a frame; its first `shown` bytes may be shown.
+    Bad { shown: usize, taken: usize, reason: Reason },
+    /// A line longer than [`MAX_LINE`], which is dropped up to its end.
+    LongLine,
+    /// More bytes are needed, of [`MAX_RECORD`] at the most. At the end of the input: nothing is left, or
+    /// what is left is incomplete.
+    More,
+}
+
+/// A line without its newline.
+#[derive(Clone, Copy, Debug)]
+pub struct CutLine<'a> {
+    pub text: &'a [u8],
+    /// Number of its bytes with the newline.
+    taken: usize,
+}
+
+impl<'a> Unread<'a> {
+    /// The next line, for formats of lines.
+    ///
+    /// # Errors What to return from [`Reader::read`] where there is no whole line.
+    pub fn line(self) -> Result<CutLine<'a>, Item<'a>> {
+        let head = &self.bytes[..self.bytes.len().min(MAX_LINE + 1)];
+        match memchr::memchr(b'\n', head) {
+            Some(length) => Ok(CutLine { text: &head[..length], taken: length + 1 }),
+            None if head.len() > MAX_LINE => Err(Item::LongLine),
+            // What is there of it may be a frame with half its data.
+            None if self.end == End::Whole && !head.is_empty() => {
+                Ok(CutLine { text: head, taken: head.len() })
+            }
+            None => Err(Item::More),
+        }
+    }
+}
+
+impl<'a> CutLine<'a> {
+    /// The result for a line that is a frame.
+    pub fn frame(self, interface: &'a [u8], absolute: bool) -> Item<'a> {
+        Item::Frame { taken: self.taken, interface, absolute }
+    }
+
+    /// The result for a line that need not be a frame.
+    pub fn nothing(self) -> Item<'a> {
+        Item::Nothing { taken: self.taken }
+    }
+
+    /// The result for a line that should be a frame.
+    pub fn bad(self, reason: Reason) -> Item<'a> {
+        Item::Bad { shown: self.text.len(), taken: self.taken, reason }
+    }
+}
+
+/// A frame for a reader to fill.
+pub fn blank_frame() -> Frame {
+    const ZERO: Id = match Id::standard(0) {
+        Some(id) => id,
+        None => panic!("0 is an 11-bit identifier"),
+    };
+    Frame::new(Timestamp::default(), ZERO, Kind::Data, &[])
+}
+
+/// Whether a CAN FD frame can have this length, bytes.
+pub fn is_fd_length(length: usize) -> bool {
+    matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64)
+}

@@ -1,0 +1,63 @@
+//! The lines that candump writes, as in can-utils' candump.c and lib.c.
+//!
+//! The log form (`candump -l`, `-L`) and the console form (`-ta`, `-tA`, `-td`, `-tz`, with or
+//! without `-x`, `-a`, `-8`) are read; CAN XL, `-i` and `-S` are refused line by line.
+
+mod clock;
+mod common;
+mod console;
+mod line;
+mod log;
+mod stamp;
+
+pub(in crate::bus) use common::{Common, Known};
+use line::Line;
+use stamp::Extent;
+
+use crate::bus::format::{Format, Item, Numbered, Reader, TimeStamps, Unread, blank_frame};
+use crate::bus::reason::{Found, Reason};
+use crate::frame::Frame;
+
+use clock::StampClock;
+
+/// Least number of digits of seconds since 1970: candump pads absolute time stamps to ten digits.
+const ABSOLUTE_DIGITS: usize = 9;
+
+/// candump's format, which also takes what no other format recognises.
+pub static FORMAT: Format = Format {
+    name: "a candump recording (-l, -L, or the console form with time stamps)",
+    numbered: Numbered::Lines,
+    recognise: |_| Some(true),
+    reader: |stamps| Box::new(Candump { clock: StampClock::new(stamps) }),
+};
+
+/// Reads the lines that are left by [`Common`], the shortcut for most lines of a recording.
+struct Candump {
+    clock: StampClock,
+}
+
+impl Reader for Candump {
+    fn read<'a>(&'a mut self, unread: Unread<'a>, frame: &mut Frame) -> Item<'a> {
+        let cut = match unread.line() {
+            Ok(cut) => cut,
+            Err(item) => return item,
+        };
+        let line = match Line::parse(cut.text) {
+            Ok(Some(line)) => line,
+            Ok(None) => return cut.nothing(),
+            Err(reason) => return cut.bad(reason),
+        };
+        let read = line.read_frame(frame);
+        if read.is_ok() && self.clock.must_look_ahead(&line) && !self.clock.look_ahead(unread) {
+            return Item::More;
+        }
+        // A bad frame's time counts too: those after it may be relative to it.
+        match self.clock.instant(&line).and_then(|instant| read.map(|()| instant)) {
+            Ok(instant) => {
+                frame.timestamp = instant;
+                cut.frame(line.interface, line.stamp.extent == Extent::Absolute)
+            }
+            Err(reason) => cut.bad(reason),
+        }
+    }
+}
