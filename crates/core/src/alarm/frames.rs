@@ -1,4 +1,7 @@
-//! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5.
+//! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5, and
+//! those of its CANopen services, where it is a node.
+
+mod services;
 
 use super::e2e;
 use super::status::Status;
@@ -7,9 +10,10 @@ use crate::estimate::Estimate;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
+pub use services::{Service, ServiceEncoder, service_identifiers};
 
-/// A frame that the gateway may send. Only [`Encoder`] makes one, so that no other identifier can
-/// leave the gateway, whatever arrives.
+/// A frame that the gateway may send. Only [`Encoder`] and [`ServiceEncoder`] make one, so that no
+/// other identifier can leave the gateway, whatever arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnFrame(Frame);
 
@@ -194,16 +198,7 @@ impl Encoder {
         finding: &Finding,
         raised: bool,
     ) -> OwnFrame {
-        let mut payload = Payload::default();
-        payload.put(24, 3, u64::from(cylinder));
-        payload.put(27, 3, detector as u64);
-        payload.put(30, 3, fault_code(finding.fault));
-        payload.put(33, 2, suspect_code(finding.suspect));
-        payload.put(35, 3, finding.level as u64);
-        payload.put(38, 1, u64::from(raised));
-        payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
-        payload.put(56, 8, threshold_counts(finding.threshold));
-        self.warning.protect(at, payload)
+        self.warning.protect(at, Payload::of_warning(cylinder, detector, finding, raised))
     }
 
     /// Encodes Fd_Estimate. An estimate that is not valid, or does not fit the scales, has no
@@ -238,11 +233,35 @@ impl Channel {
     }
 }
 
+/// Bytes 3 to 7 of the Fd_Warning of a finding, which an emergency message has, too.
+pub fn warning_bytes(
+    cylinder: u8,
+    detector: Detector,
+    finding: &Finding,
+    raised: bool,
+) -> [u8; 8 - e2e::HEADER] {
+    let payload = Payload::of_warning(cylinder, detector, finding, raised).0.to_le_bytes();
+    core::array::from_fn(|i| payload[e2e::HEADER + i])
+}
+
 /// A payload of eight bytes, little-endian.
 #[derive(Default)]
 struct Payload(u64);
 
 impl Payload {
+    fn of_warning(cylinder: u8, detector: Detector, finding: &Finding, raised: bool) -> Self {
+        let mut payload = Self::default();
+        payload.put(24, 3, u64::from(cylinder));
+        payload.put(27, 3, detector as u64);
+        payload.put(30, 3, fault_code(finding.fault));
+        payload.put(33, 2, suspect_code(finding.suspect));
+        payload.put(35, 3, finding.level as u64);
+        payload.put(38, 1, u64::from(raised));
+        payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
+        payload.put(56, 8, threshold_counts(finding.threshold));
+        payload
+    }
+
     /// Puts the low `length` bits of `value` at bit `start`.
     fn put(&mut self, start: u32, length: u32, value: u64) {
         self.0 |= (value & ((1 << length) - 1)) << start;
@@ -258,7 +277,8 @@ fn threshold_counts(threshold: Option<f64>) -> u64 {
     threshold.map_or(0, |t| (libm::round(t / THRESHOLD_UNIT) as u64).min(THRESHOLD_BEYOND))
 }
 
-const fn fault_code(fault: Fault) -> u64 {
+/// Value of Fd_Warning.Fault.
+pub const fn fault_code(fault: Fault) -> u64 {
     match fault {
         Fault::Unclassified => 0,
         Fault::Abrupt => 1,

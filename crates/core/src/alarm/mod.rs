@@ -7,7 +7,7 @@ pub mod register;
 pub mod status;
 pub mod warning;
 
-pub use frames::{Encoder, OwnFrame};
+pub use frames::{Encoder, OwnFrame, Service, ServiceEncoder};
 pub use level::{Level, Levels};
 pub use register::Register;
 pub use warning::{Detector, Evidence, Finding, State, Warning};
