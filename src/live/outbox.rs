@@ -1,17 +1,20 @@
 //! Frames that wait to be sent, limited in number, age and share of the bus.
 
+mod services;
+
 use crate::alarm::OwnFrame;
 use crate::alarm::frames::FRAME_BITS;
 use crate::alarm::register::PLACES;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::frame::Id;
 use crate::time::{Span, Timestamp};
+use services::Waiting;
 use std::collections::VecDeque;
 
 /// Limits of the outbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutboxLimits {
-    /// Most warnings that wait; the oldest gives way.
+    /// Most warnings that wait, and most emergency messages; the oldest gives way.
     pub waiting: usize,
     /// Most estimates that wait, one for each cylinder; the oldest gives way.
     pub estimates: usize,
@@ -42,6 +45,21 @@ impl OutboxLimits {
 /// whatever went before it, and still keeps to the share.
 const STOPPING_STATUS: u32 = 1;
 
+/// Frames that emergency messages and heartbeats leave to statuses.
+const STATUSES: u32 = 1;
+
+/// Queue of frames that wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Queue {
+    Status,
+    Warnings,
+    /// Emergency messages and heartbeats.
+    Reports,
+    /// Answers of the SDO server.
+    Answers,
+    Estimates,
+}
+
 /// Counts of what became of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutboxCounts {
@@ -63,6 +81,11 @@ pub struct OutboxCounts {
 /// newer status replaces one that still waits. Estimates come last, and leave the frames that may
 /// be sent at once to the others, except for two cycles' worth. Nothing follows the stopping status
 /// ([`Self::close`]).
+///
+/// The frames of the CANopen services come after warnings and statuses: first emergency messages
+/// and heartbeats, whose number the gateway itself decides. Answers of the SDO server, for which
+/// anybody may ask at any rate, leave as much to the others as estimates do, and take turns with
+/// them.
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: OutboxLimits,
@@ -72,6 +95,9 @@ pub struct Outbox {
     /// Number of warnings that came before the waiting status.
     ahead: usize,
     estimates: VecDeque<OwnFrame>,
+    services: Waiting,
+    /// Whether the newest answer or estimate that was sent is an answer.
+    answered: bool,
     /// Number of frames that may be sent now; fractions accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
@@ -90,6 +116,8 @@ impl Outbox {
             warnings: VecDeque::with_capacity(limits.waiting),
             ahead: 0,
             estimates: VecDeque::with_capacity(limits.estimates),
+            services: Waiting::new(limits.waiting),
+            answered: false,
             credit: f64::from(limits.burst),
             accrued: None,
             closing: false,
@@ -103,7 +131,7 @@ impl Outbox {
 
     /// Number of frames that wait.
     pub fn waiting(&self) -> usize {
-        self.urgent() + self.estimates.len()
+        self.urgent() + self.services.len() + self.estimates.len()
     }
 
     fn urgent(&self) -> usize {
@@ -113,6 +141,11 @@ impl Outbox {
     /// Takes a frame; its time stamp is the time at which it was made.
     pub fn put(&mut self, frame: OwnFrame) {
         if self.closing {
+            return;
+        }
+        if let Some(service) = frame.service() {
+            let crowded_out = self.services.put(service, frame);
+            self.counts.crowded_out += u64::from(crowded_out);
             return;
         }
         if frame.as_frame().id == self.status_id {
@@ -141,53 +174,85 @@ impl Outbox {
     pub fn close(&mut self, stopping_status: OwnFrame) {
         self.counts.outdated += self.estimates.len() as u64;
         self.estimates.clear();
+        self.services.clear();
         self.put(stopping_status);
         self.closing = true;
+    }
+
+    /// Drops the waiting PDOs, because the node may send none.
+    pub fn drop_pdos(&mut self) {
+        self.status = None;
+        self.warnings.clear();
+        self.estimates.clear();
+        self.ahead = 0;
     }
 
     /// The frame that may be sent at `now`, if any; [`Self::sent`] removes it.
     pub fn next(&mut self, now: Timestamp) -> Option<&OwnFrame> {
         self.accrue(now);
         self.drop_old(now);
-        let urgent = self.urgent() > 0;
-        if !urgent && self.estimates.is_empty() {
-            return None;
-        }
-        let status = self.is_status_next();
-        let reserve = match (urgent, status && self.closing) {
-            (false, _) => self.reserve(),
-            (true, false) => f64::from(STOPPING_STATUS),
-            (true, true) => 0.0,
-        };
-        if self.credit < 1.0 + reserve {
+        let queue = self.turn()?;
+        if self.credit < 1.0 + self.reserve(queue) {
             self.counts.held_back += 1;
             return None;
         }
-        match (urgent, status) {
-            (false, _) => self.estimates.front(),
-            (true, true) => self.status.as_ref(),
-            (true, false) => self.warnings.front(),
+        match queue {
+            Queue::Status => self.status.as_ref(),
+            Queue::Warnings => self.warnings.front(),
+            Queue::Reports => self.services.report(),
+            Queue::Answers => self.services.answer(),
+            Queue::Estimates => self.estimates.front(),
         }
     }
 
-    /// Number of frames that estimates leave of those that may be sent at once.
-    fn reserve(&self) -> f64 {
-        let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
-        others.max(f64::from(STOPPING_STATUS))
+    /// The queue whose turn it is; `None` if nothing waits.
+    fn turn(&self) -> Option<Queue> {
+        let estimates = !self.estimates.is_empty();
+        if self.urgent() > 0 {
+            Some(if self.is_status_next() { Queue::Status } else { Queue::Warnings })
+        } else if self.services.report().is_some() {
+            Some(Queue::Reports)
+        } else if self.services.answer().is_some() && !(estimates && self.answered) {
+            Some(Queue::Answers)
+        } else {
+            estimates.then_some(Queue::Estimates)
+        }
+    }
+
+    /// Number of frames that `queue` leaves of those that may be sent at once.
+    fn reserve(&self, queue: Queue) -> f64 {
+        let stopping = f64::from(STOPPING_STATUS);
+        match queue {
+            Queue::Status if self.closing => 0.0,
+            Queue::Status | Queue::Warnings => stopping,
+            Queue::Reports => stopping + f64::from(STATUSES),
+            Queue::Answers | Queue::Estimates => {
+                let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
+                others.max(stopping)
+            }
+        }
     }
 
     /// Notes that the frame of the last [`Self::next`] was sent.
     pub fn sent(&mut self) {
-        if self.urgent() == 0 {
-            self.estimates.pop_front();
-        } else if self.is_status_next() {
-            self.status = None;
-            if self.closing {
-                self.counts.crowded_out += self.warnings.len() as u64;
-                self.warnings.clear();
+        match self.turn() {
+            Some(Queue::Status) => {
+                self.status = None;
+                if self.closing {
+                    self.counts.crowded_out += self.warnings.len() as u64;
+                    self.warnings.clear();
+                }
             }
-        } else {
-            self.take_warning();
+            Some(Queue::Warnings) => self.take_warning(),
+            Some(Queue::Reports) => self.services.take_report(),
+            Some(Queue::Answers) => {
+                self.services.take_answer();
+                self.answered = true;
+            }
+            Some(Queue::Estimates) | None => {
+                self.estimates.pop_front();
+                self.answered = false;
+            }
         }
         self.credit -= 1.0;
         self.counts.sent += 1;
@@ -199,6 +264,7 @@ impl Outbox {
         self.status = None;
         self.warnings.clear();
         self.estimates.clear();
+        self.services.clear();
         self.ahead = 0;
     }
 
@@ -236,6 +302,7 @@ impl Outbox {
             self.estimates.pop_front();
             self.counts.too_old += 1;
         }
+        self.counts.too_old += self.services.drop_old(old);
     }
 }
 

@@ -34,10 +34,6 @@ const REQUEST: u32 = 0x600;
 /// State in a boot-up message.
 const BOOT_UP: u8 = 0;
 
-/// Shortest heartbeat time that can be set, ms. A shorter one would take the bus share from
-/// warnings.
-pub const SHORTEST_HEARTBEAT: u16 = 50;
-
 /// Everything a node is made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeDesign {
@@ -45,6 +41,9 @@ pub struct NodeDesign {
     pub node: u8,
     /// Time between heartbeats after each reset, ms; 0 for none.
     pub heartbeat: u16,
+    /// Shortest heartbeat time that can be set over SDO, ms: so that heartbeats do not take the bus
+    /// share from warnings.
+    pub shortest_heartbeat: u16,
     /// Whether the node becomes operational without an NMT master.
     pub autostart: bool,
     /// Version of the program, `major.minor.patch`.
@@ -138,7 +137,7 @@ impl Node {
             dictionary: objects::dictionary(design),
             nmt: Nmt::new(node)?,
             sdo: Sdo::new(node)?,
-            values: Values::new(node, heartbeat),
+            values: Values::new(node, heartbeat, design.shortest_heartbeat),
             next: None,
         })
     }

@@ -165,11 +165,12 @@ impl Sheet<'_> {
         self.key("AccessType", access);
         self.key("DefaultValue", self.default_of(entry));
         self.key("PDOMapping", u8::from(entry.mapped));
-        if entry.source == Source::Live(Live::Heartbeat) {
-            self.key("LowLimit", 0);
-            self.key("HighLimit", u16::MAX);
+        if entry.source != Source::Live(Live::Heartbeat) {
+            return;
         }
-        if self.kind == SheetKind::Configured && entry.access == Access::ReadWrite {
+        self.key("LowLimit", 0);
+        self.key("HighLimit", u16::MAX);
+        if self.kind == SheetKind::Configured {
             self.key("ParameterValue", self.default_of(entry));
         }
     }
@@ -185,6 +186,7 @@ impl Sheet<'_> {
             (Source::Real(real), _) => real.to_string(),
             (Source::Text(text), _) => text.to_string(),
             (Source::Live(Live::Heartbeat), _) => self.design.heartbeat.to_string(),
+            (Source::Live(Live::ErrorCount), _) => "0".to_owned(),
             (Source::Live(_), _) => String::new(),
         }
     }

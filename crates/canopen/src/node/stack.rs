@@ -23,6 +23,17 @@ pub enum NodeState {
     PreOperational = 127,
 }
 
+impl NodeState {
+    /// Name in the log.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Stopped => "stopped",
+            Self::Operational => "operational",
+            Self::PreOperational => "pre-operational",
+        }
+    }
+}
+
 /// Command of an NMT master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NmtCommand {

@@ -4,7 +4,7 @@ use super::dictionary::{Access, Dictionary, Live, NodeEntry, Source};
 use super::errors::Errors;
 use super::stack::{Abort, Served, Width};
 use super::value::{NodeType, NodeValue};
-use super::{NodeView, SHORTEST_HEARTBEAT, milliseconds};
+use super::{NodeView, milliseconds};
 use tertius_core::alarm::OwnFrame;
 use tertius_core::alarm::status::MAX_CYLINDERS;
 use tertius_core::monitor::{Counts, Record};
@@ -16,6 +16,8 @@ pub(super) struct Values {
     node: u8,
     /// Heartbeat time, ms; 0 for none.
     heartbeat: u16,
+    /// Shortest heartbeat time that can be set, ms.
+    shortest: u16,
     pub(super) errors: Errors,
     /// Contents of the newest Fd_Status, Fd_Warning and Fd_Estimate.
     pdos: [[u8; 8]; 3],
@@ -24,10 +26,11 @@ pub(super) struct Values {
 }
 
 impl Values {
-    pub(super) fn new(node: u8, heartbeat: u16) -> Self {
+    pub(super) fn new(node: u8, heartbeat: u16, shortest: u16) -> Self {
         Self {
             node,
             heartbeat,
+            shortest,
             errors: Errors::default(),
             pdos: [[0; 8]; 3],
             residuals: [[None; 3]; MAX_CYLINDERS],
@@ -163,7 +166,7 @@ impl Served for Serving<'_> {
         match (&self.dictionary.find(index, sub)?.source, value) {
             (Source::Live(Live::ErrorCount), 0) => self.values.errors.clear_history(),
             (Source::Live(Live::ErrorCount), _) => return Err(Abort::InvalidValue),
-            (Source::Live(Live::Heartbeat), 1..SHORTEST_HEARTBEAT) => {
+            (Source::Live(Live::Heartbeat), time) if time > 0 && time < self.values.shortest => {
                 return Err(Abort::ValueTooLow);
             }
             (Source::Live(Live::Heartbeat), time) => self.values.set_heartbeat(time),

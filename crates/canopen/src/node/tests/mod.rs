@@ -29,6 +29,7 @@ pub(super) fn design() -> NodeDesign {
     NodeDesign {
         node: 81,
         heartbeat: 1000,
+        shortest_heartbeat: 50,
         autostart: true,
         version: "1.2.3".to_owned(),
         machine: "Ein Gerät mit einem langen Namen, der nicht in ein Segment passt".to_owned(),
