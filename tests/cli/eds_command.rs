@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use tertius_testing::oracle;
-use tertius_testing::support::{Scratch, tertius};
+use tertius_testing::support::{Scratch, recording, replay, tertius};
 
 const NODE: (&str, &str) =
     ("[plausibility]", "[canopen]\nnode = true\nheartbeat = 0.5\n\n[plausibility]");
@@ -81,4 +81,20 @@ fn without_a_node_there_is_no_sheet() {
     tertius(&["eds", "--config", &config], b"").failed(2, &words);
     let config = scratch.config(&[("[plausibility]", "[canopen]\nnode = false\n\n[plausibility]")]);
     tertius(&["eds", "--config", &config], b"").failed(2, &words);
+}
+
+/// A whole recording: every part of every PDO by the sheet and by the DBC.
+#[test]
+fn pdos_by_the_sheet_are_those_by_the_dbc() {
+    let scratch = Scratch::new();
+    let sent = "[canopen]\nnode = true\n[estimate]\nsend = true\n[gateway]\nbus_share = 0.15\n\n[plausibility]";
+    let config = scratch.config(&[("[plausibility]", sent)]);
+    let (eds, frames) = (scratch.path("gateway.eds"), scratch.path("frames.log"));
+    tertius(&["eds", "--config", &config, "--output", &eds], b"").ok();
+    let log = recording("e-type-faults.log.zst");
+    replay(&[&log], &config, &["--warnings", &frames]).ok();
+    let compared = oracle::run("canopen_pdos.py", &[&eds, "81", "dbc/e-type.dbc", &frames], "");
+    let compared: Value = serde_json::from_str(&compared).expect("JSON");
+    let of = |id: &str| compared[id].as_u64().unwrap_or(0);
+    assert!(of("1D1") > 1000 && of("2D1") > 50 && of("3D1") > 10_000, "{compared}");
 }
