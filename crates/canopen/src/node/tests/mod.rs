@@ -283,6 +283,10 @@ fn a_warning_is_an_emergency_when_it_is_raised_and_when_it_is_cleared() {
     assert_eq!(bench.write(0x1003, 1, &[0; 4]), Err(0x0601_0002));
     assert_eq!(bench.write(0x1003, 0, &[0]), Ok(()));
     assert_eq!((bench.number(0x1001, 0), bench.number(0x1003, 0)), (0x11, 0));
+    let [(_, last)] = &bench.warn(&Warning { state: State::Cleared, ..second })[..] else {
+        panic!("one message")
+    };
+    assert_eq!((&last[..3], bench.number(0x1001, 0)), (&[0, 0, 0][..], 0), "no error is left");
     // The history is bounded.
     for n in 0..40 {
         let fault = if n == 39 { Fault::Frozen } else { Fault::Noise };

@@ -76,6 +76,13 @@ fn what_cannot_be_had_is_refused_with_its_reason() {
     );
     assert_eq!(bench.send(0x651, &[0x40, 0, 0x10]), []);
     assert_eq!(bench.send(0x651, &[0x80, 0, 0x10, 0, 0, 0, 0, 0]), []);
+    // There is one transfer at a time: who begins another one ends it.
+    let text = [0x40, 0x08, 0x10, 0, 0, 0, 0, 0];
+    for other in [[0x40, 0, 0x10, 0, 0, 0, 0, 0], [0x2B, 0x17, 0x10, 0, 0xE8, 3, 0, 0]] {
+        assert_eq!(bench.request(text)[0], 0x41);
+        assert_ne!(bench.request(other)[0], 0x80);
+        assert_eq!(bench.request([0x60, 0, 0, 0, 0, 0, 0, 0])[0], 0x80, "{other:?}");
+    }
     // In segments, too: two bytes.
     let [begun, done] = [
         bench.request([0x21, 0x17, 0x10, 0, 2, 0, 0, 0]),
