@@ -24,6 +24,7 @@
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`monitor`]: the modules above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
+//! - [`canopen`]: the gateway as a CANopen node, which watches the monitor and answers the network.
 //! - [`live`]: the monitor on a port: frames that wait to be sent, the state of the bus, and recovery;
 //!   the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the computer
 //!   around it: signals, the service manager, the log, the history of the stops on disk, its health
@@ -112,6 +113,7 @@ pub mod live;
 pub mod report;
 
 pub use tertius_assess::{commission, evaluate};
+pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
     alarm, compare, decode, error_frame, estimate, frame, monitor, observe, sample, sequential,

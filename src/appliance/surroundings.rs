@@ -11,6 +11,7 @@ use super::warning_log::WarningLog;
 use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::Port;
+use crate::canopen::node::{NmtCommand, NmtEvent};
 use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::failure::Failure;
@@ -193,6 +194,26 @@ impl Journal for Appliance {
                 warn!(transmit_errors, receive_errors, "the controller is {state}");
             }
             _ => info!(transmit_errors, receive_errors, "the controller is {state}"),
+        }
+    }
+
+    fn nmt(&mut self, event: &NmtEvent) {
+        self.warnings.write();
+        let Some(withheld) = self.quota.ask(Instant::now()) else { return };
+        if withheld > 0 {
+            info!(lines = withheld, "more of what follows was left out");
+        }
+        let (command, state) = (event.command.name(), event.state.name());
+        let to = if event.everyone { "all nodes" } else { "this node" };
+        match event.command {
+            NmtCommand::Stop | NmtCommand::EnterPreOperational => warn!(
+                command,
+                to,
+                state,
+                "an NMT master has silenced the gateway's PDOs; monitoring goes on. NMT frames do \
+                 not say who sent them"
+            ),
+            _ => info!(command, to, state, "an NMT master commands"),
         }
     }
 

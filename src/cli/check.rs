@@ -77,6 +77,7 @@ fn describe(machine: &Machine) -> String {
         );
         text += &format!("  estimate  {}\n", describe_estimate(settings, n));
     }
+    text += &canopen(settings);
     text += &stops(machine);
     text += &doubts(machine);
     text += &findings(machine);
@@ -172,6 +173,17 @@ fn stops(machine: &Machine) -> String {
         }
         Some(_) => String::new(),
     }
+}
+
+/// The gateway as a CANopen node; empty if it is none.
+fn canopen(settings: &Settings) -> String {
+    let Some(canopen) = settings.canopen_node() else { return String::new() };
+    let heartbeat = match canopen.heartbeat {
+        0.0 => "no heartbeat".to_owned(),
+        seconds => format!("heartbeat every {seconds} s"),
+    };
+    let start = if canopen.autostart { "by itself" } else { "when a master starts it" };
+    format!("\nCANopen    node {}, {heartbeat}, operational {start}\n", settings.gateway.node)
 }
 
 fn describe_estimate(settings: &Settings, n: u8) -> String {

@@ -6,6 +6,7 @@ mod check;
 mod commission;
 mod demo;
 mod doctor;
+mod eds;
 mod evaluate;
 mod faults;
 mod files;
@@ -14,6 +15,7 @@ mod identify;
 mod inject;
 mod learnt_file;
 mod machine;
+mod node;
 mod output;
 mod plant;
 mod player;
@@ -49,6 +51,7 @@ enum Command {
     Replay(replay::Replay),
     Check(check::Check),
     Doctor(doctor::Doctor),
+    Eds(eds::Eds),
     Inject(inject::Inject),
     Commission(commission::Commission),
     Identify(identify::Identify),
@@ -69,6 +72,7 @@ impl Arguments {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Doctor(doctor) => doctor.run(),
+            Command::Eds(eds) => eds.run(),
             Command::Inject(inject) => inject.run(),
             Command::Commission(commission) => commission.run(),
             Command::Identify(identify) => identify.run(),

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::node;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::history::{HistoryFile, Kept};
@@ -10,6 +11,7 @@ use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, PreparedGateway};
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
+use crate::canopen::node::Node;
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{Outbox, OutboxLimits};
@@ -79,12 +81,20 @@ pub fn gateway(machine: Machine) -> Gateway {
     };
     let outbox = Outbox::new(limits);
     let guard = Span::from_seconds(settings.gateway.guard);
-    Gateway::new(Monitor::new(machine.design), outbox, guard)
+    let node = node::design(&machine).and_then(|design| Node::new(&design));
+    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
+    match node {
+        Some(node) => gateway.with_node(node),
+        None => gateway,
+    }
 }
 
 /// Identifiers that the gateway of a machine receives.
 pub fn identifiers(machine: &Machine) -> Vec<Id> {
-    machine.design.subscriptions.all().iter().map(|line| line.id).collect()
+    let settings = &machine.loaded.settings;
+    let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));
+    let inputs = machine.design.subscriptions.all().iter().map(|line| line.id);
+    inputs.chain(node.into_iter().flatten()).collect()
 }
 
 /// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus

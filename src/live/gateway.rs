@@ -4,7 +4,9 @@ use super::health::BusHealth;
 use super::outbox::Outbox;
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
+use crate::canopen::node::{NmtEvent, Node, NodeView};
 use crate::error_frame::ErrorFrame;
+use crate::frame::Frame;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell};
 use crate::time::{Span, Timestamp};
@@ -34,6 +36,11 @@ pub trait Journal {
     /// Takes a change of the controller's state.
     fn bus(&mut self, health: &BusHealth) {
         _ = health;
+    }
+
+    /// Takes an NMT command that the node has followed.
+    fn nmt(&mut self, event: &NmtEvent) {
+        _ = event;
     }
 
     /// Notes that a frame was sent at `at`, on the clock of the time stamps.
@@ -73,9 +80,11 @@ const LAST_TRIES: u32 = 25;
 
 /// The data path of the live gateway, which does to a port what [`crate::monitor`] does to a
 /// recording. It waits only for frames, never for a disk, a log or a client.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Gateway {
     monitor: Monitor,
+    /// `None` if the gateway is no CANopen node.
+    node: Option<Node>,
     outbox: Outbox,
     health: BusHealth,
     /// Time by which deadlines are kept behind the clock, for frames on their way into the queue.
@@ -86,7 +95,12 @@ pub struct Gateway {
 impl Gateway {
     pub fn new(monitor: Monitor, outbox: Outbox, guard: Span) -> Self {
         let health = BusHealth::default();
-        Self { monitor, outbox, health, guard, now: Timestamp::default() }
+        Self { monitor, node: None, outbox, health, guard, now: Timestamp::default() }
+    }
+
+    /// This gateway as a CANopen node.
+    pub fn with_node(self, node: Node) -> Self {
+        Self { node: Some(node), ..self }
     }
 
     pub const fn monitor(&self) -> &Monitor {
@@ -112,7 +126,7 @@ impl Gateway {
     pub fn lose(&mut self, journal: &mut impl Journal) {
         self.outbox.clear();
         self.health = BusHealth::default();
-        let mut outlet = Outlet { outbox: &mut self.outbox, journal };
+        let mut outlet = Outlet { outbox: &mut self.outbox, node: &mut self.node, journal };
         self.monitor.interrupt(self.now, &mut outlet);
         self.outbox.clear();
     }
@@ -144,6 +158,11 @@ impl Gateway {
         journal: &mut impl Journal,
     ) -> Result<(), NotTold> {
         let frame = self.monitor.stopping_status(self.now);
+        if self.node.as_ref().is_some_and(|node| !node.sends_pdos()) {
+            // NMT has silenced it. That it stops is told by the heartbeat that does not come.
+            self.outbox.drop_pdos();
+            return Ok(());
+        }
         self.outbox.close(frame);
         for _ in 0..LAST_TRIES {
             if self.health.is_off() {
@@ -167,8 +186,8 @@ impl Gateway {
         patience: Duration,
         journal: &mut impl Journal,
     ) -> Result<usize, PortError> {
-        let Self { monitor, outbox, health, now, guard } = self;
-        let mut outlet = Outlet { outbox, journal };
+        let Self { monitor, node, outbox, health, now, guard } = self;
+        let mut outlet = Outlet { outbox, node, journal };
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
             let changed = match ErrorFrame::read(frame) {
@@ -178,6 +197,7 @@ impl Gateway {
             if changed {
                 outlet.journal.bus(health);
             }
+            outlet.hear(frame, monitor);
             monitor.take(frame, &mut outlet);
         })?;
         if let Some(drained) = received.drained_at {
@@ -185,6 +205,7 @@ impl Gateway {
             let back = Span::from_nanos(guard.as_nanos().saturating_neg());
             monitor.advance(drained.after(back), &mut outlet);
         }
+        outlet.beat(*now);
         Ok(received.frames)
     }
 
@@ -209,18 +230,48 @@ impl Gateway {
     }
 }
 
-/// Passes the monitor's output to the outbox and the journal.
+/// Passes the output of the monitor and the node to the outbox and the journal.
 struct Outlet<'a, J> {
     outbox: &'a mut Outbox,
+    node: &'a mut Option<Node>,
     journal: &'a mut J,
+}
+
+impl<J: Journal> Outlet<'_, J> {
+    /// Lets the node take a frame from the bus. It sees the monitor, and changes nothing of it.
+    fn hear(&mut self, frame: &Frame, monitor: &Monitor) {
+        let Some(node) = self.node else { return };
+        let status = monitor.last_status().map(|(_, status)| status);
+        let view = NodeView { counts: monitor.counts(), status };
+        let outbox = &mut *self.outbox;
+        if let Some(event) = node.take(frame, view, &mut |frame| outbox.put(frame)) {
+            if !node.sends_pdos() {
+                outbox.drop_pdos();
+            }
+            self.journal.nmt(&event);
+        }
+    }
+
+    /// Lets the node send the heartbeat that is due.
+    fn beat(&mut self, now: Timestamp) {
+        if let Some(node) = self.node {
+            node.advance(now, &mut |frame| self.outbox.put(frame));
+        }
+    }
 }
 
 impl<J: Journal> Sink for Outlet<'_, J> {
     fn record(&mut self, record: &Record) {
+        if let Some(node) = self.node {
+            node.record(record);
+        }
         self.journal.record(record);
     }
 
     fn warning(&mut self, warning: &Warning) {
+        if let Some(node) = self.node {
+            node.warning(warning, &mut |frame| self.outbox.put(frame));
+        }
         self.journal.warning(warning);
     }
 
@@ -229,7 +280,9 @@ impl<J: Journal> Sink for Outlet<'_, J> {
     }
 
     fn transmit(&mut self, frame: &OwnFrame) {
-        self.outbox.put(frame.clone());
+        if self.node.as_mut().is_none_or(|node| node.transmit(frame)) {
+            self.outbox.put(frame.clone());
+        }
     }
 
     fn notice(&mut self, notice: &Notice) {

@@ -1,16 +1,19 @@
 //! Frames that wait to be sent, limited in number, age and share of the bus.
 
-use crate::alarm::OwnFrame;
+mod services;
+
+use crate::alarm::{OwnContent, OwnFrame};
 use crate::alarm::detector::MOST_STANDING;
 use crate::alarm::own::{FRAME_BITS, Queue};
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::time::{Span, Timestamp};
+use services::Waiting;
 use std::collections::VecDeque;
 
 /// Limits of the outbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutboxLimits {
-    /// Most warnings that wait; the oldest gives way.
+    /// Most warnings that wait, and most emergency messages; the oldest gives way.
     pub waiting: usize,
     /// Most estimates that wait, one for each cylinder; the oldest gives way.
     pub estimates: usize,
@@ -38,6 +41,21 @@ impl OutboxLimits {
 /// whatever went before it, and still keeps to the share.
 const STOPPING_STATUS: u32 = 1;
 
+/// Frames that emergency messages and heartbeats leave to statuses.
+const STATUSES: u32 = 1;
+
+/// Turn of frames that wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    Status,
+    Warnings,
+    /// Emergency messages and heartbeats.
+    Reports,
+    /// Answers of the SDO server.
+    Answers,
+    Estimates,
+}
+
 /// Counts of what became of the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutboxCounts {
@@ -59,6 +77,11 @@ pub struct OutboxCounts {
 /// newer status replaces one that still waits. Estimates come last, and leave the frames that may
 /// be sent at once to the others, except for two cycles' worth. Nothing follows the stopping status
 /// ([`Self::close`]).
+///
+/// The frames of the CANopen services come after warnings and statuses: first emergency messages
+/// and heartbeats, whose number the gateway itself decides. Answers of the SDO server, for which
+/// anybody may ask at any rate, leave as much to the others as estimates do, and take turns with
+/// them.
 #[derive(Clone, Debug)]
 pub struct Outbox {
     limits: OutboxLimits,
@@ -67,6 +90,9 @@ pub struct Outbox {
     /// Number of warnings that came before the waiting status.
     ahead: usize,
     estimates: VecDeque<OwnFrame>,
+    services: Waiting,
+    /// Whether the newest answer or estimate that was sent is an answer.
+    answered: bool,
     /// Number of frames that may be sent now; fractions accrue with time.
     credit: f64,
     accrued: Option<Timestamp>,
@@ -84,6 +110,8 @@ impl Outbox {
             warnings: VecDeque::with_capacity(limits.waiting),
             ahead: 0,
             estimates: VecDeque::with_capacity(limits.estimates),
+            services: Waiting::new(limits.waiting),
+            answered: false,
             credit: f64::from(limits.burst),
             accrued: None,
             closing: false,
@@ -97,7 +125,7 @@ impl Outbox {
 
     /// Number of frames that wait.
     pub fn waiting(&self) -> usize {
-        self.urgent() + self.estimates.len()
+        self.urgent() + self.services.len() + self.estimates.len()
     }
 
     fn urgent(&self) -> usize {
@@ -109,7 +137,15 @@ impl Outbox {
         if self.closing {
             return;
         }
-        match frame.message().queue() {
+        let message = match frame.content() {
+            OwnContent::Service(service) => {
+                let crowded_out = self.services.put(service, frame);
+                self.counts.crowded_out += u64::from(crowded_out);
+                return;
+            }
+            OwnContent::Message(message) => message,
+        };
+        match message.queue() {
             Queue::Status => {
                 self.counts.superseded += u64::from(self.status.is_some());
                 self.status = Some(frame);
@@ -137,53 +173,85 @@ impl Outbox {
     pub fn close(&mut self, stopping_status: OwnFrame) {
         self.counts.outdated += self.estimates.len() as u64;
         self.estimates.clear();
+        self.services.clear();
         self.put(stopping_status);
         self.closing = true;
+    }
+
+    /// Drops the waiting PDOs, because the node may send none.
+    pub fn drop_pdos(&mut self) {
+        self.status = None;
+        self.warnings.clear();
+        self.estimates.clear();
+        self.ahead = 0;
     }
 
     /// The frame that may be sent at `now`, if any; [`Self::sent`] removes it.
     pub fn next(&mut self, now: Timestamp) -> Option<&OwnFrame> {
         self.accrue(now);
         self.drop_old(now);
-        let urgent = self.urgent() > 0;
-        if !urgent && self.estimates.is_empty() {
-            return None;
-        }
-        let status = self.is_status_next();
-        let reserve = match (urgent, status && self.closing) {
-            (false, _) => self.reserve(),
-            (true, false) => f64::from(STOPPING_STATUS),
-            (true, true) => 0.0,
-        };
-        if self.credit < 1.0 + reserve {
+        let turn = self.turn()?;
+        if self.credit < 1.0 + self.reserve(turn) {
             self.counts.held_back += 1;
             return None;
         }
-        match (urgent, status) {
-            (false, _) => self.estimates.front(),
-            (true, true) => self.status.as_ref(),
-            (true, false) => self.warnings.front(),
+        match turn {
+            Turn::Status => self.status.as_ref(),
+            Turn::Warnings => self.warnings.front(),
+            Turn::Reports => self.services.report(),
+            Turn::Answers => self.services.answer(),
+            Turn::Estimates => self.estimates.front(),
         }
     }
 
-    /// Number of frames that estimates leave of those that may be sent at once.
-    fn reserve(&self) -> f64 {
-        let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
-        others.max(f64::from(STOPPING_STATUS))
+    /// The queue whose turn it is; `None` if nothing waits.
+    fn turn(&self) -> Option<Turn> {
+        let estimates = !self.estimates.is_empty();
+        if self.urgent() > 0 {
+            Some(if self.is_status_next() { Turn::Status } else { Turn::Warnings })
+        } else if self.services.report().is_some() {
+            Some(Turn::Reports)
+        } else if self.services.answer().is_some() && !(estimates && self.answered) {
+            Some(Turn::Answers)
+        } else {
+            estimates.then_some(Turn::Estimates)
+        }
+    }
+
+    /// Number of frames that the queue leaves of those that may be sent at once.
+    fn reserve(&self, turn: Turn) -> f64 {
+        let stopping = f64::from(STOPPING_STATUS);
+        match turn {
+            Turn::Status if self.closing => 0.0,
+            Turn::Status | Turn::Warnings => stopping,
+            Turn::Reports => stopping + f64::from(STATUSES),
+            Turn::Answers | Turn::Estimates => {
+                let others = f64::from(self.limits.burst) - 2.0 * self.limits.estimates as f64;
+                others.max(stopping)
+            }
+        }
     }
 
     /// Notes that the frame of the last [`Self::next`] was sent.
     pub fn sent(&mut self) {
-        if self.urgent() == 0 {
-            self.estimates.pop_front();
-        } else if self.is_status_next() {
-            self.status = None;
-            if self.closing {
-                self.counts.crowded_out += self.warnings.len() as u64;
-                self.warnings.clear();
+        match self.turn() {
+            Some(Turn::Status) => {
+                self.status = None;
+                if self.closing {
+                    self.counts.crowded_out += self.warnings.len() as u64;
+                    self.warnings.clear();
+                }
             }
-        } else {
-            self.take_warning();
+            Some(Turn::Warnings) => self.take_warning(),
+            Some(Turn::Reports) => self.services.take_report(),
+            Some(Turn::Answers) => {
+                self.services.take_answer();
+                self.answered = true;
+            }
+            Some(Turn::Estimates) | None => {
+                self.estimates.pop_front();
+                self.answered = false;
+            }
         }
         self.credit -= 1.0;
         self.counts.sent += 1;
@@ -195,6 +263,7 @@ impl Outbox {
         self.status = None;
         self.warnings.clear();
         self.estimates.clear();
+        self.services.clear();
         self.ahead = 0;
     }
 
@@ -232,6 +301,7 @@ impl Outbox {
             self.estimates.pop_front();
             self.counts.too_old += 1;
         }
+        self.counts.too_old += self.services.drop_old(old);
     }
 }
 

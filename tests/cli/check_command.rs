@@ -100,6 +100,42 @@ fn a_platform_state_that_there_is_not() {
 }
 
 #[test]
+fn the_gateway_as_a_node_is_told() {
+    let scratch = Scratch::new();
+    let node = |keys| format!("[canopen]\nnode = true\n{keys}\n\n[plausibility]");
+    for (keys, told) in [
+        ("", "CANopen    node 81, heartbeat every 1 s, operational by itself"),
+        (
+            "heartbeat = 0\nautostart = false",
+            "node 81, no heartbeat, operational when a master starts it",
+        ),
+    ] {
+        let config = scratch.config(&[("[plausibility]", &node(keys))]);
+        let text = check(&config).ok().stdout;
+        assert!(text.contains(told), "{told:?} is not in\n{text}");
+    }
+    assert!(!check(&scratch.config(&[])).ok().stdout.contains("CANopen"));
+}
+
+#[test]
+fn identifiers_of_the_node_as_inputs() {
+    let scratch = Scratch::new();
+    // C1 of cylinder 1 on 0x0D1, the EMCY of node 81.
+    let dbc = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("it ships");
+    let dbc = dbc.replacen("BO_ 385 ", "BO_ 209 ", 1);
+    let change = [("[plausibility]", "[canopen]\nnode = true\n\n[plausibility]")];
+    for (changes, code) in [(&change[..], 2), (&[], 0)] {
+        let config = scratch.config(changes);
+        scratch.write("e-type.dbc", &dbc);
+        let run = check(&config);
+        assert_eq!(run.code, Some(code), "{}", run.stderr);
+        if code == 2 {
+            run.failed(2, &["identifier 0x0D1 is the gateway's own and also an input"]);
+        }
+    }
+}
+
+#[test]
 fn identifiers_of_the_gateway_as_inputs() {
     let scratch = Scratch::new();
     let config = scratch.config(&[("[plausibility]", "[gateway]\nnode = 33\n\n[plausibility]")]);

@@ -5,6 +5,7 @@ mod coverage;
 mod demo;
 mod doctor;
 mod dwell_history;
+mod eds_command;
 mod gateway_frames;
 mod golden;
 mod inject_cli;

@@ -3,7 +3,7 @@
 use crate::common::{EXAMPLE, broken, refusal};
 use tertius::alarm::Level;
 use tertius::config::settings::{
-    Alarm, Comparator, Fde, Gateway, Http, Model, Observer, Plausibility, Realtime,
+    Alarm, Canopen, Comparator, Fde, Gateway, Http, Model, Observer, Plausibility, Realtime,
 };
 use tertius::config::{MAX_PROBLEMS, MAX_SIZE, parse};
 
@@ -108,6 +108,30 @@ fn http_listens_where_it_is_told_or_nowhere() {
         let expected = format!("`http.listen` is \"{listen}\", but must be ADDRESS:PORT or off");
         assert!(lines.len() == 1 && lines[0].contains(&expected), "{lines:#?}");
         assert!(lines[0].contains("127.0.0.1:9481"), "{lines:#?}");
+    }
+}
+
+#[test]
+fn the_gateway_is_a_node_only_where_it_is_asked_to_be() {
+    let node = |table: &str| {
+        let (settings, _) = parse("node.toml", &format!("{EXAMPLE}{table}")).expect("it is sound");
+        let frames = settings.periodic_frames();
+        (settings.canopen_node().cloned(), frames)
+    };
+    assert_eq!(node(""), (None, 10.0));
+    assert_eq!(node("[canopen]\n"), (None, 10.0));
+    let default = Canopen { node: true, heartbeat: 1.0, autostart: true };
+    assert_eq!(node("[canopen]\nnode = true\n"), (Some(default.clone()), 11.0));
+    let silent = Canopen { heartbeat: 0.0, autostart: false, ..default };
+    let table = "[canopen]\nnode = true\nheartbeat = 0\nautostart = false\n";
+    assert_eq!(node(table), (Some(silent), 10.0));
+    let lines = refusal(&format!("{EXAMPLE}[canopen]\nautostart = true\n"));
+    let expected = "`canopen.autostart` is of no effect, since the gateway is no CANopen node";
+    assert!(lines.len() == 1 && lines[0].contains(expected), "{lines:#?}");
+    for heartbeat in ["0.049", "1e-9", "65.536", "-1"] {
+        let lines = refusal(&format!("{EXAMPLE}[canopen]\nnode = true\nheartbeat = {heartbeat}\n"));
+        let expected = format!("`canopen.heartbeat` is {heartbeat}, but must be at least 0");
+        assert!(lines.len() == 1 && lines[0].contains(&expected), "{lines:#?}");
     }
 }
 

@@ -392,6 +392,12 @@ fn the_share_of_the_bus_carries_at_least_the_statuses() {
         ("", "[gateway]\nbus_share = 1e-12", ["`gateway.bus_share` is 1e-12", "at least 0.003"]),
         ("", "[gateway]\nbus_share = 0.0026", ["500000 bit/s", "Fd_Status is sent every 100 ms"]),
         ("bitrate = 10000", "", ["`gateway.bus_share` is 0.05 (the default)", "at least 0.135"]),
+        // Twenty heartbeats a second beside the statuses.
+        (
+            "",
+            "[gateway]\nbus_share = 0.0028\n[canopen]\nnode = true\nheartbeat = 0.05",
+            ["at least 0.009", "heartbeats"],
+        ),
     ] {
         let error = with(bus, table).expect_err(table).to_string();
         let text = format!("{error:?} {error}");

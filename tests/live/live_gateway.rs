@@ -2,17 +2,19 @@
 //! the gateway gets its turn; and what it does when the bus goes away.
 
 use std::time::Duration;
+use tertius::alarm::Warning;
 use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
+use tertius::canopen::node::NmtEvent;
 use tertius::frame::{Frame, Id, Kind};
-use tertius::live::gateway::{Gateway, NotTold, Silent};
+use tertius::live::gateway::{Gateway, Journal, NotTold, Silent};
 use tertius::live::outbox::{Outbox, OutboxLimits};
-use tertius::monitor::Monitor;
+use tertius::monitor::{Monitor, Record};
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{self, Collected, Cycle, MS, estimating, monitor, play};
 
 /// Frames with a transducer that steps and comes back, lost frames and a lost stretch.
-fn bus_traffic() -> Vec<Frame> {
+pub fn bus_traffic() -> Vec<Frame> {
     let cycles = (0..400).filter(|k| !(150..160).contains(k) && k % 37 != 0);
     let frames = cycles.flat_map(|k| {
         let offset = if (230..260).contains(&k) { 30 } else { 0 };
@@ -26,7 +28,7 @@ fn gateway() -> Gateway {
 }
 
 /// A gateway that may take `share` of the bus.
-fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
+pub fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
     let limits = OutboxLimits {
         waiting: OutboxLimits::WAITING,
         estimates: 6,
@@ -39,34 +41,57 @@ fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
     Gateway::new(monitor, outbox, Span::from_seconds(0.01))
 }
 
+/// What a gateway told.
+#[derive(Debug, Default)]
+pub struct Notes {
+    pub records: Vec<Record>,
+    pub warnings: Vec<Warning>,
+    pub commands: Vec<NmtEvent>,
+}
+
+impl Journal for Notes {
+    fn record(&mut self, record: &Record) {
+        self.records.push(*record);
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.warnings.push(*warning);
+    }
+
+    fn nmt(&mut self, event: &NmtEvent) {
+        self.commands.push(*event);
+    }
+}
+
 /// The embedded bus with a machine, a gateway and someone who listens.
-struct Bench {
-    clock: ManualClock,
-    bus: EmbeddedBus,
-    gateway: Gateway,
-    port: Endpoint,
-    heard: Vec<Frame>,
+pub struct Bench {
+    pub clock: ManualClock,
+    pub bus: EmbeddedBus,
+    pub gateway: Gateway,
+    pub port: Endpoint,
+    pub heard: Vec<Frame>,
+    pub notes: Notes,
 }
 
 impl Bench {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let clock = ManualClock::new(Timestamp::from_nanos(machine::START));
         let bus = EmbeddedBus::new(Clock::Manual(clock.clone()));
         let port = bus.open(&Identifiers::All, 4096).expect("the bus is up");
-        Self { clock, bus, gateway: gateway(), port, heard: Vec::new() }
+        Self { clock, bus, gateway: gateway(), port, heard: Vec::new(), notes: Notes::default() }
     }
 
-    fn turn(&mut self) -> Result<(), PortError> {
-        self.gateway.turn(&mut self.port, Duration::ZERO, &mut Silent).map(drop)
+    pub fn turn(&mut self) -> Result<(), PortError> {
+        self.gateway.turn(&mut self.port, Duration::ZERO, &mut self.notes).map(drop)
     }
 
-    fn stop(&mut self) -> Result<(), NotTold> {
+    pub fn stop(&mut self) -> Result<(), NotTold> {
         self.gateway.stop(&mut self.port, Duration::ZERO, &mut Silent)
     }
 
     /// Puts `frames` on the bus at their times and lets the gateway have a turn every `rhythm`-th
     /// frame, as a busy box would.
-    fn run(&mut self, frames: &[Frame], rhythm: usize) {
+    pub fn run(&mut self, frames: &[Frame], rhythm: usize) {
         let mut machine = self.bus.open_unrestricted(&Identifiers::All, 4096).expect("up");
         for (index, frame) in frames.iter().enumerate() {
             self.be_silent_until(frame.timestamp, &mut machine);
@@ -82,7 +107,7 @@ impl Bench {
     }
 
     /// Turns go on while nothing comes.
-    fn be_silent_until(&mut self, end: Timestamp, ear: &mut impl Port) {
+    pub fn be_silent_until(&mut self, end: Timestamp, ear: &mut impl Port) {
         let patience = Span::from_seconds(0.025);
         while end.since(self.clock.now()) > patience {
             self.clock.advance(patience);
@@ -91,14 +116,14 @@ impl Bench {
         }
     }
 
-    fn listen(&mut self, ear: &mut impl Port) {
+    pub fn listen(&mut self, ear: &mut impl Port) {
         let heard = &mut self.heard;
         ear.receive(Duration::ZERO, &mut |frame| heard.push(frame.clone())).expect("up");
     }
 }
 
 /// What is on the wire: identifier and payload.
-fn wire(frames: &[Frame]) -> Vec<(Id, Vec<u8>)> {
+pub fn wire(frames: &[Frame]) -> Vec<(Id, Vec<u8>)> {
     frames.iter().map(|frame| (frame.id, frame.data().to_vec())).collect()
 }
 
@@ -297,7 +322,7 @@ fn who_stops_a_gateway_hears_that_the_bus_was_not_told() {
 }
 
 /// What has the identifier `id`.
-fn of(frames: &[Frame], id: u32) -> Vec<(Id, Vec<u8>)> {
+pub fn of(frames: &[Frame], id: u32) -> Vec<(Id, Vec<u8>)> {
     wire(frames).into_iter().filter(|(own, _)| own.value() == id).collect()
 }
 

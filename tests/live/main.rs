@@ -1,5 +1,6 @@
 //! The gateway and the proxy on buses that are not in the kernel, and the HTTP of the gateway.
 
+mod canopen;
 mod embedded_bus;
 mod inject_proxy;
 mod live_gateway;

@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 
 use super::document::Document;
 use super::problem::{Problems, table_of};
-use super::settings::{CylinderSequential, PLACEHOLDER, Settings};
-use tertius_core::alarm::OwnMessage;
-use tertius_core::alarm::own::{FRAME_BITS, Sending};
+use super::settings::{Canopen, CylinderSequential, PLACEHOLDER, Settings};
+use tertius_core::alarm::own::FRAME_BITS;
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
 /// problem are not checked yet, since its values may not be what the user means.
@@ -16,16 +15,9 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.plausibility(settings);
     relations.thresholds(settings);
     relations.share(settings);
+    relations.heartbeat(settings);
     relations.signals(settings);
     relations.cylinders(settings);
-}
-
-/// How often a message with a period is sent, 1/s.
-fn frequency(message: OwnMessage) -> Option<f64> {
-    match message.sending() {
-        Sending::Every(period) => Some(period.as_seconds().recip()),
-        Sending::Events | Sending::Cycles => None,
-    }
 }
 
 struct Relations<'a> {
@@ -147,28 +139,26 @@ impl Relations<'_> {
     /// Checks the gateway's share of the bus. Fd_Status is its proof of life, and an irregular
     /// Fd_Estimate is worse than none, since whoever relies on it waits for the next.
     fn share(&mut self, settings: &Settings) {
-        let Settings { machine, bus, gateway, estimate, .. } = settings;
+        let Settings { bus, gateway, estimate, .. } = settings;
         let share_of = |frames: f64| frames * FRAME_BITS / f64::from(bus.bitrate);
         let told = |share: f64| (share * 1e3).ceil() / 1e3;
         let default = self.default_note("gateway.bus_share");
         let share = gateway.bus_share;
-        let periodic: f64 = OwnMessage::ALL.into_iter().filter_map(frequency).sum();
-        let statuses = share_of(periodic);
+        let beats = settings.canopen_node().is_some_and(|it| it.heartbeats() > 0.0);
+        let statuses = share_of(settings.reports());
+        let and_heartbeats = if beats { ", and heartbeats beside it" } else { "" };
         self.require(
             share >= statuses,
             &["gateway.bus_share", "bus.bitrate"],
             format!(
                 "`gateway.bus_share` is {share:?}{default}, but at {} bit/s it must be at least {:?}: \
-                 Fd_Status is sent every 100 ms",
+                 Fd_Status is sent every 100 ms{and_heartbeats}",
                 bus.bitrate,
                 told(statuses)
             ),
             "raise it, with room for warnings, for example to twice that; is bus.bitrate right?",
         );
-        let cyclic =
-            OwnMessage::ALL.iter().filter(|message| message.sending() == Sending::Cycles).count();
-        let estimates = f64::from(machine.cylinders) * cyclic as f64 / machine.sample_time;
-        let frames = estimates + periodic;
+        let frames = settings.periodic_frames();
         let least = told(share_of(frames));
         self.require(
             !estimate.send || share >= least || share < statuses,
@@ -178,6 +168,27 @@ impl Relations<'_> {
                  least {least:?}: {frames:.0} frames a second"
             ),
             "raise it, with room for warnings, for example by a half; or send no estimates",
+        );
+    }
+
+    fn heartbeat(&mut self, settings: &Settings) {
+        let Some(canopen) = settings.canopen_node() else {
+            for key in ["canopen.heartbeat", "canopen.autostart"] {
+                let message =
+                    format!("`{key}` is of no effect, since the gateway is no CANopen node");
+                let help = "make it one by `canopen.node = true`, or leave the key out";
+                self.require(!self.document.has(key), &[key], message, help);
+            }
+            return;
+        };
+        let (heartbeat, shortest) = (canopen.heartbeat, Canopen::SHORTEST_HEARTBEAT);
+        self.require(
+            heartbeat == 0.0 || heartbeat >= shortest,
+            &["canopen.heartbeat"],
+            format!(
+                "`canopen.heartbeat` is {heartbeat:?}, but must be at least {shortest:?}, or 0"
+            ),
+            "a second is usual; 0 sends no heartbeat",
         );
     }
 

@@ -2,6 +2,7 @@
 //! metres, times seconds, speeds metres per second. A key that is absent in the file has the default of its
 //! row.
 
+mod canopen;
 mod cylinder;
 mod estimate;
 mod gateway;
@@ -11,6 +12,8 @@ mod machine;
 mod sequential;
 mod signals;
 
+use canopen::CANOPEN;
+pub use canopen::Canopen;
 use cylinder::CYLINDER;
 pub use cylinder::Cylinder;
 use estimate::ESTIMATE;
@@ -56,6 +59,8 @@ table! {
             "", "the virtual third sensor: each cylinder's length with its standard deviation";
         gateway: Gateway = Gateway::default() => Kind::Table(&GATEWAY),
             "", "the gateway's own node on the bus";
+        canopen: Canopen = Canopen::default() => Kind::Table(&CANOPEN),
+            "", "the gateway as a CANopen node";
         http: Http = Http::default() => Kind::Table(&HTTP),
             "", "the gateway's own state over HTTP";
         realtime: Realtime = Realtime::default() => Kind::Table(&REALTIME),

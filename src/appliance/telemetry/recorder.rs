@@ -86,7 +86,7 @@ impl Recorder {
     /// do not count.
     pub fn sent(&mut self, frame: &OwnFrame) {
         let at = frame.as_frame().timestamp;
-        if frame.message() == OwnMessage::Warning && self.warned.contains(&Some(at)) {
+        if frame.message() == Some(OwnMessage::Warning) && self.warned.contains(&Some(at)) {
             // Below zero only if the clock was set in between.
             let latency = self.clock.system().since(at).as_seconds().max(0.0);
             self.telemetry.latency.observe(latency);

@@ -123,7 +123,7 @@ fn estimates_keep_to_the_share_and_leave_room_for_a_warning_at_any_time() {
         }
         let before = warnings;
         while let Some(frame) = outbox.next(at(ms)) {
-            (estimates, warnings) = match frame.message() == OwnMessage::Estimate {
+            (estimates, warnings) = match frame.message() == Some(OwnMessage::Estimate) {
                 true => (estimates + 1, warnings),
                 false => (estimates, warnings + 1),
             };
@@ -237,4 +237,69 @@ fn a_clock_that_was_set_back_gives_no_credit() {
         assert!(!send(&mut outbox, 5), "the burst is used up");
     }
     assert!(send(&mut outbox, 15), "and it goes on from the new time");
+}
+
+/// Of the CANopen services none delays a warning, whatever order they came in.
+#[test]
+fn services_come_after_warnings_and_answers_leave_the_burst_to_them() {
+    let mut encoder = encoder();
+    let services = crate::alarm::ServiceEncoder::new(81).expect("81 is a node");
+    let burst = 20;
+    let mut outbox = Outbox::new(OutboxLimits { burst, ..limits() });
+    outbox.put(services.answer(at(0), [1; 8]));
+    outbox.put(services.answer(at(0), [2; 8]));
+    outbox.put(services.heartbeat(at(0), 5));
+    outbox.put(services.emergency(at(0), [3; 8]));
+    (0..2).for_each(|_| outbox.put(encoder.estimate(at(0), 1, None)));
+    outbox.put(warning(&mut encoder, 0, 1));
+    outbox.put(encoder.status(at(0), &Status::default()));
+    let mut sent = Vec::new();
+    while let Some(frame) = outbox.next(at(0)) {
+        sent.push((frame.as_frame().id.value(), frame.as_frame().data()[0]));
+        outbox.sent();
+    }
+    let ids: Vec<u32> = sent.iter().map(|(id, _)| *id).collect();
+    assert_eq!(ids, [0x2D1, 0x1D1, 0x0D1, 0x751, 0x5D1, 0x3D1, 0x3D1]);
+    assert_eq!(sent[4].1, 2, "the newest answer");
+
+    // Who asks without end leaves a burst of eight; two frames of it are always kept from reports.
+    let asked = (0..100).filter(|_| {
+        outbox.put(services.answer(at(0), [0; 8]));
+        let may = outbox.next(at(0)).is_some();
+        if may {
+            outbox.sent();
+        }
+        may
+    });
+    assert_eq!(asked.count(), 20 - 7 - 8);
+    for _ in 0..9 {
+        outbox.put(services.emergency(at(0), [0; 8]));
+        outbox.next(at(0)).is_some().then(|| outbox.sent());
+    }
+    assert!(outbox.next(at(0)).is_none());
+    outbox.put(warning(&mut encoder, 0, 1));
+    assert_eq!(outbox.next(at(0)).and_then(OwnFrame::message), Some(OwnMessage::Warning));
+
+    // Old answers and emergency messages are dropped, and a heartbeat stays true.
+    outbox.clear();
+    outbox.put(services.answer(at(0), [1; 8]));
+    outbox.put(services.emergency(at(0), [3; 8]));
+    outbox.put(services.heartbeat(at(0), 5));
+    let next = outbox.next(at(1000)).expect("the heartbeat").as_frame().id.value();
+    assert_eq!((next, outbox.waiting()), (0x751, 1));
+    outbox.close(encoder.status(at(1000), &Status::default()));
+    assert_eq!(outbox.waiting(), 1, "nothing follows the stopping status");
+}
+
+#[test]
+fn pdos_that_wait_are_dropped_and_services_are_not() {
+    let (mut outbox, mut encoder) = (outbox(), encoder());
+    let services = crate::alarm::ServiceEncoder::new(81).expect("81 is a node");
+    outbox.put(warning(&mut encoder, 0, 1));
+    outbox.put(encoder.status(at(0), &Status::default()));
+    outbox.put(encoder.estimate(at(0), 1, None));
+    outbox.put(services.heartbeat(at(0), 4));
+    outbox.drop_pdos();
+    assert_eq!(outbox.waiting(), 1);
+    assert_eq!(outbox.next(at(0)).map(|frame| frame.as_frame().data().to_vec()), Some(vec![4]));
 }

@@ -1,5 +1,6 @@
 //! `tertius run` on a real SocketCAN.
 
+mod canopen;
 mod doctor;
 mod life;
 mod simulated;

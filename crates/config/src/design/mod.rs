@@ -347,7 +347,10 @@ impl<'a> Connector<'a> {
     }
 
     fn refuse_own_identifiers(&mut self) {
-        let Some(own) = frames::identifiers(self.settings.gateway.node) else { return };
+        let node = self.settings.gateway.node;
+        let Some(own) = frames::identifiers(node) else { return };
+        let services = self.settings.canopen_node().and(frames::service_identifiers(node));
+        let own = [own, services.unwrap_or(own)].concat();
         for subscription in
             self.subscriptions.all().iter().filter(|subscription| own.contains(&subscription.id))
         {

@@ -1,9 +1,11 @@
-//! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5.
+//! The gateway's own frames: Fd_Status, Fd_Warning and Fd_Estimate, protected by E2E profile 5, and
+//! those of its CANopen services, where it is a node.
 
 use super::detector::Detector;
 use super::e2e;
 pub use super::own::{FRAME_BITS, identifiers};
-use super::own::{OwnFrame, OwnMessage};
+use super::own::{OwnContent, OwnFrame, OwnMessage};
+pub use super::services::service_identifiers;
 use super::status::Status;
 use super::warning::Finding;
 use crate::estimate::Estimate;
@@ -155,16 +157,8 @@ impl Encoder {
         finding: &Finding,
         raised: bool,
     ) -> OwnFrame {
-        let mut payload = Payload::default();
-        payload.put(24, 3, u64::from(cylinder));
-        payload.put(27, 3, detector as u64);
-        payload.put(30, 3, fault_code(finding.fault));
-        payload.put(33, 2, suspect_code(finding.suspect));
-        payload.put(35, 3, finding.level as u64);
-        payload.put(38, 1, u64::from(raised));
-        payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
-        payload.put(56, 8, threshold_counts(finding.threshold));
-        self.channels[OwnMessage::Warning as usize].protect(at, payload)
+        self.channels[OwnMessage::Warning as usize]
+            .protect(at, Payload::of_warning(cylinder, detector, finding, raised))
     }
 
     /// Encodes Fd_Estimate. An estimate that is not valid, or does not fit the scales, has no
@@ -195,8 +189,19 @@ impl Channel {
         // The data ID is the identifier, which has 11 bits.
         e2e::protect(&mut data, self.id.value() as u16, self.counter);
         self.counter = self.counter.wrapping_add(1);
-        OwnFrame::new(self.message, at, self.id, &data)
+        OwnFrame::new(OwnContent::Message(self.message), at, self.id, &data)
     }
+}
+
+/// Bytes 3 to 7 of the Fd_Warning of a finding, which an emergency message has, too.
+pub fn warning_bytes(
+    cylinder: u8,
+    detector: Detector,
+    finding: &Finding,
+    raised: bool,
+) -> [u8; 8 - e2e::HEADER] {
+    let payload = Payload::of_warning(cylinder, detector, finding, raised).0.to_le_bytes();
+    core::array::from_fn(|i| payload[e2e::HEADER + i])
 }
 
 /// A payload of eight bytes, little-endian.
@@ -204,6 +209,19 @@ impl Channel {
 struct Payload(u64);
 
 impl Payload {
+    fn of_warning(cylinder: u8, detector: Detector, finding: &Finding, raised: bool) -> Self {
+        let mut payload = Self::default();
+        payload.put(24, 3, u64::from(cylinder));
+        payload.put(27, 3, detector as u64);
+        payload.put(30, 3, fault_code(finding.fault));
+        payload.put(33, 2, suspect_code(finding.suspect));
+        payload.put(35, 3, finding.level as u64);
+        payload.put(38, 1, u64::from(raised));
+        payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
+        payload.put(56, 8, threshold_counts(finding.threshold));
+        payload
+    }
+
     /// Puts the low `length` bits of `value` at bit `start`.
     fn put(&mut self, start: u32, length: u32, value: u64) {
         self.0 |= (value & ((1 << length) - 1)) << start;
@@ -219,7 +237,8 @@ fn threshold_counts(threshold: Option<f64>) -> u64 {
     threshold.map_or(0, |t| (libm::round(t / THRESHOLD_UNIT) as u64).min(THRESHOLD_BEYOND))
 }
 
-const fn fault_code(fault: Fault) -> u64 {
+/// Value of Fd_Warning.Fault.
+pub const fn fault_code(fault: Fault) -> u64 {
     match fault {
         Fault::Unclassified => 0,
         Fault::Abrupt => 1,

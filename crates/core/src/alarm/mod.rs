@@ -6,12 +6,14 @@ pub mod frames;
 pub mod level;
 pub mod own;
 pub mod register;
+pub mod services;
 pub mod status;
 pub mod warning;
 
 pub use detector::Detector;
 pub use frames::Encoder;
 pub use level::{Level, Levels};
-pub use own::{OwnFrame, OwnMessage};
+pub use own::{OwnContent, OwnFrame, OwnMessage};
 pub use register::Register;
+pub use services::{Service, ServiceEncoder};
 pub use warning::{Evidence, Finding, State, Warning};

@@ -1,5 +1,6 @@
 //! The gateway's own messages: one table, from which identifiers, queues and the share of the bus follow.
 
+use super::services::Service;
 use crate::frame::{Frame, Id, Kind};
 use crate::time::{Span, Timestamp};
 
@@ -74,25 +75,61 @@ pub enum Sending {
     Cycles,
 }
 
-/// A frame that the gateway may send. Only [`Encoder`](super::Encoder) makes one, so that no other
-/// identifier can leave the gateway, whatever arrives.
+impl Sending {
+    /// How often a message with a period is sent, 1/s.
+    pub fn frequency(self) -> Option<f64> {
+        match self {
+            Self::Every(period) => Some(period.as_seconds().recip()),
+            Self::Events | Self::Cycles => None,
+        }
+    }
+}
+
+/// What a frame of the gateway is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnContent {
+    /// One of its messages, which are TPDOs.
+    Message(OwnMessage),
+    /// A frame of a CANopen service.
+    Service(Service),
+}
+
+/// A frame that the gateway may send. Only [`Encoder`](super::Encoder) and
+/// [`ServiceEncoder`](super::ServiceEncoder) make one, so that no other identifier can leave the gateway,
+/// whatever arrives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OwnFrame {
     frame: Frame,
-    message: OwnMessage,
+    content: OwnContent,
 }
 
 impl OwnFrame {
-    pub(super) fn new(message: OwnMessage, at: Timestamp, id: Id, data: &[u8]) -> Self {
-        Self { frame: Frame::new(at, id, Kind::Data, data), message }
+    pub(super) fn new(content: OwnContent, at: Timestamp, id: Id, data: &[u8]) -> Self {
+        Self { frame: Frame::new(at, id, Kind::Data, data), content }
     }
 
     pub const fn as_frame(&self) -> &Frame {
         &self.frame
     }
 
-    pub const fn message(&self) -> OwnMessage {
-        self.message
+    pub const fn content(&self) -> OwnContent {
+        self.content
+    }
+
+    /// The message; `None` for a frame of a CANopen service.
+    pub const fn message(&self) -> Option<OwnMessage> {
+        match self.content {
+            OwnContent::Message(message) => Some(message),
+            OwnContent::Service(_) => None,
+        }
+    }
+
+    /// The CANopen service that the frame belongs to; `None` for a message.
+    pub const fn service(&self) -> Option<Service> {
+        match self.content {
+            OwnContent::Message(_) => None,
+            OwnContent::Service(service) => Some(service),
+        }
     }
 }
 
@@ -101,7 +138,7 @@ impl OwnFrame {
 pub const FRAME_BITS: f64 = 135.0;
 
 /// Valid node numbers of CANopen, 1 to 127.
-const NODES: core::ops::RangeInclusive<u8> = 1..=127;
+pub(super) const NODES: core::ops::RangeInclusive<u8> = 1..=127;
 
 /// The identifiers that the gateway with CANopen node number `node` sends, in the order of
 /// [`OwnMessage::ALL`]; `None` unless `node` is 1 to 127.
