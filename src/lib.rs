@@ -112,6 +112,7 @@ pub mod live;
 pub mod report;
 
 pub use tertius_assess::{commission, evaluate};
+pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
     alarm, compare, decode, error_frame, estimate, frame, monitor, observe, sample, sequential,
