@@ -1,9 +1,11 @@
-//! EDS and DCF files of any bytes: no panic, what is offered is found, and what is refused has a reason.
+//! EDS and DCF files of any bytes: no panic, what is offered is found, what is refused has a reason, and
+//! objects are within their PDOs.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use tertius::canopen::eds::{MAX_FINDINGS, ObjectDictionary, Severity};
+use tertius::canopen::pdo::{Pdos, scale};
 use tertius::dbc::text;
 
 fuzz_target!(|data: &[u8]| {
@@ -26,4 +28,14 @@ fuzz_target!(|data: &[u8]| {
         assert_eq!(finding.object, Some(address));
     }
     let _ = dictionary.to_string();
+    for pdo in Pdos::of(&dictionary, 127).sound {
+        assert!(pdo.length <= 8);
+        for object in &pdo.objects {
+            assert!(usize::from(object.start) + usize::from(object.bits) <= 8 * pdo.length);
+            if let Ok(scale) = scale(&dictionary, 127, object.index) {
+                assert!(scale.factor > 0.0 && scale.factor.is_finite());
+                let _ = object.plan(&scale);
+            }
+        }
+    }
 });

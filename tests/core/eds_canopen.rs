@@ -5,10 +5,32 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tertius::canopen::eds::ObjectDictionary;
+use tertius::canopen::pdo::{MappedObject, Pdo, Pdos};
 use tertius::dbc::text;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
-const NAMES: [&str; 4] = ["types.eds", "latin1.eds", "node_id.eds", "configured.dcf"];
+const NAMES: [&str; 7] = [
+    "tests/eds/types.eds",
+    "tests/eds/latin1.eds",
+    "tests/eds/node_id.eds",
+    "tests/eds/configured.dcf",
+    "tests/eds/pdos.eds",
+    "dbc/encoder.eds",
+    "dbc/valve.eds",
+];
+
+/// The PDOs of node 5, in the script's words.
+fn pdos(dictionary: &ObjectDictionary) -> Vec<String> {
+    let place = |it: &MappedObject| {
+        format!("0x{:04X}:{:02X}@{}+{}", it.index, it.sub_index, it.start, it.bits)
+    };
+    let line = |pdo: &Pdo| {
+        let mut words = vec!["pdo".to_owned(), pdo.name(), format!("0x{:X}", pdo.id.value())];
+        words.extend(pdo.objects.iter().map(place));
+        words.join("\t")
+    };
+    Pdos::of(dictionary, 5).sound.iter().map(line).collect()
+}
 
 /// What canopen makes of the files, a list of lines for each.
 fn canopen(paths: &[PathBuf]) -> Vec<Vec<String>> {
@@ -46,18 +68,18 @@ fn essence(line: &str, compact: &BTreeSet<&str>) -> String {
 
 #[test]
 fn every_dialect_reads_as_in_canopen() {
-    let paths: Vec<PathBuf> =
-        NAMES.iter().map(|name| Path::new(ROOT).join("tests/eds").join(name)).collect();
+    let paths: Vec<PathBuf> = NAMES.iter().map(|name| Path::new(ROOT).join(name)).collect();
     let files = canopen(&paths);
     assert_eq!(files.len(), paths.len());
-    let mut variables = 0;
+    let (mut variables, mut carried) = (0, 0);
     for (path, theirs) in paths.iter().zip(&files) {
         let bytes = std::fs::read(path).unwrap();
         let dictionary = ObjectDictionary::parse(&text::from_bytes(&bytes)).unwrap();
         assert_eq!(dictionary.refused().count(), 0, "{}", path.display());
         let listing = dictionary.to_string();
         let dummies = dictionary.dummies.iter().map(|it| format!("dummy\t{it}"));
-        let ours: Vec<String> = dummies.chain(listing.lines().map(str::to_owned)).collect();
+        let lines = dummies.chain(listing.lines().map(str::to_owned));
+        let ours: Vec<String> = lines.chain(pdos(&dictionary)).collect();
         let compact: BTreeSet<&str> = theirs
             .iter()
             .filter_map(|it| it.strip_prefix("compact\t")?.split('\t').next())
@@ -68,7 +90,8 @@ fn every_dialect_reads_as_in_canopen() {
         for (ours, theirs) in ours.iter().zip(theirs) {
             assert_eq!(essence(ours, &compact), essence(theirs, &compact), "{}", path.display());
         }
+        carried += ours.iter().filter(|it| it.starts_with("pdo")).count();
         variables += listing.lines().count();
     }
-    assert!(variables >= 70, "{variables}");
+    assert!(variables >= 200 && carried == 8, "{variables} variables, {carried} PDOs");
 }

@@ -2,13 +2,17 @@
 
 use proptest::prelude::*;
 use tertius::canopen::eds::{MAX_FINDINGS, ObjectDictionary, Severity};
+use tertius::canopen::pdo::{Pdos, scale};
 use tertius::dbc::text;
 
-const FILES: [&[u8]; 4] = [
+const FILES: [&[u8]; 7] = [
     include_bytes!("../eds/types.eds"),
     include_bytes!("../eds/latin1.eds"),
     include_bytes!("../eds/node_id.eds"),
     include_bytes!("../eds/configured.dcf"),
+    include_bytes!("../eds/pdos.eds"),
+    include_bytes!("../../dbc/encoder.eds"),
+    include_bytes!("../../dbc/valve.eds"),
 ];
 
 /// Reads everything that a dictionary offers: its lines are lines of the text, and what it offers is
@@ -36,6 +40,16 @@ fn use_all(text: &str) {
         assert!(found.is_err() || address.sub_index.is_none(), "{finding}");
     }
     assert!(dictionary.to_string().lines().count() < 66_000);
+    for pdo in Pdos::of(&dictionary, 127).sound {
+        assert!((1..=8).contains(&pdo.length));
+        for object in &pdo.objects {
+            assert!(usize::from(object.start) + usize::from(object.bits) <= 8 * pdo.length);
+            if let Ok(scale) = scale(&dictionary, 127, object.index) {
+                assert!(scale.factor > 0.0 && scale.factor.is_finite());
+                assert!(object.plan(&scale).is_none_or(|plan| plan.needed_length() <= pdo.length));
+            }
+        }
+    }
 }
 
 /// Words of the format in any order reach deeper than random characters.

@@ -23,6 +23,7 @@ mod inject_spec;
 mod monitor_arrival;
 mod monitor_cycles;
 mod monitor_pages;
+mod pdo;
 mod plant;
 mod riccati;
 mod sea;

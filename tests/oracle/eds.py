@@ -5,7 +5,8 @@
 prints, for each file, the line "file PATH" and then what it has, or "refused REASON". A line for each
 variable has, with tabs between them: its address, the type of its object, its own data type and access,
 whether it may be mapped into a PDO, its default, its value (of a DCF), its limits, and its name; "-" stands
-for what is not there. Data types that the device's PDOs may be filled with are lines "dummy TYPE".
+for what is not there. Data types that the device's PDOs may be filled with are lines "dummy TYPE". Lines
+"pdo NAME IDENTIFIER OBJECT@BIT+BITS…" are the PDOs that are on, on node 5.
 
 Where canopen keeps something in another form than the standard means it, it is converted here:
 - A default of a signed type that is written as the type's bits (0xFF as an INTEGER8) is a negative number.
@@ -19,6 +20,7 @@ import logging
 import re
 import sys
 
+import canopen
 from canopen.objectdictionary import ODArray, ODVariable, datatypes
 from canopen.objectdictionary import eds as reader
 
@@ -105,6 +107,28 @@ def describe(path_text):
     return lines
 
 
+def pdos(path_text):
+    """The PDOs of node 5 that are on and that canopen can read."""
+    try:
+        node = canopen.RemoteNode(5, reader.import_eds(io.StringIO(path_text), 5))
+    except KeyError:  # A PDO without its mapping.
+        return []
+    canopen.Network().add_node(node)
+    lines = []
+    for name, maps in (("TPDO", node.tpdo), ("RPDO", node.rpdo)):
+        for number in maps:
+            pdo = maps[number]
+            try:
+                pdo.read(from_od=True)
+            except (KeyError, TypeError):
+                continue
+            if pdo.enabled and pdo.map:
+                places = [f"0x{it.index:04X}:{it.subindex:02X}@{it.offset}+{it.length}"
+                          for it in pdo.map if it.index >= 0x1000]
+                lines.append("\t".join(["pdo", f"{name}{number}", f"0x{pdo.cob_id:X}", *places]))
+    return lines
+
+
 def decoded(path):
     with open(path, "rb") as file:
         content = file.read()
@@ -119,7 +143,7 @@ def main():
     for path in sys.argv[1:]:
         print(f"file\t{path}")
         try:
-            lines = describe(decoded(path))
+            lines = describe(decoded(path)) + pdos(decoded(path))
         except Exception as error:
             lines = [f"refused\t{type(error).__name__}: {error}".replace("\n", " ")]
         for one in lines:

@@ -4,7 +4,7 @@
 
 READER is the program of examples/eds_objects.rs; the other reader is canopen (eds.py). Of two lines that
 describe a variable everything is compared: object type, data type, access, PDO mapping, default, value,
-limits and name. Of variables that CompactSubObj makes, which canopen does not keep, see `essence`.
+limits and name; and the identifiers and mappings of all PDOs that are on. Of variables that CompactSubObj makes, which canopen does not keep, see `essence`.
 """
 
 import pathlib
@@ -46,10 +46,11 @@ def row(name, ours, theirs):
                for lines in (ours, theirs)]
     compact = compact_addresses(theirs)
     mine, other = ({essence(line, compact) for line in lines} for lines in (ours, theirs))
+    pdos = sum(line.startswith("pdo") for line in theirs)
     if any(refused):
         verdict = "not compared"
     elif mine == other:
-        verdict = "equal"
+        verdict = f"equal, {pdos} PDO{'s' * (pdos != 1)} too" if pdos else "equal"
     else:
         verdict = f"{len(mine ^ other)} lines differ"
         for line in sorted(mine ^ other):
@@ -75,7 +76,7 @@ def main():
         print("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     read = sum(not cells[1].startswith("refused") for cells in rows)
     theirs_read = sum(cells[3] == "read" for cells in rows)
-    equal = sum(cells[4] == "equal" for cells in rows)
+    equal = sum(cells[4].startswith("equal") for cells in rows)
     print(f"\n{len(rows)} files: {read} read; canopen reads {theirs_read}, {equal} of them equally.")
 
 

@@ -149,7 +149,10 @@ fn without_comment(line: &str) -> &str {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> (Vec<(&str, usize)>, Vec<(&str, &str, usize)>, Vec<String>) {
+    /// Sections with their lines, entries with theirs, and findings.
+    type Read<'a> = (Vec<(&'a str, usize)>, Vec<(&'a str, &'a str, usize)>, Vec<String>);
+
+    fn read(text: &str) -> Read<'_> {
         let mut findings = Findings::default();
         let sections = split(text, &mut findings).unwrap();
         (
