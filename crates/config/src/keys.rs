@@ -1,5 +1,7 @@
 //! Every key of the configuration file: its purpose, type and limits.
 
+mod appliance;
+mod canopen;
 mod estimate;
 mod fitted;
 
@@ -55,8 +57,10 @@ pub(super) static ROOT: Table = Table { keys: &[
     Key::optional("estimate", Kind::Table(&estimate::ESTIMATE), "",
         "the virtual third sensor: each cylinder's length with its standard deviation"),
     Key::optional("gateway", Kind::Table(&GATEWAY), "", "the gateway's own node on the bus"),
-    Key::optional("http", Kind::Table(&HTTP), "", "the gateway's own state over HTTP"),
-    Key::optional("realtime", Kind::Table(&REALTIME), "", "what the gateway asks of the kernel"),
+    Key::optional("canopen", Kind::Table(&canopen::CANOPEN), "",
+        "CANopen devices on the bus"),
+    Key::optional("http", Kind::Table(&appliance::HTTP), "", "the gateway's own state over HTTP"),
+    Key::optional("realtime", Kind::Table(&appliance::REALTIME), "", "what the gateway asks of the kernel"),
     Key::optional("cylinder", Kind::Tables(&CYLINDER), "", "overrides for one cylinder"),
 ] };
 
@@ -234,20 +238,6 @@ static GATEWAY: Table = Table { keys: &[
 ] };
 
 #[rustfmt::skip]
-static HTTP: Table = Table { keys: &[
-    Key::optional("listen", text(TextRule::Listen), "\"127.0.0.1:9481\"",
-        "where /health and /metrics are served, ADDRESS:PORT; or off"),
-] };
-
-#[rustfmt::skip]
-static REALTIME: Table = Table { keys: &[
-    Key::optional("priority", whole(0, 99, "SCHED_FIFO has priorities 1 to 99; 0 is ordinary"), "0",
-        "the real-time priority of the data path, from the gateway's start on; 0 for none"),
-    Key::optional("lock_memory", Kind::One(Scalar::Switch), "false",
-        "whether the gateway's memory is locked, from its start on"),
-] };
-
-#[rustfmt::skip]
 static CYLINDER: Table = Table { keys: &[
     Key::required("n",
         whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1 to machine.cylinders"),
@@ -328,8 +318,10 @@ mod tests {
             (&LEVELS, fields::<settings::ReadLevels>()),
             (&estimate::ESTIMATE, fields::<settings::Estimate>()),
             (&GATEWAY, fields::<settings::Gateway>()),
-            (&HTTP, fields::<settings::Http>()),
-            (&REALTIME, fields::<settings::Realtime>()),
+            (&canopen::CANOPEN, fields::<settings::Canopen>()),
+            (&canopen::DEVICE, fields::<settings::Device>()),
+            (&appliance::HTTP, fields::<settings::Http>()),
+            (&appliance::REALTIME, fields::<settings::Realtime>()),
             (&CYLINDER, fields::<settings::Cylinder>()),
         ];
         for (table, fields) in tables {

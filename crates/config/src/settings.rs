@@ -1,10 +1,12 @@
 //! The configuration file as types. Field names are the file's keys; lengths are metres, times
 //! seconds, speeds metres per second. Keys that are absent in the file have their defaults here.
 
+mod canopen;
 mod estimate;
 mod levels;
 mod sequential;
 
+pub use canopen::{Canopen, Device, DeviceKind, Role, object_name, object_of};
 pub use estimate::Estimate;
 pub use levels::LevelsTable;
 #[cfg(test)]
@@ -42,6 +44,8 @@ pub struct Settings {
     pub estimate: Estimate,
     #[serde(default)]
     pub gateway: Gateway,
+    /// What is configured of CANopen.
+    pub canopen: Option<Canopen>,
     #[serde(default)]
     pub http: Http,
     #[serde(default)]

@@ -1,6 +1,6 @@
 //! Rules for texts in the configuration.
 
-use super::settings::{HTTP_OFF, PLACEHOLDER};
+use super::settings::{HTTP_OFF, PLACEHOLDER, object_of};
 use std::net::SocketAddr;
 
 /// The longest name that a DBC file may hold.
@@ -23,7 +23,7 @@ pub(super) enum TextRule {
     Message,
     /// `MESSAGE.SIGNAL` of the DBC.
     Signal,
-    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number.
+    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number, or `object 0x6020:01`.
     CylinderSignal,
     /// An address and a port, or "off".
     Listen,
@@ -38,6 +38,8 @@ pub(super) struct TextFault {
 const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState";
 const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.Position; {n} is \
                              replaced by the cylinder's number";
+const OBJECT_HELP: &str = "index and sub-index are hexadecimal, for example object 0x6020:01; the \
+                           device is a [[canopen.device]]";
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
                             DBC without a signal, for example Sync";
 const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
@@ -59,6 +61,10 @@ impl TextRule {
             }
             Self::Signal => fault("of the form MESSAGE.SIGNAL", SIGNAL_HELP),
             Self::CylinderSignal if is_signal(&text.replace(PLACEHOLDER, "1")) => Ok(()),
+            Self::CylinderSignal if object_of(text).is_some() => Ok(()),
+            Self::CylinderSignal if text.starts_with("object") => {
+                fault("of the form object 0xINDEX:SUB", OBJECT_HELP)
+            }
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
             Self::Listen if text == HTTP_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
