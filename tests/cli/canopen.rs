@@ -126,6 +126,46 @@ fn a_dbc_and_objects_may_be_mixed() {
     assert!(text.contains("  frames    0x181 0x191 0x1A1\n"), "{text}");
 }
 
+/// One node with two sensors is both transducers of its cylinder.
+#[test]
+fn one_node_may_be_two_transducers() {
+    let scratch = Scratch::new();
+    let config = config(
+        &scratch,
+        &[
+            ("c2 = \"object 0x6020:01\"", "c2 = \"object 0x6020:02\""),
+            ("c1_velocity", "# "),
+            ("c2_velocity", "# "),
+        ],
+    );
+    let text = scratch.read("machine.toml").replace("c1_status", "# ").replace("c2_status", "# ");
+    let text = (17..23).fold(text, |text, node| {
+        changed(&text, &[(&format!("node = {node}\n"), &format!("node = {}\n", node - 16))])
+    });
+    scratch.write("machine.toml", text);
+    let eds = scratch.read("encoder.eds");
+    let second =
+        eds.find("[6020sub1]").map(|at| &eds[at..]).and_then(|rest| rest.split("\n\n").next());
+    let second = second.expect("it has one").replace("[6020sub1]", "[6020sub2]");
+    let eds =
+        eds.replace("0x60300110", "0x60200220").replace("DefaultValue=3\n", "DefaultValue=2\n");
+    scratch.write("encoder.eds", format!("{eds}\n{second}\n"));
+    let text = check(&config).ok().stdout;
+    assert!(text.contains("  frames    0x181 0x521\n"), "{text}");
+    assert!(
+        text.contains(
+            "c1 = 0x6020:01 (Position value channel 1; byte 0, 32 bits): TPDO1 of node 1,"
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains(
+            "c2 = 0x6020:02 (Position value channel 1; byte 4, 32 bits): TPDO1 of node 1,"
+        ),
+        "{text}"
+    );
+}
+
 #[test]
 fn objects_that_no_device_has() {
     refused(

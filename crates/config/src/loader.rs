@@ -41,6 +41,14 @@ pub struct Loaded {
     pub history_path: Option<PathBuf>,
 }
 
+impl Loaded {
+    /// Bytes of all files that say where signals are in frames: the DBC, and then each EDS or DCF.
+    pub fn layout(&self) -> Vec<u8> {
+        let sheets = self.sheets.iter().map(|sheet| sheet.text.as_slice());
+        [self.dbc_text.as_slice()].into_iter().chain(sheets).collect::<Vec<_>>().concat()
+    }
+}
+
 /// Reads a configuration and its DBC; the paths in it are relative to its folder.
 ///
 /// # Errors A file cannot be read, is too long or is not UTF-8, or [`parse`] refuses it.
