@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::Path;
 use std::time::SystemTime;
 use tertius::alarm::{OwnFrame, Warning};
-use tertius::config::{self, design};
+use tertius::config::{self, design, devices};
 use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
 use tertius::monitor::{Monitor, Sink};
@@ -35,7 +35,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("expected a configuration and an interface".into());
     };
     let loaded = config::load(Path::new(&path))?;
-    let database = Database::parse(&text::from_bytes(&loaded.dbc_text))?;
+    let mut database = Database::parse(&text::from_bytes(&loaded.dbc_text))?;
+    devices::connect(&loaded.settings, &loaded.sheets, &mut database)
+        .map_err(|it| format!("{it:?}"))?;
     let design = design::judging(&loaded.settings, &database).map_err(|it| format!("{it:?}"))?;
     let mut monitor = Monitor::new(design);
     let mut bus = Bus(<socketcan::CanSocket as socketcan::Socket>::open(&interface)?);

@@ -1,5 +1,7 @@
 //! `tertius check`: validates a configuration and its DBC.
 
+mod objects;
+
 use super::Failure;
 use super::history;
 use super::machine::Machine;
@@ -43,10 +45,11 @@ fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
     let lines = machine.design.subscriptions.all();
     let mut text = format!(
-        "{}: sound\n{}: {} messages, of which {} are used\n\n",
+        "{}: sound\n{}: {} messages{}, of which {} are used\n\n",
         machine.loaded.document.name(),
         machine.loaded.dbc_path.display(),
-        machine.database.messages().len(),
+        machine.database.messages().len() - machine.database.device_messages(),
+        objects::messages(machine),
         lines.len(),
     );
     text += &format!(
@@ -65,6 +68,7 @@ fn describe(machine: &Machine) -> String {
         let model = Model::new(settings.machine.sample_time, theta, gamma);
         text += &format!("\ncylinder {n}\n");
         text += &identifiers(n, lines);
+        text += &objects::of_cylinder(machine, n);
         text += &format!("  model     {}\n", describe_model(&model));
         for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
             let l = observer.l.column(0);
@@ -81,6 +85,7 @@ fn describe(machine: &Machine) -> String {
     text += &stops(machine);
     text += &doubts(machine);
     text += &findings(machine);
+    text += &objects::findings(machine);
     text
 }
 

@@ -63,7 +63,14 @@ impl Machine {
             config::parse("config/e-type-simulated.toml", SIMULATED)?;
         let dbc_path = PathBuf::from("dbc/e-type.dbc");
         let dbc_text = DBC.to_vec();
-        let loaded = Loaded { settings, document, dbc_path, dbc_text, history_path: None };
+        let loaded = Loaded {
+            settings,
+            document,
+            dbc_path,
+            dbc_text,
+            sheets: Vec::new(),
+            history_path: None,
+        };
         Self::new(loaded, design::judging)
     }
 
@@ -78,7 +85,7 @@ impl Machine {
 
     fn new(loaded: Loaded, design: Designer) -> Result<Self, Failure> {
         let text = dbc::text::from_bytes(&loaded.dbc_text);
-        let database = Database::parse(&text).map_err(|error| {
+        let mut database = Database::parse(&text).map_err(|error| {
             refusal(
                 &loaded,
                 &[Flaw {
@@ -88,6 +95,8 @@ impl Machine {
                 }],
             )
         })?;
+        config::devices::connect(&loaded.settings, &loaded.sheets, &mut database)
+            .map_err(|flaws| refusal(&loaded, &flaws))?;
         let design =
             design(&loaded.settings, &database).map_err(|flaws| refusal(&loaded, &flaws))?;
         Ok(Self { loaded, database, design })
@@ -96,7 +105,8 @@ impl Machine {
     /// The files of the machine that a command must not overwrite, `config` among them.
     pub fn files<'a>(&'a self, config: &'a Path) -> impl Iterator<Item = &'a Path> {
         let history = self.loaded.history_path.as_deref();
-        [config, self.loaded.dbc_path.as_path()].into_iter().chain(history)
+        let sheets = self.loaded.sheets.iter().map(|sheet| sheet.path.as_path());
+        [config, self.loaded.dbc_path.as_path()].into_iter().chain(sheets).chain(history)
     }
 }
 

@@ -64,7 +64,7 @@ impl Study {
         let file = LearntFile::beside(config);
         let inputs = Inputs::new(surveyed.logs().chain(surveyed.machine.files(config)));
         inputs.claim([(Some(file.path()), Mark::Judged)], Overwriting::default())?;
-        let seals = seals(loaded.document.text(), &loaded.dbc_text)?;
+        let seals = seals(loaded.document.text(), &loaded.layout())?;
         let earlier = if update.fresh {
             file.is_ours()?;
             None
@@ -160,7 +160,7 @@ impl Study {
             }
         })?;
         learnt.add(novel.iter().copied(), packing.finish());
-        learnt.seals = seals(after, &self.surveyed.machine.loaded.dbc_text)?;
+        learnt.seals = seals(after, &self.surveyed.machine.loaded.layout())?;
         self.thin(&mut learnt)?;
         file.clone().prepare(&learnt).map(Some)
     }
@@ -258,9 +258,9 @@ fn holds(parts: &[Part], frame: &Frame) -> bool {
     parts.iter().any(|part| part.holds(frame.timestamp))
 }
 
-fn seals(config: &str, dbc: &[u8]) -> Result<Seals, Failure> {
+fn seals(config: &str, layout: &[u8]) -> Result<Seals, Failure> {
     let none = || Failure::Failed("the configuration cannot be sealed: it is not TOML".to_owned());
-    Seals::of(config, dbc).ok_or_else(none)
+    Seals::of(config, layout).ok_or_else(none)
 }
 
 fn counted(parts: usize) -> String {

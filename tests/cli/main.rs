@@ -1,5 +1,6 @@
 //! The commands as people run them: their outputs, files and messages.
 
+mod canopen;
 mod check_command;
 mod coverage;
 mod demo;

@@ -3,3 +3,4 @@
 
 pub mod eds;
 pub mod node;
+pub mod pdo;

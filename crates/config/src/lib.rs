@@ -7,6 +7,7 @@
 //! into what a monitor is made from.
 
 pub mod design;
+pub mod devices;
 mod document;
 pub mod edit;
 mod kinds;
@@ -24,7 +25,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 
 pub use document::Document;
-pub use loader::{Loaded, MAX_DBC_SIZE, load, load_text};
+pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
 
@@ -59,7 +60,8 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
     }
     walk::walk(root.get_mut(), &mut document, &mut problems);
     match Settings::deserialize(Deserializer::from(root)) {
-        Ok(settings) => {
+        Ok(mut settings) => {
+            settings.signals.cylinder.name_objects();
             relations::check(&settings, &document, &mut problems);
             if problems.is_empty() {
                 Ok((settings, document))

@@ -11,6 +11,20 @@ use super::{ConfigError, Document, MAX_SIZE, parse, too_long};
 /// The longest DBC file, bytes.
 pub const MAX_DBC_SIZE: usize = 64 << 20;
 
+/// The longest EDS or DCF file, bytes.
+pub const MAX_SHEET_SIZE: usize = 4 << 20;
+
+/// An EDS or DCF as on disk.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    /// The path as the configuration has it.
+    pub name: String,
+    /// The path that it was read from.
+    pub path: PathBuf,
+    /// Its bytes; their encoding is found by its reader.
+    pub text: Vec<u8>,
+}
+
 /// A configuration with the DBC that it names.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -20,9 +34,19 @@ pub struct Loaded {
     pub dbc_path: PathBuf,
     /// Bytes of the DBC as on disk; the DBC reader determines their encoding.
     pub dbc_text: Vec<u8>,
+    /// The EDS and DCF files that it names, each once.
+    pub sheets: Vec<Sheet>,
     /// Path of the file in which the gateway keeps its readings on the stops; the file need not
     /// exist.
     pub history_path: Option<PathBuf>,
+}
+
+impl Loaded {
+    /// Bytes of all files that say where signals are in frames: the DBC, and then each EDS or DCF.
+    pub fn layout(&self) -> Vec<u8> {
+        let sheets = self.sheets.iter().map(|sheet| sheet.text.as_slice());
+        [self.dbc_text.as_slice()].into_iter().chain(sheets).collect::<Vec<_>>().concat()
+    }
 }
 
 /// Reads a configuration and its DBC; the paths in it are relative to its folder.
@@ -52,10 +76,13 @@ pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
     let dbc_path = folder.join(&settings.bus.dbc);
     let dbc_text = read_dbc(&dbc_path, &document)?;
     let history_path = settings.sequential.history.as_ref().map(|history| folder.join(history));
+    let sheets = read_sheets(folder, &settings, &document)?;
     if let Some(history) = &history_path {
-        refuse_overwriting(history, &[path, &dbc_path], &document)?;
+        let mut inputs = vec![path, &dbc_path];
+        inputs.extend(sheets.iter().map(|sheet| sheet.path.as_path()));
+        refuse_overwriting(history, &inputs, &document)?;
     }
-    Ok(Loaded { settings, document, dbc_path, dbc_text, history_path })
+    Ok(Loaded { settings, document, dbc_path, dbc_text, sheets, history_path })
 }
 
 /// Refuses a history path that names one of these files: the gateway sets aside a file that is not
@@ -91,6 +118,39 @@ fn read_dbc(path: &Path, document: &Document) -> Result<Vec<u8>, ConfigError> {
     };
     let problem = document.problem("bus.dbc", message, help);
     Err(document.refuse([problem]).expect("one problem is a refusal"))
+}
+
+fn read_sheets(
+    folder: &Path,
+    settings: &Settings,
+    document: &Document,
+) -> Result<Vec<Sheet>, ConfigError> {
+    let mut sheets: Vec<Sheet> = Vec::new();
+    for (index, device) in settings.devices().iter().enumerate() {
+        if sheets.iter().any(|sheet| sheet.name == device.eds) {
+            continue;
+        }
+        let path = folder.join(&device.eds);
+        let shown = path.display();
+        let (message, help) = match read(&path, MAX_SHEET_SIZE) {
+            Ok(Some(text)) => {
+                sheets.push(Sheet { name: device.eds.clone(), path, text });
+                continue;
+            }
+            Ok(None) => (
+                format!("the EDS {shown} is longer than {MAX_SHEET_SIZE} bytes"),
+                "is this the right file?",
+            ),
+            Err(error) => (
+                format!("the EDS {shown} cannot be read: {error}"),
+                "`eds` is relative to the folder of this configuration; put the EDS there or correct \
+                 the path",
+            ),
+        };
+        let problem = document.problem(&format!("canopen.device[{index}].eds"), message, help);
+        return Err(document.refuse([problem]).expect("one problem is a refusal"));
+    }
+    Ok(sheets)
 }
 
 /// The file's bytes; `None` if it is longer than `longest`, beyond which nothing is read.

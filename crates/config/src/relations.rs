@@ -1,5 +1,7 @@
 //! Relations that must hold between the values of different keys.
 
+mod devices;
+
 use std::collections::BTreeSet;
 
 use super::document::Document;
@@ -18,6 +20,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.heartbeat(settings);
     relations.signals(settings);
     relations.cylinders(settings);
+    relations.devices(settings);
 }
 
 struct Relations<'a> {

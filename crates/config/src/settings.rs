@@ -4,6 +4,7 @@
 
 mod canopen;
 mod cylinder;
+mod device;
 mod estimate;
 mod gateway;
 mod judging;
@@ -16,6 +17,7 @@ use canopen::CANOPEN;
 pub use canopen::Canopen;
 use cylinder::CYLINDER;
 pub use cylinder::Cylinder;
+pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
 use gateway::{GATEWAY, HTTP, REALTIME};
@@ -30,7 +32,7 @@ use signals::SIGNALS;
 pub use signals::{CylinderSignals, Signals};
 
 use super::schema::{Kind, table};
-pub use super::text::{HTTP_OFF, PLACEHOLDER};
+pub use super::text::{HTTP_OFF, PLACEHOLDER, object_of};
 
 table! {
     /// The whole file.
@@ -60,7 +62,7 @@ table! {
         gateway: Gateway = Gateway::default() => Kind::Table(&GATEWAY),
             "", "the gateway's own node on the bus";
         canopen: Canopen = Canopen::default() => Kind::Table(&CANOPEN),
-            "", "the gateway as a CANopen node";
+            "", "CANopen: the gateway as a node, and devices on the bus";
         http: Http = Http::default() => Kind::Table(&HTTP),
             "", "the gateway's own state over HTTP";
         realtime: Realtime = Realtime::default() => Kind::Table(&REALTIME),

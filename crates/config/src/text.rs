@@ -28,7 +28,7 @@ pub(super) enum TextRule {
     Message,
     /// `MESSAGE.SIGNAL` of the DBC.
     Signal,
-    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number.
+    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number, or `object 0x6020:01`.
     CylinderSignal,
     /// An address and a port, or "off".
     Listen,
@@ -43,12 +43,26 @@ pub(super) struct TextFault {
 const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState";
 const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.Position; {n} is \
                              replaced by the cylinder's number";
+const OBJECT_HELP: &str = "index and sub-index are hexadecimal, for example object 0x6020:01; the \
+                           device is a [[canopen.device]]";
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
                             DBC without a signal, for example Sync";
 const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
                            off, for no HTTP";
 const INTERFACE_HELP: &str =
     "as `ip link` lists it, for example can0; or virtual, the embedded bus";
+
+/// Index and sub-index of `object 0x6020:01`; without a sub-index it is 0.
+pub fn object_of(text: &str) -> Option<(u16, u8)> {
+    let address = text.strip_prefix("object ")?.trim();
+    let digits = address.strip_prefix("0x").or(address.strip_prefix("0X"))?;
+    let (index, sub_index) = digits.split_once(':').unwrap_or((digits, "0"));
+    let plain = |text: &str| text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if !plain(index) || !plain(sub_index) {
+        return None;
+    }
+    Some((u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub_index, 16).ok()?))
+}
 
 impl TextRule {
     pub fn check(self, text: &str) -> Result<(), TextFault> {
@@ -64,6 +78,10 @@ impl TextRule {
             }
             Self::Signal => fault("of the form MESSAGE.SIGNAL", SIGNAL_HELP),
             Self::CylinderSignal if is_signal(&text.replace(PLACEHOLDER, "1")) => Ok(()),
+            Self::CylinderSignal if object_of(text).is_some() => Ok(()),
+            Self::CylinderSignal if text.starts_with("object") => {
+                fault("of the form object 0xINDEX:SUB", OBJECT_HELP)
+            }
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
             Self::Listen if text == HTTP_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::check::{self, OVERLAP_STEPS};
 use super::collect::collect;
+use super::device::{Device, DeviceMessages, IdTaken};
 use super::draft::Draft;
 use super::finding::{Concern, Finding, Findings, Severity};
 use super::lookup::{LookupError, nearest};
@@ -23,6 +24,10 @@ pub struct Database {
     /// Names of unusable messages, each with its first error.
     refused: BTreeMap<String, Finding>,
     findings: Findings,
+    /// Devices that describe their messages themselves.
+    devices: Vec<Device>,
+    /// Devices by their names.
+    by_device: BTreeMap<String, usize>,
 }
 
 impl Database {
@@ -85,7 +90,57 @@ impl Database {
         }
     }
 
-    /// The usable messages, in the file's order.
+    /// Adds the messages of a device, which are not the DBC's. Its signals are then found by the device's
+    /// names, whatever message they are in.
+    ///
+    /// # Errors A message's identifier is taken; nothing is added then.
+    pub fn add_device(&mut self, device: DeviceMessages) -> Result<(), IdTaken> {
+        for message in &device.messages {
+            if let Some(&other) = self.by_id.get(&message.id) {
+                return Err(IdTaken {
+                    message: message.name.clone(),
+                    other: self.messages[other].name.clone(),
+                    id: message.id,
+                });
+            }
+        }
+        let first = self.messages.len();
+        for message in device.messages {
+            self.by_id.insert(message.id, self.messages.len());
+            self.messages.push(message);
+        }
+        let messages = first..self.messages.len();
+        let place = self.devices.len();
+        self.by_device.extend(device.names.into_iter().map(|name| (name, place)));
+        self.devices.push(Device { messages, note: device.note });
+        Ok(())
+    }
+
+    /// Number of messages that are devices' own.
+    pub fn device_messages(&self) -> usize {
+        self.devices.iter().map(|device| device.messages.len()).sum()
+    }
+
+    /// Whether `message` is a device's own, and not the DBC's.
+    pub fn is_of_device(&self, message: &Message) -> bool {
+        let place = self.by_id.get(&message.id);
+        place.is_some_and(|place| self.devices.iter().any(|it| it.messages.contains(place)))
+    }
+
+    /// The signal of that name in whichever message of the device.
+    fn device_signal(&self, name: &str, signal: &str) -> Option<DeviceSignal<'_>> {
+        let device = &self.devices[*self.by_device.get(name)?];
+        let messages = &self.messages[device.messages.clone()];
+        let found = messages.iter().find_map(|it| it.signal(signal).map(|found| (it, found)));
+        Some(found.ok_or_else(|| LookupError::Object {
+            device: name.to_owned(),
+            given: signal.to_owned(),
+            carried: messages.iter().flat_map(|it| &it.signals).map(|it| it.name.clone()).collect(),
+            note: device.note.clone(),
+        }))
+    }
+
+    /// The usable messages, in the file's order, and then those of devices.
     pub fn messages(&self) -> &[Message] {
         &self.messages
     }
@@ -129,14 +184,17 @@ impl Database {
         Err(LookupError::Message { given: name.to_owned(), nearest: nearest(name, known) })
     }
 
-    /// The signal that `MESSAGE.SIGNAL` names, and its message.
+    /// The signal that `MESSAGE.SIGNAL` or `DEVICE.SIGNAL` names, and its message.
     ///
-    /// # Errors See [`Self::message`]; also if the message has no such signal, or if `name` has no
+    /// # Errors See [`Self::message`]; also if the message or device has no such signal, or if `name` has no
     /// point.
     pub fn signal(&self, name: &str) -> Result<(&Message, &Signal), LookupError> {
         let Some((message, signal)) = name.split_once('.') else {
             return Err(LookupError::Form { given: name.to_owned() });
         };
+        if let Some(found) = self.device_signal(message, signal) {
+            return found;
+        }
         let message = self.message(message)?;
         let found = message.signal(signal).ok_or_else(|| LookupError::Signal {
             message: message.name.clone(),
@@ -146,6 +204,9 @@ impl Database {
         Ok((message, found))
     }
 }
+
+/// A signal of a device and its message, or why there is none.
+type DeviceSignal<'a> = Result<(&'a Message, &'a Signal), LookupError>;
 
 /// Refuses two messages with the same identifier or name, since it cannot be told which is meant.
 fn refuse_duplicates(drafts: &mut [Draft], findings: &mut Findings) {

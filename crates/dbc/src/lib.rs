@@ -6,6 +6,7 @@
 mod check;
 mod collect;
 mod database;
+mod device;
 mod draft;
 mod finding;
 mod lookup;
@@ -17,6 +18,7 @@ mod syntax;
 pub mod text;
 
 pub use database::Database;
+pub use device::{DeviceMessages, IdTaken};
 pub use finding::{Concern, Finding, Severity};
 pub use lookup::LookupError;
 pub use message::{Message, Signal};

@@ -18,6 +18,15 @@ pub enum LookupError {
         /// Up to three known names, the most similar first.
         nearest: Vec<String>,
     },
+    #[error("no PDO of {device} carries object {given}{}", told(.carried, .note))]
+    Object {
+        device: String,
+        given: String,
+        /// Objects that the device's PDOs carry.
+        carried: Vec<String>,
+        /// What else is known of the device's PDOs; may be empty.
+        note: String,
+    },
     /// The message exists, but has an error.
     #[error("message {message} cannot be used: {reason}")]
     Refused {
@@ -25,6 +34,14 @@ pub enum LookupError {
         /// The first of its findings, with its line.
         reason: String,
     },
+}
+
+fn told(carried: &[String], note: &str) -> String {
+    let carried = match carried {
+        [] => "; none carries an object".to_owned(),
+        carried => format!("; they carry {}", carried.join(", ")),
+    };
+    if note.is_empty() { carried } else { format!("{carried}; {note}") }
 }
 
 fn nearest_text(nearest: &[String]) -> String {

@@ -35,7 +35,7 @@ pub struct Flaw {
 }
 
 impl Flaw {
-    fn new(key: &str, message: impl ToString, help: impl ToString) -> Self {
+    pub(super) fn new(key: &str, message: impl ToString, help: impl ToString) -> Self {
         Self { key: key.to_owned(), message: message.to_string(), help: help.to_string() }
     }
 }
@@ -300,6 +300,9 @@ impl<'a> Connector<'a> {
             Err(error) => {
                 let help = match error {
                     LookupError::Refused { .. } => "correct the message in the DBC",
+                    LookupError::Object { .. } => {
+                        "name an object that is mapped, or map it and give the device's DCF"
+                    }
                     _ => "name it MESSAGE.SIGNAL as the DBC does",
                 };
                 self.flaws.push(Flaw::new(key, error, help));

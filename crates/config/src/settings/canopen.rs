@@ -1,13 +1,14 @@
-//! `[canopen]`: the gateway as a CANopen node.
+//! `[canopen]`: the gateway as a CANopen node, and devices on the bus.
 
 use super::Settings;
+use super::device::{DEVICE, Device};
 use crate::kinds::number;
 use crate::schema::{Kind, Limits, Scalar, table};
 use tertius_core::alarm::OwnMessage;
 use tertius_core::alarm::own::Sending;
 
 table! {
-    /// The gateway as a CANopen node.
+    /// The gateway as a CANopen node, and devices that describe themselves in EDS or DCF files.
     pub struct Canopen = CANOPEN {
         /// Its number is that of the gateway.
         node: bool = false => Kind::One(Scalar::Switch),
@@ -20,6 +21,8 @@ table! {
         autostart: bool = true => Kind::One(Scalar::Switch),
             "true", "whether the node becomes operational by itself; otherwise no Fd_ frame is sent until an NMT \
                 master starts it";
+        device: Vec<Device> = Vec::new() => Kind::Tables(&DEVICE),
+            "", "a device whose objects are read as its EDS or DCF says";
     }
 }
 

@@ -10,7 +10,8 @@ const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 /// Checksums of the values of a configuration, whatever its comments, order and layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seals {
-    /// Checksum of what turns frames into readings: the machine, its signals, the DBC.
+    /// Checksum of what turns frames into readings: the machine, its signals and devices, the DBC and the
+    /// EDS files.
     pub readings: u32,
     /// Checksum of the model (4-1) of the machine and of its cylinders.
     pub model: u32,
@@ -24,7 +25,9 @@ pub struct Seals {
 /// What differs in a configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum Broken {
-    #[error("[machine], [signals] or the DBC differ from those of the recording")]
+    #[error(
+        "[machine], [signals], the devices, the DBC or an EDS differ from those of the recording"
+    )]
     Readings,
     #[error(
         "[model], or theta, gamma or command_offset of a cylinder, differ from those that were \
@@ -44,11 +47,16 @@ pub enum Broken {
 }
 
 impl Seals {
-    /// Seals of a configuration and the bytes of its DBC; `None` for a text that is not TOML.
-    pub fn of(config: &str, dbc: &[u8]) -> Option<Self> {
+    /// Seals of a configuration and the bytes of its DBC, followed by those of its EDS files; `None` for a
+    /// text that is not TOML.
+    pub fn of(config: &str, layout: &[u8]) -> Option<Self> {
         let table: Table = config.parse().ok()?;
-        let mut readings = canonical(&table, &["machine", "signals"]).into_bytes();
-        readings.extend(dbc);
+        let mut readings = canonical(&table, &["machine", "signals"]);
+        if let Some(devices) = table.get("canopen").and_then(|canopen| canopen.get("device")) {
+            write(&mut readings, devices);
+        }
+        let mut readings = readings.into_bytes();
+        readings.extend(layout);
         let cylinders = table.get("cylinder").and_then(Value::as_array);
         let cylinders = cylinders.into_iter().flatten().filter_map(Value::as_table);
         let (mut model, mut calibration) = (canonical(&table, &["model"]), String::new());
@@ -161,6 +169,8 @@ mod tests {
         assert_eq!(broken("q = [1.0]", "q = [1.1]"), Some(Broken::Weights));
         assert_eq!(broken("1e-3", "2e-3"), Some(Broken::Calibration));
         assert_eq!(broken("c2_gain = 1.0", "c2_gain = 1.1"), Some(Broken::Calibration));
+        let device = "[[canopen.device]]\nnode = 1\n[[cylinder]]";
+        assert_eq!(broken("[[cylinder]]", device), Some(Broken::Readings));
         let other = Seals::of(TEXT, b"BO_ 2").expect("it is TOML");
         assert_eq!(whole.agree(&other, false), Err(Broken::Readings));
         assert_eq!(whole.agree(&seals("q = [1.0]", "q = [1.1]"), false), Ok(()));

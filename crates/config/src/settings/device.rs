@@ -1,0 +1,138 @@
+//! `[[canopen.device]]`: devices whose objects are read.
+
+use super::{CylinderSignals, PLACEHOLDER, Settings};
+use crate::kinds::{MOST_CYLINDERS, number, text, whole};
+use crate::schema::{Kind, Limits, Scalar, table};
+use crate::text::{TextRule, object_of};
+use serde::Deserialize;
+
+table! {
+    /// A device on the bus, described by its EDS or DCF.
+    pub struct Device = DEVICE {
+        node: u8 => whole(1, 127, "CANopen has the node-IDs 1 to 127"),
+            "1", "the device's node-ID";
+        kind: DeviceKind => Kind::One(Scalar::Choice(&["transducer", "valve"])),
+            "\"transducer\"", "a position transducer (CiA 406) or a proportional valve (CiA 408)";
+        cylinder: u8 => whole(1, MOST_CYLINDERS as i128, "cylinders are numbered from 1"),
+            "1", "the cylinder that it is on";
+        role: Option<Role> = None => Kind::One(Scalar::Choice(&["c1", "c2"])),
+            "\"c1\"", "which transducer of the cylinder it is; a valve has none";
+        eds: String => text(TextRule::Path),
+            "\"../dbc/transducer.eds\"", "the device's EDS or DCF, relative to this file";
+        full_speed: Option<f64> = None =>
+            number(Limits::above(0.0, "a speed in metres per second").most(100.0)),
+            "1.0", "the commanded speed at 100 % of a valve's set point, m/s, where the set point has no unit";
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DeviceKind {
+    /// A position transducer (CiA 406).
+    Transducer,
+    /// A proportional valve (CiA 408).
+    Valve,
+}
+
+impl DeviceKind {
+    /// Number of its profile at CiA.
+    pub fn profile(self) -> u16 {
+        match self {
+            Self::Transducer => 406,
+            Self::Valve => 408,
+        }
+    }
+
+    /// Its word in the configuration.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Transducer => "transducer",
+            Self::Valve => "valve",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    C1,
+    C2,
+}
+
+impl Device {
+    /// Name by which the signals of the device are found, such as `c1 of cylinder 3`.
+    pub fn name(&self) -> String {
+        device_name(self.role, &self.cylinder.to_string())
+    }
+}
+
+fn device_name(role: Option<Role>, cylinder: &str) -> String {
+    let role = match role {
+        Some(Role::C1) => "c1",
+        Some(Role::C2) => "c2",
+        None => "valve",
+    };
+    format!("{role} of cylinder {cylinder}")
+}
+
+/// The transducer that a key of `[signals.cylinder]` is about; `None` for the valve.
+fn role_of(key: &str) -> Option<Role> {
+    match key.split('_').next() {
+        Some("c1") => Some(Role::C1),
+        Some("c2") => Some(Role::C2),
+        _ => None,
+    }
+}
+
+/// Name of an object as a signal of its device.
+pub fn object_name(index: u16, sub_index: u8) -> String {
+    format!("0x{index:04X}:{sub_index:02X}")
+}
+
+impl Settings {
+    /// Devices that describe themselves.
+    pub fn devices(&self) -> &[Device] {
+        &self.canopen.device
+    }
+}
+
+impl CylinderSignals {
+    /// Turns each object into the name of a signal of its device, `c1 of cylinder {n}.0x6020:01`.
+    pub(crate) fn name_objects(&mut self) {
+        for (key, signal) in self.named_mut() {
+            if let Some((index, sub_index)) = object_of(signal) {
+                let device = device_name(role_of(key), PLACEHOLDER);
+                *signal = format!("{device}.{}", object_name(index, sub_index));
+            }
+        }
+    }
+
+    /// Keys whose signals are objects of devices, and the transducer or valve that they are of.
+    pub(crate) fn objects(&self) -> impl Iterator<Item = (&'static str, Option<Role>)> {
+        let of_object = |(key, signal): (&'static str, &str)| {
+            let role = role_of(key);
+            signal.starts_with(&device_name(role, PLACEHOLDER)).then_some((key, role))
+        };
+        self.named().filter_map(of_object)
+    }
+
+    fn named_mut(&mut self) -> impl Iterator<Item = (&'static str, &mut String)> {
+        [
+            ("c1", Some(&mut self.c1)),
+            ("c1_velocity", self.c1_velocity.as_mut()),
+            ("c1_status", self.c1_status.as_mut()),
+            ("c1_counter", self.c1_counter.as_mut()),
+            ("c2", self.c2.as_mut()),
+            ("c2_velocity", self.c2_velocity.as_mut()),
+            ("c2_status", self.c2_status.as_mut()),
+            ("c2_counter", self.c2_counter.as_mut()),
+            ("control_speed", Some(&mut self.control_speed)),
+            ("pressure_bottom", self.pressure_bottom.as_mut()),
+            ("pressure_rod", self.pressure_rod.as_mut()),
+            ("load_pressure", self.load_pressure.as_mut()),
+            ("spool", self.spool.as_mut()),
+        ]
+        .into_iter()
+        .filter_map(|(key, signal)| signal.map(|signal| (key, signal)))
+    }
+}

@@ -1,0 +1,31 @@
+//! Devices that describe their messages themselves, beside the DBC.
+
+use super::message::Message;
+
+/// A device's messages, for [`Database::add_device`](super::Database::add_device).
+#[derive(Clone, Debug, Default)]
+pub struct DeviceMessages {
+    /// Names by which the device is known, each in place of a message's: `NAME.SIGNAL`.
+    pub names: Vec<String>,
+    /// Messages, each with an identifier that nothing else has.
+    pub messages: Vec<Message>,
+    /// What a person should know who misses a signal; may be empty.
+    pub note: String,
+}
+
+/// A message whose identifier another message has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message} has the identifier 0x{id}, as has {other}")]
+pub struct IdTaken {
+    pub message: String,
+    pub other: String,
+    pub id: tertius_core::frame::Id,
+}
+
+/// A device in a database.
+#[derive(Clone, Debug)]
+pub(super) struct Device {
+    /// Places of its messages.
+    pub messages: std::ops::Range<usize>,
+    pub note: String,
+}

@@ -1,0 +1,56 @@
+//! Which objects of CANopen devices are read, where they are in their PDOs, and what they stand for.
+
+use super::super::machine::Machine;
+use crate::canopen::pdo::BITS;
+use crate::config::devices;
+use crate::config::settings::CylinderSignals;
+use crate::dbc::Signal;
+
+/// The number of messages that devices describe themselves; empty without devices.
+pub(super) fn messages(machine: &Machine) -> String {
+    match machine.database.device_messages() {
+        0 => String::new(),
+        count => format!(" and {count} of CANopen devices"),
+    }
+}
+
+/// A line for each signal of cylinder `n` that is an object.
+pub(super) fn of_cylinder(machine: &Machine, n: u8) -> String {
+    let signals = &machine.loaded.settings.signals.cylinder;
+    let line = |(key, pattern): (&str, &str)| {
+        let name = CylinderSignals::of_cylinder(pattern, n);
+        let (message, signal) = machine.database.signal(&name).ok()?;
+        let is_object = machine.database.is_of_device(message);
+        is_object.then(|| {
+            format!(
+                "  object    {key} = {} ({}): {}, 0x{}, {}\n",
+                signal.name,
+                signal.comment.as_deref().unwrap_or_default(),
+                message.name,
+                message.id,
+                scale(signal),
+            )
+        })
+    };
+    signals.named().filter_map(line).collect()
+}
+
+fn scale(signal: &Signal) -> String {
+    match signal.unit.as_str() {
+        BITS => "as it is".to_owned(),
+        unit => format!("{} {unit} each", signal.plan.factor()),
+    }
+}
+
+/// What was found in the EDS and DCF files.
+pub(super) fn findings(machine: &Machine) -> String {
+    let mut text = String::new();
+    for (sheet, findings) in devices::findings(&machine.loaded.sheets) {
+        if findings.is_empty() {
+            continue;
+        }
+        text += &format!("\n{}: worth a look\n", sheet.path.display());
+        text.extend(findings.iter().map(|finding| format!("  {finding}\n")));
+    }
+    text
+}
