@@ -63,7 +63,7 @@ table! {
         level: Option<f64> = None =>
             number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
             "19.5",
-            "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \
+            "the level h of this cylinder, nats, where `sequential.level` has none for all; absent: by \
              false_alarms_per_year";
         first: f64 => number(Limits::finite(FITTED)),
             "-1.5", "where on the stroke the first node is, m";
