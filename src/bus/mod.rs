@@ -36,8 +36,8 @@ pub use recording::{Options, Progress, Recording};
 pub use selection::{Ambiguous, Interfaces, Selected, Selection};
 pub use source::{Source, SourceError};
 pub use statistics::{
-    BadLine, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN, KEPT_DAMAGE, Place,
-    Statistics,
+    BadLine, BadPlace, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN,
+    KEPT_DAMAGE, Statistics,
 };
 pub use unrestricted::{Unrestricted, UnrestrictedPort};
 pub use writer::{LogWriter, append_log_line};

@@ -18,7 +18,7 @@ use super::order;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
-use super::statistics::{Place, Statistics};
+use super::statistics::{BadPlace, Statistics};
 
 /// Options for reading a recording.
 #[derive(Clone, Debug, Default)]
@@ -265,9 +265,9 @@ impl Recording {
         self.statistics.lines += 1;
         let place = match self.reader {
             Some((Format { numbered: Numbered::Bytes, .. }, _)) => {
-                Place::Byte(self.buffer.consumed())
+                BadPlace::Byte(self.buffer.consumed())
             }
-            _ => Place::Line(self.statistics.lines - self.lines_before),
+            _ => BadPlace::Line(self.statistics.lines - self.lines_before),
         };
         let file = self.input.as_ref().map_or("", Input::name);
         self.statistics.add_bad(file, place, &self.buffer.unread()[..shown], reason);

@@ -52,7 +52,7 @@ pub struct Statistics {
 pub struct BadLine {
     /// Name of the file as given, or "standard input".
     pub file: String,
-    pub place: Place,
+    pub place: BadPlace,
     /// Beginning of the line: at most 80 bytes, `…` if there were more, control characters escaped. Of a
     /// record its first 16 bytes, in hexadecimal.
     pub text: String,
@@ -64,15 +64,15 @@ impl std::fmt::Display for BadLine {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { file, place, text, reason } = self;
         match place {
-            Place::Line(line) => write!(f, "{file}:{line}: {reason}: {text}"),
-            Place::Byte(byte) => write!(f, "{file}, byte {byte}: {reason}: {text}"),
+            BadPlace::Line(line) => write!(f, "{file}:{line}: {reason}: {text}"),
+            BadPlace::Byte(byte) => write!(f, "{file}, byte {byte}: {reason}: {text}"),
         }
     }
 }
 
 /// A place within a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum BadPlace {
     /// Line number, counted from 1.
     Line(u64),
     /// Number of bytes before it, after decompression.
@@ -110,12 +110,12 @@ impl std::fmt::Display for Damage {
 
 impl Statistics {
     /// Counts a bad line or record, which begins with `shown`.
-    pub(super) fn add_bad(&mut self, file: &str, place: Place, shown: &[u8], reason: Reason) {
+    pub(super) fn add_bad(&mut self, file: &str, place: BadPlace, shown: &[u8], reason: Reason) {
         self.bad_lines += 1;
         if self.first_bad_lines.len() < KEPT_BAD_LINES {
             let text = match place {
-                Place::Line(_) => excerpt(shown),
-                Place::Byte(_) => hexadecimal(shown),
+                BadPlace::Line(_) => excerpt(shown),
+                BadPlace::Byte(_) => hexadecimal(shown),
             };
             self.first_bad_lines.push(BadLine { file: file.to_owned(), place, text, reason });
         }

@@ -3,6 +3,7 @@
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write;
+use tertius_testing::oracle;
 use tertius_testing::support::{
     E_TYPE, Run, Scratch, Seeded, between, recorded, recording, replay, tertius, tertius_in_pieces,
 };
@@ -190,6 +191,16 @@ fn time_stamps_are_digits_of_the_recording() {
         assert!(told.len() > 2, "{page}");
         told.iter().for_each(|stamp| assert!(log.contains(&format!("({stamp})")), "{stamp}"));
     }
+}
+
+/// python-can writes the trace, whose time stamps have microseconds as candump's have.
+#[test]
+fn a_peak_trace_replays_as_the_candump_that_it_was_made_from() {
+    let bench = Bench::new();
+    let log = bench.scratch.write("log", excerpt());
+    let trace = bench.scratch.path("trace");
+    oracle::run("trc.py", &["write", "2.1", &log, &trace], "");
+    bench.of_files(&[&log]).assert_same(&bench.of_files(&[&trace]), "a PEAK trace");
 }
 
 /// A line of `candump -l` as the console form with absolute time stamps writes it (`candump -ta`).

@@ -1,6 +1,6 @@
 //! Every form of line that candump writes, and every way in which a line can be bad.
 
-use tertius::bus::{Found, Interfaces, Options, Place, Reason, Source, Statistics, TimeStamps};
+use tertius::bus::{BadPlace, Found, Interfaces, Options, Reason, Source, Statistics, TimeStamps};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Timestamp;
 use tertius_testing::candump::{frames_of, read, read_in_pieces, read_with};
@@ -262,7 +262,7 @@ fn a_bad_line_is_counted_with_its_reason() {
             let (read, statistics) = read(text.as_bytes());
             assert_eq!(statistics.bad_lines, 1, "{text}");
             assert_eq!(statistics.first_bad_lines[0].reason, reason, "{text}");
-            assert_eq!(statistics.first_bad_lines[0].place, Place::Line(number), "{text}");
+            assert_eq!(statistics.first_bad_lines[0].place, BadPlace::Line(number), "{text}");
             assert_eq!(read.len(), frames, "{text}");
         }
     }
@@ -290,8 +290,8 @@ fn a_report_names_place_reason_and_text_without_touching_the_terminal() {
 fn only_the_first_bad_lines_are_kept() {
     let (_, statistics) = read("nonsense\n".repeat(1000).as_bytes());
     assert_eq!((statistics.bad_lines, statistics.lines), (1000, 1000));
-    let lines: Vec<Place> = statistics.first_bad_lines.iter().map(|bad| bad.place).collect();
-    assert_eq!(lines, [1, 2, 3, 4, 5].map(Place::Line));
+    let lines: Vec<BadPlace> = statistics.first_bad_lines.iter().map(|bad| bad.place).collect();
+    assert_eq!(lines, [1, 2, 3, 4, 5].map(BadPlace::Line));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read, Write};
 use std::path::PathBuf;
 
 use tempfile::TempDir;
-use tertius::bus::{Options, Place, Reason, Recording, Source, SourceError};
+use tertius::bus::{BadPlace, Options, Reason, Recording, Source, SourceError};
 use tertius_testing::candump::{drain, read};
 
 /// `count` lines that compress badly enough to be worth several blocks.
@@ -100,10 +100,10 @@ fn a_truncated_file_gives_what_is_readable_and_the_next_one_follows() {
         let bad: Vec<_> =
             statistics.first_bad_lines.iter().map(|bad| (bad.reason, bad.place)).collect();
         let last = bad.last().unwrap();
-        assert_eq!(last.1, Place::Line(2));
+        assert_eq!(last.1, BadPlace::Line(2));
         assert_eq!(statistics.first_bad_lines.last().unwrap().text, "bad");
         for (reason, line) in &bad[..bad.len() - 1] {
-            assert_eq!((*reason, *line), (Reason::CutOff, Place::Line(frames.len() as u64)));
+            assert_eq!((*reason, *line), (Reason::CutOff, BadPlace::Line(frames.len() as u64)));
         }
     }
 }
@@ -180,8 +180,8 @@ fn several_files_are_read_in_turn_each_with_its_own_lines_and_zero() {
     assert_eq!(
         bad,
         [
-            (first.display().to_string(), Place::Line(1)),
-            (second.display().to_string(), Place::Line(2))
+            (first.display().to_string(), BadPlace::Line(1)),
+            (second.display().to_string(), BadPlace::Line(2))
         ]
     );
     assert_eq!(statistics.lines, 6);

@@ -1,4 +1,4 @@
-//! The configuration file as types, and its keys: each is declared once, by a row of a [`table`]. Lengths are
+//! The configuration file as types, and its keys: each is declared once, by a row of a `table!`. Lengths are
 //! metres, times seconds, speeds metres per second. A key that is absent in the file has the default of its
 //! row.
 

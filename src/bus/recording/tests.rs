@@ -71,11 +71,11 @@ fn an_incomplete_record_is_bad_and_one_that_is_too_long_never_fills_the_memory()
     let (ids, statistics) = read(&[2, 0, 0, 0x81, 1, 2, 0, 0, 0x82]);
     assert_eq!((ids, statistics.bad_lines), (vec![0x181], 1));
     let bad = &statistics.first_bad_lines[0];
-    assert_eq!((bad.reason, bad.place), (Reason::Incomplete, Place::Byte(5)));
+    assert_eq!((bad.reason, bad.place), (Reason::Incomplete, BadPlace::Byte(5)));
     let mut bytes = vec![0xFF; 3 * MAX_RECORD];
     bytes.extend([2, 0, 0, 0x81, 1]);
     let (_, statistics) = read(&bytes);
     let bad = &statistics.first_bad_lines[0];
-    assert_eq!((bad.reason, bad.place), (Reason::RecordTooLong, Place::Byte(0)));
+    assert_eq!((bad.reason, bad.place), (Reason::RecordTooLong, BadPlace::Byte(0)));
     assert_eq!(bad.text, "FF FF FF FF FF FF FF FF FF FF FF FF FF FF FF FF …");
 }

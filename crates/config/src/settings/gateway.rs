@@ -23,7 +23,7 @@ table! {
 table! {
     /// HTTP server of the gateway's own state.
     pub struct Http = HTTP {
-        /// `ADDRESS:PORT` to listen on, or [`HTTP_OFF`].
+        /// [`HTTP_OFF`](super::HTTP_OFF) is the word for none.
         listen: String = "127.0.0.1:9481".to_owned() => text(TextRule::Listen),
             "\"127.0.0.1:9481\"", "where /health and /metrics are served, ADDRESS:PORT; or off";
     }

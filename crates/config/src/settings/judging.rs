@@ -10,7 +10,7 @@ table! {
     pub struct Plausibility = PLAUSIBILITY {
         stale: f64 = 0.1 => number(Limits::above(0.0, DURATION).most(3600.0)),
             "0.1", "without a new reading for this long a signal is stale, s";
-        /// Raw codes that mean a broken wire; absent: see [`Settings::broken_wire_codes`].
+        /// See [`Settings::broken_wire_codes`](super::Settings::broken_wire_codes).
         broken_wire_codes: Option<Vec<i64>> = None => counts(0, 64),
             "[32767]",
             "raw counts that mean a broken wire; absent: 32767 of a signal of 16 bits, unless it is valid";
@@ -37,7 +37,7 @@ table! {
             "[0.0926, 6.5427]", "gamma of (4-1)";
         command_offset: f64 = 0.0 => number(Limits::finite(FINITE)),
             "0.0", "the command at which a cylinder rests, m/s; (4-1) takes u less this";
-        /// Sample time that the model was identified at, s; absent: see [`Settings::model_time_of`].
+        /// See [`Settings::model_time_of`](super::Settings::model_time_of).
         sample_time: Option<f64> = None => number(Limits::above(0.0, DURATION)),
             "0.02", "the sample time of theta and gamma, s; absent: not known, except for Table 4-1";
     }

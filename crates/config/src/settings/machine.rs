@@ -20,8 +20,8 @@ table! {
         area_ratio: f64 = 0.5 =>
             number(Limits::above(0.0, "the rod side's area by the bottom side's, (3-5)").most(1.0)),
             "0.5", "the area ratio of (3-5), by which P_L follows from the chambers' pressures";
-        /// Platform states in which FDE1 and FDE2 judge; absent: always. Names are those in the DBC's VAL_
-        /// table of the state signal (or the thesis's four), ignoring letter case; or numbers as text.
+        /// Names are those in the DBC's VAL_ table of the state signal (or the thesis's four), ignoring letter
+        /// case; or numbers as text.
         monitored_states: Option<Vec<String>> = None =>
             Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
             "[\"engaged\"]", "the platform states in which FDE1 and FDE2 judge; absent: always";

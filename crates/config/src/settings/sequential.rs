@@ -26,8 +26,7 @@ table! {
         false_alarms_per_year: f64 = 1.0 =>
             number(Limits::above(0.0, "a rate of the whole machine, in a year of monitoring").most(1e6)),
             "1.0", "the false alarms that a year of monitoring may bring, all cylinders together";
-        /// Level h of all cylinders, nats; absent: that of each cylinder's calibration, else by
-        /// [`tertius_core::sequential::level`].
+        /// See [`tertius_core::sequential::level`].
         level: Option<f64> = None =>
             number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
             "20.0",
@@ -38,8 +37,7 @@ table! {
             "0.01",
             "the share of samples that may be off by any amount without a fault, on a healthy bus; `tertius \
              calibrate` allows for it: where there are none, 0.001 finds a fault with three samples";
-        /// Platform states in which the rods stand on their mechanical stops, named as in
-        /// [`Machine::monitored_states`](super::Machine::monitored_states); absent: none is known.
+        /// Named as in [`Machine::monitored_states`](super::Machine::monitored_states).
         stop_states: Option<Vec<String>> = None =>
             Kind::List { least: 1, most: 64, of: Scalar::Text(TextRule::Name) },
             "[\"settled\"]", "the platform states in which the rods stand on their mechanical stops";
@@ -65,7 +63,7 @@ table! {
         level: Option<f64> = None =>
             number(Limits::above(0.0, "evidence in nats, at which the detector warns").most(1000.0)),
             "19.5",
-            "the level h of this cylinder, nats, where [sequential] has none for all; absent: by \
+            "the level h of this cylinder, nats, where `sequential.level` has none for all; absent: by \
              false_alarms_per_year";
         first: f64 => number(Limits::finite(FITTED)),
             "-1.5", "where on the stroke the first node is, m";
@@ -102,8 +100,7 @@ table! {
             "[0.0, 0.5]", "the rate function of the residual's mean, nats";
         square_rate: Vec<f64> => fitted(2, 1001),
             "[0.0, 0.5]", "the rate function of its root mean square, nats";
-        /// Number of samples of the mean that carry as much information as one independent sample, for each of
-        /// [`WIDTHS`].
+        /// One for each of [`WIDTHS`].
         mean_dependence: [f64; WIDTHS.len()] => dependence(),
             "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
             "samples of the mean that carry as much information as one, by the width of the window";

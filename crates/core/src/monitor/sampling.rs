@@ -2,11 +2,14 @@
 
 use super::cylinder::Cylinder;
 use super::{Monitor, Notice, Sink};
-use crate::sequential::Sequential;
+use crate::alarm::status::MAX_CYLINDERS;
+use crate::sequential::{Sampling, Sequential};
 use crate::time::Timestamp;
 
 /// Interval of the checks, cycles.
 const EVERY: u64 = 5;
+
+const _: () = assert!(MAX_CYLINDERS <= Sampling::MOST_CYLINDERS);
 
 impl Monitor {
     /// Sequential detectors, with the numbers of their cylinders.

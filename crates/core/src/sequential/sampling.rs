@@ -50,6 +50,9 @@ pub struct Sampling {
 }
 
 impl Sampling {
+    /// Most cylinders that are asked.
+    pub const MOST_CYLINDERS: usize = MOST;
+
     /// The common result of all cylinders, and whether it begins (`true`) or ends to be reportable.
     /// `None` where there are too few cylinders.
     pub fn judge(
