@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::machine::Machine;
-use crate::alarm::frames::identifiers;
+use crate::alarm::frames::{identifiers, service_identifiers};
 use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
@@ -91,6 +91,7 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
     let node = settings.gateway.node;
     let own = identifiers(node)
         .ok_or_else(|| Failure::Wrong(format!("gateway.node {node} is not a CANopen node")))?;
+    let services = settings.canopen_node().and(service_identifiers(node));
     let messages = machine.design.subscriptions.all().iter().map(|line| {
         let message = machine.database.message_by_id(line.id);
         Message {
@@ -115,6 +116,7 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
         sample_time: settings.machine.sample_time,
         node,
         own,
+        services: services.map_or(Vec::new(), Vec::from),
         messages: messages.collect(),
         realtime: settings.realtime,
     })

@@ -10,6 +10,7 @@ use tertius::appliance::doctor::facts::{Bus, Facts, InterfaceFacts};
 use tertius::appliance::doctor::{Finding, Verdict, examine};
 use tertius::bus::Stamps;
 use tertius::bus::socket::ControllerState;
+use tertius::frame::{Frame, Id, Kind};
 use tertius::time::Span;
 use tertius_testing::support::{self, Scratch, tertius};
 
@@ -304,6 +305,15 @@ fn somebody_else_with_the_gateways_identifiers() {
     facts.host.rights.gateway = Some(4711);
     judged(&facts, "node", Verdict::Fail, &["more than one device sends as node 81"]);
     judged(&sound(), "node", Verdict::Ok, &["no other device"]);
+    // Another device of that number, which says so in its heartbeat.
+    let heartbeat = hear(|hearing, frame| {
+        hearing.take(frame);
+        if frame.id.value() == 0x80 {
+            let id = Id::standard(0x751).expect("11 bits");
+            hearing.take(&Frame::new(frame.timestamp, id, Kind::Data, &[5]));
+        }
+    });
+    judged(&heartbeat, "node", Verdict::Fail, &["751 of node 81 come, but no gateway"]);
 }
 
 #[test]

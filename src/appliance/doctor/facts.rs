@@ -35,6 +35,8 @@ pub struct Wanted {
     pub node: u8,
     /// Identifiers that the gateway sends; its status is the first.
     pub own: [Id; OwnMessage::ALL.len()],
+    /// Identifiers that the gateway sends beside as a CANopen node; none where it is no node.
+    pub services: Vec<Id>,
     pub messages: Vec<Message>,
     pub realtime: Realtime,
 }

@@ -88,6 +88,7 @@ fn wanted() -> Wanted {
         sample_time: 0.02,
         node: 81,
         own: identifiers(81).expect("a node of CANopen's"),
+        services: vec![standard(0x0D1), standard(0x5D1), standard(0x751)],
         messages,
         realtime: Realtime { priority: 20, lock_memory: true },
     }
