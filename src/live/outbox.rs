@@ -2,10 +2,10 @@
 
 mod services;
 
-use crate::alarm::{OwnContent, OwnFrame};
 use crate::alarm::detector::MOST_STANDING;
 use crate::alarm::own::{FRAME_BITS, Queue};
 use crate::alarm::status::MAX_CYLINDERS;
+use crate::alarm::{OwnContent, OwnFrame};
 use crate::time::{Span, Timestamp};
 use services::Waiting;
 use std::collections::VecDeque;

@@ -102,7 +102,7 @@ fn the_line_is_that_of_numpy() {
 fn the_band_is_that_of_the_second_part_and_never_was_exceeded_in_it() {
     let points = with_faults(with_noise(points(20_000)));
     let fitted = calibrate(&points).expect("it moves");
-    let mut trying = Trying::new([Some(&fitted)], 50, 0.02);
+    let mut trying = Trying::new([Some(&fitted)], 50);
     rows(&points).iter().for_each(|row| trying.row(row));
     let bound = trying.bound(1.0, 0.02, |_| true).expect("400 s");
     let often = trying.bound(1e6, 0.02, |_| true).expect("400 s");

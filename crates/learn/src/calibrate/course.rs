@@ -88,7 +88,7 @@ impl CalibrationCourse<'_> {
             Some((fit?, halves))
         });
         let mut spreading = Spreading::new(sample_time, division, halves);
-        let mut trying = Trying::new(fits(), settings.warning_cycles(), sample_time);
+        let mut trying = Trying::new(fits(), settings.warning_cycles());
         let both = (&mut trying, &mut spreading);
         recording.read(tried, cuts.around(both))?;
         let spread = fits()

@@ -5,8 +5,6 @@ use super::{Bound, LEAST_BOUND, Line};
 use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
 use crate::identify::moments::Spread;
 use crate::survey::{Row, Surveyor};
-use tertius_core::sequential::motion::Motion;
-use tertius_core::sequential::parameters::ResidualParameters;
 
 /// Multiple of the limit of the fit beyond which a sample is faulty and excluded from the band. A
 /// bend that the first part of a recording did not show stays within it.
@@ -25,7 +23,6 @@ pub struct TriedBand {
     /// C1 − Ĉ2 (Figure 5-15), m.
     pub after: Spread,
     pub magnitudes: Sketch,
-    motion: Motion,
     maxima: Maxima,
     /// Number of samples taken for faulty.
     pub faulty: u64,
@@ -40,21 +37,15 @@ pub struct Trying {
 }
 
 impl Trying {
-    /// A pass over these calibrations, of rows every `sample_time` seconds; `block` is the number of
-    /// cycles that count as one warning.
-    pub fn new<'a>(
-        fits: impl IntoIterator<Item = Option<&'a Fitted>>,
-        block: u32,
-        sample_time: f64,
-    ) -> Self {
+    /// A pass over these calibrations; `block` is the number of cycles that count as one warning.
+    pub fn new<'a>(fits: impl IntoIterator<Item = Option<&'a Fitted>>, block: u32) -> Self {
         let tried = |fitted: &Fitted| TriedBand {
             line: fitted.line,
             limit: FAULTY * fitted.limit,
             before: Spread::default(),
             after: Spread::default(),
             magnitudes: Sketch::new(),
-            motion: Motion::new(&ResidualParameters::DEFAULT, sample_time),
-            maxima: Maxima::new(block),
+            maxima: Maxima::of_runs(block),
             faulty: 0,
             worst_faulty: 0.0,
         };
@@ -104,16 +95,13 @@ impl Surveyor for Trying {
     }
 
     fn gap(&mut self, cylinder: u8) {
-        if let Some(tried) = self.cylinders[usize::from(cylinder) - 1].as_mut() {
-            tried.motion.reset();
-        }
+        _ = cylinder;
     }
 }
 
 impl TriedBand {
     fn take(&mut self, c1: f64, c2: f64) {
         let error = self.line.error(c2, c1);
-        let moves = self.motion.step([c1, c2]);
         if error.abs() > self.limit {
             self.faulty += 1;
             self.worst_faulty = self.worst_faulty.max(error.abs());
@@ -122,9 +110,7 @@ impl TriedBand {
         self.before.add(c1 - c2);
         self.after.add(error);
         self.magnitudes.add(error);
-        // Standing where the line is off, on the stops or away from the stroke of the motion, is one
-        // warning and not one a second.
-        if moves { self.maxima.add(error) } else { self.maxima.add_at_rest(error) }
+        self.maxima.add(error);
     }
 
     /// Distance beyond which a sample is taken for faulty, m.
@@ -137,8 +123,9 @@ impl TriedBand {
 mod tests {
     use super::*;
 
-    /// Twenty minutes in motion with an error of up to half a millimetre, and a rest in their middle
-    /// where the line is off by two: it lasts `minutes`.
+    /// Forty minutes in motion with an error of up to half a millimetre, and a rest in their middle
+    /// where the line is off by two: it lasts `minutes`. On the way there and back, of half a minute
+    /// each, the error grows and falls.
     fn bound(minutes: u32) -> f64 {
         let line = Line { gain: 1.0, offset: 0.0 };
         let mut tried = TriedBand {
@@ -147,8 +134,7 @@ mod tests {
             before: Spread::default(),
             after: Spread::default(),
             magnitudes: Sketch::new(),
-            motion: Motion::new(&ResidualParameters::DEFAULT, 0.02),
-            maxima: Maxima::new(50),
+            maxima: Maxima::of_runs(50),
             faulty: 0,
             worst_faulty: 0.0,
         };
@@ -162,19 +148,25 @@ mod tests {
                 tried.take(length + (-3e-5 * (1.0 - part).ln()), length);
             }
         };
-        motion(&mut tried, 30_000);
-        (0..minutes * 3000).for_each(|_| tried.take(-0.798, -0.8));
-        motion(&mut tried, 30_000);
+        motion(&mut tried, 60_000);
+        let way = |part: f64| (-0.8 + 2e-3 * part, -0.8);
+        let part = |k: u32| f64::from(k) / 1500.0;
+        if minutes > 0 {
+            (0..1500).for_each(|k| tried.take(way(part(k)).0, way(part(k)).1));
+            (0..minutes * 3000).for_each(|_| tried.take(way(1.0).0, way(1.0).1));
+            (0..1500).rev().for_each(|k| tried.take(way(part(k)).0, way(part(k)).1));
+        }
+        motion(&mut tried, 60_000);
         let trying = Trying { cylinders: vec![Some(tried)] };
-        trying.bound(1.0, 0.02, |_| true).expect("twenty minutes").level
+        trying.bound(1.0, 0.02, |_| true).expect("forty minutes").level
     }
 
     #[test]
     fn a_rest_where_the_line_is_off_is_one_warning() {
-        let [none, one, ten] = [0, 1, 10].map(bound);
+        let [none, one, two] = [0, 1, 2].map(bound);
         assert!((0.4e-3..1e-3).contains(&none), "{none}");
         // Covered with a margin, and not extrapolated as if it came once a second.
-        for bound in [one, ten] {
+        for bound in [one, two] {
             assert!((2e-3..=2.41e-3).contains(&bound), "{bound}");
         }
     }

@@ -5,11 +5,10 @@ use super::sketch::Sketch;
 /// Least number of maxima that are kept: as many as a tail ever needs.
 const KEPT: usize = 1000;
 
+/// Multiple of the median from which a block is far from the ordinary.
+const FAR: f64 = 3.0;
+
 /// Maxima of blocks of cycles; the largest of them are kept singly.
-///
-/// Blocks that follow each other and are at rest from beginning to end are one: a rod that stands
-/// says the same again and again, and a minute of it is one event and not sixty (runs
-/// declustering: Coles, section 5.3).
 #[derive(Clone, Debug)]
 pub struct Maxima {
     /// Length of a block, cycles.
@@ -17,14 +16,13 @@ pub struct Maxima {
     /// Maximum of the block that is not yet full.
     newest: f64,
     filled: u32,
-    /// Whether any cycle of that block was in motion.
-    moved: bool,
-    /// Maximum of the blocks of a rest that may go on.
-    rest: Option<f64>,
     cycles: u64,
     blocks: u64,
-    largest: Vec<f64>,
+    /// Number of each kept block, from 0, and its maximum.
+    largest: Vec<(u64, f64)>,
     all: Sketch,
+    /// Whether blocks that are far from the ordinary are one where they follow each other.
+    runs: bool,
 }
 
 impl Maxima {
@@ -34,53 +32,40 @@ impl Maxima {
             block: block.max(1),
             newest: 0.0,
             filled: 0,
-            moved: false,
-            rest: None,
             cycles: 0,
             blocks: 0,
             largest: Vec::new(),
             all: Sketch::new(),
+            runs: false,
         }
+    }
+
+    /// Maxima of residuals that show an error as long as it lasts: blocks that follow each other far
+    /// from the ordinary are one event (runs declustering: Coles, section 5.3). A minute on the stop,
+    /// where the line of a calibration is off, is one warning and not sixty.
+    pub fn of_runs(block: u32) -> Self {
+        Self { runs: true, ..Self::new(block) }
     }
 
     /// Takes a cycle's residual. Cycles that are not judged are left out, so that a block measures
     /// judged time.
     pub fn add(&mut self, residual: f64) {
-        self.take(residual, true);
-    }
-
-    /// Takes the residual of a cycle in which nothing moves.
-    pub fn add_at_rest(&mut self, residual: f64) {
-        self.take(residual, false);
-    }
-
-    fn take(&mut self, residual: f64, moves: bool) {
         self.newest = self.newest.max(residual.abs());
-        self.moved |= moves;
         self.filled += 1;
         self.cycles += 1;
-        if self.filled < self.block {
-            return;
-        }
-        let full = std::mem::take(&mut self.newest);
-        self.filled = 0;
-        if std::mem::take(&mut self.moved) {
-            if let Some(rest) = self.rest.take() {
-                self.keep(rest);
-            }
-            self.keep(full);
-        } else {
-            self.rest = Some(self.rest.map_or(full, |rest| rest.max(full)));
+        if self.filled == self.block {
+            self.close();
         }
     }
 
-    fn keep(&mut self, maximum: f64) {
-        self.largest.push(maximum);
-        self.all.add(maximum);
+    fn close(&mut self) {
+        self.largest.push((self.blocks, self.newest));
+        self.all.add(self.newest);
         self.blocks += 1;
+        (self.newest, self.filled) = (0.0, 0);
         // Twice as many as are kept, so that sorting them out is seldom.
         if self.largest.len() == 2 * KEPT {
-            self.largest.sort_unstable_by(|a, b| b.total_cmp(a));
+            self.largest.sort_unstable_by(|(_, a), (_, b)| b.total_cmp(a));
             self.largest.truncate(KEPT);
         }
     }
@@ -90,9 +75,9 @@ impl Maxima {
         self.cycles
     }
 
-    /// Number of full blocks, with those of a rest as one.
+    /// Number of full blocks.
     pub const fn blocks(&self) -> u64 {
-        self.blocks + self.rest.is_some() as u64
+        self.blocks
     }
 
     /// Length of a block, cycles.
@@ -101,8 +86,8 @@ impl Maxima {
     }
 
     /// The largest magnitude of the full blocks.
-    pub fn worst(&self) -> f64 {
-        self.all.largest().max(self.rest.unwrap_or(0.0))
+    pub const fn worst(&self) -> f64 {
+        self.all.largest()
     }
 
     /// The level that the share `part` of all blocks does not exceed; `None` without a full block.
@@ -112,10 +97,26 @@ impl Maxima {
 
     /// The largest maxima in descending order: all of them, or at least a thousand.
     pub fn largest(&self) -> Vec<f64> {
-        let mut largest: Vec<f64> = self.largest.iter().copied().chain(self.rest).collect();
-        largest.sort_unstable_by(|a, b| b.total_cmp(a));
-        largest.truncate(KEPT);
-        largest
+        let mut kept = self.largest.clone();
+        kept.sort_unstable_by(|(_, a), (_, b)| b.total_cmp(a));
+        kept.truncate(KEPT);
+        if self.runs {
+            kept = self.runs_of(kept);
+        }
+        kept.into_iter().map(|(_, maximum)| maximum).collect()
+    }
+
+    /// These blocks, of each run far from the ordinary the largest alone.
+    fn runs_of(&self, mut kept: Vec<(u64, f64)>) -> Vec<(u64, f64)> {
+        let Some(ordinary) = self.quantile(0.5) else { return kept };
+        let far = FAR * ordinary;
+        kept.sort_unstable_by_key(|(number, _)| *number);
+        let follow =
+            |(one, a): &(u64, f64), (other, b): &(u64, f64)| one + 1 == *other && a.min(*b) > far;
+        let largest = |run: &[(u64, f64)]| run.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1));
+        let mut events: Vec<_> = kept.chunk_by(follow).filter_map(largest).collect();
+        events.sort_unstable_by(|(_, a), (_, b)| b.total_cmp(a));
+        events
     }
 }
 
@@ -132,24 +133,25 @@ mod tests {
     }
 
     #[test]
-    fn a_rest_is_one_block_however_long() {
-        let mut maxima = Maxima::new(2);
-        let motion = |maxima: &mut Maxima| [1.0, 2.0].iter().for_each(|r| maxima.add(*r));
-        motion(&mut maxima);
-        // It begins within a block, which is one of motion.
-        maxima.add(3.0);
-        [4.0, 7.0, 9.0, 8.0, 7.0, 6.0].iter().for_each(|r| maxima.add_at_rest(*r));
-        // While it lasts, and when it has ended.
-        assert_eq!((maxima.blocks(), maxima.worst()), (3, 9.0));
-        assert_eq!(maxima.largest(), [9.0, 4.0, 2.0]);
-        maxima.add(5.0);
-        motion(&mut maxima);
-        assert_eq!((maxima.blocks(), maxima.cycles()), (5, 12));
-        assert_eq!(maxima.largest(), [9.0, 6.0, 4.0, 2.0, 2.0]);
-        // A second one is another.
-        (0..4).for_each(|_| maxima.add_at_rest(9.0));
-        assert_eq!(maxima.blocks(), 6);
-        assert_eq!(maxima.largest(), [9.0, 9.0, 6.0, 4.0, 2.0, 2.0]);
+    fn what_is_far_from_the_ordinary_is_one_event_as_long_as_it_lasts() {
+        let blocks = |k: u32| match k {
+            500..560 => 19.0 + f64::from(k % 7) / 10.0,
+            // Coming and going: still far, and then no more.
+            499 | 560 => 5.0,
+            498 | 561 => 2.9,
+            // Another one later.
+            900..903 => 7.0,
+            _ => 1.0,
+        };
+        let take = |mut maxima: Maxima| {
+            (0..2000).for_each(|k| maxima.add(blocks(k)));
+            maxima
+        };
+        let events = take(Maxima::of_runs(1)).largest();
+        assert_eq!(events[..5], [19.6, 7.0, 2.9, 2.9, 1.0]);
+        let each = take(Maxima::new(1));
+        assert_eq!(each.largest().iter().filter(|it| **it > 3.0).count(), 65);
+        assert_eq!((each.blocks(), each.worst()), (2000, 19.6));
     }
 
     #[test]
