@@ -52,7 +52,10 @@ node = network.add_node(number, sheet)
 node.sdo.RESPONSE_TIMEOUT = PATIENCE
 for cob_id in [0x080, 0x180, 0x280, 0x380, 0x700]:
     network.subscribe(cob_id + number, take)
-network.connect(interface="socketcan", channel=channel)
+# The machine's frames would fill the receive buffer while this process waits for the processor.
+own = [0x080, 0x180, 0x280, 0x380, 0x580, 0x700]
+filters = [{"can_id": base + number, "can_mask": 0x7FF, "extended": False} for base in own]
+network.connect(interface="socketcan", channel=channel, can_filters=filters)
 print("ready", file=sys.stderr, flush=True)
 
 # Boot-up, then the heartbeat of a node that started by itself.
@@ -65,6 +68,7 @@ constants = live = segmented = 0
 values = {}
 for entry in node.object_dictionary.values():
     is_variable = isinstance(entry, canopen.objectdictionary.ODVariable)
+    print(f"object {entry.index:04X}", file=sys.stderr, flush=True)
     for variable in [entry] if is_variable else list(entry.values()):
         address = f"{variable.index:04X}:{variable.subindex}"
         try:
