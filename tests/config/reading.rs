@@ -120,7 +120,8 @@ fn the_gateway_is_a_node_only_where_it_is_asked_to_be() {
     };
     assert_eq!(node(""), (None, 10.0));
     assert_eq!(node("[canopen]\n"), (None, 10.0));
-    let default = Canopen { node: true, heartbeat: 1.0, autostart: true };
+    let default = Canopen { node: true, ..Canopen::default() };
+    assert_eq!((default.heartbeat, default.autostart), (1.0, true));
     assert_eq!(node("[canopen]\nnode = true\n"), (Some(default.clone()), 11.0));
     let silent = Canopen { heartbeat: 0.0, autostart: false, ..default };
     let table = "[canopen]\nnode = true\nheartbeat = 0\nautostart = false\n";
