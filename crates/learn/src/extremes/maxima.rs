@@ -6,7 +6,7 @@ use super::sketch::Sketch;
 const KEPT: usize = 1000;
 
 /// Multiple of the median from which a block is far from the ordinary.
-const FAR: f64 = 3.0;
+const FAR: f64 = 2.0;
 
 /// Maxima of blocks of cycles; the largest of them are kept singly.
 #[derive(Clone, Debug)]
@@ -138,7 +138,7 @@ mod tests {
             500..560 => 19.0 + f64::from(k % 7) / 10.0,
             // Coming and going: still far, and then no more.
             499 | 560 => 5.0,
-            498 | 561 => 2.9,
+            498 | 561 => 1.9,
             // Another one later.
             900..903 => 7.0,
             _ => 1.0,
@@ -148,9 +148,9 @@ mod tests {
             maxima
         };
         let events = take(Maxima::of_runs(1)).largest();
-        assert_eq!(events[..5], [19.6, 7.0, 2.9, 2.9, 1.0]);
+        assert_eq!(events[..5], [19.6, 7.0, 1.9, 1.9, 1.0]);
         let each = take(Maxima::new(1));
-        assert_eq!(each.largest().iter().filter(|it| **it > 3.0).count(), 65);
+        assert_eq!(each.largest().iter().filter(|it| **it > 2.0).count(), 65);
         assert_eq!((each.blocks(), each.worst()), (2000, 19.6));
     }
 
