@@ -55,6 +55,8 @@ fn a_master_reads_every_object_sees_emergencies_and_commands_the_node() {
         wait_for(part, || master_said(part));
     }
     drop(player);
+    // The log has a writer of its own, and who is killed writes no more.
+    wait_for("the log", || bench.said("an NMT master commands") == 3);
     gateway.kill();
     wait_for("the master to miss the heartbeat", || master_said("lost"));
     assert!(master.wait().expect("it ends").success());
