@@ -5,6 +5,9 @@ use super::sketch::Sketch;
 /// Least number of maxima that are kept: as many as a tail ever needs.
 const KEPT: usize = 1000;
 
+/// The same where runs count once: a run may take many. With blocks of a second it is a day and a half.
+const KEPT_OF_RUNS: usize = 128 * KEPT;
+
 /// Multiple of the median from which a block is far from the ordinary.
 const FAR: f64 = 2.0;
 
@@ -64,10 +67,15 @@ impl Maxima {
         self.blocks += 1;
         (self.newest, self.filled) = (0.0, 0);
         // Twice as many as are kept, so that sorting them out is seldom.
-        if self.largest.len() == 2 * KEPT {
+        if self.largest.len() == 2 * self.kept() {
             self.largest.sort_unstable_by(|(_, a), (_, b)| b.total_cmp(a));
-            self.largest.truncate(KEPT);
+            self.largest.truncate(self.kept());
         }
+    }
+
+    /// Least number of maxima that are kept.
+    const fn kept(&self) -> usize {
+        if self.runs { KEPT_OF_RUNS } else { KEPT }
     }
 
     /// Number of cycles taken.
@@ -99,7 +107,7 @@ impl Maxima {
     pub fn largest(&self) -> Vec<f64> {
         let mut kept = self.largest.clone();
         kept.sort_unstable_by(|(_, a), (_, b)| b.total_cmp(a));
-        kept.truncate(KEPT);
+        kept.truncate(self.kept());
         if self.runs {
             kept = self.runs_of(kept);
         }

@@ -131,13 +131,16 @@ fn golden(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
 
 impl Tail {
     /// The tail of `maxima` of cycles of `sample_time` seconds; `None` with fewer than
-    /// [`LEAST_BLOCKS`].
+    /// [`LEAST_BLOCKS`], or if all that is kept is one run.
     pub fn fit(maxima: &Maxima, sample_time: f64) -> Option<Self> {
         if maxima.blocks() < LEAST_BLOCKS {
             return None;
         }
         let largest = maxima.largest();
         let peaks = ((maxima.blocks() / TAIL) as usize).min(MOST).min(largest.len() - 1);
+        if peaks == 0 {
+            return None;
+        }
         let floor = largest[peaks];
         let excesses: Vec<f64> = largest[..peaks].iter().map(|peak| peak - floor).collect();
         let mean = excesses.iter().sum::<f64>() / peaks as f64;
