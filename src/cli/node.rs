@@ -33,7 +33,7 @@ pub fn design(machine: &Machine) -> Option<NodeDesign> {
         sends_estimates: design.estimates == Estimates::Sent,
         calibrated: calibrated.fold(0, |bits, cylinder| bits | 1 << (cylinder.number - 1)),
         configuration: checksum(loaded.document.text().as_bytes()),
-        database: checksum(&loaded.dbc_text),
+        database: checksum(&loaded.layout()),
         bitrate: settings.bus.bitrate,
     })
 }

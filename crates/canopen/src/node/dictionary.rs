@@ -4,6 +4,7 @@
 use super::stack::Abort;
 use super::value::NodeType;
 use std::borrow::Cow;
+use tertius_core::alarm::OwnMessage;
 
 /// The object dictionary of a node, in the order of indices.
 #[derive(Clone, Debug)]
@@ -70,7 +71,7 @@ pub(super) enum Live {
     Heartbeat,
     /// Bytes of the newest PDO.
     Pdo {
-        pdo: u8,
+        message: OwnMessage,
         from: u8,
         length: u8,
     },

@@ -60,7 +60,7 @@ pub struct NodeDesign {
     pub calibrated: u8,
     /// CRC-32 of the configuration file, which includes the learnt tables, see [`checksum`].
     pub configuration: u32,
-    /// CRC-32 of the DBC.
+    /// CRC-32 of the DBC, and of the EDS files of devices behind it.
     pub database: u32,
     /// Bit rate of the bus, bit/s.
     pub bitrate: u32,

@@ -6,6 +6,8 @@ use super::errors::HISTORY;
 use super::value::NodeType::{
     Integer16, Real32, Unsigned8, Unsigned16, Unsigned24, Unsigned32, Unsigned64,
 };
+use tertius_core::alarm::OwnMessage;
+use tertius_core::alarm::own::Sending;
 
 /// Name of the device, 0x1008.
 const DEVICE: &str = "Tertius: the third vote for redundant position transducers";
@@ -42,56 +44,39 @@ const COUNTS: [&str; 13] = [
 /// A part of a PDO: its name, its type and its first byte.
 type Part = (&'static str, super::value::NodeType, u8);
 
-/// The gateway's PDOs: name, COB-ID without the node, event time in ms, and parts.
-const PDOS: [(&str, u32, u32, &[Part]); 3] = [
-    (
-        "Fd_Status",
-        0x180,
-        100,
-        &[
+/// The parts of a message. The layout is that of [`Encoder`](tertius_core::alarm::Encoder), byte by byte.
+const fn parts(message: OwnMessage) -> &'static [Part] {
+    match message {
+        OwnMessage::Status => &[
             ("Crc", Unsigned16, 0),
             ("Counter", Unsigned8, 2),
             ("Transducer states", Unsigned24, 3),
             ("Level, mode and active warnings", Unsigned16, 6),
         ],
-    ),
-    (
-        "Fd_Warning",
-        0x280,
-        0,
-        &[
+        OwnMessage::Warning => &[
             ("Crc", Unsigned16, 0),
             ("Counter", Unsigned8, 2),
             ("Cylinder, detector, fault, suspect, level and raised", Unsigned16, 3),
             ("Residual", Integer16, 5),
             ("Threshold", Unsigned8, 7),
         ],
-    ),
-    (
-        "Fd_Estimate",
-        0x380,
-        0,
-        &[
+        OwnMessage::Estimate => &[
             ("Crc", Unsigned16, 0),
             ("Counter", Unsigned8, 2),
             ("Cylinder and valid", Unsigned8, 3),
             ("Position", Unsigned16, 4),
             ("Sigma", Unsigned16, 6),
         ],
-    ),
-];
+    }
+}
 
 /// The dictionary of the gateway that `design` describes.
 pub(super) fn dictionary(design: &NodeDesign) -> Dictionary {
     let mut objects = device(design);
-    let numbered = || (0_u8..).zip(PDOS);
-    for (pdo, (_, cob_id, event_time, _)) in numbered() {
-        let absent = if pdo == 2 && !design.sends_estimates { ABSENT } else { 0 };
-        objects.push(communication(pdo, cob_id | NO_REMOTE | absent, event_time));
-    }
-    objects.extend(numbered().map(|(pdo, (.., parts))| mapping(pdo, parts)));
+    objects.extend(OwnMessage::ALL.map(|message| communication(message, design)));
+    objects.extend(OwnMessage::ALL.map(mapping));
     objects.extend(machine(design));
-    objects.extend(numbered().map(|(pdo, (name, _, _, parts))| contents(pdo, name, parts)));
+    objects.extend(OwnMessage::ALL.map(contents));
     objects.extend((1_u8..).zip(&design.cylinders).map(|(n, _)| cylinder(n)));
     for (n, thresholds) in (1_u16..).zip(&design.cylinders) {
         objects.push(NodeObject::record(
@@ -158,10 +143,16 @@ fn device(design: &NodeDesign) -> Vec<NodeObject> {
     ]
 }
 
-fn communication(pdo: u8, cob_id: u32, event_time: u32) -> NodeObject {
+fn communication(message: OwnMessage, design: &NodeDesign) -> NodeObject {
+    let event_time = match message.sending() {
+        Sending::Every(period) => (period.as_nanos() / 1_000_000) as u32,
+        Sending::Events | Sending::Cycles => 0,
+    };
+    let is_absent = message.sending() == Sending::Cycles && !design.sends_estimates;
+    let cob_id = message.base() | NO_REMOTE | if is_absent { ABSENT } else { 0 };
     NodeObject::record(
-        0x1800 + u16::from(pdo),
-        format!("TPDO {} communication parameter", pdo + 1),
+        0x1800 + message as u16,
+        format!("TPDO {} communication parameter", message as u8 + 1),
         [
             NodeEntry::of_node("COB-ID used by TPDO", cob_id),
             NodeEntry::number("Transmission type", Unsigned8, BY_EVENT),
@@ -171,23 +162,23 @@ fn communication(pdo: u8, cob_id: u32, event_time: u32) -> NodeObject {
     )
 }
 
-fn mapping(pdo: u8, parts: &[Part]) -> NodeObject {
-    let index = u32::from(PDO_PARTS + u16::from(pdo));
-    let entries = (1_u32..).zip(parts).map(|(sub, (_, kind, _))| {
+fn mapping(message: OwnMessage) -> NodeObject {
+    let index = u32::from(PDO_PARTS + message as u16);
+    let entries = (1_u32..).zip(parts(message)).map(|(sub, (_, kind, _))| {
         let mapped = index << 16 | sub << 8 | u32::from(kind.bits());
         NodeEntry::number(format!("Application object {sub}"), Unsigned32, mapped)
     });
-    let name = format!("TPDO {} mapping parameter", pdo + 1);
-    NodeObject::record(0x1A00 + u16::from(pdo), name, entries)
+    let name = format!("TPDO {} mapping parameter", message as u8 + 1);
+    NodeObject::record(0x1A00 + message as u16, name, entries)
 }
 
-/// The parts of a PDO as objects: those of the newest one that was made.
-fn contents(pdo: u8, name: &'static str, parts: &[Part]) -> NodeObject {
-    let entries = parts.iter().map(|&(name, kind, from)| {
-        let live = Live::Pdo { pdo, from, length: kind.bits() / 8 };
+/// The parts of a message as objects: those of the newest one that was made.
+fn contents(message: OwnMessage) -> NodeObject {
+    let entries = parts(message).iter().map(|&(name, kind, from)| {
+        let live = Live::Pdo { message, from, length: kind.bits() / 8 };
         NodeEntry::live(name, kind, live).mapped()
     });
-    NodeObject::record(PDO_PARTS + u16::from(pdo), name, entries)
+    NodeObject::record(PDO_PARTS + message as u16, message.name(), entries)
 }
 
 fn machine(design: &NodeDesign) -> [NodeObject; 4] {
@@ -223,7 +214,11 @@ fn machine(design: &NodeDesign) -> [NodeObject; 4] {
             "Calibration",
             [
                 NodeEntry::number("CRC-32 of the configuration", Unsigned32, design.configuration),
-                NodeEntry::number("CRC-32 of the DBC", Unsigned32, design.database),
+                NodeEntry::number(
+                    "CRC-32 of the DBC and the EDS files",
+                    Unsigned32,
+                    design.database,
+                ),
                 NodeEntry::number("Calibrated cylinders", Unsigned8, design.calibrated.into()),
             ],
         ),

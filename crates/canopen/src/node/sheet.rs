@@ -7,6 +7,7 @@ use super::dictionary::{Access, Live, NodeEntry, NodeObject, Shape, Source};
 use super::objects::dictionary;
 use super::value::NodeType;
 use std::fmt::Write;
+use tertius_core::alarm::OwnMessage;
 
 /// Date of the layout of the dictionary. The date of writing would make two sheets of one
 /// configuration differ.
@@ -109,7 +110,7 @@ impl Sheet<'_> {
         self.key("DynamicChannelsSupported", 0);
         self.key("GroupMessaging", 0);
         self.key("NrOfRXPDO", 0);
-        self.key("NrOfTXPDO", 3);
+        self.key("NrOfTXPDO", OwnMessage::ALL.len());
         self.key("LSS_Supported", 0);
     }
 

@@ -5,8 +5,8 @@ use super::errors::Errors;
 use super::stack::{Abort, Served, Width};
 use super::value::{NodeType, NodeValue};
 use super::{NodeView, milliseconds};
-use tertius_core::alarm::OwnFrame;
 use tertius_core::alarm::status::MAX_CYLINDERS;
+use tertius_core::alarm::{OwnFrame, OwnMessage};
 use tertius_core::monitor::{Counts, Record};
 use tertius_core::time::Span;
 
@@ -19,8 +19,8 @@ pub(super) struct Values {
     /// Shortest heartbeat time that can be set, ms.
     shortest: u16,
     pub(super) errors: Errors,
-    /// Contents of the newest Fd_Status, Fd_Warning and Fd_Estimate.
-    pdos: [[u8; 8]; 3],
+    /// Contents of the newest frame of each message, in the order of [`OwnMessage::ALL`].
+    pdos: [[u8; 8]; OwnMessage::ALL.len()],
     /// Newest residuals of each cylinder, m.
     residuals: [[Option<f64>; 3]; MAX_CYLINDERS],
 }
@@ -32,7 +32,7 @@ impl Values {
             heartbeat,
             shortest,
             errors: Errors::default(),
-            pdos: [[0; 8]; 3],
+            pdos: [[0; 8]; OwnMessage::ALL.len()],
             residuals: [[None; 3]; MAX_CYLINDERS],
         }
     }
@@ -92,9 +92,9 @@ impl Values {
                 u64::from(*error.ok_or(Abort::NoData)?)
             }
             Live::Heartbeat => self.heartbeat.into(),
-            Live::Pdo { pdo, from, length } => {
+            Live::Pdo { message, from, length } => {
                 let from = usize::from(from);
-                value.set(&self.pdos[usize::from(pdo)][from..from + usize::from(length)]);
+                value.set(&self.pdos[message as usize][from..from + usize::from(length)]);
                 return Ok(());
             }
             Live::Level => status.level as u64,

@@ -27,7 +27,7 @@ macro_rules! own_messages {
             }
 
             /// Identifier without the node number.
-            const fn base(self) -> u32 {
+            pub const fn base(self) -> u32 {
                 match self { $(Self::$message => $base,)* }
             }
 
