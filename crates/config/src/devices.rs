@@ -73,7 +73,7 @@ fn place(object: &MappedObject) -> String {
 
 /// The profile that the file has (object 0x1000), where it is another than the device's kind has.
 fn other_profile(device: &Device, dictionary: &ObjectDictionary) -> Option<i128> {
-    let device_type = dictionary.variable(0x1000, 0).ok()?.configured()?.whole(None)?;
+    let device_type = dictionary.number(0x1000, 0, device.node)?;
     let profile = device_type & 0xFFFF;
     (profile != i128::from(device.kind.profile())).then_some(profile)
 }

@@ -112,6 +112,12 @@ impl ObjectDictionary {
         }
     }
 
+    /// The whole number that a variable has on the node of that node-ID: its value in a DCF, or else its
+    /// default; `None` where it is missing or is none.
+    pub fn number(&self, index: u16, sub_index: u8, node_id: u8) -> Option<i128> {
+        self.variable(index, sub_index).ok()?.configured()?.whole(Some(node_id))
+    }
+
     fn nearest(&self, index: u16) -> Vec<u16> {
         const MOST: usize = 3;
         let below = self.objects.range(..index).rev().take(MOST);

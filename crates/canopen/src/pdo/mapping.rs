@@ -161,8 +161,7 @@ impl Reader<'_> {
 
     /// The number that an object is configured to; `None` where it is missing or has none.
     fn number_at(&self, index: u16, sub_index: u8) -> Option<i128> {
-        let variable = self.dictionary.variable(index, sub_index).ok()?;
-        variable.configured()?.whole(Some(self.node_id))
+        self.dictionary.number(index, sub_index, self.node_id)
     }
 
     fn pdo(&self) -> Result<Pdo, String> {

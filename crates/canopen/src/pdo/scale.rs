@@ -65,8 +65,7 @@ struct Numbers<'a> {
 
 impl Numbers<'_> {
     fn at(&self, index: u16, sub_index: u8) -> Option<i128> {
-        let variable = self.dictionary.variable(index, sub_index).ok()?;
-        variable.configured()?.whole(Some(self.node_id))
+        self.dictionary.number(index, sub_index, self.node_id)
     }
 
     fn of_encoder(&self, index: u16) -> Result<Scale, ScaleError> {
