@@ -2,7 +2,6 @@
 
 use super::Failure;
 use super::machine::Machine;
-use crate::alarm::frames::{identifiers, service_identifiers};
 use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
@@ -62,7 +61,7 @@ impl Doctor {
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
         let embedded = machine.loaded.settings.bus.interface == "virtual";
-        let wanted = wanted(&machine, &self.config)?;
+        let wanted = wanted(&machine, &self.config);
         let facts = gather(wanted, embedded, machine.loaded.settings.http.address(), self.listen);
         let findings = examine(&facts);
         let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
@@ -86,12 +85,8 @@ impl Doctor {
     }
 }
 
-fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
+fn wanted(machine: &Machine, config: &Path) -> Wanted {
     let settings = &machine.loaded.settings;
-    let node = settings.gateway.node;
-    let own = identifiers(node)
-        .ok_or_else(|| Failure::Wrong(format!("gateway.node {node} is not a CANopen node")))?;
-    let services = settings.canopen_node().and(service_identifiers(node));
     let messages = machine.design.subscriptions.all().iter().map(|line| {
         let message = machine.database.message_by_id(line.id);
         Message {
@@ -107,17 +102,17 @@ fn wanted(machine: &Machine, config: &Path) -> Result<Wanted, Failure> {
             pages: line.pages(),
         }
     });
-    Ok(Wanted {
+    Wanted {
         config: config.to_owned(),
         dbc: machine.loaded.dbc_path.display().to_string(),
         dbc_findings: machine.database.findings().len() + machine.database.findings_left_out(),
         interface: settings.bus.interface.clone(),
         bit_rate: settings.bus.bitrate,
         sample_time: settings.machine.sample_time,
-        node,
-        own,
-        services: services.map_or(Vec::new(), Vec::from),
+        node: settings.gateway.node,
+        own: settings.own_identifiers(),
+        status: machine.design.encoder.status_id(),
         messages: messages.collect(),
         realtime: settings.realtime,
-    })
+    }
 }

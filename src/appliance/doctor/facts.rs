@@ -1,7 +1,6 @@
 //! Facts about a computer, before anything is judged.
 
 use super::hearing::Hearing;
-use crate::alarm::OwnMessage;
 use crate::bus::Stamps;
 use crate::bus::socket::LinkState;
 use crate::config::settings::Realtime;
@@ -33,10 +32,10 @@ pub struct Wanted {
     pub sample_time: f64,
     /// CANopen node number of the gateway.
     pub node: u8,
-    /// Identifiers that the gateway sends; its status is the first.
-    pub own: [Id; OwnMessage::ALL.len()],
-    /// Identifiers that the gateway sends beside as a CANopen node; none where it is no node.
-    pub services: Vec<Id>,
+    /// Identifiers that the gateway sends.
+    pub own: Vec<Id>,
+    /// That of its status.
+    pub status: Id,
     pub messages: Vec<Message>,
     pub realtime: Realtime,
 }

@@ -64,8 +64,8 @@ fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
     match SocketPort::open(name, &options) {
         Ok(mut port) => {
             found.hearing = (!listen.is_zero()).then(|| {
-                let [status, ..] = wanted.own;
-                let mut hearing = Hearing::new(rates(wanted, found.link.as_ref().ok()), status);
+                let rates = rates(wanted, found.link.as_ref().ok());
+                let mut hearing = Hearing::new(rates, wanted.status);
                 hear(&mut port, listen, &mut hearing);
                 hearing
             });

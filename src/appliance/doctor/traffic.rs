@@ -4,7 +4,6 @@ use super::facts::{Message, Rights, Wanted};
 use super::finding::Finding;
 use super::hearing::{Errors, Hearing, Intervals};
 use crate::error_frame::ControllerState;
-use crate::frame::Id;
 
 /// Most messages that are named in a line.
 const NAMED: usize = 20;
@@ -83,7 +82,7 @@ fn frames(wanted: &Wanted, hearing: &Hearing) -> Vec<Finding> {
         ));
     } else {
         let others = hearing.ids().filter(|id| messages.iter().all(|message| message.id != *id));
-        let others = others.filter(|id| !own(wanted).any(|own| own == *id)).count();
+        let others = others.filter(|id| !wanted.own.contains(id)).count();
         findings.push(Finding::ok(
             subject,
             format!(
@@ -202,16 +201,11 @@ fn errors(errors: &Errors) -> Finding {
     }
 }
 
-/// Identifiers that only the gateway may send.
-fn own(wanted: &Wanted) -> impl Iterator<Item = Id> {
-    wanted.own.iter().chain(&wanted.services).copied()
-}
-
 /// Whether another node sends what only the gateway may.
 fn node(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Finding {
     let (subject, node) = ("node", wanted.node);
-    let heard = own(wanted).filter(|id| hearing.of(*id).is_some());
-    let ids = heard.map(|id| id.to_string()).collect::<Vec<_>>().join(", ");
+    let heard = wanted.own.iter().filter(|id| hearing.of(**id).is_some());
+    let ids = heard.map(ToString::to_string).collect::<Vec<_>>().join(", ");
     let another = "give each gateway a node of its own (gateway.node), and no other device these \
                    identifiers";
     if ids.is_empty() {

@@ -1,7 +1,6 @@
 //! A box where all is right, to be changed.
 
 use std::net::SocketAddr;
-use tertius::alarm::frames::identifiers;
 use tertius::appliance::doctor::Facts;
 use tertius::appliance::doctor::facts::{
     Bus, ClockFacts, Host, InterfaceFacts, Message, Receiving, Rights, Service, Wanted,
@@ -40,8 +39,7 @@ pub fn machine(mut comes: impl FnMut(&Frame) -> bool) -> Facts {
 /// The machine, each of its frames given to `take`.
 pub fn hear(mut take: impl FnMut(&mut Hearing, &Frame)) -> Facts {
     let wanted = wanted();
-    let [status, ..] = wanted.own;
-    let mut hearing = Hearing::new(Rates { nominal: 5e5, data: 5e5 }, status);
+    let mut hearing = Hearing::new(Rates { nominal: 5e5, data: 5e5 }, wanted.status);
     for cycle in 0..100 {
         let at = Timestamp::from_nanos(1_700_000_000_000_000_000 + cycle * CYCLE);
         for (id, length) in cycle_frames() {
@@ -87,8 +85,8 @@ fn wanted() -> Wanted {
         bit_rate: 500_000,
         sample_time: 0.02,
         node: 81,
-        own: identifiers(81).expect("a node of CANopen's"),
-        services: vec![standard(0x0D1), standard(0x5D1), standard(0x751)],
+        own: [0x1D1, 0x2D1, 0x3D1, 0x0D1, 0x5D1, 0x751].map(standard).into(),
+        status: standard(0x1D1),
         messages,
         realtime: Realtime { priority: 20, lock_memory: true },
     }

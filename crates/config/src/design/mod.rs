@@ -8,7 +8,6 @@ mod surveyed;
 mod times;
 
 use super::settings::{CylinderSignals, Settings};
-use tertius_core::alarm::frames;
 use tertius_core::compare::Comparator;
 use tertius_core::monitor::cylinder::CylinderDesign;
 use tertius_core::monitor::gate::Gate;
@@ -350,10 +349,7 @@ impl<'a> Connector<'a> {
     }
 
     fn refuse_own_identifiers(&mut self) {
-        let node = self.settings.gateway.node;
-        let Some(own) = frames::identifiers(node) else { return };
-        let services = self.settings.canopen_node().and(frames::service_identifiers(node));
-        let own = [own, services.unwrap_or(own)].concat();
+        let own = self.settings.own_identifiers();
         for subscription in
             self.subscriptions.all().iter().filter(|subscription| own.contains(&subscription.id))
         {

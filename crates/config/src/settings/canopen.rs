@@ -5,7 +5,9 @@ use super::device::{DEVICE, Device};
 use crate::kinds::number;
 use crate::schema::{Kind, Limits, Scalar, table};
 use tertius_core::alarm::OwnMessage;
+use tertius_core::alarm::frames::{identifiers, service_identifiers};
 use tertius_core::alarm::own::Sending;
+use tertius_core::frame::Id;
 
 table! {
     /// The gateway as a CANopen node, and devices that describe themselves in EDS or DCF files.
@@ -41,6 +43,14 @@ impl Settings {
     /// The gateway as a CANopen node; `None` if it is none.
     pub fn canopen_node(&self) -> Option<&Canopen> {
         Some(&self.canopen).filter(|canopen| canopen.node)
+    }
+
+    /// The identifiers that the gateway sends: those of its messages in the order of
+    /// [`OwnMessage::ALL`], and those of a node's services.
+    pub fn own_identifiers(&self) -> Vec<Id> {
+        let node = self.gateway.node;
+        let services = self.canopen_node().and_then(|_| service_identifiers(node));
+        identifiers(node).into_iter().flatten().chain(services.into_iter().flatten()).collect()
     }
 
     /// Number of frames with a period that the gateway sends each second: Fd_Status, and heartbeats.

@@ -4,7 +4,6 @@ use super::fault::{Fault, Wanted};
 use super::kind::nearest;
 use super::shape::{Code, Shape, Window};
 use tertius_config::settings::{CylinderSignals, Settings};
-use tertius_core::alarm::frames;
 use tertius_core::decode::{Raw, SignalPlan};
 use tertius_core::frame::Id;
 use tertius_dbc::{Database, LookupError, Signal};
@@ -66,8 +65,7 @@ pub fn place(
     let name = CylinderSignals::of_cylinder(pattern, fault.cylinder);
     let (message, signal) =
         database.signal(&name).map_err(|error| PlaceError::Lookup { sensor, error })?;
-    let own = frames::identifiers(settings.gateway.node);
-    if own.is_some_and(|own| own.contains(&message.id)) {
+    if settings.own_identifiers().contains(&message.id) {
         return Err(PlaceError::OwnFrame { signal: name, id: message.id });
     }
     let is_position = matches!(sensor, "c1" | "c2");
