@@ -22,6 +22,7 @@
 //! - [`estimate`]: the virtual third sensor: each cylinder's length with its standard deviation, from the
 //!   transducers that nobody blames and of the command.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
+//! - [`incident`]: the warnings that have one cause, as one story, and [`story`]: that in words.
 //! - [`monitor`]: the modules above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`canopen`]: the gateway as a CANopen node, which watches the monitor and answers the network.
@@ -111,13 +112,14 @@ pub mod cli;
 pub mod live;
 #[cfg(feature = "plots")]
 pub mod report;
+pub mod story;
 
 pub use tertius_assess::{commission, evaluate};
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
-    alarm, compare, decode, error_frame, estimate, frame, monitor, observe, sample, sequential,
-    time, verdict,
+    alarm, compare, decode, error_frame, estimate, frame, incident, monitor, observe, sample,
+    sequential, time, verdict,
 };
 pub use tertius_dbc as dbc;
 pub use tertius_learn::{calibrate, extremes, identify, learnt, survey, tables, tune};

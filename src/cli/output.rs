@@ -5,10 +5,11 @@ use super::files::{Claimed, Writer};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
 use crate::estimate::Estimate;
+use crate::incident::Incident;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
-use crate::report::{Episodes, EstimateTable, ResidualTable, jsonl};
+use crate::report::{Episodes, EstimateTable, Incidents, ResidualTable, jsonl};
 use crate::time::Timestamp;
 use std::io::{self, BufWriter, Stdout, Write};
 
@@ -25,6 +26,7 @@ pub struct Output {
     /// The time stamp of the recording's first frame.
     pub first: Timestamp,
     pub episodes: Episodes,
+    pub incidents: Incidents,
     pub notices: Notices,
     /// Recorder for the page's figures, if a page is requested.
     pub recorder: Option<PageRecorder>,
@@ -63,6 +65,7 @@ impl Output {
         Ok(Self {
             first: Timestamp::default(),
             episodes: Episodes::default(),
+            incidents: Incidents::default(),
             notices: Notices::default(),
             recorder: None,
             lines: lines.then(|| BufWriter::new(io::stdout())),
@@ -132,6 +135,14 @@ impl Sink for Output {
         }
         if let Some(lines) = &mut self.lines {
             let result = jsonl::warning(lines, self.first, warning);
+            self.note(LINES, result);
+        }
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.incidents.take(incident);
+        if let Some(lines) = &mut self.lines {
+            let result = jsonl::incident(lines, self.first, incident);
             self.note(LINES, result);
         }
     }

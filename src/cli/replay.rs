@@ -178,6 +178,7 @@ impl Replay {
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let episodes = std::mem::take(&mut output.episodes);
+        let incidents = std::mem::take(&mut output.incidents);
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
         let stops = Stops::new(histories, machine.loaded.settings.drift_limits());
         let summary = Summary {
@@ -190,6 +191,7 @@ impl Replay {
             tallies: &tallies,
             counter_jumps: &counter_jumps,
             episodes: &episodes,
+            incidents: &incidents,
         };
         let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let heading = Heading {

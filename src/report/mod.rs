@@ -8,6 +8,7 @@ pub mod estimates;
 pub mod evaluation;
 pub mod human;
 pub mod identification;
+pub mod incidents;
 pub mod jsonl;
 pub mod judgement;
 pub mod nonlinear;
@@ -22,6 +23,7 @@ pub(crate) use wording::{counted, times};
 
 pub use episode::{Episode, Episodes};
 pub use estimates::EstimateTable;
+pub use incidents::Incidents;
 pub use judgement::Judgement;
 pub use residuals::ResidualTable;
 pub use stops::Stops;
@@ -43,6 +45,7 @@ pub struct Summary<'a> {
     /// Jumps of the alive counters of C1 and C2 of each cylinder.
     pub counter_jumps: &'a [[u64; 2]],
     pub episodes: &'a Episodes,
+    pub incidents: &'a Incidents,
     pub stops: &'a Stops<'a>,
 }
 

@@ -17,6 +17,7 @@
 //!   transducer it is, and the end stop as a reference.
 //! - [`estimate`]: the virtual third sensor.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
+//! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
 //! - [`monitor`]: all of them as one machine.
 //!
 //! Time comes with the frames: there is no clock, socket, file, thread or global. The caller
@@ -38,6 +39,7 @@ pub mod decode;
 pub mod error_frame;
 pub mod estimate;
 pub mod frame;
+pub mod incident;
 pub mod monitor;
 pub mod observe;
 pub mod sample;

@@ -5,8 +5,8 @@ mod weights;
 
 use super::sheet::{Section, Sheet};
 use crate::evaluate::{
-    CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, Plan, Proportion, RowResult, Study,
-    SuspectFigures, WITHIN,
+    CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
+    RowResult, Study, SuspectFigures, WITHIN,
 };
 
 /// Fixed parts of the JSON, between the values.
@@ -45,6 +45,7 @@ pub fn extent(plan: &Plan) -> String {
 pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     let mut sections = vec![thesis(evaluation)];
     sections.extend(plan.cells.iter().map(|cell| detection(*cell, evaluation)));
+    sections.extend(plan.cells.iter().map(|cell| incidents(*cell, evaluation)));
     sections.extend([loops(evaluation), healthy(&evaluation.healthy)]);
     sections.extend(contest::sections(&evaluation.contest));
     sections.push(estimates(&evaluation.estimates));
@@ -120,6 +121,49 @@ fn detection(cell: Cell, evaluation: &Evaluation) -> Section {
         sheet.add_row(cells);
     }
     sheet.about(format!("what is found: {}", place(cell.grade.name(), cell.sea)))
+}
+
+/// What the incidents say, beside the warnings that they are made of, and in the last row of all faults of the
+/// cell together.
+fn incidents(cell: Cell, evaluation: &Evaluation) -> Section {
+    let mut sheet = Sheet::new(&[
+        "fault",
+        "found",
+        "one incident",
+        "several",
+        "its suspect",
+        "of the warnings",
+        "its kind",
+        "of the warnings",
+    ]);
+    let of_cell = |it: &&RowResult| it.row.cell == cell && it.row.study != Study::Loop;
+    let (mut one, mut of, mut split) = (0, 0, 0);
+    for row in evaluation.rows.iter().filter(of_cell) {
+        let IncidentFigures { one: alone, split: several, suspect, named } = row.figures.incidents;
+        if alone.of == 0 {
+            continue;
+        }
+        (one, of, split) = (one + alone.count, of + alone.of, split + several);
+        let kind = |named: Option<Proportion>| named.map_or("–".to_owned(), |it| percent(&it));
+        sheet.add_row([
+            row.label.clone(),
+            alone.of.to_string(),
+            percent(&alone),
+            several.to_string(),
+            suspects(&suspect),
+            suspects(&row.figures.suspect),
+            kind(named),
+            kind(row.figures.kind.map(|kind| kind.named)),
+        ]);
+    }
+    if of > 0 {
+        let all = Proportion::new(one, of);
+        let mut cells =
+            ["all".to_owned(), of.to_string(), percent(&all), split.to_string()].to_vec();
+        cells.extend(std::iter::repeat_n("–".to_owned(), 4));
+        sheet.add_row(cells);
+    }
+    sheet.about(format!("what the incidents say: {}", place(cell.grade.name(), cell.sea)))
 }
 
 /// Table of the same faults beside the loop and in it.

@@ -6,6 +6,7 @@ use super::row::Row;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_core::alarm::Detector;
+use tertius_core::verdict::Fault;
 
 /// Times for which probabilities of detection are given, s.
 pub const WITHIN: [f64; 3] = [0.2, 1.0, 10.0];
@@ -27,6 +28,8 @@ pub struct Figures {
     pub suspect_first: SuspectFigures,
     /// Suspect of all warnings in the end.
     pub suspect: SuspectFigures,
+    /// Incidents told of the faults that were found.
+    pub incidents: IncidentFigures,
     /// How often the fault was named correctly, for those found; `None` where it has no name.
     pub kind: Option<KindFigures>,
     /// Faults found by the observer of the faulty transducer.
@@ -68,6 +71,31 @@ pub struct SuspectFigures {
     pub process: u64,
     /// The other transducer was blamed.
     pub wrong: u64,
+}
+
+/// What the incidents say of the faults that were found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct IncidentFigures {
+    /// Part of the faults of which exactly one incident was told.
+    pub one: Proportion,
+    /// Faults of which several were told.
+    pub split: u64,
+    /// Suspect of the first incident in the end.
+    pub suspect: SuspectFigures,
+    /// How often it names the fault correctly; `None` where the fault has no name.
+    pub named: Option<Proportion>,
+}
+
+impl IncidentFigures {
+    fn of(seen: &[&Outcome], kind: Option<Fault>) -> Self {
+        let told = |one: &&Outcome| one.incidents;
+        Self {
+            one: Proportion::counting(seen, |one| told(one).count == 1),
+            split: seen.iter().filter(|one| told(one).count > 1).count() as u64,
+            suspect: SuspectFigures::of(seen.iter().map(|one| told(one).blame)),
+            named: kind.map(|kind| Proportion::counting(seen, |one| told(one).kind == Some(kind))),
+        }
+    }
 }
 
 /// How often a fault was named correctly.
@@ -127,6 +155,7 @@ impl Figures {
             delay: Delay::of(delays),
             suspect_first: SuspectFigures::of(seen.iter().map(|one| one.first_blame())),
             suspect: SuspectFigures::of(seen.iter().map(|one| one.blame)),
+            incidents: IncidentFigures::of(&seen, row.kind()),
             kind,
             own: DetectorFigures::of(fair.iter().map(|outcome| outcome.own()).collect()),
             detectors: (0..).zip(Detector::ALL).map(|(i, it)| (it.name(), of(i))).collect(),

@@ -39,13 +39,15 @@ pub mod weights;
 
 pub use claim::{Claim, Judged};
 pub use estimate::{CASES, Case, Errors, EstimateResult};
-pub use figures::{Delay, DetectorFigures, Figures, Moved, SuspectFigures, WITHIN};
+pub use figures::{
+    Delay, DetectorFigures, Figures, IncidentFigures, Moved, SuspectFigures, WITHIN,
+};
 pub use gathering::{Evaluation, Gathering, HealthyCell, RowResult};
 pub use grade::Grade;
 pub use healthy::Healthy;
 pub use interval::{CONFIDENCE, clopper_pearson, poisson_upper};
 pub use learning::{Learnt, Lessons};
-pub use outcome::{Blame, DETECTORS, First, Outcome};
+pub use outcome::{Blame, DETECTORS, First, Outcome, Told};
 pub use plan::{Cell, Extent, Job, Plan, PlanError, Product};
 pub use proportion::Proportion;
 pub use rate::Rate;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use tertius_core::alarm::detector::{PLACES, WarningPlace};
 use tertius_core::alarm::{Detector, Finding, State, Warning};
+use tertius_core::incident::{Incident, Progress};
 use tertius_core::time::Timestamp;
 use tertius_core::verdict::{Fault, Suspect};
 
@@ -42,6 +43,41 @@ impl Blame {
     }
 }
 
+/// What the incidents of the faulty cylinder say: one fault is one incident.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Told {
+    /// Number of incidents that began while the fault was watched.
+    pub count: u32,
+    /// Whom the first of them blames in the end.
+    pub blame: Option<Blame>,
+    /// How the first of them names the fault in the end.
+    pub kind: Option<Fault>,
+}
+
+impl Told {
+    /// What `incidents`, in the order of their reports, say until `end` of a fault of `transducer` of
+    /// `cylinder` (from 1) that began at `onset`.
+    pub fn read(
+        incidents: &[Incident],
+        cylinder: u8,
+        transducer: Suspect,
+        onset: Timestamp,
+        end: Timestamp,
+    ) -> Self {
+        let of =
+            |it: &&Incident| it.cylinder == cylinder && it.begin >= onset && it.timestamp <= end;
+        let count = incidents.iter().filter(of).filter(|it| it.progress == Progress::Opened);
+        let count = count.count() as u32;
+        let first = incidents.iter().find(of).map(|it| it.number);
+        let newest = incidents.iter().filter(of).rfind(|it| Some(it.number) == first);
+        Self {
+            count,
+            blame: newest.map(|it| Blame::new(it.suspect, transducer)),
+            kind: newest.map(|it| it.fault),
+        }
+    }
+}
+
 /// What the monitor reported of one fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
@@ -61,6 +97,8 @@ pub struct Outcome {
     /// Blame of all warnings in the end: an innocent one takes precedence over the right one, and
     /// that over nobody.
     pub blame: Option<Blame>,
+    /// The incidents that were told of the fault.
+    pub incidents: Told,
     /// Warnings of cylinders without a fault, after the onset.
     pub beside: u32,
     /// Largest |R1|, |R2|, |R3| while it was watched, m.
@@ -142,6 +180,7 @@ impl Outcome {
             first: None,
             kind: None,
             blame: None,
+            incidents: Told { count: 0, blame: None, kind: None },
             beside: 0,
             worst: [0.0; 3],
             rod: None,

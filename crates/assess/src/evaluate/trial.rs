@@ -1,11 +1,12 @@
 //! One simulated machine with its faults.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Told};
 use super::row::Row;
 use super::stand::{Stand, StandError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_core::alarm::Warning;
+use tertius_core::incident::Incident;
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::Suspect;
@@ -90,6 +91,8 @@ fn signed(wanted: Wanted, sign: f64) -> Wanted {
 struct Listener {
     /// Warnings so far: at most a few in each cycle of a trial.
     warnings: Vec<Warning>,
+    /// Reports of incidents so far.
+    incidents: Vec<Incident>,
     /// Newest R1, R2, R3 of each cylinder, m.
     residuals: [[Option<f64>; 3]; CYLINDERS],
     /// Newest reading of C1 of each cylinder, m.
@@ -99,6 +102,10 @@ struct Listener {
 impl Sink for Listener {
     fn warning(&mut self, warning: &Warning) {
         self.warnings.push(*warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.incidents.push(*incident);
     }
 
     fn record(&mut self, record: &Record) {
@@ -170,7 +177,10 @@ impl Stand<'_> {
                 let (cylinder, end) = (fault.cylinder, onset.after(watch));
                 let said =
                     Outcome::read(&listener.warnings, cylinder, fault.transducer, onset, end);
+                let incidents =
+                    Told::read(&listener.incidents, cylinder, fault.transducer, onset, end);
                 Outcome {
+                    incidents,
                     worst: followed.worst,
                     rod: twin.as_ref().map(|_| followed.rod),
                     reading: twin.as_ref().map(|_| followed.reading()),

@@ -14,6 +14,7 @@ use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
+use crate::incident::QUANTITIES;
 use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
@@ -57,6 +58,14 @@ pub struct CylinderDesign {
     pub coincidence: u32,
     /// Time of good readings that clears a plausibility warning.
     pub clear: Span,
+}
+
+impl CylinderDesign {
+    /// Limits of the quantities of an incident, m.
+    pub const fn limits(&self) -> [f64; QUANTITIES] {
+        let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
+        [observer, observer, difference, self.critical]
+    }
 }
 
 /// The cycle in which a cylinder is evaluated.

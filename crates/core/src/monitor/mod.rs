@@ -25,13 +25,14 @@ use crate::alarm::{Detector, Encoder, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
+use crate::incident::Incidents;
 use crate::sample::Transducer;
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 pub use counts::Counts;
-use cylinder::{Cylinder, CylinderDesign, Evaluation, Tally};
+use cylinder::{Cylinder, CylinderDesign, Evaluated, Evaluation, Tally};
 pub use estimates::Estimates;
 use gate::{Gate, Opening};
 use page::{Page, Station};
@@ -84,6 +85,7 @@ pub struct Monitor {
     /// Whether the platform was in a monitored state in some cycle.
     opened_once: bool,
     register: Register,
+    incidents: Incidents,
     encoder: Encoder,
     counts: Counts,
     last: Option<Timestamp>,
@@ -96,6 +98,8 @@ pub struct Monitor {
 impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
+        let of_incidents = |it: &CylinderDesign| (it.limits(), it.bank.coincidence);
+        let incidents = Incidents::new(design.cylinders.iter().map(of_incidents));
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);
         let cylinders: Vec<Cylinder> = match design.estimates {
             Estimates::None => cylinders.collect(),
@@ -109,6 +113,7 @@ impl Monitor {
             gap_cycles: design.gap_cycles,
             gate: design.gate,
             register: Register::new(cylinders.len()),
+            incidents,
             cylinders,
             sampling: Sampling::default(),
             pending: 0,
@@ -199,10 +204,14 @@ impl Monitor {
         self.last = Some(now);
     }
 
-    /// Closes the open cycle at its deadline, because no frame follows.
+    /// Closes the open cycle at its deadline, and incidents that might have come again, because no frame
+    /// follows.
     pub fn finish(&mut self, sink: &mut impl Sink) {
         if let Some(Due::Close(at)) = self.clock.due() {
             self.close_cycle(at, sink);
+        }
+        if let Some(last) = self.last {
+            self.incidents.cut(last, |incident| sink.incident(incident));
         }
     }
 
@@ -361,6 +370,9 @@ impl Monitor {
         if self.cylinders[index].finds_anything() || self.register.any(index) {
             self.warn(index, at, sink);
         }
+        if self.incidents.is_open(index) {
+            self.follow_incidents(index, now, &evaluated, sink);
+        }
         if let Some(estimate) = self.cylinders[index].estimated() {
             sink.estimate(now.opened, number, estimate);
             if self.sends_estimates {
@@ -371,8 +383,9 @@ impl Monitor {
 
     fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let findings = self.cylinders[index].findings();
-        let Self { register, encoder, .. } = self;
+        let Self { register, incidents, encoder, .. } = self;
         let said = register.update(at, index, &findings, |warning| {
+            incidents.take(&warning);
             let raised = warning.state != crate::alarm::State::Cleared;
             sink.warning(&warning);
             let frame =
@@ -382,6 +395,18 @@ impl Monitor {
         if said {
             self.reckon_due();
         }
+    }
+
+    fn follow_incidents(
+        &mut self,
+        index: usize,
+        now: Evaluation,
+        evaluated: &Evaluated,
+        sink: &mut impl Sink,
+    ) {
+        let quantities = self.cylinders[index].quantities(evaluated);
+        let times = [now.opened, now.at];
+        self.incidents.follow(index, times, &quantities, |incident| sink.incident(incident));
     }
 
     fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {

@@ -64,6 +64,9 @@ impl Monitor {
     pub(super) fn jump(&mut self, at: Timestamp, by: Span, sink: &mut impl Sink) {
         self.counts.time_jumps += 1;
         sink.notice(&Notice::TimeJump { at, by });
+        // Its times are of the clock before.
+        let last = self.last.unwrap_or(at);
+        self.incidents.cut(last, |incident| sink.incident(incident));
         self.start_anew(Restart::TimeJump);
         self.register.rephase(at);
         self.begin(at);
@@ -80,6 +83,7 @@ impl Monitor {
         // Not before what was told already; a clock that was set has told so, and counts anew.
         let at = self.last.map_or(at, |last| last.max(at));
         sink.notice(&Notice::Interruption { at });
+        self.incidents.cut(at, |incident| sink.incident(incident));
         self.start_anew(Restart::Interruption);
         self.reckon_due();
     }

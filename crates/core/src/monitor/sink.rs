@@ -2,6 +2,7 @@
 
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
+use crate::incident::Incident;
 use crate::observe::observer::Restart;
 use crate::sample::Quality;
 use crate::sequential::{Apart, Dwell};
@@ -79,6 +80,11 @@ pub trait Sink {
 
     fn warning(&mut self, warning: &Warning) {
         _ = warning;
+    }
+
+    /// Takes an incident that was opened, revised or closed, after the warnings of that cycle.
+    fn incident(&mut self, incident: &Incident) {
+        _ = incident;
     }
 
     /// Takes the estimated length of a cylinder in the cycle that opened at `at`; `None`: it is not

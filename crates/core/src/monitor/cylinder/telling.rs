@@ -1,6 +1,7 @@
 //! Records of a cylinder's cycle.
 
 use super::{Cylinder, Evaluation};
+use crate::incident::Quantities;
 use crate::monitor::gate::Opening;
 use crate::monitor::sink::Record;
 use crate::observe::observer::Innovation;
@@ -17,6 +18,17 @@ pub struct Evaluated {
 }
 
 impl Cylinder {
+    /// What an incident is compared with in the newest cycle: what the detectors judged, and beyond the
+    /// machine's own limit the measured difference.
+    pub fn quantities(&self, evaluated: &Evaluated) -> Quantities {
+        let judged = |i: usize| {
+            let innovation = evaluated.innovations[i].filter(|it| it.whole && self.judged[i]);
+            innovation.map(|innovation| innovation.residual)
+        };
+        let measured = self.was_critical.then_some(self.apart);
+        [judged(0), judged(1), evaluated.difference, measured]
+    }
+
     /// The record of the newest cycle, available until its inputs are cleared.
     pub fn record(&self, now: Evaluation, evaluated: &Evaluated) -> Record {
         let Evaluated { readings, innovations, difference } = *evaluated;

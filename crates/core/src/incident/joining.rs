@@ -1,0 +1,120 @@
+//! Which warnings have one cause.
+//!
+//! Of one cylinder, warnings belong together that do not contradict each other about whom to
+//! suspect and between which the fault is not known to have gone, and those of one moment, whatever
+//! they say: a fault of one transducer reaches the other observer through the machine's controller.
+
+use super::{Ending, Incident, Progress};
+use crate::alarm::detector::{Basis, DETECTORS};
+use crate::alarm::{Level, Warning};
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Suspect};
+
+/// Time after the last warning within which a fault near a threshold may show itself again: a wave's
+/// period, since it may be visible in a part of the motion only.
+const SHOWN_AGAIN: Span = Span::from_nanos(12_000_000_000);
+
+/// The same after the fault was seen to go: a loose contact comes again sooner.
+const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
+
+/// An incident that is not closed, and what decides whether a warning belongs to it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pub incident: Incident,
+    /// Time of the newest raise or clearing.
+    pub newest: Timestamp,
+    /// Whether C1 − C2 grew at its begin, where that is known.
+    grew: Option<bool>,
+    /// Whether the fault was seen to go.
+    pub has_returned: bool,
+    /// What was told of it.
+    told: Option<Said>,
+}
+
+/// What an incident says that is news to a person when it changes.
+type Said = (Suspect, Fault, bool, Level);
+
+impl Open {
+    pub fn new(incident: Incident) -> Self {
+        Self { newest: incident.begin, incident, grew: None, has_returned: false, told: None }
+    }
+
+    /// Time at which it is over, if no warning stands and none belongs to it until then.
+    pub fn due(&self) -> Timestamp {
+        self.newest.after(if self.has_returned { COME_AGAIN } else { SHOWN_AGAIN })
+    }
+
+    /// Whether a warning that is raised belongs to it, if findings within `coincidence` of each other are
+    /// of one event.
+    pub fn takes(&self, warning: &Warning, coincidence: Span) -> bool {
+        if !self.incident.stands() && warning.timestamp >= self.due() {
+            return false;
+        }
+        let (said, suspect) = (warning.finding.suspect, self.incident.suspect);
+        let is_open = |suspect| suspect == Suspect::Undecided;
+        if said == suspect || is_open(said) || is_open(suspect) {
+            return true;
+        }
+        let at_once = warning.timestamp.since(self.newest) <= coincidence;
+        at_once && !(is_fact(warning) && self.has_facts())
+    }
+
+    fn has_facts(&self) -> bool {
+        let mut parts = DETECTORS.into_iter().zip(&self.incident.parts);
+        parts.any(|(detector, part)| {
+            detector.basis() == Basis::Readings && part.is_some_and(|part| part.stands)
+        })
+    }
+
+    /// The incident as it is told at `at`, if it says something new.
+    pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
+        let Incident { suspect, fault, gain, level, .. } = self.incident;
+        let said = (suspect, fault, gain.is_some(), level);
+        let before = self.told.replace(said);
+        if before == Some(said) {
+            return None;
+        }
+        let progress = before.map_or(Progress::Opened, |_| Progress::Revised);
+        (self.incident.progress, self.incident.timestamp) = (progress, at);
+        Some(&self.incident)
+    }
+
+    /// The incident as it is over at `at`.
+    pub fn closed(&self, at: Timestamp, ending: Ending) -> Incident {
+        let end = Some((self.newest, ending));
+        Incident { progress: Progress::Closed, timestamp: at, end, ..self.incident }
+    }
+
+    /// Notes a warning that was raised: whether the fault goes or comes again.
+    pub fn follow(&mut self, warning: &Warning, coincidence: Span) {
+        self.newest = warning.timestamp;
+        let Some(grows) = grows(warning) else { return };
+        let grew = *self.grew.get_or_insert(grows);
+        let at_onset = warning.timestamp.since(self.incident.begin) <= coincidence;
+        let by_observer = matches!(warning.detector.basis(), Basis::Residual(0 | 1));
+        // Noise has both directions at any time.
+        if by_observer && !at_onset && self.incident.fault != Fault::Noise {
+            self.has_returned = grows != grew;
+        }
+    }
+
+    /// Notes a warning that has cleared.
+    pub fn clear(&mut self, warning: &Warning) {
+        self.newest = warning.timestamp;
+        self.has_returned |= is_fact(warning);
+    }
+}
+
+fn is_fact(warning: &Warning) -> bool {
+    warning.detector.basis() == Basis::Readings
+}
+
+/// Whether C1 − C2 grows by what a residual shows; `None` for one that shows no direction.
+fn grows(warning: &Warning) -> Option<bool> {
+    let residual = warning.finding.residual.filter(|residual| *residual != 0.0)?;
+    match warning.detector.basis() {
+        Basis::Residual(1) => Some(residual < 0.0),
+        Basis::Residual(_) => Some(residual > 0.0),
+        Basis::Readings | Basis::Samples | Basis::Lengths => None,
+    }
+}

@@ -1,0 +1,192 @@
+//! Incidents: the warnings of a cylinder that have one cause, as one story.
+//!
+//! A fault raises several detectors, some of them again when it ends, and some only now and then while it is
+//! near their thresholds. A person asks what is wrong, since when, how bad it is and how sure that is. An
+//! [`Incident`] answers: it begins with the first warning, takes in those that [belong to it](joining), ends
+//! when the last of them has cleared and none came after it, and says what [all of them together](fusing)
+//! mean.
+
+mod fusing;
+mod joining;
+#[cfg(test)]
+mod tests;
+mod tracker;
+
+use crate::alarm::detector::{PLACES, WarningPlace};
+use crate::alarm::{Finding, Level};
+use crate::time::Timestamp;
+use crate::verdict::{Fault, Suspect};
+pub use tracker::{Incidents, MOST_AT_ONCE};
+
+/// What happened to an incident.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    Opened,
+    /// Its suspect, its kind or its level is another one now.
+    Revised,
+    Closed,
+}
+
+impl Progress {
+    /// Name in files and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Opened => "opened",
+            Self::Revised => "revised",
+            Self::Closed => "closed",
+        }
+    }
+}
+
+/// Why an incident is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The fault was seen to go: a reading came back by a step against its first direction, or
+    /// passed the plausibility checks again.
+    Returned,
+    /// Nothing exceeds a threshold any more. The fault may be there still, below them.
+    Quiet,
+    /// The bus was lost, the clock was set or the recording ended before it could be known whether
+    /// it would come again.
+    Cut,
+}
+
+impl Ending {
+    /// Name in files and reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Returned => "returned",
+            Self::Quiet => "quiet",
+            Self::Cut => "cut",
+        }
+    }
+}
+
+/// A quantity that is compared with a limit in each cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    R1,
+    R2,
+    R3,
+    /// C1 − C2 as measured, on which the machine trips.
+    Measured,
+}
+
+/// Number of quantities.
+pub const QUANTITIES: usize = 4;
+
+impl Quantity {
+    pub const ALL: [Self; QUANTITIES] = [Self::R1, Self::R2, Self::R3, Self::Measured];
+
+    /// Name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::R1 => "r1",
+            Self::R2 => "r2",
+            Self::R3 => "r3",
+            Self::Measured => "c1_c2",
+        }
+    }
+}
+
+/// The quantities of a cylinder in one cycle, in the order of [`Quantity::ALL`], m, signed; `None` where one was
+/// not judged.
+pub type Quantities = [Option<f64>; QUANTITIES];
+
+/// Largest absolute value of a quantity during an incident.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// m, signed.
+    pub value: f64,
+    /// Opening of the cycle.
+    pub at: Timestamp,
+}
+
+/// One detector's share in an incident.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Time of the first raise.
+    pub raised: Timestamp,
+    /// Number of raises.
+    pub raises: u32,
+    /// Whether the warning stands.
+    pub stands: bool,
+    /// Finding as first raised, with fault, suspect and evidence as last revised before it first cleared.
+    pub finding: Finding,
+    /// Whether it has cleared once. What it says when it is raised again is about the fault's
+    /// course or end, and fills in only what was not known.
+    pub has_cleared: bool,
+}
+
+/// What the warnings of a cylinder that have one cause say together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incident {
+    /// Number, from 1 in the order of begin, over all cylinders.
+    pub number: u32,
+    /// Cylinder number, counted from 1.
+    pub cylinder: u8,
+    pub progress: Progress,
+    /// Time of this report.
+    pub timestamp: Timestamp,
+    /// Time of its first warning.
+    pub begin: Timestamp,
+    /// When the fault began, as far as the data show it: [`Self::begin`] or earlier.
+    pub onset: Timestamp,
+    /// Time at which its last warning cleared, and why it is over; `None` until it is closed.
+    pub end: Option<(Timestamp, Ending)>,
+    pub suspect: Suspect,
+    pub fault: Fault,
+    /// Gain error where the fault is one, m per m, see [`crate::alarm::Evidence::gain`].
+    pub gain: Option<f64>,
+    /// Size of a step or of a difference that the evidence of many samples gives, m, signed.
+    pub size: Option<f64>,
+    /// Highest level that it has reached.
+    pub level: Level,
+    /// Parts of the detectors, in the order of [`WarningPlace`].
+    pub parts: [Option<Part>; PLACES],
+    /// Peaks in the order of [`Quantity::ALL`]; [`Quantity::Measured`] only beyond the machine's own limit.
+    pub peaks: [Option<Peak>; QUANTITIES],
+    /// Limits of the quantities, m.
+    pub limits: [f64; QUANTITIES],
+}
+
+impl Incident {
+    /// The part of a detector's place.
+    pub const fn part(&self, place: WarningPlace) -> Option<&Part> {
+        self.parts[place as usize].as_ref()
+    }
+
+    /// Whether a warning of it stands.
+    pub fn stands(&self) -> bool {
+        self.parts.iter().flatten().any(|part| part.stands)
+    }
+
+    /// The quantity that tells best how bad it is, with its peak: the measured difference where the
+    /// machine itself would trip, R3 where it is beyond its bound, and otherwise the innovation that
+    /// is furthest beyond its threshold.
+    pub fn worst(&self) -> Option<(Quantity, Peak)> {
+        let of = |quantity: Quantity| {
+            let peak = self.peaks[quantity as usize]?;
+            Some((quantity, peak))
+        };
+        let share = |quantity: Quantity| {
+            let limit = self.limits[quantity as usize];
+            of(quantity).map(|(_, peak)| peak.value.abs() / limit)
+        };
+        if let Some(measured) = of(Quantity::Measured) {
+            return Some(measured);
+        }
+        let by_difference = [WarningPlace::Fde3, WarningPlace::Sequential];
+        if by_difference.into_iter().any(|place| self.part(place).is_some())
+            && let Some(difference) = of(Quantity::R3)
+        {
+            return Some(difference);
+        }
+        let exceeded = [(WarningPlace::Fde1, Quantity::R1), (WarningPlace::Fde2, Quantity::R2)];
+        let exceeded = exceeded.into_iter().filter(|(place, _)| self.part(*place).is_some());
+        exceeded
+            .map(|(_, quantity)| quantity)
+            .max_by(|a, b| share(*a).unwrap_or(0.0).total_cmp(&share(*b).unwrap_or(0.0)))
+            .and_then(of)
+    }
+}

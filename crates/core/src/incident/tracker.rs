@@ -1,0 +1,223 @@
+//! The incidents that are not closed, of all cylinders.
+
+use super::joining::Open;
+use super::{Ending, Incident, Part, Peak, Progress, QUANTITIES, Quantities};
+use crate::alarm::detector::PLACES;
+use crate::alarm::status::MAX_CYLINDERS;
+use crate::alarm::{Finding, Level, State, Warning};
+use crate::time::{Span, Timestamp};
+use crate::verdict::{Fault, Suspect};
+use alloc::vec::Vec;
+
+/// Most incidents of a cylinder at once: of each transducer and of neither. A further one is taken for the newest of
+/// these.
+pub const MOST_AT_ONCE: usize = 3;
+
+// `open` has a bit for each cylinder.
+const _: () = assert!(MAX_CYLINDERS <= u8::BITS as usize);
+
+/// The incidents of a machine, in bounded memory.
+#[derive(Clone, Debug)]
+pub struct Incidents {
+    cylinders: Vec<OfCylinder>,
+    /// Cylinders with an incident that is not closed, a bit for each.
+    open: u8,
+    /// Number of incidents so far.
+    count: u32,
+}
+
+#[derive(Clone, Debug)]
+struct OfCylinder {
+    open: [Option<Open>; MOST_AT_ONCE],
+    limits: [f64; QUANTITIES],
+    coincidence: Span,
+}
+
+impl Incidents {
+    /// The incidents of cylinders with these limits of their quantities, m, and with this time within which
+    /// findings are of one event.
+    pub fn new(cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], Span)>) -> Self {
+        let of =
+            |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
+        Self { cylinders: cylinders.into_iter().map(of).collect(), open: 0, count: 0 }
+    }
+
+    /// Whether an incident of the cylinder of `index` (from 0) is not closed.
+    #[inline]
+    pub const fn is_open(&self, index: usize) -> bool {
+        self.open & 1 << index != 0
+    }
+
+    /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
+    pub fn take(&mut self, warning: &Warning) {
+        let index = usize::from(warning.cylinder) - 1;
+        let Self { cylinders, open, count } = self;
+        let cylinder = &mut cylinders[index];
+        *open |= 1 << index;
+        match warning.state {
+            State::Raised => cylinder.raise(warning, count),
+            State::Changed | State::Cleared => cylinder.revise(warning),
+        }
+    }
+
+    /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
+    /// after its warnings. Passes to `say` each incident that was opened, revised or closed.
+    #[cold]
+    pub fn follow(
+        &mut self,
+        index: usize,
+        [opened, at]: [Timestamp; 2],
+        quantities: &Quantities,
+        mut say: impl FnMut(&Incident),
+    ) {
+        let places = &mut self.cylinders[index].open;
+        for place in places.iter_mut() {
+            let Some(open) = place else { continue };
+            let stands = open.incident.stands();
+            if stands {
+                open.incident.reach(opened, quantities);
+            }
+            if let Some(incident) = open.news(at) {
+                say(incident);
+            }
+            if !stands && at >= open.due() {
+                let ending = if open.has_returned { Ending::Returned } else { Ending::Quiet };
+                say(&open.closed(at, ending));
+                *place = None;
+            }
+        }
+        if places.iter().all(Option::is_none) {
+            self.open &= !(1 << index);
+        }
+    }
+
+    /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
+    /// belong to them.
+    pub fn cut(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
+        for (index, cylinder) in self.cylinders.iter_mut().enumerate() {
+            for place in &mut cylinder.open {
+                if let Some(open) = place.take_if(|open| !open.incident.stands()) {
+                    let seen = open.has_returned;
+                    let ending = if seen { Ending::Returned } else { Ending::Cut };
+                    say(&open.closed(at, ending));
+                }
+            }
+            if cylinder.open.iter().all(Option::is_none) {
+                self.open &= !(1 << index);
+            }
+        }
+    }
+}
+
+impl OfCylinder {
+    fn raise(&mut self, warning: &Warning, count: &mut u32) {
+        let coincidence = self.coincidence;
+        let taken = self.open.iter_mut().flatten().filter(|open| open.takes(warning, coincidence));
+        // Of several, that which began last.
+        let taken = taken.max_by_key(|open| open.incident.number);
+        if let Some(open) = taken {
+            open.incident.raise(warning);
+            return open.follow(warning, coincidence);
+        }
+        let free = self.open.iter_mut().find(|place| place.is_none());
+        let Some(place) = free else {
+            let newest = self.open.iter_mut().flatten().max_by_key(|open| open.incident.number);
+            newest.into_iter().for_each(|open| open.incident.raise(warning));
+            return;
+        };
+        *count = count.saturating_add(1);
+        let open = place.insert(Open::new(Incident::new(*count, warning, self.limits)));
+        open.incident.raise(warning);
+        open.follow(warning, coincidence);
+    }
+
+    /// Takes a warning that has changed or cleared into the incident of which it stands.
+    fn revise(&mut self, warning: &Warning) {
+        let mut open = self.open.iter_mut().flatten();
+        let stands =
+            |open: &&mut Open| open.incident.parts[warning.place].is_some_and(|part| part.stands);
+        let Some(open) = open.find(stands) else { return };
+        open.incident.revise(warning);
+        if warning.state == State::Cleared {
+            open.clear(warning);
+        }
+    }
+}
+
+impl Incident {
+    /// An incident that begins with `warning`, which it does not yet include.
+    fn new(number: u32, warning: &Warning, limits: [f64; QUANTITIES]) -> Self {
+        Self {
+            number,
+            cylinder: warning.cylinder,
+            progress: Progress::Opened,
+            timestamp: warning.timestamp,
+            begin: warning.timestamp,
+            onset: warning.timestamp,
+            end: None,
+            suspect: Suspect::Undecided,
+            fault: Fault::Unclassified,
+            gain: None,
+            size: None,
+            level: Level::None,
+            parts: [None; PLACES],
+            peaks: [None; QUANTITIES],
+            limits,
+        }
+    }
+
+    fn raise(&mut self, warning: &Warning) {
+        let (raised, finding) = (warning.timestamp, warning.finding);
+        let part = self.parts[warning.place].get_or_insert(Part {
+            raised,
+            raises: 0,
+            stands: true,
+            finding,
+            has_cleared: false,
+        });
+        part.raises = part.raises.saturating_add(1);
+        part.stands = true;
+        part.take(&finding);
+        self.level = self.level.max(finding.level);
+        self.fuse();
+    }
+
+    fn revise(&mut self, warning: &Warning) {
+        let Some(part) = &mut self.parts[warning.place] else { return };
+        if warning.state == State::Cleared {
+            (part.stands, part.has_cleared) = (false, true);
+            return;
+        }
+        part.take(&warning.finding);
+        self.level = self.level.max(warning.finding.level);
+        self.fuse();
+    }
+
+    fn reach(&mut self, opened: Timestamp, quantities: &Quantities) {
+        for (peak, value) in self.peaks.iter_mut().zip(quantities) {
+            let Some(value) = *value else { continue };
+            if peak.is_none_or(|peak| value.abs() > peak.value.abs()) {
+                *peak = Some(Peak { value, at: opened });
+            }
+        }
+    }
+}
+
+impl Part {
+    /// Takes what its detector says now.
+    fn take(&mut self, finding: &Finding) {
+        let Finding { fault, suspect, evidence, .. } = *finding;
+        let own = &mut self.finding;
+        if !self.has_cleared {
+            (own.fault, own.suspect) = (fault, suspect);
+            own.evidence = evidence.or(own.evidence);
+            return;
+        }
+        if own.suspect == Suspect::Undecided {
+            own.suspect = suspect;
+        }
+        if own.fault == Fault::Unclassified && own.gain().is_none() {
+            own.fault = fault;
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Incidents in words: what is wrong, whom the monitor suspects and why, how bad it is, and what to do.
+//!
+//! Every output for people takes its words from here, so that they cannot disagree.
+
+use crate::alarm::detector::WarningPlace;
+use crate::alarm::{Detector, Level};
+use crate::incident::{Ending, Incident, Part, Quantity};
+use crate::time::Span;
+use crate::verdict::{Fault, Suspect};
+
+/// Time within which detectors are said to rise together.
+const TOGETHER: Span = Span::from_nanos(100_000_000);
+
+/// Detectors that compare, with their quantities and their names for people.
+const COMPARING: [(WarningPlace, Quantity, &str); 3] = [
+    (WarningPlace::Fde1, Quantity::R1, "C1's observer"),
+    (WarningPlace::Fde2, Quantity::R2, "C2's observer"),
+    (WarningPlace::Fde3, Quantity::R3, "the difference"),
+];
+
+/// Whom an incident is about, as a short cell: `C1`, `C1 or C2`.
+pub const fn suspect(suspect: Suspect) -> &'static str {
+    match suspect {
+        Suspect::C1 => "C1",
+        Suspect::C2 => "C2",
+        Suspect::Undecided => "C1 or C2",
+        Suspect::Process => "neither",
+    }
+}
+
+/// What is wrong: `step of 1.21 mm`, `frozen reading`.
+pub fn kind(incident: &Incident) -> String {
+    if let Some(gain) = incident.gain {
+        return format!("scale error of {:+.2} %", 100.0 * gain);
+    }
+    match incident.fault {
+        Fault::Abrupt => match incident.size {
+            Some(size) => format!("step of {}", millimetres(size.abs())),
+            None => "step".to_owned(),
+        },
+        Fault::Noise => "noise".to_owned(),
+        Fault::Incipient => "growing error".to_owned(),
+        Fault::OutOfRange => "reading out of range".to_owned(),
+        Fault::BrokenWire => "no signal (broken wire)".to_owned(),
+        Fault::Frozen => "frozen reading".to_owned(),
+        Fault::Stale => "no readings".to_owned(),
+        Fault::Unclassified => "unclassified error".to_owned(),
+    }
+}
+
+/// How bad it got: `65.8 mm off (limit 50.0 mm)`; empty where nothing was compared.
+pub fn worst(incident: &Incident) -> String {
+    incident.worst().map_or(String::new(), |(quantity, peak)| {
+        let limit = incident.limits[quantity as usize];
+        format!("{} off (limit {})", millimetres(peak.value.abs()), millimetres(limit))
+    })
+}
+
+/// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`.
+pub fn line(incident: &Incident) -> String {
+    let whom = match incident.suspect {
+        Suspect::Process => "neither transducer",
+        other => suspect(other),
+    };
+    let worst = worst(incident);
+    let separator = if worst.is_empty() { "" } else { ", " };
+    let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
+    format!("cylinder {cylinder}, {whom}, {level}: {kind}{separator}{worst}")
+}
+
+/// The evidence for the suspect, in a sentence without its full stop.
+pub fn evidence(incident: &Incident) -> String {
+    let mut clauses = facts(incident);
+    clauses.extend(risen(incident));
+    if let Some(part) = incident.part(WarningPlace::Sequential) {
+        clauses.push(sampled(incident, part));
+    }
+    clauses.extend(quiet(incident));
+    let conclusion = match incident.suspect {
+        Suspect::C1 => "so it is C1",
+        Suspect::C2 => "so it is C2",
+        Suspect::Process => "so it is neither transducer",
+        Suspect::Undecided => "so which of the two it is stays open",
+    };
+    clauses.push(conclusion.to_owned());
+    clauses.join("; ")
+}
+
+/// Facts about readings, which need no comparison.
+fn facts(incident: &Incident) -> Vec<String> {
+    let places = [
+        (WarningPlace::PlausibilityOfC1, "C1"),
+        (WarningPlace::PlausibilityOfC2, "C2"),
+        (WarningPlace::PlausibilityOfCommand, "the command"),
+    ];
+    let fact = |(place, name): (WarningPlace, &str)| {
+        let part = incident.part(place)?;
+        let what = match part.finding.fault {
+            Fault::Frozen => "did not change while the cylinder was driven",
+            Fault::OutOfRange => "read a length that the cylinder cannot have",
+            Fault::BrokenWire => "reported that it has no signal",
+            Fault::Stale => "did not come",
+            Fault::Unclassified | Fault::Abrupt | Fault::Noise | Fault::Incipient => {
+                "was not plausible"
+            }
+        };
+        Some(format!("{name} {what}{}", again(part)))
+    };
+    places.into_iter().filter_map(fact).collect()
+}
+
+/// The comparing detectors that rose, those of one moment together.
+fn risen(incident: &Incident) -> Vec<String> {
+    let risen = COMPARING.iter().filter_map(|(place, _, name)| {
+        let part = incident.part(*place)?;
+        Some((part, format!("{name}{}", again(part))))
+    });
+    let mut risen: Vec<(&Part, String)> = risen.collect();
+    risen.sort_by_key(|(part, _)| part.raised);
+    let mut clauses = Vec::new();
+    let mut rest = &risen[..];
+    while let Some((first, _)) = rest.first() {
+        let later = |(part, _): &&(&Part, String)| part.raised.since(first.raised) <= TOGETHER;
+        let (group, others) = rest.split_at(rest.iter().take_while(later).count());
+        let names = listed(&group.iter().map(|(_, name)| name.as_str()).collect::<Vec<_>>());
+        let together = if group.len() > 1 { " together" } else { "" };
+        let after = first.raised.since(incident.begin);
+        let after =
+            if after <= TOGETHER { String::new() } else { format!(" {} later", span(after)) };
+        clauses.push(format!("{names} rose{together}{after}"));
+        rest = others;
+    }
+    clauses
+}
+
+/// What many samples together say.
+fn sampled(incident: &Incident, part: &Part) -> String {
+    let mut clause = "the evidence of many samples".to_owned();
+    if let Some(evidence) = part.finding.evidence {
+        clause += &format!(" ({:.0} nats", evidence.fault);
+        if let Some(location) = evidence.location {
+            let whom = if location < 0.0 { "C2" } else { "C1" };
+            clause += &format!(", {:.0} of them for {whom}", location.abs());
+        }
+        clause += ")";
+    }
+    let after = part.raised.since(incident.begin);
+    match after <= TOGETHER {
+        true => clause + " shows it",
+        false => format!("{clause} shows it {} later", span(after)),
+    }
+}
+
+/// The observers that did not rise, and whether they judged at all.
+fn quiet(incident: &Incident) -> Vec<String> {
+    let quiet = |(place, quantity, name): &(WarningPlace, Quantity, &str)| {
+        if incident.part(*place).is_some() {
+            return None;
+        }
+        Some(match incident.peaks[*quantity as usize] {
+            Some(peak) => {
+                let limit = millimetres(incident.limits[*quantity as usize]);
+                format!("{name} stayed quiet ({} of {limit})", millimetres(peak.value.abs()))
+            }
+            None => format!("{name} was not judged"),
+        })
+    };
+    COMPARING.iter().filter_map(quiet).collect()
+}
+
+/// What a person should do.
+pub fn advice(incident: &Incident) -> String {
+    let whom = suspect(incident.suspect);
+    if incident.part(WarningPlace::PlausibilityOfCommand).is_some() {
+        return "Check the controller: without its command the observers cannot judge.".to_owned();
+    }
+    match (incident.suspect, incident.fault) {
+        (Suspect::Process, _) => {
+            "Look at the cylinder, its valve and its supply. If nothing is wrong \
+            there, the model no longer fits: identify it on a newer recording."
+                .to_owned()
+        }
+        (Suspect::Undecided, _) => {
+            "Drive the cylinder to its end stop: the transducer that reads another \
+            length there than before is the one at fault."
+                .to_owned()
+        }
+        (_, Fault::Stale | Fault::BrokenWire | Fault::Frozen) => {
+            format!("Check the cable, the connector and the supply of {whom}.")
+        }
+        (_, Fault::Noise) => format!("Check the screen, the earth and the connector of {whom}."),
+        (_, Fault::OutOfRange | Fault::Abrupt) => {
+            format!("Check the connector, the cable and the magnet of {whom}.")
+        }
+        (_, Fault::Incipient | Fault::Unclassified) => {
+            format!("Check the mounting and the magnet of {whom}, and have it calibrated.")
+        }
+    }
+}
+
+/// How it ended, or that it stands.
+pub fn ending(incident: &Incident) -> String {
+    match incident.end {
+        None if incident.stands() => "still standing".to_owned(),
+        None => "no warning stands; it may come again".to_owned(),
+        Some((at, how)) => {
+            let lasted = span(at.since(incident.begin));
+            let how = match how {
+                Ending::Returned => "the reading came back",
+                Ending::Quiet => "below the limits since, which is no proof that it is gone",
+                Ending::Cut => "below the limits when the data ended",
+            };
+            format!("over after {lasted}: {how}")
+        }
+    }
+}
+
+/// Level for sorting: the worst first, then the earliest.
+pub fn severity(incident: &Incident) -> (std::cmp::Reverse<Level>, crate::time::Timestamp) {
+    (std::cmp::Reverse(incident.level), incident.begin)
+}
+
+/// Detectors that rose, in the order of their numbers.
+pub fn detectors(incident: &Incident) -> Vec<Detector> {
+    let parts = crate::alarm::detector::DETECTORS.into_iter().zip(&incident.parts);
+    let mut risen: Vec<Detector> =
+        parts.filter(|(_, part)| part.is_some()).map(|(detector, _)| detector).collect();
+    risen.dedup();
+    risen
+}
+
+fn again(part: &Part) -> String {
+    match part.raises {
+        1 => String::new(),
+        2 => " (twice)".to_owned(),
+        raises => format!(" ({raises} times)"),
+    }
+}
+
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).to_owned(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Two decimals below 10 mm, one beyond.
+pub fn millimetres(metres: f64) -> String {
+    let mm = metres * 1e3;
+    if mm.abs() < 10.0 { format!("{mm:.2} mm") } else { format!("{mm:.1} mm") }
+}
+
+/// A span in the unit that a person would choose.
+pub fn span(span: Span) -> String {
+    let seconds = span.as_seconds();
+    match seconds {
+        s if s < 1.0 => format!("{:.0} ms", 1e3 * s),
+        s if s < 120.0 => format!("{s:.1} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
