@@ -159,8 +159,11 @@ fn quiet(incident: &Incident) -> Vec<String> {
         }
         Some(match incident.peaks[*quantity as usize] {
             Some(peak) => {
-                let limit = millimetres(incident.limits[*quantity as usize]);
-                format!("{name} stayed quiet ({} of {limit})", millimetres(peak.value.abs()))
+                let (size, limit) = (peak.value.abs(), incident.limits[*quantity as usize]);
+                // Its warning is another incident's.
+                let is_other = size > limit;
+                let how = if is_other { "stands for another fault" } else { "stayed quiet" };
+                format!("{name} {how} ({} of {})", millimetres(size), millimetres(limit))
             }
             None => format!("{name} was not judged"),
         })

@@ -17,6 +17,12 @@ const SHOWN_AGAIN: Span = Span::from_nanos(12_000_000_000);
 /// The same after the fault was seen to go: a loose contact comes again sooner.
 const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
 
+/// Time after the begin within which the plausibility checks find out what is wrong with a reading.
+const FACT_WITHIN: Span = Span::from_nanos(2_000_000_000);
+
+/// Part of R3 that may be left when the fault behind it has gone.
+const LEFT: f64 = 0.5;
+
 /// An incident that is not closed, and what decides whether a warning belongs to it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Open {
@@ -25,6 +31,8 @@ pub(super) struct Open {
     pub newest: Timestamp,
     /// Whether C1 − C2 grew at its begin, where that is known.
     grew: Option<bool>,
+    /// R3 in the newest cycle, m.
+    pub difference: Option<f64>,
     /// Whether the fault was seen to go.
     pub has_returned: bool,
     /// What was told of it.
@@ -36,12 +44,18 @@ type Said = (Suspect, Fault, bool, Level);
 
 impl Open {
     pub fn new(incident: Incident) -> Self {
-        Self { newest: incident.begin, incident, grew: None, has_returned: false, told: None }
+        Self { newest: incident.begin, incident, grew: None, difference: None, has_returned: false, told: None }
     }
 
     /// Time at which it is over, if no warning stands and none belongs to it until then.
     pub fn due(&self) -> Timestamp {
-        self.newest.after(if self.has_returned { COME_AGAIN } else { SHOWN_AGAIN })
+        self.newest.after(if self.can_hide() { SHOWN_AGAIN } else { COME_AGAIN })
+    }
+
+    /// Whether the fault may still be there, although nothing exceeds a threshold: unless it was seen to go, or
+    /// is noise, which leaves no offset behind.
+    fn can_hide(&self) -> bool {
+        !self.has_returned && self.incident.fault != Fault::Noise
     }
 
     /// Whether a warning that is raised belongs to it, if findings within `coincidence` of each other are
@@ -51,12 +65,35 @@ impl Open {
             return false;
         }
         let (said, suspect) = (warning.finding.suspect, self.incident.suspect);
-        let is_open = |suspect| suspect == Suspect::Undecided;
-        if said == suspect || is_open(said) || is_open(suspect) {
+        if said == suspect || said == Suspect::Undecided {
             return true;
+        }
+        if suspect == Suspect::Undecided {
+            return self.is_decided_by(warning);
         }
         let at_once = warning.timestamp.since(self.newest) <= coincidence;
         at_once && !(is_fact(warning) && self.has_facts())
+    }
+
+    /// Whether a warning that names a suspect is about this fault, whose suspect is open: one near its begin, one that
+    /// sees it go, or one that weighs all samples since. Any other sees a new fault beside it.
+    fn is_decided_by(&self, warning: &Warning) -> bool {
+        let age = warning.timestamp.since(self.incident.begin);
+        match warning.detector.basis() {
+            Basis::Readings => age <= FACT_WITHIN,
+            Basis::Residual(0 | 1) => age <= SHOWN_AGAIN || self.sees_it_go(warning),
+            Basis::Residual(_) | Basis::Samples | Basis::Lengths => true,
+        }
+    }
+
+    /// Whether what an observer sees takes the difference away that was there in the cycle before; without a
+    /// difference, whether it is against the fault's first direction.
+    fn sees_it_go(&self, warning: &Warning) -> bool {
+        let Some(growth) = growth(warning) else { return false };
+        match self.difference {
+            Some(before) => (before + growth).abs() < LEFT * before.abs(),
+            None => self.grew.is_some_and(|grew| grew != (growth > 0.0)),
+        }
     }
 
     fn has_facts(&self) -> bool {
@@ -88,13 +125,13 @@ impl Open {
     /// Notes a warning that was raised: whether the fault goes or comes again.
     pub fn follow(&mut self, warning: &Warning, coincidence: Span) {
         self.newest = warning.timestamp;
-        let Some(grows) = grows(warning) else { return };
-        let grew = *self.grew.get_or_insert(grows);
+        let Some(growth) = growth(warning) else { return };
+        self.grew.get_or_insert(growth > 0.0);
         let at_onset = warning.timestamp.since(self.incident.begin) <= coincidence;
         let by_observer = matches!(warning.detector.basis(), Basis::Residual(0 | 1));
-        // Noise has both directions at any time.
+        // Noise comes and goes in every cycle.
         if by_observer && !at_onset && self.incident.fault != Fault::Noise {
-            self.has_returned = grows != grew;
+            self.has_returned = self.sees_it_go(warning);
         }
     }
 
@@ -109,12 +146,12 @@ fn is_fact(warning: &Warning) -> bool {
     warning.detector.basis() == Basis::Readings
 }
 
-/// Whether C1 − C2 grows by what a residual shows; `None` for one that shows no direction.
-fn grows(warning: &Warning) -> Option<bool> {
+/// By how much C1 − C2 grows by what a residual shows, m; `None` for a detector that shows none.
+fn growth(warning: &Warning) -> Option<f64> {
     let residual = warning.finding.residual.filter(|residual| *residual != 0.0)?;
     match warning.detector.basis() {
-        Basis::Residual(1) => Some(residual < 0.0),
-        Basis::Residual(_) => Some(residual > 0.0),
+        Basis::Residual(1) => Some(-residual),
+        Basis::Residual(_) => Some(residual),
         Basis::Readings | Basis::Samples | Basis::Lengths => None,
     }
 }

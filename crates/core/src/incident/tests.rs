@@ -127,6 +127,7 @@ fn a_drift_near_its_bound_is_one_that_comes_and_goes() {
         story.cycle(t + 3.0, [0.1, 0.1, 0.7]);
     }
     assert_eq!(story.numbers(Progress::Opened), [1]);
+    story.cycle(123.9, [0.1, 0.1, 1.3]);
     // Where it goes away at once, the observer says whose it was.
     story.raise(124.0, Fde1, Fault::Abrupt, Suspect::C1, -1.4);
     story.cycle(124.0, [-1.4, 0.1, 0.1]);
@@ -175,6 +176,29 @@ fn another_transducer_is_another_incident_unless_it_only_reacts() {
         (other.suspect, other.fault, other.level),
         (Suspect::C2, Fault::Frozen, Level::Orange)
     );
+}
+
+/// A difference that nobody calibrated stands all the time. It is not since then that C2 is frozen.
+#[test]
+fn an_old_undecided_difference_is_not_what_begins_now() {
+    let mut story = Story::new();
+    story.raise(0.0, Fde3, Fault::Incipient, Suspect::Undecided, 3.0);
+    story.cycle(0.0, [0.1, 0.1, 3.0]);
+    story.raise(60.0, PlausibilityOfC2, Fault::Frozen, Suspect::C2, 0.0);
+    story.cycle(60.0, [0.1, 0.1, 3.0]);
+    assert_eq!((story.newest().number, story.newest().begin), (2, at(60.0)));
+    story.raise(80.0, Fde1, Fault::Abrupt, Suspect::C1, -1.1);
+    story.cycle(80.0, [-1.1, 0.1, 3.0]);
+    assert_eq!(story.newest().number, 3, "3 mm do not go by 1.1 mm");
+    story.clear(81.0, Fde1);
+    story.cycle(89.0, [0.1, 0.1, 3.0]);
+    story.raise(90.0, Fde1, Fault::Abrupt, Suspect::C1, 2.0);
+    story.cycle(90.0, [2.0, 0.1, 5.0]);
+    assert_eq!(story.newest().number, 3, "it grows: that is another fault");
+    story.clear(91.0, Fde1);
+    story.raise(95.0, Fde1, Fault::Abrupt, Suspect::C1, -2.0);
+    story.cycle(95.0, [-2.0, 0.1, 3.0]);
+    assert_eq!(story.numbers(Progress::Opened), [1, 2, 3]);
 }
 
 #[test]

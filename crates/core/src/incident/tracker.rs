@@ -1,7 +1,7 @@
 //! The incidents that are not closed, of all cylinders.
 
 use super::joining::Open;
-use super::{Ending, Incident, Part, Peak, Progress, QUANTITIES, Quantities};
+use super::{Ending, Incident, Part, Peak, Progress, QUANTITIES, Quantities, Quantity};
 use crate::alarm::detector::PLACES;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::alarm::{Finding, Level, State, Warning};
@@ -73,6 +73,7 @@ impl Incidents {
         let places = &mut self.cylinders[index].open;
         for place in places.iter_mut() {
             let Some(open) = place else { continue };
+            open.difference = quantities[Quantity::R3 as usize];
             let stands = open.incident.stands();
             if stands {
                 open.incident.reach(opened, quantities);
