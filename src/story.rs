@@ -136,11 +136,11 @@ fn risen(incident: &Incident) -> Vec<String> {
 /// What many samples together say.
 fn sampled(incident: &Incident, part: &Part) -> String {
     let mut clause = "the evidence of many samples".to_owned();
-    if let Some(evidence) = part.finding.evidence {
+    if let Some(evidence) = part.finding.evidence.filter(|it| it.fault >= 0.5) {
         clause += &format!(" ({:.0} nats", evidence.fault);
         if let Some(location) = evidence.location {
             let whom = if location < 0.0 { "C2" } else { "C1" };
-            clause += &format!(", {:.0} of them for {whom}", location.abs());
+            clause += &format!("; {:.0} for {whom}", location.abs());
         }
         clause += ")";
     }

@@ -12,9 +12,10 @@ use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
 use crate::report::judgement::RecordedFacts;
 use crate::report::page::{self, PageRecorder};
-use crate::report::{Judgement, Stops, Summary, estimates, jsonl, residuals};
+use crate::report::{Blanks, Judgement, Stops, Summary, Zone, estimates, jsonl, residuals};
 use crate::time::Span;
 use clap::{Args, ValueEnum};
+use jiff::tz::TimeZone;
 use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -52,6 +53,9 @@ pub struct Replay {
     /// it, else the only one]
     #[arg(long, value_name = "NAME")]
     interface: Option<String>,
+    /// Time zone of the text and the page, by its name in the IANA database
+    #[arg(long, value_name = "NAME", default_value = "UTC", value_parser = zone)]
+    time_zone: TimeZone,
     #[command(flatten)]
     overwriting: Overwriting,
     /// The meaning of the time stamps of a console recording
@@ -86,6 +90,12 @@ impl From<StampOption> for TimeStamps {
             StampOption::Zero => Self::Zero,
         }
     }
+}
+
+fn zone(name: &str) -> Result<TimeZone, String> {
+    Zone::named(name).ok_or_else(|| {
+        format!("there is no time zone {name:?}; expected a name such as UTC or Europe/Amsterdam")
+    })
 }
 
 /// Number of frames between two updates of progress and output.
@@ -177,6 +187,9 @@ impl Replay {
         let Replayed { machine, recording, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
+        let of_all = (1..).zip(monitor.blanks());
+        let blanks = of_all.flat_map(|(n, blanks)| blanks.map(move |blank| (n, blank)));
+        let blanks = Blanks { blanks: blanks.collect() };
         let episodes = std::mem::take(&mut output.episodes);
         let incidents = std::mem::take(&mut output.incidents);
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();
@@ -189,16 +202,18 @@ impl Replay {
             statistics: recording.statistics(),
             counts: monitor.counts(),
             tallies: &tallies,
+            blanks: &blanks,
             counter_jumps: &counter_jumps,
             episodes: &episodes,
             incidents: &incidents,
         };
         let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let zone = Zone::new(self.time_zone.clone(), output.first, duration.as_seconds());
         let heading = Heading {
             inputs: &inputs.join(", "),
             machine: &machine.loaded.settings.machine.name,
             config: &self.config.display().to_string(),
-            first: output.first,
+            zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };
         let html = output.recorder.take().map(|recorder| {

@@ -1,10 +1,12 @@
 //! The page for people after a replay.
 
-use super::wording;
-use super::{Episode, Summary};
+use super::{Summary, Zone, verdict, wording};
+use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::time::Timestamp;
-use comfy_table::{Attribute, Cell, CellAlignment, Color, Table, presets};
+use comfy_table::{
+    Attribute, Cell, CellAlignment, Color, ColumnConstraint, ContentArrangement, Table, Width,
+    presets,
+};
 use console::style;
 use std::fmt::Write as _;
 
@@ -37,6 +39,15 @@ impl Notices {
     }
 }
 
+/// Width of the text, columns.
+const WIDTH: usize = 80;
+
+/// Most incidents in the text's table.
+const IN_TABLE: usize = 40;
+
+/// Most incidents whose story is told in the text: the worst ones.
+const IN_STORIES: usize = 3;
+
 /// Heading above the tables.
 #[derive(Clone, Copy, Debug)]
 pub struct Heading<'a> {
@@ -44,8 +55,8 @@ pub struct Heading<'a> {
     pub inputs: &'a str,
     pub machine: &'a str,
     pub config: &'a str,
-    /// Time stamp of the recording's first frame.
-    pub first: Timestamp,
+    /// How times are written.
+    pub zone: &'a Zone,
     /// Whether to use colours and attributes of a terminal.
     pub colour: bool,
 }
@@ -61,10 +72,13 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
         let headline = if heading.colour { red() } else { headline.clone() };
         _ = writeln!(page, "{headline}");
     }
-    page += &overview(summary);
+    for line in verdict::lines(summary, heading.zone) {
+        _ = writeln!(page, "{}", textwrap::fill(&line, WIDTH));
+    }
+    page += &incidents(heading, summary);
+    _ = writeln!(page, "\n{}", overview(summary).trim_end());
+    _ = writeln!(page, "{}\n", textwrap::fill(&wording::warnings(summary), WIDTH));
     page += &cylinders(heading, summary);
-    page += &coverage(heading, summary);
-    page += &what_happened(heading, summary);
     page += &on_the_stops(heading, summary);
     page += &what_was_noticed(heading, notices);
     page += &what_was_bad(summary);
@@ -109,6 +123,7 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
 fn table(heading: &Heading<'_>, columns: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH as u16);
     if !heading.colour {
         table.force_no_tty();
     }
@@ -128,44 +143,42 @@ fn cylinders(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     for column in table.column_iter_mut() {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    format!("{}\n{}\n", table.trim_fmt(), wording::counter_jumps(summary))
+    format!("{}\n{}", table.trim_fmt(), wording::counter_jumps(summary))
 }
 
-fn coverage(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
-    let rows = wording::coverage_rows(summary);
-    if rows.is_empty() {
+fn incidents(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
+    let all = summary.incidents.by_severity();
+    if all.is_empty() {
         return String::new();
     }
-    let mut table = table(heading, &wording::COVERAGE_COLUMNS);
-    for row in rows {
-        table.add_row(row);
+    let mut table = table(heading, &wording::INCIDENT_COLUMNS);
+    for incident in all.iter().take(IN_TABLE) {
+        table.add_row(row(heading, incident));
     }
-    for column in table.column_iter_mut() {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    format!("{}:\n\n{}\n\n", wording::COVERAGE, table.trim_fmt())
-}
-
-fn what_happened(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
-    let episodes = summary.episodes;
-    let mut text = format!("{}\n", wording::warnings(summary));
-    if episodes.kept().is_empty() {
-        return text;
-    }
-    text += "\n";
-    let mut table = table(heading, &wording::EPISODE_COLUMNS);
-    for episode in episodes.kept() {
-        table.add_row(row(heading, episode));
-    }
-    for column in [0, 1, 2, 7, 8, 9] {
+    for column in [0, 1, 5, 6] {
         if let Some(column) = table.column_mut(column) {
             column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    _ = writeln!(text, "{}", table.trim_fmt());
-    if episodes.left_out() > 0 {
-        let left_out = episodes.left_out();
+    let mut text = format!("\n{}\n", table.trim_fmt());
+    let left_out = summary.incidents.count() - all.len().min(IN_TABLE) as u64;
+    if left_out > 0 {
         _ = writeln!(text, "… and {left_out} more; --format jsonl gives them all");
+    }
+    for incident in all.iter().take(IN_STORIES) {
+        _ = writeln!(text, "\n{}", story(heading, incident));
+    }
+    text
+}
+
+/// An incident in sentences, folded under its line.
+fn story(heading: &Heading<'_>, incident: &Incident) -> String {
+    let indented = textwrap::Options::new(WIDTH).initial_indent("  ").subsequent_indent("  ");
+    let line = wording::capitalised(&crate::story::line(incident));
+    let mut text = textwrap::fill(&line, WIDTH);
+    for sentence in wording::incident_story(heading.zone, incident) {
+        text += "\n";
+        text += &textwrap::fill(&sentence, &indented);
     }
     text
 }
@@ -175,10 +188,17 @@ fn on_the_stops(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     if stops.is_empty() {
         return String::new();
     }
+    if !stops.is_judged() {
+        return format!("\n{}\n", stops.verdict());
+    }
     let columns = stops.columns();
     let mut table = table(heading, &columns.iter().map(String::as_str).collect::<Vec<_>>());
     for row in stops.rows() {
         table.add_row(row);
+    }
+    if let Some(column) = table.column_mut(1) {
+        // The longest word in it, which is not to be broken.
+        column.set_constraint(ColumnConstraint::Absolute(Width::Fixed(12)));
     }
     for column in [0, 2, 4, 5] {
         if let Some(column) = table.column_mut(column) {
@@ -188,10 +208,9 @@ fn on_the_stops(heading: &Heading<'_>, summary: &Summary<'_>) -> String {
     format!("\n{}\n\n{}\n", stops.verdict(), table.trim_fmt())
 }
 
-fn row(heading: &Heading<'_>, episode: &Episode) -> Vec<Cell> {
-    let cells = wording::episode_row(heading.first, episode).map(Cell::new);
-    let mut cells = cells.to_vec();
-    let name = episode.finding.level.name();
+fn row(heading: &Heading<'_>, incident: &Incident) -> Vec<Cell> {
+    let mut cells = wording::incident_row(heading.zone, incident).map(Cell::new).to_vec();
+    let name = incident.level.name();
     let level = Cell::new(name);
     cells[wording::LEVEL_COLUMN] = match (heading.colour, name) {
         (true, "yellow") => level.fg(Color::Yellow),
@@ -209,8 +228,10 @@ fn what_was_noticed(heading: &Heading<'_>, notices: &Notices) -> String {
         text += "\nNoticed:\n";
     }
     for notice in &notices.kept {
-        let [clock, what] = wording::notice(heading.first, notice);
-        _ = writeln!(text, "{clock:>14}  {what}");
+        let [clock, what] = wording::notice(heading.zone.first(), notice);
+        let indent = " ".repeat(16);
+        let folded = textwrap::Options::new(WIDTH).subsequent_indent(&indent);
+        _ = writeln!(text, "{}", textwrap::fill(&format!("{clock:>14}  {what}"), folded));
     }
     if notices.left_out > 0 {
         let left_out = notices.left_out;

@@ -5,7 +5,7 @@ use crate::incident::{Incident, Progress};
 use crate::story;
 
 /// Most incidents that are kept; of further ones the mildest gives way, and all are counted.
-pub const KEPT: usize = 500;
+pub const KEPT: usize = 200;
 
 /// Incidents of a replay.
 #[derive(Clone, Debug, Default)]

@@ -17,7 +17,9 @@ pub mod residuals;
 pub mod sheet;
 pub mod stops;
 pub mod tuning;
+pub mod verdict;
 mod wording;
+pub mod zone;
 
 pub(crate) use wording::{counted, times};
 
@@ -27,6 +29,8 @@ pub use incidents::Incidents;
 pub use judgement::Judgement;
 pub use residuals::ResidualTable;
 pub use stops::Stops;
+pub use verdict::Blanks;
+pub use zone::Zone;
 
 use crate::bus::Statistics;
 use crate::monitor::{Counts, cylinder::Tally};
@@ -42,6 +46,8 @@ pub struct Summary<'a> {
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,
     pub tallies: &'a [Tally],
+    /// Longest times in which the observers did not judge.
+    pub blanks: &'a Blanks,
     /// Jumps of the alive counters of C1 and C2 of each cylinder.
     pub counter_jumps: &'a [[u64; 2]],
     pub episodes: &'a Episodes,

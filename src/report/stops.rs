@@ -135,11 +135,16 @@ impl<'a> Stops<'a> {
             (!whose.is_empty()).then(|| format!("{whose} of cylinder {}", stop.cylinder))
         };
         let drifting: Vec<String> = self.known().filter_map(drifts).collect();
-        match (drifting.is_empty(), self.known().any(|stop| stop.judgement.is_some())) {
+        match (drifting.is_empty(), self.is_judged()) {
             (false, _) => format!("The stops show a drift: {}.", drifting.join(", ")),
             (true, true) => "The stops show no drift.".to_owned(),
             (true, false) => "Too few readings on the stops to detect a drift.".to_owned(),
         }
+    }
+
+    /// Whether there are enough dwells to judge any cylinder.
+    pub fn is_judged(&self) -> bool {
+        self.known().any(|stop| stop.judgement.is_some())
     }
 
     /// Rows for scripts; a transducer with too few dwells is left out.

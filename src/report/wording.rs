@@ -1,51 +1,84 @@
 //! Texts of a replay that several outputs share: rows, lines and numbers.
 
 use super::jsonl::restart_name;
-use super::{Episode, Summary};
+use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
+use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::sequential::Apart;
+use crate::sequential::{Apart, Unknown};
+use crate::story;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
 
-pub const CYLINDER_COLUMNS: [&str; 9] = [
-    "cylinder",
-    "samples",
-    "gated",
-    "missing",
-    "implausible",
-    "worst R1",
-    "worst R2",
-    "worst R3",
-    "warnings",
-];
+pub const CYLINDER_COLUMNS: [&str; 8] =
+    ["cylinder", "gated", "missing", "rejected", "worst R1", "worst R2", "worst R3", "incidents"];
 
 /// Columns of the time in which the sequential detectors judged, and why not otherwise.
 pub const COVERAGE_COLUMNS: [&str; 6] =
-    ["cylinder", "judged", "not monitored", "no reading", "not calibrated", "no baseline"];
+    ["cylinder", "judged", UNKNOWN[0], UNKNOWN[1], UNKNOWN[2], UNKNOWN[3]];
+
+/// Reasons for which a sequential detector did not judge, in the order of [`Unknown::ALL`].
+pub const UNKNOWN: [&str; Unknown::ALL.len()] =
+    ["not monitored", "no reading", "not calibrated", "no baseline"];
 
 pub const EPISODE_COLUMNS: [&str; 10] = [
     "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
     "lasted",
 ];
 
-/// Index of the column of the level.
-pub const LEVEL_COLUMN: usize = 6;
+/// Columns of the incidents.
+pub const INCIDENT_COLUMNS: [&str; 7] =
+    ["at", "cylinder", "suspect", "level", "what", "off", "lasted"];
+
+/// Index of the column of an incident's level.
+pub const LEVEL_COLUMN: usize = 3;
+
+/// A row in the order of [`INCIDENT_COLUMNS`].
+pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
+    let off =
+        incident.worst().map_or("–".to_owned(), |(_, peak)| story::millimetres(peak.value.abs()));
+    let lasted = match incident.end {
+        Some((at, _)) => story::span(at.since(incident.begin)),
+        None => "stands".to_owned(),
+    };
+    [
+        zone.time(incident.begin),
+        incident.cylinder.to_string(),
+        story::suspect(incident.suspect).to_owned(),
+        incident.level.name().to_owned(),
+        story::kind(incident),
+        off,
+        lasted,
+    ]
+}
+
+/// An incident in sentences: how it lasted, the evidence and what to do.
+pub fn incident_story(zone: &Zone, incident: &Incident) -> [String; 3] {
+    [
+        format!(
+            "{} (stamped {}), {}.",
+            capitalised(&zone.moment(incident.begin)),
+            log_time(incident.begin),
+            story::ending(incident)
+        ),
+        capitalised(&format!("{}.", story::evidence(incident))),
+        story::advice(incident),
+    ]
+}
 
 /// A row for each cylinder.
-pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 9]> {
+pub fn cylinder_rows(summary: &Summary<'_>) -> Vec<[String; 8]> {
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
         let [r1, r2, r3] = tally.worst.map(|worst| worst.map_or("–".to_owned(), millimetres));
         [
             number.to_string(),
-            tally.cycles.to_string(),
             tally.gated.to_string(),
             tally.incomplete.to_string(),
             (tally.implausible[0] + tally.implausible[1]).to_string(),
             r1,
             r2,
             r3,
-            summary.episodes.of_cylinder(number).to_string(),
+            summary.incidents.of_cylinder(number).to_string(),
         ]
     };
     (1..).zip(summary.tallies).map(row).collect()
@@ -170,6 +203,15 @@ fn timing(apart: &Apart) -> String {
         "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
          transducer is at fault, look at Sync and the devices' clocks"
     )
+}
+
+/// `text` with a capital at the beginning, as a line of its own. A symbol stays: Δ is none of the letters that
+/// δ stands for.
+pub fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or(String::new(), |first| {
+        std::iter::once(first.to_ascii_uppercase()).chain(rest).collect()
+    })
 }
 
 fn suspect(suspect: Suspect) -> &'static str {

@@ -5,6 +5,7 @@
 
 use crc::{CRC_64_XZ, Crc};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::env;
 use std::fmt::Write as _;
 use std::fs;
@@ -106,7 +107,7 @@ fn truth(name: &str) -> Vec<Truth> {
 
 /// The truth, each fault with the warnings that belong to it: those of its cylinder from its begin
 /// until [`AFTERMATH`] after its end.
-fn beside_the_truth(truth: &[Truth], warnings: &[Value]) -> String {
+fn beside_the_truth(truth: &[Truth], warnings: &[Value], incidents: &[Value]) -> String {
     let mut text = "Each fault of the truth, and the warnings that belong to it; times from its \
                     begin.\n"
         .to_owned();
@@ -124,6 +125,29 @@ fn beside_the_truth(truth: &[Truth], warnings: &[Value]) -> String {
     }
     _ = writeln!(text, "\nWarnings that belong to no fault: {}", left.len());
     left.iter().for_each(|warning| text += &line(warning, 0.0));
+    text + &as_incidents(incidents)
+}
+
+/// The incidents as a person reads them, each as it was told last.
+fn as_incidents(incidents: &[Value]) -> String {
+    let mut newest: BTreeMap<u64, &Value> = BTreeMap::new();
+    for incident in incidents {
+        newest.insert(incident["incident"].as_u64().expect("a number"), incident);
+    }
+    let mut text = "\nThe incidents, from begin to end:\n".to_owned();
+    for (number, incident) in newest {
+        let time =
+            |key: &str| incident[key].as_f64().map_or("stands".to_owned(), |t| format!("{t:.3} s"));
+        let ending = incident["ending"].as_str().unwrap_or("–");
+        let summary = word(incident, "summary");
+        _ = writeln!(
+            text,
+            "{number:>3}  {} to {}, {ending}: {summary}",
+            time("begin"),
+            time("end")
+        );
+        _ = writeln!(text, "     {}", word(incident, "evidence"));
+    }
     text
 }
 
@@ -192,7 +216,7 @@ fn faults() {
     golden("e-type-faults.jsonl", &run.stdout);
     let truth = truth("e-type-faults.truth.csv");
     assert_eq!(truth.len(), 14);
-    golden("e-type-faults.txt", &beside_the_truth(&truth, &run.warnings()));
+    golden("e-type-faults.txt", &beside_the_truth(&truth, &run.warnings(), &run.incidents()));
 }
 
 /// The same with the sequential detectors beside the thresholds; calibrated on the healthy recording.
@@ -200,7 +224,10 @@ fn faults() {
 fn faults_by_evidence() {
     let run = replayed("e-type-faults.log.zst", SEQUENTIAL);
     let truth = truth("e-type-faults.truth.csv");
-    golden("e-type-faults.sequential.txt", &beside_the_truth(&truth, &run.warnings()));
+    golden(
+        "e-type-faults.sequential.txt",
+        &beside_the_truth(&truth, &run.warnings(), &run.incidents()),
+    );
     // Every word of theirs has its size and its onset; of a gain it says how large it is, and that of
     // the truth is 1 %.
     let (mut scales, warnings) = (0, run.warnings());

@@ -9,6 +9,7 @@ mod dwell_history;
 mod eds_command;
 mod gateway_frames;
 mod golden;
+mod incidents;
 mod inject_cli;
 mod inject_oracle;
 mod output_files;

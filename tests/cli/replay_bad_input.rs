@@ -583,6 +583,48 @@ fn check_warning(line: &Value, cylinders: u64) {
     assert!(if plausibility { none || both } else { both }, "{line}");
 }
 
+/// An incident: its words, its times in order, and a peak where something was compared.
+fn check_incident(line: &Value, cylinders: u64) {
+    let expected = [
+        "type",
+        "t",
+        "timestamp",
+        "incident",
+        "state",
+        "cylinder",
+        "level",
+        "suspect",
+        "fault",
+        "begin",
+        "onset",
+        "end",
+        "ending",
+        "size",
+        "quantity",
+        "peak",
+        "peak_at",
+        "limit",
+        "peaks",
+        "detectors",
+        "summary",
+        "evidence",
+    ];
+    assert_eq!(keys(line), expected.into_iter().collect(), "{line}");
+    for (key, allowed) in &WORDS[1..4] {
+        assert!(line[key].as_str().is_some_and(|word| allowed.contains(&word)), "{key}: {line}");
+    }
+    let states = ["opened", "revised", "standing", "closed"];
+    assert!(line["state"].as_str().is_some_and(|word| states.contains(&word)), "{line}");
+    assert!((1..=cylinders).contains(&line["cylinder"].as_u64().expect("a number")), "{line}");
+    let times = ["onset", "begin", "end", "t"].map(|key| line[key].as_f64());
+    assert!(times.iter().flatten().is_sorted(), "{line}");
+    let is_closed = line["state"] == "closed";
+    assert_eq!((times[2].is_some(), line["ending"].is_string()), (is_closed, is_closed), "{line}");
+    let compared = ["peak", "peak_at", "limit"].map(|key| line[key].is_number());
+    assert_eq!(compared, [line["quantity"].is_string(); 3], "{line}");
+    assert!(!line["detectors"].as_array().expect("a list").is_empty(), "{line}");
+}
+
 fn check_notice(line: &Value) {
     let expected: &[&str] = match line["notice"].as_str() {
         Some("gap" | "time_jump") => &["type", "t", "timestamp", "notice", "seconds"],
@@ -641,6 +683,7 @@ fn every_line_of_json_is_as_described() {
             match line["type"].as_str() {
                 Some("warning") => check_warning(line, cylinders),
                 Some("notice") => check_notice(line),
+                Some("incident") => check_incident(line, cylinders),
                 _ => panic!("only the last line is something else: {line}"),
             }
             let t = line["t"].as_f64().expect("a number");

@@ -57,6 +57,11 @@ impl Run {
         last
     }
 
+    /// The reports of incidents among the lines.
+    pub fn incidents(&self) -> Vec<Value> {
+        self.lines().into_iter().filter(|line| line["type"] == "incident").collect()
+    }
+
     /// The warnings among the lines.
     pub fn warnings(&self) -> Vec<Value> {
         self.lines().into_iter().filter(|line| line["type"] == "warning").collect()

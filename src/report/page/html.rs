@@ -2,6 +2,7 @@
 
 use super::figure::{Entry, Figure, Sample};
 use crate::report::sheet::Section;
+pub use crate::report::wording::capitalised;
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
 
@@ -12,23 +13,41 @@ const WIDE: usize = 10;
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'";
 
 const STYLE: &str = "
-:root { color-scheme: light; }
-body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 960px; background: #fff; color: #222;
+:root { color-scheme: light dark; --ink: #222; --paper: #fff; --line: #ccc; --faint: #eee; --quiet: #595959;
+  --link: #00508c; --alarm: #fdecee; --good: #edf7ed; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e6e6; --paper: #161a1f; --line: #4a4f55; --faint: #2b3036; --quiet: #a8adb3;
+    --link: #7cc0f5; --alarm: #3a1a20; --good: #17301b; }
+  figure { background: #fff; color: #222; padding: .5rem; border-radius: 4px; }
+}
+body { margin: 0 auto; padding: 1.5rem 1rem 3rem; max-width: 960px; background: var(--paper); color: var(--ink);
   font: 14px/1.45 system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif; }
 h1 { font-size: 1.5rem; margin: 0 0 .2rem; }
-h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid #ccc; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; border-bottom: 1px solid var(--line); }
 h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
 h4 { font-size: .95rem; margin: 1.1rem 0 .2rem; }
 p { margin: .4rem 0; max-width: 52rem; }
-.alarm { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #b00020; background: #fdecee; }
-.good { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #2e7d32; background: #edf7ed; }
+.alarm { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #b00020; background: var(--alarm); }
+.good { margin: .8rem 0; padding: .3rem .8rem; border-left: 5px solid #2e7d32; background: var(--good); }
+a { color: var(--link); }
+.contents { list-style: none; display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; margin: .8rem 0; padding: 0; }
+.incident { margin: 0 0 1.6rem; scroll-margin-top: 1rem; }
+.incident:target h3 { outline: 2px solid var(--link); outline-offset: 3px; }
+.back { font-size: 12px; }
+.level { display: inline-block; padding: 0 .4em; border: 1px solid #222; border-radius: 3px; font-size: .85em;
+  font-weight: 600; white-space: nowrap; background: #fff; color: #222; }
+.level.yellow { background: #ffe27a; }
+.level.orange { background: #ffb066; }
+.level.red { background: #b00020; color: #fff; }
+.level.black { background: #000; color: #fff; border-color: #888; }
+summary { cursor: pointer; padding: .3rem 0; }
 ul.lines { list-style: none; margin: .4rem 0; padding: 0; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; margin: .5rem 0; font-variant-numeric: tabular-nums; }
 caption { text-align: left; padding: .2rem 0; }
 th, td { padding: .15rem .7rem .15rem 0; text-align: left; white-space: nowrap; }
-thead { border-bottom: 1px solid #999; }
-tbody tr + tr { border-top: 1px solid #eee; }
+thead { border-bottom: 1px solid var(--line); }
+tbody tr + tr { border-top: 1px solid var(--faint); }
 .n { text-align: right; }
 .wide { font-size: 12px; }
 .wide th, .wide td { padding-right: .5rem; }
@@ -47,9 +66,11 @@ figcaption p { margin: .15rem 0; }
 .legend .dot { width: 8px; height: 8px; border: 4px solid; border-radius: 50%; }
 .legend .area { height: 10px; border-top: 10px solid; opacity: .5; }
 .legend .upright { width: 0; height: 13px; border-left: 3px solid; opacity: .6; }
-footer { margin-top: 2.5rem; color: #666; font-size: 12px; }
+footer { margin-top: 2.5rem; color: var(--quiet); font-size: 12px; }
 @page { margin: 12mm; }
 @media print {
+  :root { --ink: #000; --paper: #fff; --line: #999; --faint: #ddd; --quiet: #444; --link: #000; --alarm: #fff; --good: #fff; }
+  nav, .back { display: none; }
   body { padding: 0; max-width: none; font-size: 10pt; }
   h2, h3 { break-after: avoid; }
   tr { break-inside: avoid; }
@@ -65,6 +86,10 @@ pub struct Page {
     command: &'static str,
     title: String,
     body: String,
+    /// Sections: their anchors and their headings.
+    sections: Vec<(String, String)>,
+    /// Place of the list of contents in the body.
+    contents: Option<usize>,
     /// Whether headings are those of a part, and not of the page.
     within: bool,
 }
@@ -72,12 +97,42 @@ pub struct Page {
 impl Page {
     /// An empty page by `command`, which the page names as its generator.
     pub fn new(command: &'static str, title: &str) -> Self {
-        Self { command, title: title.to_owned(), body: String::new(), within: false }
+        Self {
+            command,
+            title: title.to_owned(),
+            body: String::new(),
+            sections: Vec::new(),
+            contents: None,
+            within: false,
+        }
+    }
+
+    /// Puts a list of the sections that follow here.
+    pub fn contents(&mut self) {
+        self.contents = Some(self.body.len());
+    }
+
+    /// Adds markup, in which every text is [`escaped`].
+    pub fn raw(&mut self, markup: &str) {
+        self.body += markup;
+    }
+
+    /// Adds what most readers do not want to see, to be opened by `title`.
+    pub fn folded(&mut self, title: &str, add: impl FnOnce(&mut Self)) {
+        _ = writeln!(self.body, "<details>\n<summary>{}</summary>", escaped(title));
+        add(self);
+        self.body += "</details>\n";
     }
 
     /// Begins a section.
     pub fn heading(&mut self, text: &str) {
-        self.element(if self.within { "h3" } else { "h2" }, text);
+        if self.within {
+            return self.element("h3", text);
+        }
+        let word = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        let anchor: String = text.chars().map(word).collect();
+        _ = writeln!(self.body, "<h2 id=\"{anchor}\">{}</h2>", escaped(text));
+        self.sections.push((anchor, text.to_owned()));
     }
 
     /// Begins a part of a section.
@@ -191,15 +246,18 @@ impl Page {
     }
 
     /// Text of the whole file.
-    pub fn finish(self) -> String {
+    pub fn finish(mut self) -> String {
         let title = escaped(&self.title);
+        if let Some(place) = self.contents.filter(|_| self.sections.len() > 1) {
+            self.body.insert_str(place, &contents(&self.sections));
+        }
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\" xmlns=\"http://www.w3.org/1999/xhtml\">\n<head>\n\
              <meta charset=\"utf-8\"/>\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <meta name=\"generator\" content=\"tertius {} {}\"/>\n\
-             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}\
+             <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{}</main>\n\
              <footer>tertius {}</footer>\n</body>\n</html>\n",
             env!("CARGO_PKG_VERSION"),
             self.command,
@@ -211,6 +269,14 @@ impl Page {
     fn element(&mut self, name: &str, text: &str) {
         _ = writeln!(self.body, "<{name}>{}</{name}>", escaped(text));
     }
+}
+
+fn contents(sections: &[(String, String)]) -> String {
+    let mut text = "<nav aria-label=\"Contents\"><ul class=\"contents\">\n".to_owned();
+    for (anchor, title) in sections {
+        _ = writeln!(text, "<li><a href=\"#{anchor}\">{}</a></li>", escaped(title));
+    }
+    text + "</ul></nav>\n"
 }
 
 fn legend(entries: &[Entry]) -> String {
@@ -233,15 +299,6 @@ fn legend(entries: &[Entry]) -> String {
         );
     }
     text + "</ul>\n"
-}
-
-/// `text` with a capital at the beginning, as a line of its own. A symbol stays: Δ is none of the letters that
-/// δ stands for.
-pub fn capitalised(text: &str) -> String {
-    let mut rest = text.chars();
-    rest.next().map_or(String::new(), |first| {
-        std::iter::once(first.to_ascii_uppercase()).chain(rest).collect()
-    })
 }
 
 /// Whether a cell is a number: it begins with a digit, after an optional sign, or stands for a

@@ -17,6 +17,7 @@ pub mod figure;
 pub mod histogram;
 pub mod html;
 pub mod identification;
+mod incidents;
 pub mod palette;
 pub mod recorder;
 pub mod replay;

@@ -5,11 +5,11 @@ use super::figure::{Band, Curve, Figure, FigureMark, HALF, Level, Panel, Shape, 
 use super::palette;
 use super::recorder::{Bounds, Gathered, Raised, Recorded};
 use super::zoom::Zoom;
-use super::{Page, histogram::Histogram, stops};
+use super::{Page, histogram::Histogram, incidents, stops};
 use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::report::human::{self, Heading, Notices};
-use crate::report::{Summary, wording};
+use crate::report::{Summary, verdict, wording};
 
 const TIME: &str = "time since the first frame";
 
@@ -29,8 +29,11 @@ pub fn page(
     let mut page = Page::new("replay", &format!("Replay: {}", heading.machine));
     page.paragraph(&format!("{} with {}", heading.inputs, heading.config));
     page.alarm(&summary.judgement.headline());
+    incidents::verdict(&mut page, &verdict::lines(summary, heading.zone), summary);
     page.lines(&human::overview(summary));
     page.paragraph(&wording::warnings(summary));
+    page.contents();
+    around_warnings(&mut page, heading, summary, recorded);
     page.heading("Cylinders");
     let rows: Vec<Vec<String>> =
         wording::cylinder_rows(summary).into_iter().map(Vec::from).collect();
@@ -44,7 +47,6 @@ pub fn page(
     }
     stops::section(&mut page, summary.stops);
     over_time(&mut page, recorded);
-    around_warnings(&mut page, heading, summary, recorded);
     histograms(&mut page, recorded);
     warnings(&mut page, heading, summary);
     noticed(&mut page, heading, notices);
@@ -183,23 +185,18 @@ fn around_warnings(
     summary: &Summary<'_>,
     recorded: &Recorded,
 ) {
-    if recorded.zooms.is_empty() {
-        return;
-    }
-    page.heading("Around the warnings");
+    let shown = recorded
+        .zooms
+        .iter()
+        .map(|zoom| (zoom, zoomed(zoom, recorded), zoom_caption(zoom, heading, summary)));
+    incidents::section(page, heading, summary, shown.collect());
     if recorded.not_zoomed > 0 {
         page.paragraph(&format!(
-            "The first {} places are shown; {} warnings elsewhere are not.",
+            "The first {} places are drawn; {} warnings elsewhere are not.",
             recorded.zooms.len(),
             recorded.not_zoomed
         ));
     }
-    let shown: Vec<(Figure, String)> = recorded
-        .zooms
-        .iter()
-        .map(|zoom| (zoomed(zoom, recorded), zoom_caption(zoom, heading, summary)))
-        .collect();
-    page.figures(shown.iter().map(|(figure, caption)| (figure, caption.as_str())));
 }
 
 fn zoom_caption(zoom: &Zoom, heading: &Heading<'_>, summary: &Summary<'_>) -> String {
@@ -211,7 +208,7 @@ fn zoom_caption(zoom: &Zoom, heading: &Heading<'_>, summary: &Summary<'_>) -> St
         caption += &match summary.episodes.kept().get(*order) {
             Some(episode) => {
                 let [at, _, _, detector, fault, suspect, level, residual, limit, lasted] =
-                    wording::episode_row(heading.first, episode);
+                    wording::episode_row(heading.zone.first(), episode);
                 let size = match episode.finding.residual {
                     Some(_) => format!(", {residual} of {limit}"),
                     None => String::new(),
@@ -346,9 +343,9 @@ fn warnings(page: &mut Page, heading: &Heading<'_>, summary: &Summary<'_>) {
         return;
     }
     page.heading("Warnings");
-    let row = |episode| wording::episode_row(heading.first, episode).to_vec();
+    let row = |episode| wording::episode_row(heading.zone.first(), episode).to_vec();
     let rows: Vec<Vec<String>> = episodes.kept().iter().map(row).collect();
-    page.table(&wording::EPISODE_COLUMNS, &rows);
+    page.folded(&wording::warnings(summary), |page| page.table(&wording::EPISODE_COLUMNS, &rows));
     if episodes.left_out() > 0 {
         let left_out = episodes.left_out();
         page.paragraph(&format!("… and {left_out} more; --format jsonl gives them all"));
@@ -360,7 +357,7 @@ fn noticed(page: &mut Page, heading: &Heading<'_>, notices: &Notices) {
         return;
     }
     page.heading("Noticed");
-    let row = |notice| wording::notice(heading.first, notice).to_vec();
+    let row = |notice| wording::notice(heading.zone.first(), notice).to_vec();
     let rows: Vec<Vec<String>> = notices.kept().iter().map(row).collect();
     page.table(&["at", "what"], &rows);
     if notices.left_out() > 0 {

@@ -6,7 +6,7 @@
 
 use super::{Ending, Incident, Progress};
 use crate::alarm::detector::{Basis, DETECTORS};
-use crate::alarm::{Level, Warning};
+use crate::alarm::{Detector, Level, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
@@ -44,7 +44,14 @@ type Said = (Suspect, Fault, bool, Level);
 
 impl Open {
     pub fn new(incident: Incident) -> Self {
-        Self { newest: incident.begin, incident, grew: None, difference: None, has_returned: false, told: None }
+        Self {
+            newest: incident.begin,
+            incident,
+            grew: None,
+            difference: None,
+            has_returned: false,
+            told: None,
+        }
     }
 
     /// Time at which it is over, if no warning stands and none belongs to it until then.
@@ -53,9 +60,10 @@ impl Open {
     }
 
     /// Whether the fault may still be there, although nothing exceeds a threshold: unless it was seen to go, or
-    /// is noise, which leaves no offset behind.
+    /// is noise of a transducer, which leaves no offset behind.
     fn can_hide(&self) -> bool {
-        !self.has_returned && self.incident.fault != Fault::Noise
+        let Incident { fault, suspect, .. } = self.incident;
+        !self.has_returned && (fault != Fault::Noise || suspect == Suspect::Process)
     }
 
     /// Whether a warning that is raised belongs to it, if findings within `coincidence` of each other are
@@ -130,8 +138,23 @@ impl Open {
         let at_onset = warning.timestamp.since(self.incident.begin) <= coincidence;
         let by_observer = matches!(warning.detector.basis(), Basis::Residual(0 | 1));
         // Noise comes and goes in every cycle.
-        if by_observer && !at_onset && self.incident.fault != Fault::Noise {
-            self.has_returned = self.sees_it_go(warning);
+        if !by_observer || at_onset || self.incident.fault == Fault::Noise {
+            return;
+        }
+        if self.sees_it_go(warning) {
+            self.has_returned = true;
+        } else if self.is_own(warning) {
+            self.has_returned = false;
+        }
+    }
+
+    /// Whether an observer is that of the suspect. The other one only sees what the machine's controller makes of
+    /// a fault.
+    fn is_own(&self, warning: &Warning) -> bool {
+        match self.incident.suspect {
+            Suspect::C1 => warning.detector == Detector::Fde1,
+            Suspect::C2 => warning.detector == Detector::Fde2,
+            Suspect::Undecided | Suspect::Process => true,
         }
     }
 

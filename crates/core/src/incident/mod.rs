@@ -24,6 +24,8 @@ pub enum Progress {
     Opened,
     /// Its suspect, its kind or its level is another one now.
     Revised,
+    /// It stands at the end of the data.
+    Standing,
     Closed,
 }
 
@@ -33,6 +35,7 @@ impl Progress {
         match self {
             Self::Opened => "opened",
             Self::Revised => "revised",
+            Self::Standing => "standing",
             Self::Closed => "closed",
         }
     }

@@ -75,7 +75,7 @@ impl Incidents {
             let Some(open) = place else { continue };
             open.difference = quantities[Quantity::R3 as usize];
             let stands = open.incident.stands();
-            if stands {
+            if stands || open.newest == at {
                 open.incident.reach(opened, quantities);
             }
             if let Some(incident) = open.news(at) {
@@ -89,6 +89,15 @@ impl Incidents {
         }
         if places.iter().all(Option::is_none) {
             self.open &= !(1 << index);
+        }
+    }
+
+    /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
+    pub fn finish(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
+        self.cut(at, &mut say);
+        for incident in self.cylinders.iter_mut().flat_map(OfCylinder::standing) {
+            (incident.progress, incident.timestamp) = (Progress::Standing, at);
+            say(incident);
         }
     }
 
@@ -111,6 +120,12 @@ impl Incidents {
 }
 
 impl OfCylinder {
+    /// Incidents of which a warning stands.
+    fn standing(&mut self) -> impl Iterator<Item = &mut Incident> {
+        let open = self.open.iter_mut().flatten().map(|open| &mut open.incident);
+        open.filter(|incident| incident.stands())
+    }
+
     fn raise(&mut self, warning: &Warning, count: &mut u32) {
         let coincidence = self.coincidence;
         let taken = self.open.iter_mut().flatten().filter(|open| open.takes(warning, coincidence));

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod allowing;
+mod blanks;
 mod estimating;
 mod findings;
 mod judging;
@@ -24,6 +25,8 @@ use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
+use blanks::Blanks;
+pub use blanks::{Blank, NotJudged};
 use precedence::Precedence;
 pub use telling::Evaluated;
 
@@ -89,6 +92,8 @@ pub struct Tally {
     pub cycles: u64,
     /// Cycles that neither FDE1 nor FDE2 judged.
     pub gated: u64,
+    /// Cycles that FDE1, FDE2 and FDE3 judged.
+    pub judged: [u64; 3],
     /// Cycles in which something configured did not arrive.
     pub incomplete: u64,
     /// Readings of C1 and C2 that did not pass the plausibility checks, without missing ones.
@@ -135,6 +140,7 @@ pub struct Cylinder {
     command_missing: u32,
     push: Option<Push>,
     judged: [bool; 2],
+    blanks: Blanks,
     tally: Tally,
 }
 
@@ -164,6 +170,7 @@ impl Cylinder {
             command_missing: 0,
             push: None,
             judged: [false; 2],
+            blanks: Blanks::default(),
             tally: Tally::default(),
             design,
         };
@@ -284,6 +291,7 @@ impl Cylinder {
             self.estimate(now, good);
         }
         self.count(&residuals);
+        self.note_blanks(now);
         Evaluated { readings, innovations, difference }
     }
 
@@ -324,6 +332,7 @@ impl Cylinder {
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
+        self.blanks.interrupt();
         self.motions = Default::default();
         self.critical.interrupt();
         self.precedence.interrupt();
@@ -385,7 +394,9 @@ impl Cylinder {
         tally.cycles += 1;
         tally.gated += u64::from(!self.judged.contains(&true));
         tally.incomplete += incomplete;
-        for (worst, residual) in tally.worst.iter_mut().zip(residuals.r) {
+        let worst = tally.worst.iter_mut().zip(&mut tally.judged);
+        for ((worst, judged), residual) in worst.zip(residuals.r) {
+            *judged += u64::from(residual.is_some());
             if let Some(magnitude) = residual.map(f64::abs)
                 && worst.is_none_or(|worst| worst < magnitude)
             {

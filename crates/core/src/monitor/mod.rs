@@ -32,7 +32,7 @@ use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 pub use counts::Counts;
-use cylinder::{Cylinder, CylinderDesign, Evaluated, Evaluation, Tally};
+use cylinder::{Blank, Cylinder, CylinderDesign, Evaluated, Evaluation, Tally};
 pub use estimates::Estimates;
 use gate::{Gate, Opening};
 use page::{Page, Station};
@@ -141,6 +141,11 @@ impl Monitor {
         self.cylinders.iter().map(Cylinder::tally)
     }
 
+    /// The longest times in which the observers of each cylinder did not judge, in the order of the cylinders.
+    pub fn blanks(&self) -> impl Iterator<Item = impl Iterator<Item = Blank>> {
+        self.cylinders.iter().map(Cylinder::blanks)
+    }
+
     /// Whether the platform was in a monitored state in any cycle.
     pub const fn has_opened(&self) -> bool {
         self.opened_once
@@ -204,14 +209,14 @@ impl Monitor {
         self.last = Some(now);
     }
 
-    /// Closes the open cycle at its deadline, and incidents that might have come again, because no frame
-    /// follows.
+    /// Closes the open cycle at its deadline, because no frame follows, and tells of the incidents that are not
+    /// over.
     pub fn finish(&mut self, sink: &mut impl Sink) {
         if let Some(Due::Close(at)) = self.clock.due() {
             self.close_cycle(at, sink);
         }
         if let Some(last) = self.last {
-            self.incidents.cut(last, |incident| sink.incident(incident));
+            self.incidents.finish(last, |incident| sink.incident(incident));
         }
     }
 

@@ -1,0 +1,122 @@
+//! When the observers of a cylinder did not judge, and why: no warning is good news only where there was
+//! judgement.
+
+use super::{Cylinder, Evaluation, TRANSDUCERS};
+use crate::monitor::gate::Opening;
+use crate::sample::{Quality, Transducer};
+use crate::time::Timestamp;
+
+/// Longest blanks that are kept of each transducer.
+pub const KEPT: usize = 4;
+
+/// Why the observer of a transducer did not judge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum NotJudged {
+    /// The platform was in no monitored state.
+    State,
+    /// Its readings did not come.
+    NoReadings,
+    /// Its readings did not pass the plausibility checks.
+    Implausible,
+    NoCommand,
+    /// The observer had not settled, at the beginning or after a gap.
+    Settling,
+}
+
+impl NotJudged {
+    /// Name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::State => "state",
+            Self::NoReadings => "no_readings",
+            Self::Implausible => "implausible",
+            Self::NoCommand => "no_command",
+            Self::Settling => "settling",
+        }
+    }
+}
+
+/// A time in which the observer of a transducer did not judge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Blank {
+    pub transducer: Transducer,
+    /// Opening of the first cycle that it did not judge.
+    pub from: Timestamp,
+    /// Opening of the first cycle that it judged again, or of the newest one.
+    pub until: Timestamp,
+    /// Why it stopped judging.
+    pub reason: NotJudged,
+}
+
+/// The longest blanks of a cylinder.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Blanks {
+    /// Whether each observer judged in the newest cycle; `None` before the first.
+    judged: Option<[bool; 2]>,
+    open: [Option<(Timestamp, NotJudged)>; 2],
+    longest: [[Option<Blank>; KEPT]; 2],
+    newest: Timestamp,
+}
+
+impl Blanks {
+    fn end(&mut self, i: usize, until: Timestamp) {
+        let Some((from, reason)) = self.open[i].take() else { return };
+        let blank = Blank { transducer: TRANSDUCERS[i], from, until, reason };
+        let length = |blank: &Option<Blank>| blank.map(|it| it.until.since(it.from));
+        // The shortest gives way; a free place is shorter than any.
+        let shortest = self.longest[i].iter_mut().min_by_key(|blank| length(blank));
+        if let Some(place) = shortest.filter(|place| length(place) < length(&Some(blank))) {
+            *place = Some(blank);
+        }
+    }
+
+    /// Ends the blanks that are open, since time continues elsewhere.
+    pub fn interrupt(&mut self) {
+        let newest = self.newest;
+        (0..2).for_each(|i| self.end(i, newest));
+        self.judged = None;
+    }
+}
+
+impl Cylinder {
+    /// Takes whether the observers judged in the cycle.
+    #[inline(always)]
+    pub(super) fn note_blanks(&mut self, now: Evaluation) {
+        self.blanks.newest = now.opened;
+        if self.blanks.judged != Some(self.judged) {
+            self.note_blank(now);
+        }
+    }
+
+    #[cold]
+    fn note_blank(&mut self, now: Evaluation) {
+        for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
+            if self.judged[i] {
+                self.blanks.end(i, now.opened);
+            } else if self.has(transducer) && self.blanks.open[i].is_none() {
+                self.blanks.open[i] = Some((now.opened, self.not_judged(i, now)));
+            }
+        }
+        self.blanks.judged = Some(self.judged);
+    }
+
+    fn not_judged(&self, i: usize, now: Evaluation) -> NotJudged {
+        match self.plausibility[i].quality() {
+            Quality::Missing | Quality::Stale => NotJudged::NoReadings,
+            quality if !quality.is_good() => NotJudged::Implausible,
+            _ if now.gate == Opening::Closed => NotJudged::State,
+            _ if self.command_missing > 0 => NotJudged::NoCommand,
+            _ => NotJudged::Settling,
+        }
+    }
+
+    /// The longest times in which the observers did not judge, those that last among them.
+    pub fn blanks(&self) -> impl Iterator<Item = Blank> {
+        let Blanks { open, longest, newest, .. } = &self.blanks;
+        let lasting = TRANSDUCERS.into_iter().zip(open).filter_map(|(transducer, open)| {
+            let (from, reason) = (*open)?;
+            Some(Blank { transducer, from, until: *newest, reason })
+        });
+        longest.iter().flatten().flatten().copied().chain(lasting)
+    }
+}

@@ -1,0 +1,178 @@
+//! The verdict of a replay: what a person wants to know first.
+
+use super::zone::Zone;
+use super::{Incidents, Summary, counted};
+use crate::monitor::cylinder::{Blank, NotJudged};
+use crate::sample::Transducer;
+use crate::sequential::Unknown;
+use crate::story;
+use crate::time::{Span, Timestamp};
+
+/// Shortest time without judgement that is told.
+const SHORTEST: Span = Span::from_nanos(1_000_000_000);
+
+/// Shortest time that an observer takes to settle that is told: at the beginning it always has to.
+const SETTLING: Span = Span::from_nanos(5_000_000_000);
+
+/// Most times without judgement that are told; further ones are counted.
+const TOLD: usize = 3;
+
+/// Times that differ by less are one: the cylinders of a cycle are evaluated one after another.
+const ALIKE: i64 = 100_000_000;
+
+/// Times in which the observers of a machine did not judge, the longest of each.
+#[derive(Clone, Debug, Default)]
+pub struct Blanks {
+    /// Cylinder number, from 1, and its blank.
+    pub blanks: Vec<(usize, Blank)>,
+}
+
+/// The verdict, in lines.
+pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
+    if !summary.judgement.is_judged() {
+        return Vec::new();
+    }
+    let mut lines = vec![incidents(summary.incidents, summary.duration, zone)];
+    lines.push(format!("The observers judged {} of the time.", judged(summary)));
+    lines.extend(sequential(summary));
+    lines.extend(summary.blanks.told(summary.tallies.len(), zone));
+    lines
+}
+
+fn incidents(incidents: &Incidents, duration: f64, zone: &Zone) -> String {
+    let length = story::span(Span::from_seconds(duration));
+    let Some(worst) = incidents.worst() else {
+        return format!("No incident in {length}.");
+    };
+    let at = worst.worst().map_or(worst.begin, |(_, peak)| peak.at);
+    let which = if incidents.count() == 1 { ": " } else { ". Worst: " };
+    let (count, line) = (counted(incidents.count(), "incident"), story::line(worst));
+    format!("{count} in {length}{which}{line} at {}.", zone.moment(at))
+}
+
+/// Part of the cycles of all transducers that their observers judged.
+fn judged(summary: &Summary<'_>) -> String {
+    let (mut judged, mut cycles) = (0, 0);
+    for (number, tally) in (1..).zip(summary.tallies) {
+        for (i, transducer) in [Transducer::C1, Transducer::C2].into_iter().enumerate() {
+            let is_configured = tally.judged[i] > 0 || summary.blanks.has(number, transducer);
+            cycles += if is_configured { tally.cycles } else { 0 };
+            judged += tally.judged[i];
+        }
+    }
+    match (judged, cycles) {
+        (0, _) => "none".to_owned(),
+        (judged, cycles) if judged == cycles => "all".to_owned(),
+        // Only what is all is shown as all.
+        (judged, cycles) => {
+            format!("{:.1} %", (1e2 * judged as f64 / cycles as f64).min(99.9))
+        }
+    }
+}
+
+/// How long the sequential detectors judged, and why not otherwise; `None` without one.
+fn sequential(summary: &Summary<'_>) -> Option<String> {
+    let coverages = summary.tallies.iter().filter_map(|tally| tally.sequential);
+    let (mut judged, mut unknown) = (0, [0; Unknown::ALL.len()]);
+    for coverage in coverages {
+        judged += coverage.judged;
+        unknown.iter_mut().zip(coverage.unknown).for_each(|(sum, cycles)| *sum += cycles);
+    }
+    let cycles = judged + unknown.iter().sum::<u64>();
+    if cycles == 0 {
+        return None;
+    }
+    let share = |count: u64| match count {
+        0 => "none".to_owned(),
+        count => format!("{:.1} %", 1e2 * count as f64 / cycles as f64),
+    };
+    let mut text = format!("The sequential detectors judged {} of the time", share(judged));
+    let reasons = super::wording::UNKNOWN.into_iter().zip(unknown);
+    let reasons: Vec<String> = reasons
+        .filter(|(_, count)| 1000 * count >= cycles)
+        .map(|(reason, count)| format!("{reason} {}", share(count)))
+        .collect();
+    if !reasons.is_empty() {
+        text += &format!("; {}", reasons.join(", "));
+    }
+    Some(text + ".")
+}
+
+impl Blanks {
+    fn has(&self, number: usize, transducer: Transducer) -> bool {
+        self.blanks.iter().any(|(n, blank)| *n == number && blank.transducer == transducer)
+    }
+
+    /// The longest ones in words, those of several transducers at the same time together.
+    fn told(&self, cylinders: usize, zone: &Zone) -> Vec<String> {
+        let mut groups: Vec<(Blank, Vec<(usize, Transducer)>)> = Vec::new();
+        for (number, blank) in &self.blanks {
+            let length = blank.until.since(blank.from);
+            let is_settling = blank.reason == NotJudged::Settling;
+            if length < if is_settling { SETTLING } else { SHORTEST } {
+                continue;
+            }
+            let near = |a: Timestamp, b: Timestamp| a.since(b).as_nanos().abs() < ALIKE;
+            let same = groups.iter_mut().find(|(of, _)| {
+                of.reason == blank.reason
+                    && near(of.from, blank.from)
+                    && near(of.until, blank.until)
+            });
+            match same {
+                Some((_, who)) => who.push((*number, blank.transducer)),
+                None => groups.push((*blank, vec![(*number, blank.transducer)])),
+            }
+        }
+        groups.sort_by_key(|(blank, _)| std::cmp::Reverse(blank.until.since(blank.from)));
+        let mut lines: Vec<String> = groups
+            .iter()
+            .take(TOLD)
+            .map(|(blank, who)| {
+                format!(
+                    "Not judged: {} from {} to {} ({}).",
+                    names(who, cylinders),
+                    zone.time(blank.from),
+                    zone.time(blank.until),
+                    reason(blank.reason)
+                )
+            })
+            .collect();
+        if let Some(more) = groups.len().checked_sub(TOLD).filter(|more| *more > 0) {
+            lines.push(format!("Not judged {} more.", super::times(more as u64)));
+        }
+        lines
+    }
+}
+
+/// Whose readings were not judged: `cylinder 3's C2`, `cylinder 3`, `every cylinder`.
+fn names(who: &[(usize, Transducer)], cylinders: usize) -> String {
+    let both = |n: usize| {
+        [Transducer::C1, Transducer::C2]
+            .into_iter()
+            .all(|transducer| who.contains(&(n, transducer)))
+    };
+    if cylinders > 1 && (1..=cylinders).all(both) {
+        return "every cylinder".to_owned();
+    }
+    let mut names = Vec::new();
+    for n in 1..=cylinders {
+        let of = |transducer| who.contains(&(n, transducer));
+        match (of(Transducer::C1), of(Transducer::C2)) {
+            (true, true) => names.push(format!("cylinder {n}")),
+            (true, false) => names.push(format!("cylinder {n}'s C1")),
+            (false, true) => names.push(format!("cylinder {n}'s C2")),
+            (false, false) => {}
+        }
+    }
+    names.join(", ")
+}
+
+const fn reason(reason: NotJudged) -> &'static str {
+    match reason {
+        NotJudged::State => "the platform was in no monitored state",
+        NotJudged::NoReadings => "no readings",
+        NotJudged::Implausible => "the readings were not plausible",
+        NotJudged::NoCommand => "no command",
+        NotJudged::Settling => "the observer had not settled",
+    }
+}
