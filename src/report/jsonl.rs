@@ -1,10 +1,12 @@
 //! Lines of JSON for scripts, one object each.
 
 use super::Summary;
+use super::device::{DeviceFields, EmergencyFields};
 use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
+use crate::sample::device::DeviceNews;
 use crate::sequential::{Coverage, Unknown};
 use crate::time::{Span, Timestamp};
 use serde::Serialize;
@@ -36,6 +38,8 @@ struct WarningLine {
     threshold: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none", flatten)]
     evidence: Option<EvidenceFields>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<DeviceFields>,
 }
 
 /// Fields of a detector that weighs evidence.
@@ -69,6 +73,14 @@ struct NoticeLine {
     skew: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     jitter: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    node: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none", flatten)]
+    emergency: Option<EmergencyFields>,
 }
 
 #[derive(Serialize)]
@@ -172,6 +184,7 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
                 shape: evidence.gain.map(|_| "scale"),
                 gain_percent: evidence.gain.map(|gain| 100.0 * gain),
             }),
+            device: finding.device.map(DeviceFields::from),
         },
     )
 }
@@ -191,6 +204,10 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
         reason: None,
         skew: None,
         jitter: None,
+        device: None,
+        node: None,
+        state: None,
+        emergency: None,
     };
     let line = match *notice {
         Notice::Gap { at, length } => line(at, "gap", Some(length)),
@@ -208,6 +225,22 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
             ..line(at, "timing", None)
         },
         Notice::Timing { at, apart: None } => line(at, "timing_restored", None),
+        Notice::Device { at, cylinder, role, node, news } => {
+            let (name, state, emergency) = match news {
+                DeviceNews::State(state) => ("device_state", Some(state.name()), None),
+                DeviceNews::Network(emergency) => {
+                    ("device_network", None, Some(EmergencyFields::from(emergency)))
+                }
+            };
+            NoticeLine {
+                cylinder: Some(cylinder),
+                device: Some(role.name()),
+                node: Some(node),
+                state,
+                emergency,
+                ..line(at, name, None)
+            }
+        }
     };
     write_line(out, &line)
 }

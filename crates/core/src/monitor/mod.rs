@@ -8,6 +8,7 @@
 mod admission;
 mod counts;
 pub mod cylinder;
+mod devices;
 mod estimates;
 pub mod gate;
 mod implausible;
@@ -209,6 +210,7 @@ impl Monitor {
     /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        self.hear(place, now, frame, sink);
         if self.stations[place].sync {
             self.synchronise(frame.timestamp, now, sink);
         }
@@ -354,7 +356,8 @@ impl Monitor {
             sink.record(&cylinder.record(now, &evaluated));
         }
         cylinder.inputs.clear();
-        if let Some(dwell) = cylinder.take_dwell() {
+        self.tell_devices(index, at, sink);
+        if let Some(dwell) = self.cylinders[index].take_dwell() {
             sink.dwell(number, &dwell);
             self.judge_stops(at);
         }
@@ -382,13 +385,6 @@ impl Monitor {
         if said {
             self.reckon_due();
         }
-    }
-
-    fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let Self { register, encoder, .. } = self;
-        register.repeat(at, |cylinder, detector, finding| {
-            sink.transmit(&encoder.warning(at, cylinder, detector, finding, true));
-        });
     }
 }
 
