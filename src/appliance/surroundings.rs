@@ -19,7 +19,8 @@ use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor::{Notice, Record};
-use crate::report::jsonl::restart_name;
+use crate::report::{device, jsonl::restart_name};
+use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::{Apart, Dwell};
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
@@ -177,6 +178,16 @@ impl Journal for Appliance {
             }
             Notice::Timing { apart: None, .. } => {
                 info!("C1 and C2 are sampled as they were calibrated again");
+            }
+            Notice::Device { cylinder, role, node, news, .. } => {
+                let what = device::news(news);
+                let device = role.name();
+                match news {
+                    DeviceNews::State(DeviceState::Operational) => {
+                        info!(cylinder, device, node, "the device {what}");
+                    }
+                    _ => warn!(cylinder, device, node, "the device {what}"),
+                }
             }
         }
     }

@@ -38,6 +38,7 @@ fn write(warning: &Warning) {
     let state = warning.state.name();
     let residual = finding.residual.map(|residual| residual * 1e3);
     let gain = finding.gain().map(|gain| gain * 100.0);
+    let device = finding.device.map(|device| device.to_string());
     macro_rules! tell {
         ($say:ident) => {
             $say!(
@@ -48,6 +49,7 @@ fn write(warning: &Warning) {
                 level = finding.level.name(),
                 residual_mm = residual,
                 gain_percent = gain,
+                device = device.as_deref(),
                 timestamp = %warning.timestamp,
                 "{state}"
             )
@@ -75,6 +77,7 @@ mod tests {
             residual: None,
             threshold: None,
             evidence: None,
+            device: None,
         };
         let warning = Warning {
             timestamp: Timestamp::default(),

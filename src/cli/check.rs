@@ -50,7 +50,7 @@ fn describe(machine: &Machine) -> String {
         machine.loaded.dbc_path.display(),
         machine.database.messages().len() - machine.database.device_messages(),
         objects::messages(machine),
-        lines.len(),
+        lines.iter().filter(|line| line.service.is_none()).count(),
     );
     text += &format!(
         "{}: {} cylinder{}, every {} s; {}\n",
@@ -69,6 +69,7 @@ fn describe(machine: &Machine) -> String {
         text += &format!("\ncylinder {n}\n");
         text += &identifiers(n, lines);
         text += &objects::of_cylinder(machine, n);
+        text += &objects::devices(machine, n);
         text += &format!("  model     {}\n", describe_model(&model));
         for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
             let l = observer.l.column(0);

@@ -92,8 +92,8 @@ impl Episodes {
     fn follow(&mut self, warning: &Warning) {
         let Some(index) = self.cylinder(warning).standing[warning.place] else { return };
         let episode = &mut self.kept[index];
-        let Finding { fault, suspect, level, evidence, .. } = warning.finding;
-        episode.finding = Finding { fault, suspect, level, evidence, ..episode.finding };
+        let Finding { fault, suspect, level, evidence, device, .. } = warning.finding;
+        episode.finding = Finding { fault, suspect, level, evidence, device, ..episode.finding };
         if warning.state == State::Cleared {
             episode.cleared = Some(warning.timestamp);
             self.cylinder(warning).standing[warning.place] = None;

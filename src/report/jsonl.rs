@@ -1,12 +1,14 @@
 //! Lines of JSON for scripts, one object each.
 
 use super::Summary;
+use super::device::{DeviceFields, EmergencyFields};
 use super::stops::TrendLine;
 use crate::alarm::register::DETECTORS;
 use crate::alarm::{Detector, Warning};
 use crate::incident::{Incident, Quantity};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
+use crate::sample::device::DeviceNews;
 use crate::sequential::{Coverage, Unknown};
 use crate::story;
 use crate::time::{Span, Timestamp};
@@ -39,6 +41,8 @@ struct WarningLine {
     threshold: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none", flatten)]
     evidence: Option<EvidenceFields>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<DeviceFields>,
 }
 
 /// Fields of a detector that weighs evidence.
@@ -111,6 +115,14 @@ struct NoticeLine {
     skew: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     jitter: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    device: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    node: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none", flatten)]
+    emergency: Option<EmergencyFields>,
 }
 
 #[derive(Serialize)]
@@ -215,6 +227,7 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
                 shape: evidence.gain.map(|_| "scale"),
                 gain_percent: evidence.gain.map(|gain| 100.0 * gain),
             }),
+            device: finding.device.map(DeviceFields::from),
         },
     )
 }
@@ -283,6 +296,10 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
         reason: None,
         skew: None,
         jitter: None,
+        device: None,
+        node: None,
+        state: None,
+        emergency: None,
     };
     let line = match *notice {
         Notice::Gap { at, length } => line(at, "gap", Some(length)),
@@ -300,6 +317,22 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
             ..line(at, "timing", None)
         },
         Notice::Timing { at, apart: None } => line(at, "timing_restored", None),
+        Notice::Device { at, cylinder, role, node, news } => {
+            let (name, state, emergency) = match news {
+                DeviceNews::State(state) => ("device_state", Some(state.name()), None),
+                DeviceNews::Network(emergency) => {
+                    ("device_network", None, Some(EmergencyFields::from(emergency)))
+                }
+            };
+            NoticeLine {
+                cylinder: Some(cylinder),
+                device: Some(role.name()),
+                node: Some(node),
+                state,
+                emergency,
+                ..line(at, name, None)
+            }
+        }
     };
     write_line(out, &line)
 }

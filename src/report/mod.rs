@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod commission;
 pub mod coverage;
+pub(crate) mod device;
 pub mod episode;
 pub mod estimates;
 pub mod evaluation;

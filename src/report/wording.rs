@@ -1,5 +1,6 @@
 //! Texts of a replay that several outputs share: rows, lines and numbers.
 
+use super::device;
 use super::jsonl::restart_name;
 use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
@@ -149,6 +150,10 @@ pub fn episode_row(first: Timestamp, episode: &Episode) -> [String; 10] {
         None if episode.first_fault == finding.fault => first_fault,
         None => format!("{first_fault} → {}", spaced(finding.fault.name())),
     };
+    let fault = match finding.device {
+        Some(device) => format!("{fault}: {device}"),
+        None => fault,
+    };
     let lasted = match episode.cleared {
         Some(cleared) => format!("{:.2} s", cleared.since(episode.raised).as_seconds()),
         None => "still raised".to_owned(),
@@ -185,6 +190,10 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
         Notice::Timing { at, apart: None } => {
             (at, "timing: C1 and C2 are sampled as they were calibrated again".to_owned())
+        }
+        Notice::Device { at, cylinder, role, node, news } => {
+            let what = device::news(news);
+            (at, format!("cylinder {cylinder}: node {node} ({}) {what}", role.label()))
         }
     };
     [clock(at.since(first).as_seconds()), what]

@@ -55,6 +55,67 @@ fn each_object_is_told_with_its_pdo_byte_and_scale() {
     assert!(!text.contains("worth a look"), "the shipped files are clean: {text}");
 }
 
+/// By which frames the devices of cylinder 3 tell of themselves, with changes of the encoder's EDS.
+fn devices_told(changes: &[(&str, &str)], sheet: &[(&str, &str)]) -> Vec<String> {
+    let scratch = Scratch::new();
+    let config = config(&scratch, changes);
+    scratch.write("encoder.eds", changed(&shipped("dbc/encoder.eds"), sheet));
+    let text = check(&config).ok().stdout;
+    let of_third = text.split("\ncylinder ").nth(3).expect("it has three");
+    let lines = of_third.lines().filter_map(|line| line.strip_prefix("  device    "));
+    lines.map(str::to_owned).collect()
+}
+
+#[test]
+fn each_device_is_told_with_the_frames_by_which_it_tells_of_itself() {
+    let c1 = |lost: &str| format!("c1 = node 3: emergencies 0x083, heartbeats 0x703, {lost}");
+    let told = devices_told(&[], &[]);
+    assert_eq!(told.len(), 3, "{told:?}");
+    assert_eq!(told[0], c1("which may stop"));
+    assert!(
+        told[2].starts_with("valve = node 35: emergencies 0x0A3, heartbeats 0x723, "),
+        "{told:?}"
+    );
+    // 1.5 times as long as the EDS says, in whole cycles.
+    let heartbeat = "ParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\n\
+                     AccessType=rw\nPDOMapping=0\nDefaultValue=";
+    let beats = (format!("{heartbeat}0"), format!("{heartbeat}250"));
+    let beats = [(beats.0.as_str(), beats.1.as_str())];
+    assert_eq!(devices_told(&[], &beats)[0], c1("lost after 0.38 s without one"));
+    let node = "node = 3\nkind = \"transducer\"";
+    for (key, lost) in [("2.0", "lost after 2.00 s without one"), ("0", "which may stop")] {
+        let own = format!("heartbeat = {key}\n{node}");
+        assert_eq!(devices_told(&[(node, &own)], &beats)[0], c1(lost));
+    }
+    let none =
+        devices_told(&[], &[("DefaultValue=$NODEID+0x80\n", "DefaultValue=$NODEID+0x80000080\n")]);
+    assert_eq!(none[0], "c1 = node 3: emergencies none, heartbeats 0x703, which may stop");
+}
+
+#[test]
+fn an_identifier_of_two_inputs_is_refused() {
+    for (id, words) in [
+        ("0x1C1", "0x1C1 is the identifier of node 1's emergency messages and of another input"),
+        ("0x181", "0x181 is the identifier of node 1's emergency messages and of another input"),
+        ("0x703", "0x703 is the identifier of node 17's emergency messages and of another"),
+        ("0x1D1", "identifier 0x1D1 is the gateway's own and also an input"),
+    ] {
+        let scratch = Scratch::new();
+        let config = config(&scratch, &[]);
+        let text = changed(&shipped("dbc/encoder.eds"), &[("$NODEID+0x80\n", &format!("{id}\n"))]);
+        scratch.write("encoder.eds", text);
+        check(&config).failed(2, &[words]);
+    }
+}
+
+#[test]
+fn a_transducer_has_no_full_speed() {
+    let eds = "role = \"c1\"\neds = \"encoder.eds\"\n\n[[canopen.device]]\nnode = 17";
+    let with = eds.replacen("\n\n", "\nfull_speed = 2.0\n\n", 1);
+    let words = ["number 1 is a transducer with `full_speed`", "a valve's full set point"];
+    refused(&[(eds, &with)], "full_speed", &words);
+}
+
 /// Faults of each kind on four cylinders.
 const FAULTS: [&str; 5] = [
     "step,cylinder=3,sensor=c1,at=30,size=0.0025",

@@ -1,6 +1,7 @@
 //! The commands as people run them: their outputs, files and messages.
 
 mod canopen;
+mod canopen_story;
 mod check_command;
 mod coverage;
 mod demo;

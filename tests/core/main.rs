@@ -10,6 +10,7 @@ mod dbc_cantools;
 mod dbc_properties;
 mod dbc_support;
 mod detection;
+mod devices;
 mod e2e;
 mod e_type_dbc;
 mod eds;

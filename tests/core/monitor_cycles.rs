@@ -295,7 +295,8 @@ fn told_at(notice: &Notice) -> Timestamp {
         | Notice::TimeJump { at, .. }
         | Notice::Interruption { at }
         | Notice::Restart { at, .. }
-        | Notice::Timing { at, .. } => at,
+        | Notice::Timing { at, .. }
+        | Notice::Device { at, .. } => at,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The gateway and the proxy on buses that are not in the kernel, and the HTTP of the gateway.
 
 mod canopen;
+mod devices;
 mod embedded_bus;
 mod inject_proxy;
 mod live_gateway;

@@ -7,7 +7,14 @@ use super::loader::Sheet;
 use super::settings::{Device, Settings, object_name};
 use tertius_canopen::eds::{ObjectDictionary, ObjectType, Severity};
 use tertius_canopen::pdo::{FULL_SCALE, MappedObject, Pdo, Pdos, scale};
-use tertius_dbc::{Database, DeviceMessages, Message, Signal, text};
+use tertius_core::frame::Id;
+use tertius_dbc::{Database, DeviceMessages, DeviceServices, Message, Signal, text};
+
+/// COB-ID of emergency messages (CiA 301).
+const EMERGENCY_ID: u16 = 0x1014;
+
+/// Time from one heartbeat to the next, ms (CiA 301).
+const HEARTBEAT_TIME: u16 = 0x1017;
 
 /// The set point of a valve (CiA 408).
 const SET_POINT: u16 = 0x6300;
@@ -125,7 +132,24 @@ fn messages(settings: &Settings, device: &Device, dictionary: &ObjectDictionary)
     let errors = dictionary.findings().iter().filter(|it| it.severity == Severity::Error);
     notes.extend(errors.map(ToString::to_string));
     let names = settings.devices().iter().filter(|it| it.node == device.node).map(Device::name);
-    DeviceMessages { names: names.collect(), messages, note: notes.join("; ") }
+    let services = services(device.node, dictionary);
+    DeviceMessages { names: names.collect(), messages, services, note: notes.join("; ") }
+}
+
+/// Services by which the node tells of itself. Heartbeats have one identifier. That of emergency messages is
+/// in the dictionary, where its highest bit is set if there are none, and bit 29 if it has 29 bits.
+fn services(node: u8, dictionary: &ObjectDictionary) -> DeviceServices {
+    let of_set = |base: u32| Id::standard(base + u32::from(node));
+    let emergency = match dictionary.number(EMERGENCY_ID, 0, node).map(u32::try_from) {
+        Some(Ok(number)) if number >> 31 != 0 => None,
+        Some(Ok(number)) if number >> 29 & 1 != 0 => Id::extended(number & Id::EXTENDED_MAX),
+        Some(Ok(number)) => Id::standard(number),
+        Some(Err(_)) | None => of_set(0x080),
+    };
+    let milliseconds = dictionary.number(HEARTBEAT_TIME, 0, node).unwrap_or(0);
+    let period = u16::try_from(milliseconds).ok().filter(|time| *time > 0);
+    let period = period.map(|time| f64::from(time) * 1e-3);
+    DeviceServices { emergency, heartbeat: of_set(0x700), period }
 }
 
 fn message(

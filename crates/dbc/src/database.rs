@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::check::{self, OVERLAP_STEPS};
 use super::collect::collect;
-use super::device::{Device, DeviceMessages, IdTaken};
+use super::device::{Device, DeviceMessages, DeviceServices, IdTaken};
 use super::draft::Draft;
 use super::finding::{Concern, Finding, Findings, Severity};
 use super::lookup::{LookupError, nearest};
@@ -112,8 +112,14 @@ impl Database {
         let messages = first..self.messages.len();
         let place = self.devices.len();
         self.by_device.extend(device.names.into_iter().map(|name| (name, place)));
-        self.devices.push(Device { messages, note: device.note });
+        let (services, note) = (device.services, device.note);
+        self.devices.push(Device { messages, services, note });
         Ok(())
+    }
+
+    /// Services of the device of that name.
+    pub fn device_services(&self, name: &str) -> Option<&DeviceServices> {
+        Some(&self.devices[*self.by_device.get(name)?].services)
     }
 
     /// Number of messages that are devices' own.

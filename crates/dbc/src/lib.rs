@@ -18,7 +18,7 @@ mod syntax;
 pub mod text;
 
 pub use database::Database;
-pub use device::{DeviceMessages, IdTaken};
+pub use device::{DeviceMessages, DeviceServices, IdTaken};
 pub use finding::{Concern, Finding, Severity};
 pub use lookup::LookupError;
 pub use message::{Message, Signal};

@@ -127,7 +127,12 @@ pub fn surveying() -> Monitor {
 
 /// A monitor of the default machine.
 pub fn monitor() -> Monitor {
-    design("no such line").map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+    Monitor::new(design_of_default())
+}
+
+/// What that is made from.
+pub fn design_of_default() -> MonitorDesign {
+    design("no such line").unwrap_or_else(|flaws| panic!("{flaws}"))
 }
 
 /// The same, which sends its estimates.

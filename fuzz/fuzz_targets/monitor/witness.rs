@@ -100,7 +100,8 @@ impl Sink for Witness {
             Notice::Gap { at, .. }
             | Notice::Interruption { at }
             | Notice::Restart { at, .. }
-            | Notice::Timing { at, .. } => self.see(*at),
+            | Notice::Timing { at, .. }
+            | Notice::Device { at, .. } => self.see(*at),
         }
         self.said.push(Said::Notice(*notice));
     }

@@ -182,6 +182,7 @@ mod tests {
             residual: None,
             threshold: None,
             evidence: None,
+            device: None,
         };
         let mut frames = Vec::new();
         for (turn, state) in [State::Raised, State::Cleared].into_iter().enumerate() {

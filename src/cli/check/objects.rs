@@ -3,8 +3,9 @@
 use super::super::machine::Machine;
 use crate::canopen::pdo::BITS;
 use crate::config::devices;
-use crate::config::settings::CylinderSignals;
+use crate::config::settings::{CylinderSignals, Device, Role};
 use crate::dbc::Signal;
+use crate::frame::Id;
 
 /// The number of messages that devices describe themselves; empty without devices.
 pub(super) fn messages(machine: &Machine) -> String {
@@ -33,6 +34,30 @@ pub(super) fn of_cylinder(machine: &Machine, n: u8) -> String {
         })
     };
     signals.named().filter_map(line).collect()
+}
+
+/// A line for each device of cylinder `n`: by which frames it tells of itself, and when it is lost.
+pub(super) fn devices(machine: &Machine, n: u8) -> String {
+    let devices = machine.loaded.settings.devices().iter().filter(|device| device.cylinder == n);
+    let watched = machine.design.cylinders[usize::from(n) - 1].devices;
+    let line = |device: &Device| {
+        let services = machine.database.device_services(&device.name())?;
+        let watch = watched.into_iter().flatten().find(|watch| watch.node == device.node)?;
+        let id = |id: Option<Id>| id.map_or("none".to_owned(), |id| format!("0x{id}"));
+        let lost = match watch.heartbeat {
+            Some(cycles) => {
+                let seconds = f64::from(cycles) * machine.loaded.settings.machine.sample_time;
+                format!("lost after {seconds:.2} s without one")
+            }
+            None => "which may stop".to_owned(),
+        };
+        let (emergency, heartbeat) = (id(services.emergency), id(services.heartbeat));
+        let (name, node) = (device.role.map_or("valve", Role::name), device.node);
+        Some(format!(
+            "  device    {name} = node {node}: emergencies {emergency}, heartbeats {heartbeat}, {lost}\n"
+        ))
+    };
+    devices.filter_map(line).collect()
 }
 
 fn scale(signal: &Signal) -> String {

@@ -38,6 +38,7 @@ fn warning(encoder: &mut Encoder, ms: i64, cylinder: u8) -> OwnFrame {
         residual: Some(0.0),
         threshold: Some(0.0),
         evidence: None,
+        device: None,
     };
     encoder.warning(at(ms), cylinder, Detector::Fde1, &finding, true)
 }
@@ -147,6 +148,7 @@ fn every_place_at_once_goes_out_at_once() {
         residual: None,
         threshold: None,
         evidence: None,
+        device: None,
     };
     let estimate = |outbox: &mut Outbox, encoder: &mut Encoder, ms| {
         for n in 1..=MAX_CYLINDERS as u8 {

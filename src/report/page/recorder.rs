@@ -166,7 +166,10 @@ impl PageRecorder {
                 }
                 self.interrupt(t);
             }
-            Notice::Gap { .. } | Notice::Restart { .. } | Notice::Timing { .. } => {}
+            Notice::Gap { .. }
+            | Notice::Restart { .. }
+            | Notice::Timing { .. }
+            | Notice::Device { .. } => {}
         }
     }
 

@@ -1,6 +1,7 @@
 //! `tertius run` on a real SocketCAN.
 
 mod canopen;
+mod devices;
 mod doctor;
 mod life;
 mod simulated;

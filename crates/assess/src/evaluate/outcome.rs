@@ -213,6 +213,7 @@ mod tests {
             residual: None,
             threshold: None,
             evidence: None,
+            device: None,
         };
         Warning {
             timestamp: Timestamp::from_nanos(at),

@@ -1,5 +1,6 @@
 //! From settings and a DBC to everything that a monitor is made from.
 
+mod devices;
 mod estimate;
 mod scale;
 mod sequential;
@@ -43,7 +44,7 @@ impl Flaw {
 ///
 /// # Errors
 /// The first flaw of each key: signals that the DBC does not have or that cannot be used, identifiers
-/// that are the gateway's own, states without a number, weights without an observer gain, models
+/// that are the gateway's own or of two inputs, states without a number, weights without an observer gain, models
 /// and tables of another sample time, estimates that do not fit Fd_Estimate.
 pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     let mut connector = Connector::new(settings, database, false);
@@ -105,6 +106,7 @@ impl<'a> Connector<'a> {
         let cylinders = (1..=settings.machine.cylinders)
             .filter_map(|n| self.connect_cylinder(n))
             .collect::<Vec<_>>();
+        self.connect_devices();
         self.refuse_own_identifiers();
         self.refuse_crowded_cycles();
         match self.encoder() {
@@ -165,6 +167,7 @@ impl<'a> Connector<'a> {
             number: n,
             required,
             awaited: self.connected(n),
+            devices: self.watched(n),
             command_offset: settings.command_offset_of(n),
             command_stale: settings.cycles(settings.plausibility.stale).max(1),
             moving_speed: settings.plausibility.frozen_speed,

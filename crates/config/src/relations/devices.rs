@@ -41,6 +41,12 @@ impl Relations<'_> {
             ),
             "a transducer is role = \"c1\" or \"c2\" of its cylinder, and a valve is neither",
         );
+        self.require(
+            !is_transducer || device.full_speed.is_none(),
+            &[&key("full_speed")],
+            format!("[[canopen.device]] number {} is a transducer with `full_speed`", index + 1),
+            "that is the speed at a valve's full set point; a transducer's unit is in its EDS",
+        );
     }
 
     /// Two devices are not the same one of a cylinder, and one node has one file.

@@ -19,6 +19,10 @@ table! {
             "\"c1\"", "which transducer of the cylinder it is; a valve has none";
         eds: String => text(TextRule::Path),
             "\"../dbc/transducer.eds\"", "the device's EDS or DCF, relative to this file";
+        heartbeat: Option<f64> = None =>
+            number(Limits::least(0.0, "a time in seconds, or 0").most(100.0)),
+            "1.5", "time without a heartbeat after which the device is lost, s; without the key 1.5 times object \
+                0x1017 of the EDS; 0: its heartbeats may stop";
         full_speed: Option<f64> = None =>
             number(Limits::above(0.0, "a speed in metres per second").most(100.0)),
             "1.0", "the commanded speed at 100 % of a valve's set point, m/s, where the set point has no unit";
@@ -59,6 +63,16 @@ pub enum Role {
     C2,
 }
 
+impl Role {
+    /// Its word in the configuration.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::C1 => "c1",
+            Self::C2 => "c2",
+        }
+    }
+}
+
 impl Device {
     /// Name by which the signals of the device are found, such as `c1 of cylinder 3`.
     pub fn name(&self) -> String {
@@ -67,12 +81,7 @@ impl Device {
 }
 
 fn device_name(role: Option<Role>, cylinder: &str) -> String {
-    let role = match role {
-        Some(Role::C1) => "c1",
-        Some(Role::C2) => "c2",
-        None => "valve",
-    };
-    format!("{role} of cylinder {cylinder}")
+    format!("{} of cylinder {cylinder}", role.map_or("valve", Role::name))
 }
 
 /// The transducer that a key of `[signals.cylinder]` is about; `None` for the valve.

@@ -150,7 +150,9 @@ mod tests {
     fn found(suspect: Suspect, residual: f64) -> Option<Finding> {
         let fault = Fault::Abrupt;
         let (residual, threshold) = (Some(residual), Some(1e-3));
-        Some(Finding { fault, suspect, level: Level::Yellow, residual, threshold, evidence: None })
+        let (evidence, device) = (None, None);
+        let level = Level::Yellow;
+        Some(Finding { fault, suspect, level, residual, threshold, evidence, device })
     }
 
     fn with(places: &[(usize, Option<Finding>)]) -> [Option<Finding>; PLACES] {

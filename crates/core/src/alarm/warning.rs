@@ -2,6 +2,7 @@
 
 use super::detector::Detector;
 use super::level::Level;
+use crate::sample::DeviceReport;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
@@ -36,6 +37,8 @@ pub struct Finding {
     pub threshold: Option<f64>,
     /// Evidence of a detector that weighs it; `None` for other detectors.
     pub evidence: Option<Evidence>,
+    /// What the device says of its fault, where it says anything.
+    pub device: Option<DeviceReport>,
 }
 
 /// Certainty and onset of a finding.
@@ -63,8 +66,9 @@ impl Finding {
     /// Whether `other` means the same to a person; the residual, which changes all the time, is not
     /// compared.
     pub fn says_as(&self, other: &Self) -> bool {
-        (self.fault, self.suspect, self.level, self.gain().is_some())
-            == (other.fault, other.suspect, other.level, other.gain().is_some())
+        let meaning = |it: &Self| it.device.map(|device| device.meaning());
+        (self.fault, self.suspect, self.level, self.gain().is_some(), meaning(self))
+            == (other.fault, other.suspect, other.level, other.gain().is_some(), meaning(other))
     }
 }
 

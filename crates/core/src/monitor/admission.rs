@@ -31,7 +31,7 @@ impl Monitor {
         sink: &mut impl Sink,
     ) -> bool {
         let Self { stations, clock, cylinders, .. } = self;
-        let Station { sync: false, pages } = &mut stations[place] else { return false };
+        let Station { sync: false, pages, .. } = &mut stations[place] else { return false };
         let [Page { intake: Some(intake), slot, .. }] = &mut **pages else { return false };
         let (Some(word), Some(when)) = (intake.word(frame), clock.when()) else { return false };
         if !slot.take_next(frame, intake.counter(word), &when) {

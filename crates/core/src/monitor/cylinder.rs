@@ -3,31 +3,36 @@
 mod agreement;
 mod allowing;
 mod blanks;
+mod devices;
 mod estimating;
 mod findings;
 mod judging;
 mod precedence;
+mod tally;
 mod telling;
 
 use super::gate::Opening;
-use super::implausible::Implausible;
+use super::implausible::{Checked, Implausible};
 use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
 use crate::incident::QUANTITIES;
 use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
+use crate::sample::device::{DeviceDesign, DeviceWord};
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
 use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{self, Coverage, Dwell, DwellHistory, Judgement, Sequential};
+use crate::sequential::{self, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Bank, BankDesign, Residuals, Thresholds, Trigger};
+use crate::verdict::{Bank, BankDesign, Thresholds, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
+use devices::Watches;
 use precedence::Precedence;
+pub use tally::Tally;
 pub use telling::Evaluated;
 
 /// Design of the monitor of one cylinder.
@@ -42,6 +47,8 @@ pub struct CylinderDesign {
     pub awaited: u16,
     /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
     pub limits: [PlausibilityLimits; 2],
+    /// CANopen devices that tell of themselves, by [`crate::sample::DeviceRole`].
+    pub devices: [Option<DeviceDesign>; 3],
     /// Command at which the cylinder rests, m/s.
     pub command_offset: f64,
     /// Cycles without a command after which it is stale.
@@ -85,25 +92,6 @@ pub struct Evaluation {
     pub at_stop: bool,
 }
 
-/// Counts and extremes of one cylinder, for reports.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tally {
-    /// Cycles evaluated, whether complete or not.
-    pub cycles: u64,
-    /// Cycles that neither FDE1 nor FDE2 judged.
-    pub gated: u64,
-    /// Cycles that FDE1, FDE2 and FDE3 judged.
-    pub judged: [u64; 3],
-    /// Cycles in which something configured did not arrive.
-    pub incomplete: u64,
-    /// Readings of C1 and C2 that did not pass the plausibility checks, without missing ones.
-    pub implausible: [u64; 2],
-    /// Largest |R1| and |R2| judged, and largest |R3|, m.
-    pub worst: [Option<f64>; 3],
-    /// Coverage of the sequential detector; `None` without one.
-    pub sequential: Option<Coverage>,
-}
-
 /// Result of a transducer in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
@@ -123,6 +111,8 @@ pub struct Cylinder {
     pub pending: bool,
     plausibility: [Plausibility; 2],
     motions: [ReadingMotion; 2],
+    /// `None` without devices that tell of themselves.
+    devices: Option<Watches>,
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,
@@ -152,6 +142,7 @@ impl Cylinder {
             pending: false,
             plausibility: [plausibility(0), plausibility(1)],
             motions: [ReadingMotion::default(); 2],
+            devices: devices::watches(&design.devices),
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
@@ -264,20 +255,22 @@ impl Cylinder {
             live: now.live,
             push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
+            said: DeviceWord::Nothing,
         };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
+        let [first, second, valve] = self.listen(now.live, &readings);
         for (motion, reading) in self.motions.iter_mut().zip(&readings) {
             motion.follow(reading.as_ref().map(|reading| reading.position));
         }
-        let c1 = self.follow::<0>(&readings, moment, command, now.at);
-        let c2 = self.follow::<1>(&readings, moment, command, now.at);
+        let c1 = self.follow::<0>(&readings, Moment { said: first, ..moment }, command, now.at);
+        let c2 = self.follow::<1>(&readings, Moment { said: second, ..moment }, command, now.at);
         for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
             if let Some(reason) = followed.restart {
                 restarted(transducer, reason);
             }
         }
         let (good, innovations) = ([c1.good, c2.good], [c1.innovation, c2.innovation]);
-        self.follow_command(command, now);
+        self.follow_command(command, valve, now);
         let difference = good[0]
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
@@ -290,7 +283,8 @@ impl Cylinder {
         if self.sensor.is_some() {
             self.estimate(now, good);
         }
-        self.count(&residuals);
+        let complete = self.is_complete();
+        self.tally.count(&residuals, self.judged.contains(&true), complete);
         self.note_blanks(now);
         Evaluated { readings, innovations, difference }
     }
@@ -334,6 +328,7 @@ impl Cylinder {
         self.judged = [false; 2];
         self.blanks.interrupt();
         self.motions = Default::default();
+        self.interrupt_devices();
         self.critical.interrupt();
         self.precedence.interrupt();
         self.push = None;
@@ -361,13 +356,13 @@ impl Cylinder {
         let checks = &mut self.plausibility[i];
         let quality = checks.judge(reading, moment);
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
-        self.implausible[i].judge(at, quality, beyond);
-        let seen = !matches!(quality, Quality::Missing | Quality::Stale);
-        self.tally.implausible[i] += u64::from(seen && !quality.is_good());
+        let report = if quality.is_good() { None } else { self.report(i) };
+        self.implausible[i].judge(at, Checked { quality, beyond, report });
+        self.tally.implausible[i] += u64::from(reading.is_some() && !quality.is_good());
         quality.is_good()
     }
 
-    fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
+    fn follow_command(&mut self, command: Option<f64>, valve: DeviceWord, now: Evaluation) {
         match command {
             Some(u) => {
                 self.command_missing = 0;
@@ -380,29 +375,14 @@ impl Cylinder {
             }
         }
         let stale = self.command_missing >= self.design.command_stale;
-        let quality = match (command, stale) {
-            (Some(_), _) => Quality::Good,
-            (None, true) => Quality::Stale,
-            (None, false) => Quality::Missing,
+        let quality = match (valve, command, stale) {
+            (DeviceWord::Failed, ..) => Quality::Failed,
+            (DeviceWord::Lost, ..) | (_, None, true) => Quality::Stale,
+            (_, Some(_), _) => Quality::Good,
+            (_, None, false) => Quality::Missing,
         };
-        self.implausible[2].judge(now.at, quality, 0.0);
-    }
-
-    fn count(&mut self, residuals: &Residuals) {
-        let incomplete = u64::from(!self.is_complete());
-        let tally = &mut self.tally;
-        tally.cycles += 1;
-        tally.gated += u64::from(!self.judged.contains(&true));
-        tally.incomplete += incomplete;
-        let worst = tally.worst.iter_mut().zip(&mut tally.judged);
-        for ((worst, judged), residual) in worst.zip(residuals.r) {
-            *judged += u64::from(residual.is_some());
-            if let Some(magnitude) = residual.map(f64::abs)
-                && worst.is_none_or(|worst| worst < magnitude)
-            {
-                *worst = Some(magnitude);
-            }
-        }
+        let report = if quality.is_good() { None } else { self.report(2) };
+        self.implausible[2].judge(now.at, Checked { quality, beyond: 0.0, report });
     }
 }
 

@@ -8,6 +8,7 @@
 mod admission;
 mod counts;
 pub mod cylinder;
+mod devices;
 mod estimates;
 pub mod gate;
 mod implausible;
@@ -223,6 +224,7 @@ impl Monitor {
     /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
+        self.hear(place, now, frame, sink);
         if self.stations[place].sync {
             self.synchronise(frame.timestamp, now, sink);
         }
@@ -368,7 +370,8 @@ impl Monitor {
             sink.record(&cylinder.record(now, &evaluated));
         }
         cylinder.inputs.clear();
-        if let Some(dwell) = cylinder.take_dwell() {
+        self.tell_devices(index, at, sink);
+        if let Some(dwell) = self.cylinders[index].take_dwell() {
             sink.dwell(number, &dwell);
             self.judge_stops(at);
         }
@@ -412,13 +415,6 @@ impl Monitor {
         let quantities = self.cylinders[index].quantities(evaluated);
         let times = [now.opened, now.at];
         self.incidents.follow(index, times, &quantities, |incident| sink.incident(incident));
-    }
-
-    fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
-        let Self { register, encoder, .. } = self;
-        register.repeat(at, |cylinder, detector, finding| {
-            sink.transmit(&encoder.warning(at, cylinder, detector, finding, true));
-        });
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pages: signals of a message that come together, and the state of their arrival.
 
 use super::intake::{Counting, Intake};
-use super::subscriptions::{SubscribedSignal, Subscription, Target};
+use super::subscriptions::{SubscribedService, SubscribedSignal, Subscription, Target};
 use crate::decode::{Decoded, SignalPlan};
 use crate::frame::Frame;
 use crate::sample::arrival::Slot;
@@ -16,6 +16,8 @@ use alloc::vec::Vec;
 pub(super) struct Station {
     /// Whether the message opens a cycle.
     pub sync: bool,
+    /// The service of a device whose message it is; it has no pages then.
+    pub service: Option<SubscribedService>,
     pub pages: Box<[Page]>,
 }
 
@@ -71,7 +73,8 @@ impl Station {
                 sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
-        Self { sync: message.sync, pages: pages.collect() }
+        let (sync, service) = (message.sync, message.service.clone());
+        Self { sync, service, pages: pages.collect() }
     }
 }
 

@@ -4,7 +4,8 @@ use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
 use crate::incident::Incident;
 use crate::observe::observer::Restart;
-use crate::sample::Quality;
+use crate::sample::device::DeviceNews;
+use crate::sample::{DeviceRole, Quality};
 use crate::sequential::{Apart, Dwell};
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
@@ -63,6 +64,8 @@ pub enum Notice {
     /// In most cylinders, C1 and C2 are sampled further apart in time than when they were
     /// calibrated; no transducer is at fault. `None`: as calibrated again.
     Timing { at: Timestamp, apart: Option<Apart> },
+    /// A CANopen device said something of itself or of the network that is no fault of its readings.
+    Device { at: Timestamp, cylinder: u8, role: DeviceRole, node: u8, news: DeviceNews },
 }
 
 /// Receives the monitor's output in the order of time. Methods that are not needed need not be

@@ -2,7 +2,7 @@
 
 use crate::decode::SignalPlan;
 use crate::frame::Id;
-use crate::sample::{Field, Transducer};
+use crate::sample::{DeviceRole, Field, Transducer};
 use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -23,6 +23,23 @@ pub struct SubscribedSignal {
     pub target: Target,
 }
 
+/// Service by which a CANopen device tells of itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceService {
+    /// EMCY.
+    Emergency,
+    /// Boot-up and heartbeat.
+    Heartbeat,
+}
+
+/// A service of a device, which stands for one or, where it has several sensors, more devices of cylinders.
+#[derive(Clone, Debug)]
+pub struct SubscribedService {
+    pub service: DeviceService,
+    /// Cylinder indices, from 0, and roles.
+    pub devices: Vec<(u8, DeviceRole)>,
+}
+
 /// A message that the monitor uses.
 #[derive(Clone, Debug)]
 pub struct Subscription {
@@ -34,6 +51,8 @@ pub struct Subscription {
     /// Whether the message carries anything of a cylinder, and so belongs to a cycle.
     pub cyclic: bool,
     pub signals: Vec<SubscribedSignal>,
+    /// The service of a device whose message it is; it has no signals then.
+    pub service: Option<SubscribedService>,
 }
 
 impl SubscribedSignal {
@@ -174,6 +193,7 @@ impl Subscriptions {
             reading: false,
             cyclic: false,
             signals: Vec::new(),
+            service: None,
         });
         place
     }

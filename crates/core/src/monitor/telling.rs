@@ -1,4 +1,4 @@
-//! The monitor's report on itself: Fd_Status.
+//! The monitor's repeated frames: Fd_Status, its report on itself, and standing warnings.
 
 use super::cylinder::Cylinder;
 use super::gate::Opening;
@@ -20,6 +20,13 @@ impl Monitor {
         self.last_status = Some((at, status));
         sink.transmit(&self.encoder.status(at, &status));
         self.next_status = self.next_status.after(STATUS_PERIOD);
+    }
+
+    pub(super) fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let Self { register, encoder, .. } = self;
+        register.repeat(at, |cylinder, detector, finding| {
+            sink.transmit(&encoder.warning(at, cylinder, detector, finding, true));
+        });
     }
 
     /// The Fd_Status of a gateway that stops at `at`: every state is unknown from then on.

@@ -3,11 +3,14 @@
 pub mod arrival;
 pub mod counter;
 pub mod cycle;
+pub mod device;
+pub mod emergency;
 pub mod motion;
 pub mod phase;
 pub mod plausibility;
 pub mod quality;
 pub mod reading;
 
+pub use device::{DeviceReason, DeviceReport, DeviceRole};
 pub use quality::Quality;
 pub use reading::{Field, Inputs, Pressure, Reading, Transducer};

@@ -1,5 +1,7 @@
-//! Plausibility checks of a reading, in a fixed order: stale, broken wire, out of range, frozen.
+//! Plausibility checks of a reading, in a fixed order: failed by the device's own word, stale, broken wire,
+//! out of range, frozen.
 
+use super::device::DeviceWord;
 use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
@@ -62,6 +64,8 @@ pub struct Moment {
     pub push: Option<Push>,
     /// The other transducer in this cycle; `None` where it cannot be relied on.
     pub other: Option<Other>,
+    /// What the transducer says of itself.
+    pub said: DeviceWord,
 }
 
 /// An exactly constant reading: since when, and what was seen meanwhile.
@@ -142,13 +146,18 @@ impl Plausibility {
     /// Judges what arrived in the cycle of `moment`.
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
         self.quality = match reading {
-            None => self.without_reading(moment.live),
+            None => self.without_reading(moment),
             Some(reading) => {
                 self.missing = 0;
                 self.follow(reading.position, moment);
                 self.of_new(reading)
             }
         };
+        match moment.said {
+            DeviceWord::Nothing | DeviceWord::NotOperational => {}
+            DeviceWord::Lost => self.quality = Quality::Stale,
+            DeviceWord::Failed => self.quality = Quality::Failed,
+        }
         self.quality
     }
 
@@ -174,8 +183,13 @@ impl Plausibility {
         self.still.cycles.saturating_add(self.missing)
     }
 
-    fn without_reading(&mut self, live: bool) -> Quality {
-        self.missing = self.missing.saturating_add(u32::from(live));
+    fn without_reading(&mut self, moment: Moment) -> Quality {
+        if moment.said == DeviceWord::NotOperational {
+            // Its time begins when it is operational again.
+            self.missing = 0;
+            return Quality::NotOperational;
+        }
+        self.missing = self.missing.saturating_add(u32::from(moment.live));
         if self.missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
     }
 
@@ -234,167 +248,4 @@ impl Plausibility {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn limits() -> PlausibilityLimits {
-        PlausibilityLimits {
-            stale: 3,
-            broken_wire_codes: vec![32767],
-            status_mask: 0b01,
-            codes: Some((1, 27648)),
-            lengths: (-1.5, 1.5),
-            frozen: 4,
-            travel: 1e-3,
-        }
-    }
-
-    fn reading(position: f64) -> Reading {
-        Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
-    }
-
-    const MOVING: Moment = Moment { live: true, push: Some(Push::Positive), other: None };
-    const STILL: Moment = Moment { push: None, ..MOVING };
-
-    /// The other transducer in motion, at `position`.
-    fn passing(position: f64) -> Moment {
-        Moment { other: Some(Other { position, goes_on: true }), ..MOVING }
-    }
-
-    #[test]
-    fn the_order_is_stale_broken_wire_out_of_range_frozen() {
-        let mut checks = Plausibility::new(limits());
-        let worst = Reading { code: Some(32767), position: 2.0, status: Some(1), ..reading(2.0) };
-        for _ in 0..6 {
-            assert_eq!(checks.judge(Some(&worst), MOVING), Quality::BrokenWire);
-        }
-        assert_eq!(checks.judge(Some(&reading(2.0)), MOVING), Quality::OutOfRange);
-        let zero = Reading { code: Some(0), ..reading(2.0) };
-        assert_eq!(checks.judge(Some(&zero), MOVING), Quality::OutOfRange);
-        assert_eq!(checks.judge(Some(&reading(1.0)), MOVING), Quality::Good);
-    }
-
-    #[test]
-    fn only_the_codes_of_a_broken_wire_are_one() {
-        let broken_wire_codes = vec![32767, 0, 500];
-        let limits = PlausibilityLimits { broken_wire_codes, ..limits() };
-        let mut checks = Plausibility::new(limits);
-        let broken = [0, 100, 500, 501, 32767].map(|code| {
-            let reading = Reading { code: Some(code), ..reading(0.0) };
-            checks.judge(Some(&reading), STILL) == Quality::BrokenWire
-        });
-        assert_eq!(broken, [true, false, true, false, true]);
-    }
-
-    #[test]
-    fn a_status_bit_outside_the_mask_is_no_fault() {
-        let mut checks = Plausibility::new(limits());
-        let other_bit = Reading { status: Some(0b10), ..reading(0.0) };
-        assert_eq!(checks.judge(Some(&other_bit), MOVING), Quality::Good);
-        let masked = Reading { status: Some(0b11), ..reading(0.0) };
-        assert_eq!(checks.judge(Some(&masked), MOVING), Quality::BrokenWire);
-    }
-
-    #[test]
-    fn frozen_needs_a_moving_command_and_ends_with_a_change() {
-        let mut checks = Plausibility::new(limits());
-        for _ in 0..50 {
-            assert_eq!(checks.judge(Some(&reading(0.5)), STILL), Quality::Good);
-        }
-        checks.judge(Some(&reading(0.4)), passing(0.0));
-        for cycle in 0..4 {
-            let moment = passing(1e-3 * f64::from(cycle));
-            assert_eq!(checks.judge(Some(&reading(0.5)), moment), Quality::Good);
-        }
-        assert_eq!(checks.judge(Some(&reading(0.5)), passing(5e-3)), Quality::Frozen);
-        assert_eq!(checks.judge(Some(&reading(0.5)), STILL), Quality::Frozen, "it did not thaw");
-        assert_eq!(checks.judge(Some(&reading(0.500_1)), STILL), Quality::Good);
-    }
-
-    /// The cycle in which a reading that stops in cycle 0 is frozen, with the other one at `other`
-    /// and the command moving as `push` tells.
-    fn frozen_in(
-        other: impl Fn(u64) -> Option<f64>,
-        push: impl Fn(u64) -> Option<Push>,
-    ) -> Option<u64> {
-        let mut checks = Plausibility::new(limits());
-        let mut motion = ReadingMotion::default();
-        let judge = |cycle: &u64| {
-            motion.follow(other(*cycle));
-            let other = other(*cycle).map(|position| Other::new(position, &motion));
-            let moment = Moment { other, push: push(*cycle), ..MOVING };
-            checks.judge(Some(&reading(0.5)), moment) == Quality::Frozen
-        };
-        (0..100).find(judge)
-    }
-
-    #[test]
-    fn a_reading_that_stands_while_the_other_goes_on_is_frozen() {
-        let out = |_| Some(Push::Positive);
-        let ramp = |cycle: u64| Some(3e-4 * cycle as f64);
-        assert_eq!(frozen_in(ramp, out), Some(4), "it moves slowly");
-        let later = |cycle: u64| Some(3e-4 * cycle.saturating_sub(6) as f64);
-        assert_eq!(frozen_in(later, out), Some(10), "it moves later");
-        let lost = |cycle| ramp(cycle).filter(|_| cycle < 9);
-        assert_eq!(frozen_in(lost, out), Some(4), "it has moved before it was lost");
-    }
-
-    /// Movements of the other transducer while the rod stands on its stop, pushed against it.
-    #[test]
-    fn at_rest_is_not_frozen() {
-        let out = |_| Some(Push::Positive);
-        assert_eq!(frozen_in(|_| None, out), None, "it is lost, or frozen itself");
-        assert_eq!(frozen_in(|_| Some(0.2), out), None, "it stands, too");
-        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 3) as f64), out), None, "it flickers");
-        assert_eq!(
-            frozen_in(|cycle| Some(if cycle < 9 { 0.1 } else { 0.2 }), out),
-            None,
-            "it jumps"
-        );
-        let noise =
-            |cycle: u64| Some(1e-3 * [0.0, 1.0, -1.0, -1.0, 0.0, 1.0][(cycle % 6) as usize]);
-        assert_eq!(frozen_in(noise, out), None, "it is noisy");
-    }
-
-    /// A stop holds the rod against one direction only.
-    #[test]
-    fn without_a_witness_the_command_has_to_move_either_way() {
-        let turning = |cycle| Some(if cycle % 40 < 20 { Push::Positive } else { Push::Negative });
-        assert_eq!(frozen_in(|_| None, turning), Some(23));
-        assert_eq!(frozen_in(|_| Some(0.2), turning), Some(23), "the cylinder does not follow");
-        assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 2) as f64), turning), None);
-    }
-
-    #[test]
-    fn who_stands_alone_is_known_before_it_is_frozen() {
-        let mut checks = Plausibility::new(limits());
-        checks.judge(Some(&reading(0.5)), passing(0.0));
-        assert!(!checks.stands_alone());
-        let resting = Moment { push: None, ..passing(6e-4) };
-        assert_eq!(checks.judge(Some(&reading(0.5)), resting), Quality::Good);
-        assert!(checks.stands_alone() && !checks.is_witnessed());
-        checks.judge(Some(&reading(0.6)), passing(7e-4));
-        assert!(!checks.stands_alone());
-    }
-
-    #[test]
-    fn stale_after_the_configured_cycles_but_not_in_silence() {
-        let mut checks = Plausibility::new(limits());
-        assert_eq!(checks.judge(Some(&reading(0.0)), MOVING), Quality::Good);
-        for _ in 0..100 {
-            let silence = Moment { live: false, ..MOVING };
-            assert_eq!(checks.judge(None, silence), Quality::Missing);
-        }
-        assert_eq!(checks.judge(None, MOVING), Quality::Missing);
-        assert_eq!(checks.judge(None, MOVING), Quality::Missing);
-        assert_eq!(checks.judge(None, MOVING), Quality::Stale);
-        assert_eq!(checks.judge(Some(&reading(0.0)), MOVING), Quality::Good);
-    }
-
-    #[test]
-    fn not_a_number_is_out_of_range() {
-        let mut checks = Plausibility::new(limits());
-        let nan = Reading { code: None, ..reading(f64::NAN) };
-        assert_eq!(checks.judge(Some(&nan), MOVING), Quality::OutOfRange);
-    }
-}
+mod tests;

@@ -1,7 +1,7 @@
 //! Quality of a reading before any model is asked.
 
-/// Verdict of the plausibility checks. The variants are in the order of the checks: the first that
-/// applies is the quality.
+/// Verdict of the plausibility checks. From [`Quality::Failed`] on, the variants are in the order of the
+/// checks: the first that applies is the quality.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quality {
     /// Nothing speaks against the reading.
@@ -9,7 +9,11 @@ pub enum Quality {
     /// There is no new reading in this cycle, but not for long enough to be [`Quality::Stale`].
     #[default]
     Missing,
-    /// There has been no new reading for longer than allowed.
+    /// There is no new reading, because the device is not operational, as it says itself.
+    NotOperational,
+    /// The device says itself that it has an error.
+    Failed,
+    /// There has been no new reading for longer than allowed, or the device's heartbeat has stopped.
     Stale,
     /// A code or status bit means a broken wire or a failed sensor.
     BrokenWire,
@@ -20,6 +24,9 @@ pub enum Quality {
 }
 
 impl Quality {
+    /// Number of qualities.
+    pub const COUNT: usize = Self::Frozen as usize + 1;
+
     /// Whether the reading is good; only good readings reach an estimator.
     pub const fn is_good(self) -> bool {
         matches!(self, Self::Good)

@@ -63,6 +63,12 @@ impl Trigger {
         if self.raised.is_some() { Verdict::Faulty } else { Verdict::Healthy }
     }
 
+    /// Takes back what was raised, because it is explained.
+    pub fn withdraw(&mut self) {
+        self.raised = None;
+        self.interrupt();
+    }
+
     /// Restarts the time below the threshold, after a time jump.
     pub fn interrupt(&mut self) {
         self.below = Span::ZERO;

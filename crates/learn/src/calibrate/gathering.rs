@@ -27,7 +27,7 @@ struct Gathered {
     rows: u64,
     good: [Spread; 2],
     raw: [Spread; 2],
-    qualities: [[u64; 6]; 2],
+    qualities: [[u64; Quality::COUNT]; 2],
     /// C2 and C1 of single samples.
     points: Thinned<(f64, f64)>,
     /// Resolutions of C1 and C2.
@@ -56,7 +56,7 @@ impl Gathering {
             rows: 0,
             good: [Spread::default(); 2],
             raw: [Spread::default(); 2],
-            qualities: [[0; 6]; 2],
+            qualities: [[0; Quality::COUNT]; 2],
             points: Thinned::new(KEPT),
             resolutions: Default::default(),
         };
@@ -242,6 +242,8 @@ impl Gathered {
             (Quality::BrokenWire, "with a broken wire"),
             (Quality::Frozen, "frozen"),
             (Quality::Stale, "stale"),
+            (Quality::Failed, "of a device that says it is faulty"),
+            (Quality::NotOperational, "missing from a device that is not operational"),
         ];
         let count = |quality: Quality| self.qualities[i][quality as usize];
         let parts: Vec<String> = kinds

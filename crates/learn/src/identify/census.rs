@@ -42,7 +42,7 @@ pub struct Counted {
     pub rows: u64,
     pub monitored: u64,
     /// Positions of C1 that came but were not plausible, by [`Quality`].
-    pub implausible: [u64; 6],
+    pub implausible: [u64; Quality::COUNT],
     pub position: Spread,
     pub velocity: Spread,
     pub command: Spread,
@@ -299,6 +299,8 @@ impl Counted {
             (Quality::BrokenWire, "with a broken wire"),
             (Quality::Frozen, "frozen"),
             (Quality::Stale, "stale"),
+            (Quality::Failed, "of a device that says it is faulty"),
+            (Quality::NotOperational, "missing from a device that is not operational"),
         ] {
             if of(quality) > 0 {
                 parts.push(format!("{} {name}", of(quality)));

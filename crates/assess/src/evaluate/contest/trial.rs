@@ -218,6 +218,7 @@ mod tests {
                 residual: None,
                 threshold: None,
                 evidence: None,
+                device: None,
             },
         }
     }

@@ -157,6 +157,7 @@ fn warning(state: State, cylinder: u8, place: usize, fault: Fault) -> Warning {
         residual,
         threshold,
         evidence: None,
+        device: None,
     };
     Warning { timestamp: at(0), cylinder, detector, place, state, finding }
 }

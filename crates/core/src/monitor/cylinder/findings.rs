@@ -64,6 +64,7 @@ impl Cylinder {
             residual: Some(detection.residual),
             threshold: Some(detection.threshold),
             evidence: None,
+            device: None,
         }
     }
 
@@ -91,6 +92,7 @@ impl Cylinder {
                 onset: alarm.onset,
                 gain: alarm.scale.map(|scale| scale.gain),
             }),
+            device: None,
         })
     }
 
@@ -112,6 +114,7 @@ impl Cylinder {
             residual: Some(self.apart),
             threshold: Some(self.design.critical),
             evidence: None,
+            device: None,
         })
     }
 
@@ -142,6 +145,7 @@ impl Cylinder {
             residual: out_of_range.then_some(implausible.beyond),
             threshold: out_of_range.then_some(0.0),
             evidence: None,
+            device: implausible.report,
         })
     }
 

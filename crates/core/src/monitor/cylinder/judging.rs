@@ -20,7 +20,10 @@ impl Cylinder {
         difference: Option<f64>,
     ) -> Residuals {
         // Without a command the model predicts nothing, so its residual is no evidence.
-        let open = now.gate == Opening::Open && self.command_missing < self.design.command_stale;
+        // Nor does it for a valve that does not work.
+        let open = now.gate == Opening::Open
+            && self.command_missing < self.design.command_stale
+            && !self.has_idle_valve();
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());

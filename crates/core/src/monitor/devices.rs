@@ -1,0 +1,66 @@
+//! Emergency messages and heartbeats of devices, and what is told of them.
+
+use super::Monitor;
+use super::sink::{Notice, Sink};
+use super::subscriptions::DeviceService;
+use crate::frame::Frame;
+use crate::sample::device::DeviceState;
+use crate::sample::emergency::Emergency;
+use crate::time::Timestamp;
+
+impl Monitor {
+    /// Takes a frame of the service of a device at `place`. An error of a device is warned of at once; all
+    /// else has its effect in the next cycle, so that no flood of frames is one of warnings or notices.
+    pub(super) fn hear(
+        &mut self,
+        place: usize,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) {
+        let Some(service) = &self.stations[place].service else { return };
+        match service.service {
+            DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
+                Some(state) => {
+                    for (index, role) in &service.devices {
+                        self.cylinders[usize::from(*index)].hear_heartbeat(*role, state);
+                    }
+                }
+                None => self.counts.bad_signals += 1,
+            },
+            DeviceService::Emergency => match Emergency::read(frame.data()) {
+                Some(emergency) => self.hear_emergency(place, now, emergency, sink),
+                None => self.counts.bad_signals += 1,
+            },
+        }
+    }
+
+    fn hear_emergency(
+        &mut self,
+        place: usize,
+        now: Timestamp,
+        emergency: Emergency,
+        sink: &mut impl Sink,
+    ) {
+        let count = |monitor: &Self| {
+            let service = monitor.stations[place].service.as_ref();
+            service.map_or(0, |service| service.devices.len())
+        };
+        for device in 0..count(self) {
+            let Some(service) = &self.stations[place].service else { return };
+            let (index, role) = service.devices[device];
+            let index = usize::from(index);
+            if self.cylinders[index].hear_emergency(role, now, emergency) {
+                self.warn(index, now, sink);
+            }
+        }
+    }
+
+    /// Tells what the devices of the cylinder of `index` have said that is no fault.
+    pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        let cylinder = index as u8 + 1;
+        self.cylinders[index].take_news(|role, node, news| {
+            sink.notice(&Notice::Device { at, cylinder, role, node, news });
+        });
+    }
+}

@@ -1,0 +1,59 @@
+//! What CANopen devices say of themselves, in words and as JSON.
+
+use crate::sample::device::{DeviceNews, DeviceState};
+use crate::sample::emergency::Emergency;
+use crate::sample::{DeviceReason, DeviceReport};
+use serde::Serialize;
+
+/// What a device said that is no fault of its readings; its name goes before it.
+pub fn news(news: DeviceNews) -> String {
+    match news {
+        DeviceNews::State(DeviceState::Operational) => "is operational again".to_owned(),
+        DeviceNews::State(DeviceState::Initialising) => {
+            "has started, and is not operational: it sends no readings".to_owned()
+        }
+        DeviceNews::State(state) => {
+            format!("is {}, not operational: it sends no readings", state.name())
+        }
+        DeviceNews::Network(emergency) => format!("complains about the network: {emergency}"),
+    }
+}
+
+/// Fields of a warning that a device has given a reason for.
+#[derive(Serialize)]
+pub(super) struct DeviceFields {
+    node: u8,
+    reason: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none", flatten)]
+    emergency: Option<EmergencyFields>,
+}
+
+/// Fields of an emergency message.
+#[derive(Serialize)]
+pub(super) struct EmergencyFields {
+    code: String,
+    words: &'static str,
+    register: String,
+    field: String,
+}
+
+impl From<DeviceReport> for DeviceFields {
+    fn from(report: DeviceReport) -> Self {
+        let (reason, emergency) = match report.reason {
+            DeviceReason::Emergency(emergency) => ("emergency", Some(emergency.into())),
+            DeviceReason::HeartbeatLost => ("heartbeat_lost", None),
+        };
+        Self { node: report.node, reason, emergency }
+    }
+}
+
+impl From<Emergency> for EmergencyFields {
+    fn from(emergency: Emergency) -> Self {
+        Self {
+            code: format!("0x{:04X}", emergency.code),
+            words: emergency.words(),
+            register: format!("0x{:02X}", emergency.register),
+            field: emergency.detail.iter().map(|byte| format!("{byte:02X}")).collect(),
+        }
+    }
+}
