@@ -33,18 +33,31 @@ pub fn kind(incident: &Incident) -> String {
     if let Some(gain) = incident.gain {
         return format!("scale error of {:+.2} %", 100.0 * gain);
     }
-    match incident.fault {
-        Fault::Abrupt => match incident.size {
-            Some(size) => format!("step of {}", millimetres(size.abs())),
-            None => "step".to_owned(),
-        },
-        Fault::Noise => "noise".to_owned(),
-        Fault::Incipient => "growing error".to_owned(),
-        Fault::OutOfRange => "reading out of range".to_owned(),
-        Fault::BrokenWire => "no signal (broken wire)".to_owned(),
-        Fault::Frozen => "frozen reading".to_owned(),
-        Fault::Stale => "no readings".to_owned(),
-        Fault::Unclassified => "unclassified error".to_owned(),
+    match (incident.fault, incident.size) {
+        (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
+        (kind, _) => fault(kind).to_owned(),
+    }
+}
+
+/// A kind of fault.
+pub const fn fault(fault: Fault) -> &'static str {
+    match fault {
+        Fault::Abrupt => "step",
+        Fault::Noise => "noise",
+        Fault::Incipient => "growing error",
+        Fault::OutOfRange => "reading out of range",
+        Fault::BrokenWire => "no signal",
+        Fault::Frozen => "frozen reading",
+        Fault::Stale => "no readings",
+        Fault::Unclassified => "unclassified error",
+    }
+}
+
+/// Whom an incident is about, in a sentence: `C1`, `neither transducer`.
+pub const fn whom(whom: Suspect) -> &'static str {
+    match whom {
+        Suspect::Process => "neither transducer",
+        other => suspect(other),
     }
 }
 
@@ -58,10 +71,7 @@ pub fn worst(incident: &Incident) -> String {
 
 /// The incident in a line, without its time: `cylinder 5, C1, black: growing error, 65.8 mm off (limit 50.0 mm)`.
 pub fn line(incident: &Incident) -> String {
-    let whom = match incident.suspect {
-        Suspect::Process => "neither transducer",
-        other => suspect(other),
-    };
+    let whom = whom(incident.suspect);
     let worst = worst(incident);
     let separator = if worst.is_empty() { "" } else { ", " };
     let (cylinder, level, kind) = (incident.cylinder, incident.level.name(), kind(incident));
@@ -95,6 +105,9 @@ fn facts(incident: &Incident) -> Vec<String> {
     ];
     let fact = |(place, name): (WarningPlace, &str)| {
         let part = incident.part(place)?;
+        if let Some(device) = part.finding.device {
+            return Some(format!("{name}'s device: {device}{}", again(part)));
+        }
         let what = match part.finding.fault {
             Fault::Frozen => "did not change while the cylinder was driven",
             Fault::OutOfRange => "read a length that the cylinder cannot have",

@@ -15,6 +15,7 @@ use crate::canopen::node::{NmtCommand, NmtEvent};
 use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::failure::Failure;
+use crate::incident::Incident;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Request, Surroundings};
@@ -147,6 +148,11 @@ impl Journal for Appliance {
     fn warning(&mut self, warning: &Warning) {
         self.recorder.warning(warning);
         self.warnings.take(warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.recorder.incident(incident);
+        self.warnings.tell(incident);
     }
 
     fn dwell(&mut self, _: u8, _: &Dwell) {

@@ -1,11 +1,17 @@
-//! Logs warnings.
+//! Logs warnings and incidents.
 
+use crate::alarm::status::MAX_CYLINDERS;
 use crate::alarm::{State, Warning};
+use crate::incident::{Incident, MOST_AT_ONCE, Progress};
 use crate::live::outbox::OutboxLimits;
+use crate::story;
 use tracing::{info, warn};
 
 /// Most warnings that wait: as many as wait to be sent. Further ones are logged at once.
 const WAITING: usize = OutboxLimits::WAITING;
+
+/// Most incidents that wait: as many as can be open at once.
+const INCIDENTS_WAITING: usize = MOST_AT_ONCE * MAX_CYLINDERS;
 
 /// Keeps the warnings of a turn until their frames have been sent, since the bus comes first.
 /// Writing a log line takes longer than everything that the monitor does with a frame, and wakes
@@ -13,11 +19,15 @@ const WAITING: usize = OutboxLimits::WAITING;
 #[derive(Debug)]
 pub(super) struct WarningLog {
     waiting: Vec<Warning>,
+    incidents: Vec<Incident>,
 }
 
 impl WarningLog {
     pub(super) fn new() -> Self {
-        Self { waiting: Vec::with_capacity(WAITING) }
+        Self {
+            waiting: Vec::with_capacity(WAITING),
+            incidents: Vec::with_capacity(INCIDENTS_WAITING),
+        }
     }
 
     pub(super) fn take(&mut self, warning: &Warning) {
@@ -27,9 +37,17 @@ impl WarningLog {
         self.waiting.push(*warning);
     }
 
-    /// Logs the warnings that wait.
+    pub(super) fn tell(&mut self, incident: &Incident) {
+        if self.incidents.len() == INCIDENTS_WAITING {
+            self.write();
+        }
+        self.incidents.push(*incident);
+    }
+
+    /// Logs the warnings that wait, and then the incidents that they belong to.
     pub(super) fn write(&mut self) {
         self.waiting.drain(..).for_each(|warning| write(&warning));
+        self.incidents.drain(..).for_each(|incident| tell(&incident));
     }
 }
 
@@ -58,6 +76,31 @@ fn write(warning: &Warning) {
     match warning.state {
         State::Cleared => tell!(info),
         State::Raised | State::Changed => tell!(warn),
+    }
+}
+
+fn tell(incident: &Incident) {
+    let (line, state) = (story::line(incident), incident.progress.name());
+    let (number, cylinder) = (incident.number, incident.cylinder);
+    let (suspect, level) = (incident.suspect.name(), incident.level.name());
+    macro_rules! tell {
+        ($say:ident, $more:expr) => {
+            $say!(
+                incident = number,
+                cylinder,
+                suspect,
+                level,
+                timestamp = %incident.timestamp,
+                "incident {state}: {line}; {}",
+                $more
+            )
+        };
+    }
+    match incident.progress {
+        Progress::Closed => tell!(info, story::ending(incident)),
+        Progress::Opened | Progress::Revised | Progress::Standing => {
+            tell!(warn, story::evidence(incident));
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::bus::{Port, PortError, Sent};
 use crate::canopen::node::{NmtEvent, Node, NodeView};
 use crate::error_frame::ErrorFrame;
 use crate::frame::Frame;
+use crate::incident::Incident;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell};
 use crate::time::{Span, Timestamp};
@@ -22,6 +23,11 @@ pub trait Journal {
 
     fn warning(&mut self, warning: &Warning) {
         _ = warning;
+    }
+
+    /// Takes an incident that was opened, revised or closed.
+    fn incident(&mut self, incident: &Incident) {
+        _ = incident;
     }
 
     /// Takes the reading of a rod on its stop.
@@ -273,6 +279,10 @@ impl<J: Journal> Sink for Outlet<'_, J> {
             node.warning(warning, &mut |frame| self.outbox.put(frame));
         }
         self.journal.warning(warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.journal.incident(incident);
     }
 
     fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {

@@ -7,6 +7,7 @@ use tertius::bus::embedded::{BusState, Clock, EmbeddedBus, Endpoint, ManualClock
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::canopen::node::NmtEvent;
 use tertius::frame::{Frame, Id, Kind};
+use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal, NotTold, Silent};
 use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::{Monitor, Record};
@@ -46,6 +47,7 @@ pub fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
 pub struct Notes {
     pub records: Vec<Record>,
     pub warnings: Vec<Warning>,
+    pub incidents: Vec<Incident>,
     pub commands: Vec<NmtEvent>,
 }
 
@@ -56,6 +58,10 @@ impl Journal for Notes {
 
     fn warning(&mut self, warning: &Warning) {
         self.warnings.push(*warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.incidents.push(*incident);
     }
 
     fn nmt(&mut self, event: &NmtEvent) {
@@ -132,6 +138,8 @@ fn live_says_what_a_replay_of_the_same_frames_says() {
     let traffic = bus_traffic();
     let (_, replayed) = play(traffic.iter().cloned());
     assert!(replayed.warnings.len() >= 4 && !replayed.notices.is_empty());
+    let (incidents, end) = (replayed.incidents, traffic.last().expect("frames").timestamp);
+    assert!(incidents.len() > 1, "{incidents:?}");
     let replayed = wire(&replayed.frames);
     for rhythm in [1, 2, 7, 20, 61] {
         let mut bench = Bench::new();
@@ -140,6 +148,11 @@ fn live_says_what_a_replay_of_the_same_frames_says() {
         // What falls due within the guard of the last frame is still to come.
         assert!(replayed.len() - live.len() <= 1, "rhythm {rhythm}");
         assert!(live == replayed[..live.len()], "rhythm {rhythm}");
+        let told = &bench.notes.incidents;
+        assert!(*told == incidents[..told.len()], "rhythm {rhythm}: {told:?}");
+        let left = &incidents[told.len()..];
+        // At its end a replay tells of those that are not over.
+        assert!(left.iter().all(|it| it.timestamp >= end), "rhythm {rhythm}: {left:?}");
     }
 }
 

@@ -145,6 +145,17 @@ fn warnings_and_residuals_are_told_by_cylinder() {
     let (code, health) = bench.health();
     assert_eq!((code, &health["status"]), (200, &"degraded".into()), "{health}");
     assert_eq!(health["warnings_standing"], told);
+    let incident = &health["incidents"][0];
+    assert_eq!(
+        (&incident["cylinder"], &incident["suspect"]),
+        (&2.into(), &"c1".into()),
+        "{health}"
+    );
+    let reason = health["reason"].as_str().expect("words");
+    assert!(reason.starts_with("cylinder 2, C1, "), "{reason}");
+    let open = metrics.get("tertius_incidents_open", &["cylinder=2"]);
+    assert_eq!(open as usize, health["incidents"].as_array().expect("a list").len());
+    assert!(metrics.get("tertius_incidents_opened_total", &["cylinder=2"]) >= open);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use tertius::appliance::telemetry::clock::Clock as Watch;
 use tertius::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::Frame;
+use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal};
 use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
@@ -69,6 +70,10 @@ impl Journal for Witness {
         self.recorder.warning(warning);
         self.warnings += 1;
         self.raised.extend((warning.state == State::Raised).then_some(*warning));
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.recorder.incident(incident);
     }
 
     fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {

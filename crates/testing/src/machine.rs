@@ -5,6 +5,7 @@ use tertius::config::design::{self, Flaw};
 use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
+use tertius::incident::Incident;
 use tertius::monitor::{Estimates, Monitor, MonitorDesign, Notice, Record, Sink};
 use tertius::time::{Span, Timestamp};
 
@@ -22,6 +23,7 @@ const MIDDLE: u16 = 13_824;
 pub struct Collected {
     pub records: Vec<Record>,
     pub warnings: Vec<Warning>,
+    pub incidents: Vec<Incident>,
     pub frames: Vec<Frame>,
     pub notices: Vec<Notice>,
 }
@@ -33,6 +35,10 @@ impl Sink for Collected {
 
     fn warning(&mut self, warning: &Warning) {
         self.warnings.push(*warning);
+    }
+
+    fn incident(&mut self, incident: &Incident) {
+        self.incidents.push(*incident);
     }
 
     fn transmit(&mut self, frame: &OwnFrame) {

@@ -155,6 +155,18 @@ impl View {
                 count(&mut family, &labels, &cylinder.raised[*detector as usize - 1])?;
             }
         }
+        let help =
+            "Incidents that were opened: the warnings of a cylinder that have one cause are one.";
+        let mut family = out.family("incidents_opened", help, None, MetricType::Counter)?;
+        for (number, cylinder) in self.numbered() {
+            count(&mut family, &[("cylinder", number)], &cylinder.incidents.opened)?;
+        }
+        let help = "Incidents that are not closed.";
+        let mut family = out.family("incidents_open", help, None, MetricType::Gauge)?;
+        for (number, cylinder) in self.numbered() {
+            let open = cylinder.incidents.open(0).count() as f64;
+            family.encode_family(&[("cylinder", number)])?.encode_gauge(&open)?;
+        }
         let standing = f64::from(self.telemetry.standing.load(Ordering::Relaxed));
         out.gauge("warnings_standing", "Standing warnings.", Some(standing))?;
         let help = "The highest level of the standing warnings: 0 none, 1 yellow, 2 orange, \

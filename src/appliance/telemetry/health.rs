@@ -2,7 +2,7 @@
 
 use super::exposition::{ALARM_LEVELS, CONTROLLER_STATES, MODES};
 use super::stops::Drifting;
-use super::{EVIDENCE, Telemetry};
+use super::{EVIDENCE, OpenIncident, Telemetry};
 use crate::alarm::status::{Health, Mode};
 use serde::Serialize;
 use std::sync::atomic::Ordering;
@@ -36,6 +36,8 @@ pub struct HealthReport {
     pub controller: Option<&'static str>,
     pub level: &'static str,
     pub warnings_standing: u32,
+    /// Incidents that are not closed, the worst first.
+    pub incidents: Vec<OpenIncident>,
     /// Time since the last turn of the data path, s; `null` if there was none.
     pub seconds_since_turn: Option<f64>,
     /// Time since the last frame of the machine, s; `null` if there was none since the bus was
@@ -65,6 +67,7 @@ impl Telemetry {
             bus: if self.is_open() { "open" } else { "closed" },
             controller: self.link.state.get().and_then(|state| name(&CONTROLLER_STATES, state)),
             level: name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none"),
+            incidents: self.incidents(),
             warnings_standing: self.standing.load(Ordering::Relaxed),
             seconds_since_turn: self.since_turn(now).map(|time| time.as_secs_f64()),
             seconds_since_frame: self.since_frame(now).map(|time| time.as_secs_f64()),
@@ -79,12 +82,7 @@ impl Telemetry {
         let standing = self.standing.load(Ordering::Relaxed);
         let mode = self.mode.get();
         if standing > 0 {
-            let level = name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none");
-            let reason = match standing {
-                1 => format!("a warning of level {level} stands"),
-                _ => format!("{standing} warnings stand, the highest of level {level}"),
-            };
-            return (Condition::Degraded, reason);
+            return (Condition::Degraded, self.trouble(standing));
         }
         if let Some(reason) = self.silence(now) {
             return (Condition::Unknown, reason);
@@ -103,6 +101,21 @@ impl Telemetry {
             _ => (Condition::Unknown, "not everything has been judged yet"),
         };
         (condition, reason.to_owned())
+    }
+
+    /// What is wrong with the machine, where `standing` warnings stand.
+    fn trouble(&self, standing: u32) -> String {
+        if let [worst, others @ ..] = &self.incidents()[..] {
+            return match others.len() {
+                0 => worst.summary.clone(),
+                more => format!("{}; and {more} more", worst.summary),
+            };
+        }
+        let level = name(&ALARM_LEVELS, self.level.load(Ordering::Relaxed)).unwrap_or("none");
+        match standing {
+            1 => format!("a warning of level {level} stands"),
+            _ => format!("{standing} warnings stand, the highest of level {level}"),
+        }
     }
 
     /// Why the gateway does not do its work, if so.

@@ -9,6 +9,7 @@ mod cell;
 pub mod clock;
 pub mod exposition;
 pub mod health;
+mod incidents;
 mod recorder;
 mod stops;
 mod totals;
@@ -18,6 +19,8 @@ use crate::bus::socket::{ControllerState, LinkState};
 use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
+use incidents::Incidents;
+pub use incidents::OpenIncident;
 pub use recorder::Recorder;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
@@ -52,6 +55,7 @@ struct Cylinder {
     /// State ([`Health`]) of C1 and C2.
     transducers: [State; 2],
     stop: Stop,
+    incidents: Incidents,
 }
 
 impl Cylinder {
@@ -62,6 +66,7 @@ impl Cylinder {
             raised: Default::default(),
             transducers: Default::default(),
             stop: Stop::default(),
+            incidents: Incidents::default(),
         }
     }
 }
@@ -139,6 +144,17 @@ impl Telemetry {
     fn cylinders(&self) -> &[Cylinder] {
         let used = usize::from(self.used.load(Ordering::Relaxed));
         &self.cylinders[..used.min(MAX_CYLINDERS)]
+    }
+
+    /// The incidents that are not closed, the worst first.
+    fn incidents(&self) -> Vec<OpenIncident> {
+        let cylinders = (1..).zip(self.cylinders());
+        let open = cylinders.flat_map(|(number, cylinder)| cylinder.incidents.open(number));
+        let mut open: Vec<OpenIncident> = open.collect();
+        let level =
+            |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
+        open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));
+        open
     }
 
     fn is_open(&self) -> bool {

@@ -5,6 +5,7 @@ use super::{DETECTORS, Telemetry, mark};
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, OwnMessage, State, Warning};
 use crate::bus::{Port, PortCounts};
+use crate::incident::Incident;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{OutboxCounts, OutboxLimits};
 use crate::monitor::{Counts, Record};
@@ -81,6 +82,14 @@ impl Recorder {
         cylinder.raised[detector].add(1);
     }
 
+    /// Takes an incident that was opened, revised or closed.
+    pub fn incident(&mut self, incident: &Incident) {
+        let index = usize::from(incident.cylinder).wrapping_sub(1);
+        if let Some(cylinder) = self.telemetry.cylinders.get(index) {
+            cylinder.incidents.take(incident);
+        }
+    }
+
     /// Notes that `frame` was handed to the interface. A warning's frame bears the time of the
     /// frame or the deadline that caused it; repetitions and statuses are caused by the clock and
     /// do not count.
@@ -138,6 +147,7 @@ impl Recorder {
         telemetry.totals.reloads_accepted.add(1);
         telemetry.publish(&Status::default());
         telemetry.forget_evidence();
+        telemetry.cylinders.iter().for_each(|cylinder| cylinder.incidents.clear());
         telemetry.open.store(false, Ordering::Relaxed);
         (self.outbox, self.monitor) = (OutboxCounts::default(), Counts::default());
         self.status_at = None;

@@ -67,6 +67,10 @@ figcaption p { margin: .15rem 0; }
 .legend .area { height: 10px; border-top: 10px solid; opacity: .5; }
 .legend .upright { width: 0; height: 13px; border-left: 3px solid; opacity: .6; }
 footer { margin-top: 2.5rem; color: var(--quiet); font-size: 12px; }
+@media (max-width: 480px) {
+  table { font-size: 12px; }
+  th, td, .wide th, .wide td { padding-right: .35rem; }
+}
 @page { margin: 12mm; }
 @media print {
   :root { --ink: #000; --paper: #fff; --line: #999; --faint: #ddd; --quiet: #444; --link: #000; --alarm: #fff; --good: #fff; }

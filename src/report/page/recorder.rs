@@ -38,6 +38,7 @@ pub struct Raised {
     pub t: f64,
     pub cylinder: u8,
     pub detector: Detector,
+    /// Highest level that it has reached.
     pub level: Level,
 }
 
@@ -141,8 +142,10 @@ impl PageRecorder {
     }
 
     pub fn warning(&mut self, first: Timestamp, warning: &Warning) {
-        if warning.state != State::Raised {
-            return;
+        match warning.state {
+            State::Raised => {}
+            State::Changed => return self.worsen(warning),
+            State::Cleared => return,
         }
         let t = self.axis.place(first, warning.timestamp);
         let Warning { cylinder, detector, finding, .. } = *warning;
@@ -151,6 +154,15 @@ impl PageRecorder {
         }
         self.zooms.warning(cylinder, self.count, t);
         self.count += 1;
+    }
+
+    /// Marks a warning by the highest level that it has reached.
+    fn worsen(&mut self, warning: &Warning) {
+        let Warning { cylinder, detector, finding, .. } = *warning;
+        let is = |raised: &&mut Raised| (raised.cylinder, raised.detector) == (cylinder, detector);
+        if let Some(raised) = self.raised.iter_mut().rfind(is) {
+            raised.level = raised.level.max(finding.level);
+        }
     }
 
     pub fn notice(&mut self, first: Timestamp, notice: &Notice) {

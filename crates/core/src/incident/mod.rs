@@ -98,7 +98,7 @@ pub type Quantities = [Option<f64>; QUANTITIES];
 
 /// Largest absolute value of a quantity during an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
+pub struct Excursion {
     /// m, signed.
     pub value: f64,
     /// Opening of the cycle.
@@ -148,7 +148,7 @@ pub struct Incident {
     /// Parts of the detectors, in the order of [`WarningPlace`].
     pub parts: [Option<Part>; PLACES],
     /// Peaks in the order of [`Quantity::ALL`]; [`Quantity::Measured`] only beyond the machine's own limit.
-    pub peaks: [Option<Peak>; QUANTITIES],
+    pub peaks: [Option<Excursion>; QUANTITIES],
     /// Limits of the quantities, m.
     pub limits: [f64; QUANTITIES],
 }
@@ -167,7 +167,7 @@ impl Incident {
     /// The quantity that tells best how bad it is, with its peak: the measured difference where the
     /// machine itself would trip, R3 where it is beyond its bound, and otherwise the innovation that
     /// is furthest beyond its threshold.
-    pub fn worst(&self) -> Option<(Quantity, Peak)> {
+    pub fn worst(&self) -> Option<(Quantity, Excursion)> {
         let of = |quantity: Quantity| {
             let peak = self.peaks[quantity as usize]?;
             Some((quantity, peak))

@@ -1,7 +1,7 @@
 //! The incidents that are not closed, of all cylinders.
 
 use super::joining::Open;
-use super::{Ending, Incident, Part, Peak, Progress, QUANTITIES, Quantities, Quantity};
+use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
 use crate::alarm::detector::PLACES;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::alarm::{Finding, Level, State, Warning};
@@ -213,7 +213,7 @@ impl Incident {
         for (peak, value) in self.peaks.iter_mut().zip(quantities) {
             let Some(value) = *value else { continue };
             if peak.is_none_or(|peak| value.abs() > peak.value.abs()) {
-                *peak = Some(Peak { value, at: opened });
+                *peak = Some(Excursion { value, at: opened });
             }
         }
     }

@@ -33,7 +33,7 @@ use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 pub use counts::Counts;
-use cylinder::{Blank, Cylinder, CylinderDesign, Evaluated, Evaluation, Tally};
+use cylinder::{Blank, Cylinder, CylinderDesign, Evaluation, Tally};
 pub use estimates::Estimates;
 use gate::{Gate, Opening};
 use page::{Page, Station};
@@ -387,34 +387,6 @@ impl Monitor {
                 sink.transmit(&self.encoder.estimate(at, number, estimate));
             }
         }
-    }
-
-    fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
-        let findings = self.cylinders[index].findings();
-        let Self { register, incidents, encoder, .. } = self;
-        let said = register.update(at, index, &findings, |warning| {
-            incidents.take(&warning);
-            let raised = warning.state != crate::alarm::State::Cleared;
-            sink.warning(&warning);
-            let frame =
-                encoder.warning(at, warning.cylinder, warning.detector, &warning.finding, raised);
-            sink.transmit(&frame);
-        });
-        if said {
-            self.reckon_due();
-        }
-    }
-
-    fn follow_incidents(
-        &mut self,
-        index: usize,
-        now: Evaluation,
-        evaluated: &Evaluated,
-        sink: &mut impl Sink,
-    ) {
-        let quantities = self.cylinders[index].quantities(evaluated);
-        let times = [now.opened, now.at];
-        self.incidents.follow(index, times, &quantities, |incident| sink.incident(incident));
     }
 }
 

@@ -1,11 +1,11 @@
-//! The monitor's repeated frames: Fd_Status, its report on itself, and standing warnings.
+//! What the monitor tells: warnings, incidents, the frames about them, and Fd_Status, its report on itself.
 
-use super::cylinder::Cylinder;
+use super::cylinder::{Cylinder, Evaluated, Evaluation};
 use super::gate::Opening;
 use super::{Monitor, Sink};
 use crate::alarm::own::Sending;
 use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
-use crate::alarm::{OwnFrame, OwnMessage};
+use crate::alarm::{OwnFrame, OwnMessage, State};
 use crate::time::{Span, Timestamp};
 
 /// Period of Fd_Status.
@@ -20,6 +20,36 @@ impl Monitor {
         self.last_status = Some((at, status));
         sink.transmit(&self.encoder.status(at, &status));
         self.next_status = self.next_status.after(STATUS_PERIOD);
+    }
+
+    /// Passes on what the detectors of the cylinder of `index` say.
+    pub(super) fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        let findings = self.cylinders[index].findings();
+        let Self { register, incidents, encoder, .. } = self;
+        let said = register.update(at, index, &findings, |warning| {
+            incidents.take(&warning);
+            let raised = warning.state != State::Cleared;
+            sink.warning(&warning);
+            let frame =
+                encoder.warning(at, warning.cylinder, warning.detector, &warning.finding, raised);
+            sink.transmit(&frame);
+        });
+        if said {
+            self.reckon_due();
+        }
+    }
+
+    /// Passes on what became of the incidents of the cylinder of `index` in a cycle.
+    pub(super) fn follow_incidents(
+        &mut self,
+        index: usize,
+        now: Evaluation,
+        evaluated: &Evaluated,
+        sink: &mut impl Sink,
+    ) {
+        let quantities = self.cylinders[index].quantities(evaluated);
+        let times = [now.opened, now.at];
+        self.incidents.follow(index, times, &quantities, |incident| sink.incident(incident));
     }
 
     pub(super) fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {

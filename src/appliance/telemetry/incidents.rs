@@ -1,0 +1,107 @@
+//! The incidents of a cylinder that are not closed, in atomics.
+
+use super::cell::Total;
+use crate::alarm::Level;
+use crate::incident::{Incident, MOST_AT_ONCE, Progress};
+use crate::story;
+use crate::time::Timestamp;
+use crate::verdict::{Fault, Suspect};
+use serde::Serialize;
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
+
+/// The places for the open incidents of one cylinder. One thread writes.
+#[derive(Debug, Default)]
+pub(super) struct Incidents {
+    slots: [Slot; MOST_AT_ONCE],
+    pub opened: Total,
+}
+
+/// An incident in two words, of which the first is zero without one: its number in the upper half, then level,
+/// suspect and fault, a byte each.
+#[derive(Debug, Default)]
+struct Slot {
+    packed: AtomicU64,
+    begin: AtomicI64,
+}
+
+/// An open incident, for people and scripts.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OpenIncident {
+    pub number: u32,
+    pub cylinder: usize,
+    pub suspect: &'static str,
+    pub level: &'static str,
+    pub fault: &'static str,
+    /// Time stamp of its first warning, s.
+    pub begin: f64,
+    /// In words: `cylinder 5, C1, black: growing error`.
+    pub summary: String,
+}
+
+const LEVELS: [Level; 5] = [Level::None, Level::Yellow, Level::Orange, Level::Red, Level::Black];
+const SUSPECTS: [Suspect; 4] = [Suspect::Undecided, Suspect::C1, Suspect::C2, Suspect::Process];
+const FAULTS: [Fault; 8] = [
+    Fault::Unclassified,
+    Fault::Abrupt,
+    Fault::Noise,
+    Fault::Incipient,
+    Fault::OutOfRange,
+    Fault::BrokenWire,
+    Fault::Frozen,
+    Fault::Stale,
+];
+
+fn place<T: PartialEq>(all: &[T], one: &T) -> u64 {
+    all.iter().position(|it| it == one).unwrap_or(0) as u64
+}
+
+impl Incidents {
+    /// Takes an incident that was opened, revised or closed.
+    pub fn take(&self, incident: &Incident) {
+        let number = u64::from(incident.number);
+        let is = |slot: &&Slot| slot.packed.load(Ordering::Relaxed) >> 32 == number;
+        let known = self.slots.iter().find(is);
+        match incident.progress {
+            Progress::Closed => {
+                known.into_iter().for_each(|slot| slot.packed.store(0, Ordering::Relaxed));
+                return;
+            }
+            Progress::Opened => self.opened.add(1),
+            Progress::Revised | Progress::Standing => {}
+        }
+        let free = |slot: &&Slot| slot.packed.load(Ordering::Relaxed) == 0;
+        let Some(slot) = known.or_else(|| self.slots.iter().find(free)) else { return };
+        let level = place(&LEVELS, &incident.level);
+        let (suspect, fault) =
+            (place(&SUSPECTS, &incident.suspect), place(&FAULTS, &incident.fault));
+        slot.begin.store(incident.begin.as_nanos(), Ordering::Relaxed);
+        slot.packed.store(number << 32 | level << 16 | suspect << 8 | fault, Ordering::Release);
+    }
+
+    /// Forgets all of them: another monitor counts anew.
+    pub fn clear(&self) {
+        self.slots.iter().for_each(|slot| slot.packed.store(0, Ordering::Relaxed));
+    }
+
+    /// The open incidents of the cylinder `cylinder`.
+    pub fn open(&self, cylinder: usize) -> impl Iterator<Item = OpenIncident> {
+        self.slots.iter().filter_map(move |slot| {
+            let packed = slot.packed.load(Ordering::Acquire);
+            let number = u32::try_from(packed >> 32).ok().filter(|number| *number > 0)?;
+            let byte = |shift: u32| (packed >> shift & 0xFF) as usize;
+            let level = *LEVELS.get(byte(16))?;
+            let (suspect, fault) = (*SUSPECTS.get(byte(8))?, *FAULTS.get(byte(0))?);
+            let whom = story::whom(suspect);
+            let (name, kind) = (level.name(), story::fault(fault));
+            Some(OpenIncident {
+                number,
+                cylinder,
+                suspect: suspect.name(),
+                level: name,
+                fault: fault.name(),
+                begin: Timestamp::from_nanos(slot.begin.load(Ordering::Relaxed)).as_seconds(),
+                summary: format!("cylinder {cylinder}, {whom}, {name}: {kind}"),
+            })
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! The line of an incident.
+
+use super::{Digits, digits, write_line};
+use crate::alarm::register::DETECTORS;
+use crate::incident::{Incident, Quantity};
+use crate::story;
+use crate::time::Timestamp;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+#[derive(Serialize)]
+struct IncidentLine<'a> {
+    r#type: &'static str,
+    t: Digits,
+    timestamp: Digits,
+    incident: u32,
+    state: &'static str,
+    cylinder: u8,
+    level: &'static str,
+    suspect: &'static str,
+    fault: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shape: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gain_percent: Option<f64>,
+    begin: Digits,
+    onset: Digits,
+    end: Option<Digits>,
+    ending: Option<&'static str>,
+    size: Option<f64>,
+    quantity: Option<&'static str>,
+    peak: Option<f64>,
+    peak_at: Option<Digits>,
+    limit: Option<f64>,
+    peaks: BTreeMap<&'static str, f64>,
+    detectors: Vec<DetectorFields>,
+    summary: &'a str,
+    evidence: &'a str,
+}
+
+/// A detector's share in an incident.
+#[derive(Serialize)]
+struct DetectorFields {
+    detector: &'static str,
+    suspect: &'static str,
+    raised: Digits,
+    raises: u32,
+}
+
+/// Writes `incident`; see [`super::warning`].
+///
+/// # Errors Errors of `out`.
+pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> io::Result<()> {
+    let since = |at: Timestamp| digits(at.since(first));
+    let worst = incident.worst();
+    let peaks = Quantity::ALL.into_iter().zip(incident.peaks);
+    let parts = DETECTORS.into_iter().zip(&incident.parts);
+    let parts = parts.filter_map(|(detector, part)| {
+        part.map(|part| DetectorFields {
+            detector: detector.name(),
+            suspect: part.finding.suspect.name(),
+            raised: since(part.raised),
+            raises: part.raises,
+        })
+    });
+    write_line(
+        out,
+        &IncidentLine {
+            r#type: "incident",
+            t: since(incident.timestamp),
+            timestamp: digits(incident.timestamp),
+            incident: incident.number,
+            state: incident.progress.name(),
+            cylinder: incident.cylinder,
+            level: incident.level.name(),
+            suspect: incident.suspect.name(),
+            fault: incident.fault.name(),
+            shape: incident.gain.map(|_| "scale"),
+            gain_percent: incident.gain.map(|gain| 100.0 * gain),
+            begin: since(incident.begin),
+            onset: since(incident.onset),
+            end: incident.end.map(|(at, _)| since(at)),
+            ending: incident.end.map(|(_, how)| how.name()),
+            size: incident.size,
+            quantity: worst.map(|(quantity, _)| quantity.name()),
+            peak: worst.map(|(_, peak)| peak.value),
+            peak_at: worst.map(|(_, peak)| since(peak.at)),
+            limit: worst.map(|(quantity, _)| incident.limits[quantity as usize]),
+            peaks: peaks
+                .filter_map(|(quantity, peak)| Some((quantity.name(), peak?.value)))
+                .collect(),
+            detectors: parts.collect(),
+            summary: &story::line(incident),
+            evidence: &story::evidence(incident),
+        },
+    )
+}
