@@ -10,9 +10,9 @@ use crate::alarm::{Detector, Level, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
-/// Time after the last warning within which a fault near a threshold may show itself again: a wave's
-/// period, since it may be visible in a part of the motion only.
-const SHOWN_AGAIN: Span = Span::from_nanos(12_000_000_000);
+/// Time after the last warning within which a fault near a threshold may show itself again: the period of a long
+/// wave, since it may be visible in a part of the motion only, less the time that a warning takes to clear.
+const SHOWN_AGAIN: Span = Span::from_nanos(8_000_000_000);
 
 /// The same after the fault was seen to go: a loose contact comes again sooner.
 const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
