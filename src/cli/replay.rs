@@ -189,7 +189,7 @@ impl Replay {
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
         let blanks = of_all.flat_map(|(n, blanks)| blanks.map(move |blank| (n, blank)));
-        let blanks = Blanks { blanks: blanks.collect() };
+        let blanks = Blanks { blanks: blanks.collect(), unjudged: monitor.unjudged().collect() };
         let episodes = std::mem::take(&mut output.episodes);
         let incidents = std::mem::take(&mut output.incidents);
         let histories = monitor.sequential().map(|(n, it)| (n, it.dwells())).collect();

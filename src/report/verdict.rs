@@ -25,6 +25,8 @@ const ALIKE: i64 = 100_000_000;
 pub struct Blanks {
     /// Cylinder number, from 1, and its blank.
     pub blanks: Vec<(usize, Blank)>,
+    /// Cycles that the observers of each cylinder did not judge; `None` for a transducer that is not configured.
+    pub unjudged: Vec<[Option<u64>; 2]>,
 }
 
 /// The verdict, in lines.
@@ -53,11 +55,10 @@ fn incidents(incidents: &Incidents, duration: f64, zone: &Zone) -> String {
 /// Part of the cycles of all transducers that their observers judged.
 fn judged(summary: &Summary<'_>) -> String {
     let (mut judged, mut cycles) = (0, 0);
-    for (number, tally) in (1..).zip(summary.tallies) {
-        for (i, transducer) in [Transducer::C1, Transducer::C2].into_iter().enumerate() {
-            let is_configured = tally.judged[i] > 0 || summary.blanks.has(number, transducer);
-            cycles += if is_configured { tally.cycles } else { 0 };
-            judged += tally.judged[i];
+    for (tally, unjudged) in summary.tallies.iter().zip(&summary.blanks.unjudged) {
+        for unjudged in unjudged.iter().flatten() {
+            cycles += tally.cycles;
+            judged += tally.cycles - unjudged;
         }
     }
     match (judged, cycles) {
@@ -99,10 +100,6 @@ fn sequential(summary: &Summary<'_>) -> Option<String> {
 }
 
 impl Blanks {
-    fn has(&self, number: usize, transducer: Transducer) -> bool {
-        self.blanks.iter().any(|(n, blank)| *n == number && blank.transducer == transducer)
-    }
-
     /// The longest ones in words, those of several transducers at the same time together.
     fn told(&self, cylinders: usize, zone: &Zone) -> Vec<String> {
         let mut groups: Vec<(Blank, Vec<(usize, Transducer)>)> = Vec::new();

@@ -22,7 +22,15 @@ fn at(seconds: f64) -> Timestamp {
 
 fn finding(fault: Fault, suspect: Suspect, residual: f64) -> Finding {
     let (residual, threshold) = (Some(residual), Some(1e-3));
-    Finding { fault, suspect, level: Level::Yellow, residual, threshold, evidence: None, device: None }
+    Finding {
+        fault,
+        suspect,
+        level: Level::Yellow,
+        residual,
+        threshold,
+        evidence: None,
+        device: None,
+    }
 }
 
 impl Story {

@@ -17,7 +17,7 @@ use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::incident::QUANTITIES;
+use crate::incident::{QUANTITIES, Quantities};
 use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
 use crate::sample::device::{DeviceDesign, DeviceWord};
 use crate::sample::motion::ReadingMotion;
@@ -131,6 +131,10 @@ pub struct Cylinder {
     push: Option<Push>,
     judged: [bool; 2],
     blanks: Blanks,
+    /// Whether an incident of it is open.
+    pub is_watched: bool,
+    /// Quantities of the newest cycle in which it was watched, or found anything.
+    quantities: Quantities,
     tally: Tally,
 }
 
@@ -162,6 +166,8 @@ impl Cylinder {
             push: None,
             judged: [false; 2],
             blanks: Blanks::default(),
+            is_watched: false,
+            quantities: Quantities::default(),
             tally: Tally::default(),
             design,
         };
@@ -286,6 +292,9 @@ impl Cylinder {
         let complete = self.is_complete();
         self.tally.count(&residuals, self.judged.contains(&true), complete);
         self.note_blanks(now);
+        if self.is_watched || self.finds_anything() {
+            self.note_quantities(&residuals);
+        }
         Evaluated { readings, innovations, difference }
     }
 
@@ -326,7 +335,8 @@ impl Cylinder {
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
-        self.blanks.interrupt();
+        self.blanks.interrupt(self.tally.cycles);
+        self.is_watched = false;
         self.motions = Default::default();
         self.interrupt_devices();
         self.critical.interrupt();

@@ -147,6 +147,12 @@ impl Monitor {
         self.cylinders.iter().map(Cylinder::blanks)
     }
 
+    /// Cycles that the observers on C1 and C2 of each cylinder did not judge, in the order of the cylinders; `None`
+    /// for a transducer that is not configured.
+    pub fn unjudged(&self) -> impl Iterator<Item = [Option<u64>; 2]> {
+        self.cylinders.iter().map(Cylinder::unjudged)
+    }
+
     /// Whether the platform was in a monitored state in any cycle.
     pub const fn has_opened(&self) -> bool {
         self.opened_once
@@ -379,7 +385,7 @@ impl Monitor {
             self.warn(index, at, sink);
         }
         if self.incidents.is_open(index) {
-            self.follow_incidents(index, now, &evaluated, sink);
+            self.follow_incidents(index, now, sink);
         }
         if let Some(estimate) = self.cylinders[index].estimated() {
             sink.estimate(now.opened, number, estimate);

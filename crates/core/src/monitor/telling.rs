@@ -1,6 +1,6 @@
 //! What the monitor tells: warnings, incidents, the frames about them, and Fd_Status, its report on itself.
 
-use super::cylinder::{Cylinder, Evaluated, Evaluation};
+use super::cylinder::{Cylinder, Evaluation};
 use super::gate::Opening;
 use super::{Monitor, Sink};
 use crate::alarm::own::Sending;
@@ -40,16 +40,11 @@ impl Monitor {
     }
 
     /// Passes on what became of the incidents of the cylinder of `index` in a cycle.
-    pub(super) fn follow_incidents(
-        &mut self,
-        index: usize,
-        now: Evaluation,
-        evaluated: &Evaluated,
-        sink: &mut impl Sink,
-    ) {
-        let quantities = self.cylinders[index].quantities(evaluated);
-        let times = [now.opened, now.at];
-        self.incidents.follow(index, times, &quantities, |incident| sink.incident(incident));
+    pub(super) fn follow_incidents(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
+        let Self { cylinders, incidents, .. } = self;
+        let (cylinder, times) = (&mut cylinders[index], [now.opened, now.at]);
+        incidents.follow(index, times, cylinder.quantities(), |it| sink.incident(it));
+        cylinder.is_watched = incidents.is_open(index);
     }
 
     pub(super) fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {

@@ -53,14 +53,28 @@ pub struct Blank {
 pub(super) struct Blanks {
     /// Whether each observer judged in the newest cycle; `None` before the first.
     judged: Option<[bool; 2]>,
-    open: [Option<(Timestamp, NotJudged)>; 2],
+    open: [Option<Begun>; 2],
     longest: [[Option<Blank>; KEPT]; 2],
+    /// Cycles in the blanks that are over.
+    cycles: [u64; 2],
     newest: Timestamp,
 }
 
+/// A blank that lasts.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    from: Timestamp,
+    /// Number of cycles of the cylinder before it.
+    before: u64,
+    reason: NotJudged,
+}
+
 impl Blanks {
-    fn end(&mut self, i: usize, until: Timestamp) {
-        let Some((from, reason)) = self.open[i].take() else { return };
+    /// Ends the blank of the transducer of index `i` before the cycle that opens at `until`, the cylinder having
+    /// had `cycles` before that.
+    fn end(&mut self, i: usize, until: Timestamp, cycles: u64) {
+        let Some(Begun { from, before, reason }) = self.open[i].take() else { return };
+        self.cycles[i] += cycles - before;
         let blank = Blank { transducer: TRANSDUCERS[i], from, until, reason };
         let length = |blank: &Option<Blank>| blank.map(|it| it.until.since(it.from));
         // The shortest gives way; a free place is shorter than any.
@@ -71,9 +85,9 @@ impl Blanks {
     }
 
     /// Ends the blanks that are open, since time continues elsewhere.
-    pub fn interrupt(&mut self) {
+    pub fn interrupt(&mut self, cycles: u64) {
         let newest = self.newest;
-        (0..2).for_each(|i| self.end(i, newest));
+        (0..2).for_each(|i| self.end(i, newest, cycles));
         self.judged = None;
     }
 }
@@ -90,11 +104,14 @@ impl Cylinder {
 
     #[cold]
     fn note_blank(&mut self, now: Evaluation) {
+        // This one has been counted.
+        let before = self.tally.cycles - 1;
         for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
             if self.judged[i] {
-                self.blanks.end(i, now.opened);
+                self.blanks.end(i, now.opened, before);
             } else if self.has(transducer) && self.blanks.open[i].is_none() {
-                self.blanks.open[i] = Some((now.opened, self.not_judged(i, now)));
+                let reason = self.not_judged(i, now);
+                self.blanks.open[i] = Some(Begun { from: now.opened, before, reason });
             }
         }
         self.blanks.judged = Some(self.judged);
@@ -114,9 +131,17 @@ impl Cylinder {
     pub fn blanks(&self) -> impl Iterator<Item = Blank> {
         let Blanks { open, longest, newest, .. } = &self.blanks;
         let lasting = TRANSDUCERS.into_iter().zip(open).filter_map(|(transducer, open)| {
-            let (from, reason) = (*open)?;
+            let Begun { from, reason, .. } = (*open)?;
             Some(Blank { transducer, from, until: *newest, reason })
         });
         longest.iter().flatten().flatten().copied().chain(lasting)
+    }
+
+    /// Cycles that the observers of C1 and C2 did not judge; `None` for a transducer that is not configured.
+    pub fn unjudged(&self) -> [Option<u64>; 2] {
+        core::array::from_fn(|i| {
+            let lasting = self.blanks.open[i].map_or(0, |open| self.tally.cycles - open.before);
+            self.has(TRANSDUCERS[i]).then_some(self.blanks.cycles[i] + lasting)
+        })
     }
 }

@@ -10,8 +10,6 @@ pub struct Tally {
     pub cycles: u64,
     /// Cycles that neither FDE1 nor FDE2 judged.
     pub gated: u64,
-    /// Cycles that FDE1, FDE2 and FDE3 judged.
-    pub judged: [u64; 3],
     /// Cycles in which something configured did not arrive.
     pub incomplete: u64,
     /// Readings of C1 and C2 that did not pass the plausibility checks, without missing ones.
@@ -28,9 +26,7 @@ impl Tally {
         self.cycles += 1;
         self.gated += u64::from(!judged);
         self.incomplete += u64::from(!complete);
-        let worst = self.worst.iter_mut().zip(&mut self.judged);
-        for ((worst, judged), residual) in worst.zip(residuals.r) {
-            *judged += u64::from(residual.is_some());
+        for (worst, residual) in self.worst.iter_mut().zip(residuals.r) {
             if let Some(magnitude) = residual.map(f64::abs)
                 && worst.is_none_or(|worst| worst < magnitude)
             {

@@ -7,6 +7,7 @@ use crate::monitor::sink::Record;
 use crate::observe::observer::Innovation;
 use crate::sample::Reading;
 use crate::sample::plausibility::Plausibility;
+use crate::verdict::Residuals;
 
 /// Results that an evaluation leaves for [`Cylinder::record`].
 #[derive(Clone, Copy, Debug)]
@@ -19,14 +20,15 @@ pub struct Evaluated {
 
 impl Cylinder {
     /// What an incident is compared with in the newest cycle: what the detectors judged, and beyond the
-    /// machine's own limit the measured difference.
-    pub fn quantities(&self, evaluated: &Evaluated) -> Quantities {
-        let judged = |i: usize| {
-            let innovation = evaluated.innovations[i].filter(|it| it.whole && self.judged[i]);
-            innovation.map(|innovation| innovation.residual)
-        };
-        let measured = self.was_critical.then_some(self.apart);
-        [judged(0), judged(1), evaluated.difference, measured]
+    /// machine's own limit the measured difference. Only for a cylinder that is watched or finds anything.
+    pub const fn quantities(&self) -> &Quantities {
+        &self.quantities
+    }
+
+    #[cold]
+    pub(super) fn note_quantities(&mut self, residuals: &Residuals) {
+        let [r1, r2, r3] = residuals.r;
+        self.quantities = [r1, r2, r3, self.was_critical.then_some(self.apart)];
     }
 
     /// The record of the newest cycle, available until its inputs are cleared.
