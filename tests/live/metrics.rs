@@ -531,18 +531,24 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let drifting = later(&healthy, drift, &format!("{drift}{due}"));
     let dropped = "\ntertius_frames_dropped_total 0\n";
     let dropping = later(&healthy, dropped, "\ntertius_frames_dropped_total 3\n");
+    let opened = "\ntertius_incidents_opened_total{cylinder=\"2\"} 0\n";
+    let again = later(&healthy, opened, &opened.replace("} 0", "} 4"));
     let cases = serde_json::json!({
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
+        "again": again,
     });
-    let told = oracle::run("alerts.py", &["docs/TELEMETRY.md"], &cases.to_string());
+    let files = ["config/prometheus/tertius.rules.yml", "config/grafana/tertius.json"];
+    let told = oracle::run("alerts.py", &files, &cases.to_string());
     let told: serde_json::Value = serde_json::from_str(&told).expect("the oracle writes JSON");
-    let rules = ["Blind", "Warning", "Drift", "HistoryLost", "FramesLost"];
+    let rules =
+        ["Blind", "Warning", "IncidentsAgainAndAgain", "Drift", "HistoryLost", "FramesLost"];
     assert_eq!(told["rules"], serde_json::json!(rules));
     let expected = serde_json::json!({
         "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
-        "dropping": ["FramesLost"],
+        "dropping": ["FramesLost"], "again": ["IncidentsAgainAndAgain"],
     });
     assert_eq!(told["firing"], expected);
+    assert_eq!(told["queries"], 11, "each asks for what there is");
 }

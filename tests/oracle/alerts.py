@@ -1,10 +1,11 @@
-"""Tries the alert rules of a Markdown file on scrapes of the gateway.
+"""Tries the alert rules of Prometheus on scrapes of the gateway, and reads a dashboard of Grafana.
 
-  alerts.py DOCUMENT < SCRAPES
+  alerts.py RULES DASHBOARD < SCRAPES
 
 Standard input is a JSON object of cases, each a list of scrapes: `t` (s), `up`, and `text` as the
 gateway served it (OpenMetrics; not there while it is not up). Writes a JSON object: of each case the
-names of the alerts that fire at its last scrape, having been true for as long as they ask for.
+names of the alerts that fire at its last scrape, having been true for as long as they ask for, and the number of the
+dashboard's queries, each of which asks for what the gateway serves.
 
 The YAML is read by PyYAML, PromQL by the parser of promql-parser, the text by Prometheus' own client.
 Evaluated is the part of PromQL that the rules use; whatever else they may use is refused.
@@ -27,16 +28,21 @@ UNITS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 
 
 def rules(document):
-    """All rules of the blocks that have groups of them, as Prometheus would load the block."""
+    """All rules of the groups, as Prometheus would load them."""
     found = []
-    for block in re.findall(r"^```yaml\n(.*?)^```", document, re.MULTILINE | re.DOTALL):
-        for group in (yaml.safe_load(block) or {}).get("groups", []):
-            assert group["name"], "a group without a name"
-            for rule in group["rules"]:
-                assert set(rule) <= {"alert", "expr", "for", "labels", "annotations"}, rule
-                found.append((rule["alert"], promql.parse(rule["expr"]), wait(rule.get("for"))))
-    assert found, "no group of rules in the document"
+    for group in yaml.safe_load(document)["groups"]:
+        assert group["name"], "a group without a name"
+        for rule in group["rules"]:
+            assert set(rule) <= {"alert", "expr", "for", "labels", "annotations"}, rule
+            found.append((rule["alert"], promql.parse(rule["expr"]), wait(rule.get("for"))))
+    assert found, "there is no group of rules"
     return found
+
+
+def queries(dashboard):
+    """The queries of a dashboard, its variables for all."""
+    targets = (target for panel in dashboard["panels"] for target in panel["targets"])
+    return [promql.parse(re.sub(r"\$\w+", ".*", target["expr"])) for target in targets]
 
 
 def wait(text):
@@ -170,6 +176,8 @@ def firing(found, scrapes):
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         found = rules(file.read())
+    with open(sys.argv[2], encoding="utf-8") as file:
+        asked = queries(json.load(file))
     cases = json.load(sys.stdin)
     served = set()
     for scrapes in cases.values():
@@ -178,9 +186,13 @@ def main():
     for name, expression, _ in found:
         unknown = names(expression) - served
         assert not unknown, f"{name} asks for {unknown}, which the gateway does not serve"
+    for query in asked:
+        unknown = names(query) - served
+        assert not unknown, f"the dashboard asks for {unknown}, which the gateway does not serve"
     result = {case: firing(found, [Scrape(**scrape) for scrape in scrapes])
               for case, scrapes in cases.items()}
-    json.dump({"rules": [name for name, *_ in found], "firing": result}, sys.stdout)
+    json.dump({"rules": [name for name, *_ in found], "firing": result,
+               "queries": len(asked)}, sys.stdout)
 
 
 main()
