@@ -52,6 +52,26 @@ fn a_drift_is_named_before_it_is_a_millimetre() {
     }
 }
 
+/// Towards the end of a first year, half of a drift and a season that no difference has look nearly like all of it,
+/// and seem to move the other transducer, too. The days up to then are only read.
+#[test]
+fn a_drift_of_a_year_is_not_taken_for_half_a_year_and_a_season() {
+    for seed in 0..40 {
+        let mut machine = fine(seed);
+        for day in 0..365 {
+            let years = f64::from(day) / 365.25;
+            machine.visit(
+                years,
+                years,
+                |n, which| {
+                    if (n, which) == (0, 1) { 3.0 * years } else { 0.0 }
+                },
+            );
+            assert!(day < 340 || machine.blames() == only(0, Blame::C2), "{seed}, day {day}");
+        }
+    }
+}
+
 /// What no thermometer takes away delays the answer, and does not make it wrong.
 #[test]
 fn temperatures_that_differ_between_the_cylinders_blame_nobody() {

@@ -6,8 +6,9 @@
 //! first dwells, so no reading is compared with the first ones. The readings of a day are averaged
 //! ([`Day`]), the movement common to all cylinders is their temperature and is subtracted
 //! (`thermometer`), and ramps and steps are fitted to the difference of the two transducers and to
-//! their mean (`fit`). Where the difference has moved beyond chance, the transducer that has moved
-//! is named as soon as the mean of both shows clearly enough which it is (`rule`).
+//! their mean (`fit`). Where the difference has moved beyond chance by any of them, the likeliest of
+//! these is taken for what happened, and the transducer that has moved is named as soon as the mean
+//! of both shows clearly enough which it is (`rule`).
 
 mod days;
 mod fit;

@@ -13,6 +13,9 @@ const P: &StopParameters = &StopParameters::DEFAULT;
 /// Seasons that the mean may have.
 const SEASONS: [f64; P.seasons.len()] = P.seasons;
 
+/// Prior standard deviations of the difference's coefficients, m.
+const APART: [f64; 4] = [f64::INFINITY, f64::INFINITY, P.season_apart, P.season_apart];
+
 /// Course of a move of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Course {
@@ -108,8 +111,8 @@ impl Series {
         courses
     }
 
-    /// Moves of the difference and of the mean by `course`, up to `end`.
-    fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<[Fit; 2]> {
+    /// Rows of the fits by `course` up to `end`: a constant, the share of the move, a season and wear.
+    fn rows(&self, course: Course, end: f64) -> Vec<[f64; 5]> {
         let share = |day: &Day| match course {
             Course::Ramp(begin) => ((day.at - begin) / (end - begin)).max(0.0),
             Course::Step(at) => f64::from(u8::from(day.at >= at)),
@@ -118,15 +121,41 @@ impl Series {
             let (sin, cos) = libm::sincos(TAU * (day.at - end));
             [1.0, share(day), cos, sin, day.at - end]
         };
+        self.days.iter().map(row).collect()
+    }
+
+    /// Moves of the difference and of the mean by `course`, up to `end`.
+    fn fits(&self, course: Course, end: f64, prior: Prior) -> Option<[Fit; 2]> {
         let free = f64::INFINITY;
-        let rows: Vec<[f64; 5]> = self.days.iter().map(row).collect();
-        let four: Vec<[f64; 4]> = rows.iter().map(|[one, s, c, d, _]| [*one, *s, *c, *d]).collect();
-        let apart = fit(&four, &self.apart, [free, free, P.season_apart, P.season_apart], P.apart)?;
+        let rows = self.rows(course, end);
+        let apart = fit(&without_wear(&rows), &self.apart, APART, P.apart)?;
         let Prior { season, alone } = prior;
         let wear = P.wear[alone];
         let mean = fit(&rows, &self.mean, [free, free, season, season, wear], P.together[alone])?;
         Some([apart, mean])
     }
+
+    /// The likeliest of `courses`. The one that lies furthest beyond chance may be another, which
+    /// fits worse: a ramp that began half a year ago, say, and a season that no difference has.
+    fn likeliest(&self, courses: &[(Course, [Fit; 2])], end: f64) -> Option<(Course, [Fit; 2])> {
+        let scatters = courses.iter().map(|(_, [apart, _])| apart.scatter);
+        let scatter = scatters.fold(f64::INFINITY, f64::min);
+        let likelihoods = courses.iter().map(|it| (self.likelihood(it.0, end, scatter), it));
+        let likeliest = likelihoods.max_by(|(one, _), (two, _)| one.total_cmp(two));
+        likeliest.map(|(_, it)| *it)
+    }
+
+    /// Log-likelihood of the difference by `course` up to `end`, nats, where it scatters by `variance`, m²;
+    /// except for what is the same for all courses.
+    fn likelihood(&self, course: Course, end: f64, variance: f64) -> f64 {
+        let rows = without_wear(&self.rows(course, end));
+        likelihood(&rows, &self.apart, APART, variance).unwrap_or(f64::NEG_INFINITY)
+    }
+}
+
+/// Rows of the difference, which stops that wear do not move.
+fn without_wear(rows: &[[f64; 5]]) -> Vec<[f64; 4]> {
+    rows.iter().map(|[one, share, cos, sin, _]| [*one, *share, *cos, *sin]).collect()
 }
 
 /// Judges every cylinder of a machine by the days on which it was read; `counts` are the
@@ -146,7 +175,7 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
     let prior = Prior { season: season(series, which), alone };
     let nu = P.expected + own.days.len() as f64 - 2.0;
     let beyond = P.beyond * (1.0 + P.few / nu);
-    let mut best: Option<(f64, Course, [Fit; 2])> = None;
+    let mut beyond_chance: Vec<(Course, [Fit; 2])> = Vec::new();
     let mut judged = None;
     for course in own.courses() {
         let Some([mut apart, mut mean]) = own.fits(course, end, prior) else { continue };
@@ -164,14 +193,13 @@ fn cylinder(series: &[Series], which: usize, count: f64, alone: usize) -> Option
             apart.variance = apart.variance.max(a);
             mean.variance = mean.variance.max(m);
         }
-        let ratio = (size - count) / (beyond * libm::sqrt(apart.variance));
-        if ratio > 1.0 && best.is_none_or(|(most, ..)| ratio > most) {
-            best = Some((ratio, course, [apart, mean]));
+        if size - count > beyond * libm::sqrt(apart.variance) {
+            beyond_chance.push((course, [apart, mean]));
         }
     }
     let moved =
         |[apart, mean]: [Fit; 2]| [mean.moved + 0.5 * apart.moved, mean.moved - 0.5 * apart.moved];
-    let Some((_, course, fits)) = best else {
+    let Some((course, fits)) = own.likeliest(&beyond_chance, end) else {
         let (course, fits) = judged?;
         return Some(Judgement { blame: Blame::Neither, moved: moved(fits), course });
     };
