@@ -131,6 +131,8 @@ pub struct Cylinder {
     push: Option<Push>,
     judged: [bool; 2],
     blanks: Blanks,
+    /// Whether any detector has a finding.
+    has_found: bool,
     /// Whether an incident of it is open.
     pub is_watched: bool,
     /// Quantities of the newest cycle in which it was watched, or found anything.
@@ -166,6 +168,7 @@ impl Cylinder {
             push: None,
             judged: [false; 2],
             blanks: Blanks::default(),
+            has_found: false,
             is_watched: false,
             quantities: Quantities::default(),
             tally: Tally::default(),
@@ -188,7 +191,14 @@ impl Cylinder {
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
         if let Some(sequential) = &mut self.sequential {
             sequential.judge_stop(at, judgement);
+            self.has_found = self.finds_anything();
         }
+    }
+
+    /// Whether any detector has a finding now.
+    #[inline]
+    pub const fn has_found(&self) -> bool {
+        self.has_found
     }
 
     /// Cylinder number and sequential detector, if it has one.
@@ -292,7 +302,8 @@ impl Cylinder {
         let complete = self.is_complete();
         self.tally.count(&residuals, self.judged.contains(&true), complete);
         self.note_blanks(now);
-        if self.is_watched || self.finds_anything() {
+        self.has_found = self.finds_anything();
+        if self.is_watched || self.has_found {
             self.note_quantities(&residuals);
         }
         Evaluated { readings, innovations, difference }
@@ -365,6 +376,10 @@ impl Cylinder {
     ) -> bool {
         let checks = &mut self.plausibility[i];
         let quality = checks.judge(reading, moment);
+        if quality.is_good() && !self.implausible[i].raised() {
+            // Nearly always.
+            return true;
+        }
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
         let report = if quality.is_good() { None } else { self.report(i) };
         self.implausible[i].judge(at, Checked { quality, beyond, report });
@@ -391,6 +406,9 @@ impl Cylinder {
             (_, Some(_), _) => Quality::Good,
             (_, None, false) => Quality::Missing,
         };
+        if quality.is_good() && !self.implausible[2].raised() {
+            return;
+        }
         let report = if quality.is_good() { None } else { self.report(2) };
         self.implausible[2].judge(now.at, Checked { quality, beyond: 0.0, report });
     }

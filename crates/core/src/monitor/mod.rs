@@ -381,7 +381,7 @@ impl Monitor {
             sink.dwell(number, &dwell);
             self.judge_stops(at);
         }
-        if self.cylinders[index].finds_anything() || self.register.any(index) {
+        if self.cylinders[index].has_found() || self.register.any(index) {
             self.warn(index, at, sink);
         }
         if self.incidents.is_open(index) {
