@@ -49,6 +49,11 @@ impl Arrivals {
         self.free = self.opening.after(self.latency).max(self.free);
     }
 
+    /// Time at which the bus is free.
+    pub fn free(&self) -> Timestamp {
+        self.free
+    }
+
     /// Time at which the next frame, of `length` bytes, has been received; in whole microseconds,
     /// as candump prints it.
     pub fn next(&mut self, length: usize) -> Timestamp {

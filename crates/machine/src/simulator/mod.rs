@@ -17,6 +17,7 @@ mod check;
 mod disturbance;
 mod layout;
 mod machine;
+mod services;
 mod tables;
 pub mod truth;
 mod values;
@@ -31,6 +32,7 @@ use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
 use layout::{Layout, SendPhase};
+use services::Services;
 use tertius_config::settings::Settings;
 use tertius_core::decode::SignalPlan;
 use tertius_core::frame::Frame;
@@ -89,6 +91,7 @@ pub struct Simulator {
     machine: Machine,
     layout: Layout,
     arrivals: Arrivals,
+    services: Services,
     injector: Injector,
     in_loop: bool,
     /// Readings of the controller; lengths that did not arrive are those of the previous cycle.
@@ -114,6 +117,7 @@ impl Simulator {
             machine: Machine::new(tables, sample_time, options)?,
             arrivals: Arrivals::new(settings.bus.bitrate, tables.controller.latency, options.seed),
             layout,
+            services: Services::new(settings, database, &options.faults, options.epoch),
             injector: Injector::new(&options.faults, options.seed),
             in_loop: options.in_loop,
             readings: Readings::default(),
@@ -167,6 +171,8 @@ impl Simulator {
         self.layout.values.commanded(&commands);
         self.arrivals.answer();
         self.send(SendPhase::Commanded, sink);
+        let end = self.opening().after(self.sample_time);
+        self.services.send(end, &mut self.arrivals, &mut self.injector, sink);
         self.machine.advance();
         self.cycle += 1;
     }
