@@ -6,12 +6,12 @@ use tertius_testing::support::{Run, Scratch, changed, replay, tertius, top};
 
 const CONFIG: &str = "config/e-type-canopen.toml";
 
-fn shipped(name: &str) -> String {
+pub fn shipped(name: &str) -> String {
     fs::read_to_string(top().join(name)).expect("it ships")
 }
 
 /// The shipped configuration with `changes`, beside its DBC and the EDS files.
-fn config(scratch: &Scratch, changes: &[(&str, &str)]) -> String {
+pub fn config(scratch: &Scratch, changes: &[(&str, &str)]) -> String {
     for name in ["e-type-canopen.dbc", "encoder.eds", "valve.eds"] {
         scratch.write(name, shipped(&format!("dbc/{name}")));
     }

@@ -31,7 +31,7 @@ impl Monitor {
         sink: &mut impl Sink,
     ) -> bool {
         let Self { stations, clock, cylinders, .. } = self;
-        let Station { sync: false, pages, .. } = &mut stations[place] else { return false };
+        let Station { usual: true, pages, .. } = &mut stations[place] else { return false };
         let [Page { intake: Some(intake), slot, .. }] = &mut **pages else { return false };
         let (Some(word), Some(when)) = (intake.word(frame), clock.when()) else { return false };
         if !slot.take_next(frame, intake.counter(word), &when) {
@@ -166,9 +166,31 @@ impl Monitor {
         }
     }
 
+    /// Takes the newest readings of the transducers that send by timers of their own, for the cycle that the
+    /// Sync with the time stamp `opening` has just opened: they were sampled before it.
+    pub(super) fn take_newest(&mut self, opening: Timestamp, now: Timestamp, sink: &mut impl Sink) {
+        if !self.by_timers {
+            return;
+        }
+        let sample_time = self.clock.sample_time();
+        for index in 0..self.stations.len() {
+            let Some(newest) = &mut self.stations[index].newest else { continue };
+            let Some(frame) = newest.take(opening, sample_time) else { continue };
+            for page in 0..self.stations[index].pages.len() {
+                match self.stations[index].pages[page].is_in(&frame) {
+                    Some(true) => self.take_page((index, page), now, &frame, sink),
+                    Some(false) => {}
+                    None => self.counts.bad_signals += 1,
+                }
+            }
+        }
+    }
+
     /// Forgets the arrivals, because the frames so far say nothing about the next ones.
     pub(super) fn forget_arrivals(&mut self) {
         self.keeps = false;
+        let newest = self.stations.iter_mut().filter_map(|station| station.newest.as_mut());
+        newest.for_each(|newest| newest.forget());
         self.each_page(|monitor, place| monitor.stations[place.0].pages[place.1].slot.reset());
     }
 

@@ -1,4 +1,5 @@
-//! Emergency messages and heartbeats of devices, and what is told of them.
+//! Frames that devices send by themselves: readings by a timer of their own, emergency messages and
+//! heartbeats; and what is told of these.
 
 use super::Monitor;
 use super::sink::{Notice, Sink};
@@ -9,16 +10,22 @@ use crate::sample::emergency::Emergency;
 use crate::time::Timestamp;
 
 impl Monitor {
-    /// Takes a frame of the service of a device at `place`. An error of a device is warned of at once; all
-    /// else has its effect in the next cycle, so that no flood of frames is one of warnings or notices.
+    /// Takes a frame at `place` that a device has sent by itself; returns whether it was one. A reading waits
+    /// for the next Sync. An error of a device is warned of at once; all else has its effect in the next
+    /// cycle, so that no flood of frames is one of warnings or notices.
     pub(super) fn hear(
         &mut self,
         place: usize,
         now: Timestamp,
         frame: &Frame,
         sink: &mut impl Sink,
-    ) {
-        let Some(service) = &self.stations[place].service else { return };
+    ) -> bool {
+        if let Some(newest) = &mut self.stations[place].newest {
+            self.live = true;
+            newest.keep(frame);
+            return true;
+        }
+        let Some(service) = &self.stations[place].service else { return false };
         match service.service {
             DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
                 Some(state) => {
@@ -33,6 +40,7 @@ impl Monitor {
                 None => self.counts.bad_signals += 1,
             },
         }
+        true
     }
 
     fn hear_emergency(

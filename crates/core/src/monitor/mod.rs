@@ -68,6 +68,8 @@ pub struct Monitor {
     stations: Vec<Station>,
     /// Whether any page keeps a frame.
     keeps: bool,
+    /// Whether any device sends by a timer of its own.
+    by_timers: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -104,6 +106,7 @@ impl Monitor {
         };
         Self {
             stations: design.subscriptions.all().iter().map(Station::new).collect(),
+            by_timers: design.subscriptions.all().iter().any(|message| message.by_timer),
             subscriptions: design.subscriptions,
             keeps: false,
             clock: CycleClock::new(design.timing),
@@ -210,7 +213,9 @@ impl Monitor {
     /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        self.hear(place, now, frame, sink);
+        if self.hear(place, now, frame, sink) {
+            return;
+        }
         if self.stations[place].sync {
             self.synchronise(frame.timestamp, now, sink);
         }
@@ -298,6 +303,7 @@ impl Monitor {
             cylinder.inputs.clear();
         }
         self.reckon_due();
+        self.take_newest(stamp, now, sink);
         if self.keeps {
             self.take_held(now, sink);
         }

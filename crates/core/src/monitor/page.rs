@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::sample::arrival::Slot;
 use crate::sample::counter::AliveCounter;
 use crate::sample::{Field, Transducer};
+use crate::time::{Span, Timestamp};
 use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -16,9 +17,39 @@ use alloc::vec::Vec;
 pub(super) struct Station {
     /// Whether the message opens a cycle.
     pub sync: bool,
+    /// Whether its frames come once in a cycle, and neither open it nor are of a service.
+    pub usual: bool,
+    /// The newest frame of a message that its device sends by a timer of its own.
+    pub newest: Option<Box<Newest>>,
     /// The service of a device whose message it is; it has no pages then.
     pub service: Option<SubscribedService>,
     pub pages: Box<[Page]>,
+}
+
+/// The newest frame of a message, until a cycle takes it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Newest {
+    frame: Option<Frame>,
+}
+
+impl Newest {
+    /// Keeps `frame` instead of an older one.
+    pub fn keep(&mut self, frame: &Frame) {
+        match &mut self.frame {
+            Some(known) => known.clone_from(frame),
+            None => self.frame = Some(frame.clone()),
+        }
+    }
+
+    /// The frame for a cycle that opens at `opening`, unless it is older than a cycle of `sample_time`.
+    pub fn take(&mut self, opening: Timestamp, sample_time: Span) -> Option<Frame> {
+        let frame = self.frame.take()?;
+        (opening.since(frame.timestamp) < sample_time).then_some(frame)
+    }
+
+    pub fn forget(&mut self) {
+        self.frame = None;
+    }
 }
 
 /// Signals of a message that come together: carried by the same frames and counted by the same
@@ -74,7 +105,9 @@ impl Station {
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
         let (sync, service) = (message.sync, message.service.clone());
-        Self { sync, service, pages: pages.collect() }
+        let newest = message.by_timer.then(Box::default);
+        let usual = !sync && newest.is_none();
+        Self { sync, usual, newest, service, pages: pages.collect() }
     }
 }
 

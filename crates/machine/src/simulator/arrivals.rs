@@ -49,6 +49,11 @@ impl Arrivals {
         self.free = self.opening.after(self.latency).max(self.free);
     }
 
+    /// Advances to `at`, unless the bus is busy for longer.
+    pub fn wait_until(&mut self, at: Timestamp) {
+        self.free = self.free.max(at);
+    }
+
     /// Time at which the bus is free.
     pub fn free(&self) -> Timestamp {
         self.free
