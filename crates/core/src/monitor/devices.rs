@@ -2,6 +2,7 @@
 //! heartbeats; and what is told of these.
 
 use super::Monitor;
+use super::page::StationKind;
 use super::sink::{Notice, Sink};
 use super::subscriptions::DeviceService;
 use crate::frame::Frame;
@@ -20,12 +21,15 @@ impl Monitor {
         frame: &Frame,
         sink: &mut impl Sink,
     ) -> bool {
-        if let Some(newest) = &mut self.stations[place].newest {
-            self.live = true;
-            newest.keep(frame);
-            return true;
-        }
-        let Some(service) = &self.stations[place].service else { return false };
+        let service = match &mut self.stations[place].kind {
+            StationKind::Usual | StationKind::Sync => return false,
+            StationKind::Timed(newest) => {
+                self.live = true;
+                newest.keep(frame);
+                return true;
+            }
+            StationKind::Service(service) => service,
+        };
         match service.service {
             DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
                 Some(state) => {
@@ -50,13 +54,11 @@ impl Monitor {
         emergency: Emergency,
         sink: &mut impl Sink,
     ) {
-        let count = |monitor: &Self| {
-            let service = monitor.stations[place].service.as_ref();
-            service.map_or(0, |service| service.devices.len())
-        };
-        for device in 0..count(self) {
-            let Some(service) = &self.stations[place].service else { return };
-            let (index, role) = service.devices[device];
+        let mut next = 0;
+        while let StationKind::Service(service) = &self.stations[place].kind
+            && let Some(&(index, role)) = service.devices.get(next)
+        {
+            next += 1;
             let index = usize::from(index);
             if self.cylinders[index].hear_emergency(role, now, emergency) {
                 self.warn(index, now, sink);
@@ -65,7 +67,11 @@ impl Monitor {
     }
 
     /// Tells what the devices of the cylinder of `index` have said that is no fault.
+    #[inline(always)]
     pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        if !self.cylinders[index].speaks() {
+            return;
+        }
         let cylinder = index as u8 + 1;
         self.cylinders[index].take_news(|role, node, news| {
             sink.notice(&Notice::Device { at, cylinder, role, node, news });

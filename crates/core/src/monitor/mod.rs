@@ -216,7 +216,7 @@ impl Monitor {
         if self.hear(place, now, frame, sink) {
             return;
         }
-        if self.stations[place].sync {
+        if self.stations[place].is_sync() {
             self.synchronise(frame.timestamp, now, sink);
         }
         for index in 0..self.stations[place].pages.len() {

@@ -12,17 +12,23 @@ use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// What the frames of a message are.
+#[derive(Clone, Debug)]
+pub(super) enum StationKind {
+    /// They come once in a cycle.
+    Usual,
+    /// They open a cycle.
+    Sync,
+    /// Their device sends them by a timer of its own; the newest one.
+    Timed(Box<Newest>),
+    /// A service of a device, without pages.
+    Service(Box<SubscribedService>),
+}
+
 /// A message as its frames are received.
 #[derive(Clone, Debug)]
 pub(super) struct Station {
-    /// Whether the message opens a cycle.
-    pub sync: bool,
-    /// Whether its frames come once in a cycle, and neither open it nor are of a service.
-    pub usual: bool,
-    /// The newest frame of a message that its device sends by a timer of its own.
-    pub newest: Option<Box<Newest>>,
-    /// The service of a device whose message it is; it has no pages then.
-    pub service: Option<SubscribedService>,
+    pub kind: StationKind,
     pub pages: Box<[Page]>,
 }
 
@@ -74,6 +80,19 @@ pub(super) struct Page {
 }
 
 impl Station {
+    /// Whether the message opens a cycle.
+    pub const fn is_sync(&self) -> bool {
+        matches!(self.kind, StationKind::Sync)
+    }
+
+    /// The newest frame, if the device sends by a timer of its own.
+    pub fn newest(&mut self) -> Option<&mut Newest> {
+        match &mut self.kind {
+            StationKind::Timed(newest) => Some(newest),
+            StationKind::Usual | StationKind::Sync | StationKind::Service(_) => None,
+        }
+    }
+
     pub fn new(message: &Subscription) -> Self {
         let mut drafts: Vec<Draft<'_>> = Vec::new();
         for signal in &message.signals {
@@ -104,10 +123,13 @@ impl Station {
                 sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
-        let (sync, service) = (message.sync, message.service.clone());
-        let newest = message.by_timer.then(Box::default);
-        let usual = !sync && newest.is_none();
-        Self { sync, usual, newest, service, pages: pages.collect() }
+        let kind = match &message.service {
+            _ if message.sync => StationKind::Sync,
+            _ if message.by_timer => StationKind::Timed(Box::default()),
+            Some(service) => StationKind::Service(Box::new(service.clone())),
+            None => StationKind::Usual,
+        };
+        Self { kind, pages: pages.collect() }
     }
 }
 
