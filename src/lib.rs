@@ -13,7 +13,8 @@
 //! - [`bus`]: sources and destinations of frames: recordings, SocketCAN, a bus inside the
 //!   program. Only this module knows files of frames and sockets.
 //! - [`decode`]: bit plans, from frames to values. [`dbc`]: a DBC, checked and compiled to them.
-//! - [`sample`]: groups readings into cycles and checks whether they are plausible.
+//! - [`sample`]: groups readings into cycles and checks whether they are plausible, also by what their devices say of
+//!   themselves.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).

@@ -30,7 +30,8 @@ and its controller in operation: it sends whatever it hears, with faults, and la
 
 A fault is KIND,key=value,… with these keys, whatever the kind:
   cylinder      number of the cylinder, from 1
-  sensor        a key of [signals.cylinder]: c1, c2, c1_velocity, … (default c1)
+  sensor        a key of [signals.cylinder]: c1, c2, c1_velocity, … (default c1), or c1_heartbeat,
+                c1_emergency, … (c2, valve) of a [[canopen.device]]
   at            when it begins, s since the first frame (default 0)
   until         when it has ended, s (default: to the end)
 and these of its own (m where the sensor reads m, else the sensor's unit):

@@ -3,7 +3,7 @@
 use super::Failure;
 use crate::bus::Interfaces;
 use crate::config::design::{self, Flaw};
-use crate::config::{self, Document, Loaded, Settings};
+use crate::config::{self, Document, Loaded, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::monitor::MonitorDesign;
 use std::path::{Path, PathBuf};
@@ -12,6 +12,14 @@ use std::path::{Path, PathBuf};
 /// demonstration needs only the program.
 const SIMULATED: &str = include_str!("../../config/e-type-simulated.toml");
 const DBC: &[u8] = include_bytes!("../../dbc/e-type.dbc");
+
+/// The same machine with CANopen devices; its corrections are those of the other.
+const CANOPEN: &str = include_str!("../../config/e-type-canopen.toml");
+const CANOPEN_DBC: &[u8] = include_bytes!("../../dbc/e-type-canopen.dbc");
+const SHEETS: [(&str, &[u8]); 2] = [
+    ("../dbc/encoder.eds", include_bytes!("../../dbc/encoder.eds")),
+    ("../dbc/valve.eds", include_bytes!("../../dbc/valve.eds")),
+];
 
 /// Makes a design for a machine.
 pub type Designer = fn(&Settings, &Database) -> Result<MonitorDesign, Vec<Flaw>>;
@@ -59,18 +67,35 @@ impl Machine {
     ///
     /// # Errors Only a program that was built wrongly has errors.
     pub fn simulated() -> Result<Self, Failure> {
-        let (settings, document): (Settings, Document) =
-            config::parse("config/e-type-simulated.toml", SIMULATED)?;
-        let dbc_path = PathBuf::from("dbc/e-type.dbc");
-        let dbc_text = DBC.to_vec();
-        let loaded = Loaded {
-            settings,
-            document,
-            dbc_path,
-            dbc_text,
-            sheets: Vec::new(),
-            history_path: None,
+        Self::built_in("e-type-simulated.toml", SIMULATED, ("e-type.dbc", DBC), Vec::new())
+    }
+
+    /// The same machine with the CANopen devices of `config/e-type-canopen.toml`.
+    ///
+    /// # Errors Only a program that was built wrongly has errors.
+    pub fn simulated_canopen() -> Result<Self, Failure> {
+        let corrections = SIMULATED.find("[[cylinder]]").map_or("", |at| &SIMULATED[at..]);
+        let sheet = |(name, text): (&str, &[u8])| Sheet {
+            name: name.to_owned(),
+            path: PathBuf::from(name),
+            text: text.to_vec(),
         };
+        let (text, sheets) = (format!("{CANOPEN}\n{corrections}"), SHEETS.map(sheet).into());
+        let dbc = ("e-type-canopen.dbc", CANOPEN_DBC);
+        Self::built_in("e-type-canopen.toml", &text, dbc, sheets)
+    }
+
+    fn built_in(
+        name: &str,
+        text: &str,
+        (dbc, dbc_text): (&str, &[u8]),
+        sheets: Vec<Sheet>,
+    ) -> Result<Self, Failure> {
+        let (settings, document): (Settings, Document) =
+            config::parse(&format!("config/{name}"), text)?;
+        let dbc_path = PathBuf::from(format!("dbc/{dbc}"));
+        let dbc_text = dbc_text.to_vec();
+        let loaded = Loaded { settings, document, dbc_path, dbc_text, sheets, history_path: None };
         Self::new(loaded, design::judging)
     }
 

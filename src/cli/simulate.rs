@@ -29,7 +29,13 @@ const LOOP: &str = "
 A table begins with the line cylinder,sensor,kind,t0,magnitude,parameter,t1, as --truth writes it.
 
 A fault is added to the reading on the bus; with --in-loop the machine's controller reads it, too,
-and moves the cylinder.";
+and moves the cylinder.
+
+A [[canopen.device]] sends heartbeats where its EDS has a time for them (object 0x1017). For it,
+  broken_wire,sensor=c1_emergency     says that it has an error (EMCY 0x5000; code=…), and at the end that it is over
+  out_of_range,sensor=c1_heartbeat    says in its heartbeat that it is pre-operational (raw=…)
+  loss,sensor=c1_heartbeat            stops its heartbeat
+and so for c2 and valve.";
 
 /// Longest simulation, s: a year.
 const LONGEST: f64 = 366.0 * 86_400.0;

@@ -6,12 +6,12 @@ use tertius_testing::support::{Run, Scratch, changed, replay, tertius, top};
 
 const CONFIG: &str = "config/e-type-canopen.toml";
 
-fn shipped(name: &str) -> String {
+pub fn shipped(name: &str) -> String {
     fs::read_to_string(top().join(name)).expect("it ships")
 }
 
 /// The shipped configuration with `changes`, beside its DBC and the EDS files.
-fn config(scratch: &Scratch, changes: &[(&str, &str)]) -> String {
+pub fn config(scratch: &Scratch, changes: &[(&str, &str)]) -> String {
     for name in ["e-type-canopen.dbc", "encoder.eds", "valve.eds"] {
         scratch.write(name, shipped(&format!("dbc/{name}")));
     }
@@ -114,6 +114,93 @@ fn a_transducer_has_no_full_speed() {
     let with = eds.replacen("\n\n", "\nfull_speed = 2.0\n\n", 1);
     let words = ["number 1 is a transducer with `full_speed`", "a valve's full set point"];
     refused(&[(eds, &with)], "full_speed", &words);
+}
+
+/// The shipped configuration, calibrated, whose transducers have a heartbeat of 100 ms.
+fn beating(scratch: &Scratch) -> String {
+    let config = config(scratch, &[]);
+    let simulated = shipped("config/e-type-simulated.toml");
+    let corrections = simulated.find("[[cylinder]]").expect("it has them");
+    let text = scratch.read("machine.toml") + &simulated[corrections..];
+    scratch.write("machine.toml", text);
+    let time = |value: &str| {
+        format!(
+            "heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nPDOMapping=0\nDefaultValue={value}\n"
+        )
+    };
+    let sheet = changed(&shipped("dbc/encoder.eds"), &[(&time("0"), &time("100"))]);
+    scratch.write("encoder.eds", sheet);
+    config
+}
+
+#[test]
+fn simulated_devices_tell_of_themselves_as_their_eds_has_it() {
+    let scratch = Scratch::new();
+    let config = beating(&scratch);
+    let log = scratch.path("machine.log");
+    let mut arguments = vec!["simulate", "--config", &config, "--duration", "15", "--seed", "3"];
+    let faults = [
+        "broken_wire,cylinder=3,sensor=c1_emergency,at=4,until=5",
+        "broken_wire,cylinder=6,sensor=valve_emergency,at=8,until=8.5,code=16912",
+        "loss,cylinder=2,sensor=c2_heartbeat,at=6,until=7",
+        "loss,cylinder=5,sensor=c1,at=9,until=11",
+        "out_of_range,cylinder=5,sensor=c1_heartbeat,at=9,until=11",
+    ];
+    arguments.extend(faults.iter().flat_map(|fault| ["--fault", fault]));
+    arguments.extend(["--output", &log]);
+    tertius(&arguments, b"").ok();
+    let text = scratch.read("machine.log");
+    let count = |wire: &str| text.lines().filter(|line| line.contains(wire)).count();
+    assert!((149..=150).contains(&count(" 701#05")), "{}", count(" 701#05"));
+    assert!((139..=140).contains(&count(" 712#05")), "{}", count(" 712#05"));
+    assert_eq!((count(" 721#"), count(" 705#7F")), (0, 20), "the valves' EDS has none");
+    assert_eq!([count(" 083#0050"), count(" 083#0000"), count(" 0A6#1042")], [1, 1, 1]);
+    let lines = replay(&[&log], &config, &[]).ok().lines();
+    let told =
+        lines.iter().filter(|line| line["type"] == "warning" || line["notice"] == "device_state");
+    let told = told.map(|line| {
+        let word = |key: &str| line[key].as_str().unwrap_or_default().to_owned();
+        let device = &line["device"];
+        let said = device.get("words").or(device.get("reason")).or(line.get("state"));
+        let said = said.and_then(|said| said.as_str()).unwrap_or_default();
+        (
+            line["cylinder"].as_u64().expect("a number"),
+            word("state"),
+            word("suspect"),
+            said.to_owned(),
+        )
+    });
+    let told: Vec<_> = told.collect();
+    let line = |cylinder, state: &str, suspect: &str, said: &str| {
+        (cylinder, state.to_owned(), suspect.to_owned(), said.to_owned())
+    };
+    let expected = [
+        line(3, "raised", "c1", "device hardware"),
+        line(3, "cleared", "c1", "device hardware"),
+        line(2, "raised", "c2", "heartbeat_lost"),
+        line(6, "raised", "process", "device temperature"),
+        line(2, "cleared", "c2", "heartbeat_lost"),
+        line(5, "pre-operational", "", "pre-operational"),
+        line(6, "cleared", "process", "device temperature"),
+        line(5, "operational", "", "operational"),
+    ];
+    assert_eq!(told, expected);
+    let page = tertius(&["replay", &log, "--config", &config], b"").ok().stdout;
+    for words in [
+        "broken wire: node 3 says EMCY 0x5000: device hardware",
+        "stale: node 18 has lost its heartbeat",
+        "cylinder 5: node 5 (C1) is pre-operational, not operational: it sends no readings",
+    ] {
+        assert!(page.contains(words), "{words:?} is not in\n{page}");
+    }
+}
+
+#[test]
+fn what_no_device_says_cannot_be_wrong() {
+    let spec = "loss,cylinder=1,sensor=c1_heartbeat";
+    let call = ["simulate", "--config", "config/e-type.toml", "--duration", "1", "--fault", spec];
+    let words = ["no device of cylinder 1 has a c1_heartbeat", "[[canopen.device]]"];
+    tertius(&call, b"").failed(2, &words);
 }
 
 /// Faults of each kind on four cylinders.

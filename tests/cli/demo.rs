@@ -60,6 +60,25 @@ fn it_finds_every_fault_as_announced_and_says_so() {
     assert!(longest.is_some_and(|longest| longest <= 80), "{longest:?}");
 }
 
+/// The bus has the frames of devices, and the broken wire is an emergency message.
+#[test]
+fn with_canopen_devices_it_finds_the_same() {
+    let scratch = Scratch::new();
+    let log = scratch.path("bus.log");
+    let run = demo(&["--canopen", "--record", &log]).ok();
+    assert!(
+        run.stdout.contains("5 of 5 as announced, 0 warnings without a fault."),
+        "{}",
+        run.stdout
+    );
+    let frames = read(log.as_ref());
+    let said: Vec<&[u8]> =
+        frames.iter().filter(|it| it.id.value() == 0x084).map(Frame::data).collect();
+    assert_eq!(said, [&[0x00, 0x50, 0, 0, 0, 0, 0, 0], &[0; 8]]);
+    let set_points = frames.iter().filter(|it| it.id.value() == 0x521).count();
+    assert_eq!(set_points, 60 * 50);
+}
+
 #[test]
 fn the_same_seed_says_the_same_and_another_finds_the_faults_on_another_sea() {
     let first = demo(&["--seed", "7"]).ok();

@@ -2,6 +2,7 @@
 
 mod canopen;
 mod canopen_story;
+mod canopen_timers;
 mod check_command;
 mod coverage;
 mod demo;

@@ -2,11 +2,11 @@
 
 use tertius::alarm::{Detector, State, Warning};
 use tertius::frame::{Frame, Id, Kind};
-use tertius::monitor::subscriptions::{DeviceService, SubscribedService};
+use tertius::monitor::subscriptions::{DeviceService, SubscribedService, Target};
 use tertius::monitor::{Monitor, Notice};
 use tertius::sample::device::{DeviceDesign, DeviceNews, DeviceState};
 use tertius::sample::emergency::Emergency;
-use tertius::sample::{DeviceReason, DeviceRole, Quality};
+use tertius::sample::{DeviceReason, DeviceRole, Quality, Transducer};
 use tertius::time::{Span, Timestamp};
 use tertius::verdict::{Fault, Suspect};
 use tertius_testing::machine::{Collected, Cycle, MS, START, design_of_default};
@@ -356,4 +356,60 @@ fn a_flood_is_a_few_lines_and_touches_no_other_cylinder() {
     assert!(bench.seen.notices.len() <= 3 * 50, "{}", bench.seen.notices.len());
     assert!(bench.monitor.counts().bad_signals > 0);
     assert_eq!(bench.monitor.counts().cycles, quiet.monitor.counts().cycles);
+}
+
+/// The default machine whose C1 of cylinder 3 sends by a timer of its own.
+fn by_timer() -> Monitor {
+    let mut design = design_of_default();
+    let alone = design.subscriptions.send_by_timer(|one| {
+        let Target::Cylinder(2, field) = one.target else { return false };
+        field.transducer() == Some(Transducer::C1)
+    });
+    assert!(alone, "it has a message of its own");
+    Monitor::new(design)
+}
+
+/// A reading of C1 of cylinder 3, counts beyond the middle.
+fn read_at(at: Timestamp, count: u16) -> Frame {
+    let [low, high] = (13_824 + count).to_le_bytes();
+    frame(at, 0x183, &[low, high, 0, 0, 0, 0])
+}
+
+#[test]
+fn of_a_transducer_with_a_timer_the_newest_reading_before_the_sync_counts() {
+    let (mut monitor, mut seen) = (by_timer(), Collected::default());
+    for k in 0..40 {
+        // 17, 13, 9 and 5 ms before the Sync.
+        let early = (1..5).map(|i| read_at(at(k, -20 + 4 * i - 1), i as u16));
+        let mut frames: Vec<Frame> = early.collect();
+        frames.extend(Cycle::new(k).frames().into_iter().filter(|it| it.id.value() != 0x183));
+        // Two after it are of the next cycle, and neither opens one nor is late.
+        frames.push(read_at(at(k, 5), 70));
+        frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    }
+    monitor.finish(&mut seen);
+    let count = 3.0 / 27_648.0;
+    for k in 1..40 {
+        let c1 = seen.record(k, 3).c1.expect("it has come");
+        assert!((c1 - 4.0 * count).abs() < 1e-9, "{k}: {c1}");
+    }
+    let counts = monitor.counts();
+    assert_eq!((counts.cycles, counts.incomplete, counts.late, counts.repeated), (40, 0, 0, 0));
+}
+
+#[test]
+fn a_reading_by_a_timer_that_is_older_than_a_cycle_is_none() {
+    let (mut monitor, mut seen) = (by_timer(), Collected::default());
+    for k in 0..40 {
+        let mut frames: Vec<Frame> = Vec::new();
+        if k < 20 {
+            frames.push(read_at(at(k, -3), 0));
+        }
+        frames.extend(Cycle::new(k).frames().into_iter().filter(|it| it.id.value() != 0x183));
+        frames.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    }
+    assert!(seen.record(19, 3).c1.is_some());
+    assert!((20..39).all(|k| seen.record(k, 3).c1.is_none()));
+    let [raised] = seen.warnings[..] else { panic!("{:?}", seen.warnings) };
+    assert_eq!((raised.finding.fault, raised.finding.suspect), (Fault::Stale, Suspect::C1));
 }

@@ -6,7 +6,7 @@ use super::design::Flaw;
 use super::loader::Sheet;
 use super::settings::{Device, Settings, object_name};
 use tertius_canopen::eds::{ObjectDictionary, ObjectType, Severity};
-use tertius_canopen::pdo::{FULL_SCALE, MappedObject, Pdo, Pdos, scale};
+use tertius_canopen::pdo::{Direction, FULL_SCALE, MappedObject, Pdo, Pdos, scale};
 use tertius_core::frame::Id;
 use tertius_dbc::{Database, DeviceMessages, DeviceServices, Message, Signal, text};
 
@@ -132,13 +132,13 @@ fn messages(settings: &Settings, device: &Device, dictionary: &ObjectDictionary)
     let errors = dictionary.findings().iter().filter(|it| it.severity == Severity::Error);
     notes.extend(errors.map(ToString::to_string));
     let names = settings.devices().iter().filter(|it| it.node == device.node).map(Device::name);
-    let services = services(device.node, dictionary);
+    let services = services(device.node, dictionary, &pdos);
     DeviceMessages { names: names.collect(), messages, services, note: notes.join("; ") }
 }
 
 /// Services by which the node tells of itself. Heartbeats have one identifier. That of emergency messages is
 /// in the dictionary, where its highest bit is set if there are none, and bit 29 if it has 29 bits.
-fn services(node: u8, dictionary: &ObjectDictionary) -> DeviceServices {
+fn services(node: u8, dictionary: &ObjectDictionary, pdos: &Pdos) -> DeviceServices {
     let of_set = |base: u32| Id::standard(base + u32::from(node));
     let emergency = match dictionary.number(EMERGENCY_ID, 0, node).map(u32::try_from) {
         Some(Ok(number)) if number >> 31 != 0 => None,
@@ -149,7 +149,13 @@ fn services(node: u8, dictionary: &ObjectDictionary) -> DeviceServices {
     let milliseconds = dictionary.number(HEARTBEAT_TIME, 0, node).unwrap_or(0);
     let period = u16::try_from(milliseconds).ok().filter(|time| *time > 0);
     let period = period.map(|time| f64::from(time) * 1e-3);
-    DeviceServices { emergency, heartbeat: of_set(0x700), period }
+    // An EDS has the timer with which the device left its factory, and only a DCF the one that it has.
+    let sent = pdos.sound.iter().find(|pdo| pdo.direction == Direction::Sent);
+    let sent = sent.filter(|pdo| pdo.transmission_type.is_some_and(|number| number >= 254));
+    let timer = sent.filter(|_| dictionary.commissioning.is_some());
+    let timer = timer.and_then(|pdo| pdo.event_timer_ms).filter(|time| *time > 0);
+    let event_timer = timer.map(|time| f64::from(time) * 1e-3);
+    DeviceServices { emergency, heartbeat: of_set(0x700), period, event_timer }
 }
 
 fn message(

@@ -9,7 +9,8 @@
 //! - [`frame`], [`error_frame`]: CAN and CAN FD frames with their time stamps. [`time`]: points and spans,
 //!   integers of nanoseconds.
 //! - [`decode`]: bit plans, from frames to values.
-//! - [`sample`]: groups readings into cycles and checks whether they are plausible.
+//! - [`sample`]: groups readings into cycles and checks whether they are plausible, also by what their devices say of
+//!   themselves.
 //! - [`observe`]: the discrete model (4-1), its gain from the Riccati equation, the innovation.
 //! - [`compare`]: C1 against the corrected C2 (5-20).
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).

@@ -25,6 +25,8 @@ pub struct DeviceServices {
     pub heartbeat: Option<Id>,
     /// From one heartbeat to the next, s; `None` where it sends none.
     pub period: Option<f64>,
+    /// From one PDO to the next, s, where it is set to send them by a timer; `None` where it answers Sync.
+    pub event_timer: Option<f64>,
 }
 
 /// A message whose identifier another message has.

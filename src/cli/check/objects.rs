@@ -51,10 +51,15 @@ pub(super) fn devices(machine: &Machine, n: u8) -> String {
             }
             None => "which may stop".to_owned(),
         };
+        let timer = device.event_timer.or(services.event_timer).map_or(String::new(), |time| {
+            format!(
+                "; it sends every {time} s by its own timer: the newest reading before Sync counts"
+            )
+        });
         let (emergency, heartbeat) = (id(services.emergency), id(services.heartbeat));
         let (name, node) = (device.role.map_or("valve", Role::name), device.node);
         Some(format!(
-            "  device    {name} = node {node}: emergencies {emergency}, heartbeats {heartbeat}, {lost}\n"
+            "  device    {name} = node {node}: emergencies {emergency}, heartbeats {heartbeat}, {lost}{timer}\n"
         ))
     };
     devices.filter_map(line).collect()

@@ -56,6 +56,8 @@ pub struct Listener {
     status: Own,
     warning: Own,
     platform: Id,
+    /// Identifiers that the gateway receives, of which some are in no database: those of devices' services.
+    received: Vec<Id>,
 }
 
 /// A message of the gateway.
@@ -67,7 +69,7 @@ struct Own {
 impl Listener {
     /// # Errors
     /// A message that the DBC does not have.
-    pub fn new(database: &Database) -> Result<Self, Failure> {
+    pub fn new(database: &Database, received: Vec<Id>) -> Result<Self, Failure> {
         let find = |name: &str| {
             let found = database.message(name);
             found.map_err(|error| Failure::Failed(format!("the DBC of the program: {error}")))
@@ -80,6 +82,7 @@ impl Listener {
             warning: own("Fd_Warning")?,
             platform: find("Plc_State")?.id,
             database: database.clone(),
+            received,
         })
     }
 
@@ -99,6 +102,8 @@ impl Listener {
                 Some(signal) if message.id == self.platform => Heard::Platform(name(signal, frame)),
                 _ => Heard::Machine,
             }
+        } else if self.received.contains(&frame.id) {
+            Heard::Machine
         } else {
             Heard::Stranger
         }

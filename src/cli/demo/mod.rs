@@ -56,6 +56,9 @@ pub struct Demo {
     /// Seed of everything random: the sea, the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Shows a machine whose transducers and valves are CANopen devices
+    #[arg(long)]
+    canopen: bool,
     /// Writes all frames of the bus in the format of candump -l
     #[arg(long, value_name = "FILE.log")]
     record: Option<PathBuf>,
@@ -68,7 +71,8 @@ impl Demo {
     ///
     /// # Errors A fault was not found as announced, or an output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::simulated()?;
+        let machine =
+            if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
         let stage = self.stage(&machine)?;
         let mut audience = self.audience(&machine, &stage)?;
         let opener = stage.opener(run::identifiers(&machine));
@@ -86,7 +90,8 @@ impl Demo {
         let built_in = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
         let faults = (0..ACTS.len())
             .map(|index| {
-                let fault = programme::fault(index).map_err(|error| built_in(&error))?;
+                let fault =
+                    programme::fault(index, self.canopen).map_err(|error| built_in(&error))?;
                 place(&fault, settings, &machine.database).map_err(|error| built_in(&error))
             })
             .collect::<Result<Vec<Placed>, Failure>>()?;
@@ -123,7 +128,7 @@ impl Demo {
         Ok(Audience {
             stage: stage.clone(),
             ear: stage.listener()?,
-            listener: Listener::new(&machine.database)?,
+            listener: Listener::new(&machine.database, run::identifiers(machine))?,
             screen,
             record,
             pace,

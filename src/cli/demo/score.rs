@@ -39,7 +39,7 @@ pub struct Score {
 
 impl Score {
     pub fn new() -> Self {
-        let cylinder = |index| fault(index).map_or(0, |fault| i64::from(fault.cylinder));
+        let cylinder = |index| fault(index, false).map_or(0, |fault| i64::from(fault.cylinder));
         Self { cylinders: (0..ACTS.len()).map(cylinder).collect(), ..Self::default() }
     }
 

@@ -3,9 +3,11 @@
 use super::{Connector, Flaw};
 use crate::settings::{Device, DeviceKind, Role};
 use tertius_core::frame::Id;
-use tertius_core::monitor::subscriptions::{DeviceService, SubscribedService};
-use tertius_core::sample::DeviceRole;
+use tertius_core::monitor::subscriptions::{
+    DeviceService, SubscribedService, SubscribedSignal, Target,
+};
 use tertius_core::sample::device::DeviceDesign;
+use tertius_core::sample::{DeviceRole, Transducer};
 
 /// Factor on the time between heartbeats after which the next one is given up, where the configuration has
 /// no time: one may be late by half of it.
@@ -21,6 +23,9 @@ impl Connector<'_> {
             let services = self.database.device_services(&device.name());
             let (Some(services), true) = (services, self.is_used(device, role)) else { continue };
             let place = (device.cylinder - 1, role);
+            if let Some(time) = device.event_timer.or(services.event_timer) {
+                self.connect_timer(index, time, place);
+            }
             for (id, service) in [
                 (services.emergency, DeviceService::Emergency),
                 (services.heartbeat, DeviceService::Heartbeat),
@@ -37,6 +42,41 @@ impl Connector<'_> {
         let signals = &self.settings.signals.cylinder;
         let has = role != DeviceRole::C2 || signals.c2.is_some();
         has && device.cylinder <= self.settings.machine.cylinders
+    }
+
+    /// Takes the readings of a transducer that sends by its own timer as such.
+    fn connect_timer(&mut self, index: usize, time: f64, (cylinder, role): (u8, DeviceRole)) {
+        let key = format!("canopen.device[{index}].event_timer");
+        let settings = self.settings;
+        let transducer = match role {
+            DeviceRole::C1 => Transducer::C1,
+            DeviceRole::C2 => Transducer::C2,
+            DeviceRole::Valve => {
+                let message = "a valve sends no readings that a timer would matter for";
+                self.flaws.push(Flaw::new(&key, message, "leave the key out"));
+                return;
+            }
+        };
+        let half = 0.5 * settings.machine.sample_time;
+        if time > half || settings.signals.sync.is_none() {
+            let message = format!("a transducer sends every {time} s by its own timer");
+            let help = format!(
+                "that takes a Sync, before which the newest reading counts, and at most half a sample time, {half} s"
+            );
+            self.flaws.push(Flaw::new(&key, message, help));
+            return;
+        }
+        let own = |one: &SubscribedSignal| match one.target {
+            Target::Cylinder(index, field) => {
+                index == cylinder && field.transducer() == Some(transducer)
+            }
+            Target::State => false,
+        };
+        if !self.subscriptions.send_by_timer(own) {
+            let message = "a message of this transducer also has other signals than readings";
+            let help = "let it answer the SYNC (object 0x1800:02 is 1), or map its readings alone";
+            self.flaws.push(Flaw::new(&key, message, help));
+        }
     }
 
     fn connect_service(

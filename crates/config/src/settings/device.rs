@@ -19,6 +19,10 @@ table! {
             "\"c1\"", "which transducer of the cylinder it is; a valve has none";
         eds: String => text(TextRule::Path),
             "\"../dbc/transducer.eds\"", "the device's EDS or DCF, relative to this file";
+        event_timer: Option<f64> = None =>
+            number(Limits::above(0.0, "a time in seconds").most(65.535)),
+            "0.005", "time from one reading to the next of a transducer that sends by its own timer (object 0x1800:05) \
+                instead of SYNC, s; without the key as a DCF says, and by an EDS alone it answers the SYNC";
         heartbeat: Option<f64> = None =>
             number(Limits::least(0.0, "a time in seconds, or 0").most(100.0)),
             "1.5", "time without a heartbeat after which the device is lost, s; without the key 1.5 times object \

@@ -1,6 +1,6 @@
 //! Admission of frames: those of the open cycle, once each, and those that were kept for it.
 
-use super::page::{Page, Station};
+use super::page::{Newest, Page, Station, StationKind};
 use super::sink::Sink;
 use super::{Monitor, Place};
 use crate::frame::Frame;
@@ -31,7 +31,9 @@ impl Monitor {
         sink: &mut impl Sink,
     ) -> bool {
         let Self { stations, clock, cylinders, .. } = self;
-        let Station { sync: false, pages, .. } = &mut stations[place] else { return false };
+        let Station { kind: StationKind::Usual, pages } = &mut stations[place] else {
+            return false;
+        };
         let [Page { intake: Some(intake), slot, .. }] = &mut **pages else { return false };
         let (Some(word), Some(when)) = (intake.word(frame), clock.when()) else { return false };
         if !slot.take_next(frame, intake.counter(word), &when) {
@@ -57,9 +59,10 @@ impl Monitor {
     ) {
         self.live = true;
         let station = &mut self.stations[place.0];
+        let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
         let count = page.count(frame);
-        if page.reading && !station.sync {
+        if page.reading && !is_sync {
             let (has, kept) = (page.slot.has(self.clock.number()), page.slot.kept());
             if self.clock.could_open(frame.timestamp, has)
                 && self.clock.when().is_none_or(|when| page.slot.may_open(frame, count, &when))
@@ -166,9 +169,31 @@ impl Monitor {
         }
     }
 
+    /// Takes the newest readings of the transducers that send by timers of their own, for the cycle that the
+    /// Sync with the time stamp `opening` has just opened: they were sampled before it.
+    pub(super) fn take_newest(&mut self, opening: Timestamp, now: Timestamp, sink: &mut impl Sink) {
+        if !self.by_timers {
+            return;
+        }
+        let sample_time = self.clock.sample_time();
+        for index in 0..self.stations.len() {
+            let Some(newest) = self.stations[index].newest() else { continue };
+            let Some(frame) = newest.take(opening, sample_time) else { continue };
+            for page in 0..self.stations[index].pages.len() {
+                match self.stations[index].pages[page].is_in(&frame) {
+                    Some(true) => self.take_page((index, page), now, &frame, sink),
+                    Some(false) => {}
+                    None => self.counts.bad_signals += 1,
+                }
+            }
+        }
+    }
+
     /// Forgets the arrivals, because the frames so far say nothing about the next ones.
     pub(super) fn forget_arrivals(&mut self) {
         self.keeps = false;
+        let newest = self.stations.iter_mut().filter_map(Station::newest);
+        newest.for_each(Newest::forget);
         self.each_page(|monitor, place| monitor.stations[place.0].pages[place.1].slot.reset());
     }
 

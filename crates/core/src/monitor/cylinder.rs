@@ -22,7 +22,7 @@ use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign
 use crate::sample::device::{DeviceDesign, DeviceWord};
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
-use crate::sample::{Field, Inputs, Quality, Reading, Transducer};
+use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{self, Dwell, DwellHistory, Judgement, Sequential};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Bank, BankDesign, Thresholds, Trigger};
@@ -271,22 +271,23 @@ impl Cylinder {
             live: now.live,
             push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
-            said: DeviceWord::Nothing,
         };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
-        let [first, second, valve] = self.listen(now.live, &readings);
+        if self.speaks() {
+            self.step_devices(now.live, &readings);
+        }
         for (motion, reading) in self.motions.iter_mut().zip(&readings) {
             motion.follow(reading.as_ref().map(|reading| reading.position));
         }
-        let c1 = self.follow::<0>(&readings, Moment { said: first, ..moment }, command, now.at);
-        let c2 = self.follow::<1>(&readings, Moment { said: second, ..moment }, command, now.at);
+        let c1 = self.follow::<0>(&readings, moment, command, now.at);
+        let c2 = self.follow::<1>(&readings, moment, command, now.at);
         for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
             if let Some(reason) = followed.restart {
                 restarted(transducer, reason);
             }
         }
         let (good, innovations) = ([c1.good, c2.good], [c1.innovation, c2.innovation]);
-        self.follow_command(command, valve, now);
+        self.follow_command(command, now);
         let difference = good[0]
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
@@ -374,20 +375,27 @@ impl Cylinder {
         moment: Moment,
         at: Timestamp,
     ) -> bool {
-        let checks = &mut self.plausibility[i];
-        let quality = checks.judge(reading, moment);
-        if quality.is_good() && !self.implausible[i].raised() {
-            // Nearly always.
-            return true;
+        let mut quality = self.plausibility[i].judge(reading, moment);
+        if self.speaks() {
+            quality = self.overrule(i, reading.is_some());
         }
-        let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
-        let report = if quality.is_good() { None } else { self.report(i) };
-        self.implausible[i].judge(at, Checked { quality, beyond, report });
-        self.tally.implausible[i] += u64::from(reading.is_some() && !quality.is_good());
+        // Nearly always: what is good and stands for nothing changes nothing.
+        if !quality.is_good() || self.implausible[i].raised() {
+            self.doubt(i, reading, quality, at);
+        }
         quality.is_good()
     }
 
-    fn follow_command(&mut self, command: Option<f64>, valve: DeviceWord, now: Evaluation) {
+    #[inline(never)]
+    fn doubt(&mut self, i: usize, reading: Option<&Reading>, quality: Quality, at: Timestamp) {
+        let checks = &self.plausibility[i];
+        let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
+        let report = self.report(i);
+        self.implausible[i].judge(at, Checked { quality, beyond, report });
+        self.tally.implausible[i] += u64::from(reading.is_some() && !quality.is_good());
+    }
+
+    fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
         match command {
             Some(u) => {
                 self.command_missing = 0;
@@ -400,17 +408,25 @@ impl Cylinder {
             }
         }
         let stale = self.command_missing >= self.design.command_stale;
-        let quality = match (valve, command, stale) {
-            (DeviceWord::Failed, ..) => Quality::Failed,
-            (DeviceWord::Lost, ..) | (_, None, true) => Quality::Stale,
-            (_, Some(_), _) => Quality::Good,
-            (_, None, false) => Quality::Missing,
+        let quality = match (command, stale) {
+            (Some(_), _) => Quality::Good,
+            (None, true) => Quality::Stale,
+            (None, false) => Quality::Missing,
         };
-        if quality.is_good() && !self.implausible[2].raised() {
-            return;
+        if !quality.is_good() || self.implausible[2].raised() || self.speaks() {
+            self.doubt_command(quality, now.at);
         }
-        let report = if quality.is_good() { None } else { self.report(2) };
-        self.implausible[2].judge(now.at, Checked { quality, beyond: 0.0, report });
+    }
+
+    #[inline(never)]
+    fn doubt_command(&mut self, quality: Quality, at: Timestamp) {
+        let quality = match self.word(DeviceRole::Valve as usize) {
+            DeviceWord::Failed => Quality::Failed,
+            DeviceWord::Lost => Quality::Stale,
+            DeviceWord::Nothing | DeviceWord::NotOperational => quality,
+        };
+        let report = self.report(DeviceRole::Valve as usize);
+        self.implausible[2].judge(at, Checked { quality, beyond: 0.0, report });
     }
 }
 

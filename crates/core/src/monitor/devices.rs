@@ -1,6 +1,8 @@
-//! Emergency messages and heartbeats of devices, and what is told of them.
+//! Frames that devices send by themselves: readings by a timer of their own, emergency messages and
+//! heartbeats; and what is told of these.
 
 use super::Monitor;
+use super::page::StationKind;
 use super::sink::{Notice, Sink};
 use super::subscriptions::DeviceService;
 use crate::frame::Frame;
@@ -9,16 +11,25 @@ use crate::sample::emergency::Emergency;
 use crate::time::Timestamp;
 
 impl Monitor {
-    /// Takes a frame of the service of a device at `place`. An error of a device is warned of at once; all
-    /// else has its effect in the next cycle, so that no flood of frames is one of warnings or notices.
+    /// Takes a frame at `place` that a device has sent by itself; returns whether it was one. A reading waits
+    /// for the next Sync. An error of a device is warned of at once; all else has its effect in the next
+    /// cycle, so that no flood of frames is one of warnings or notices.
     pub(super) fn hear(
         &mut self,
         place: usize,
         now: Timestamp,
         frame: &Frame,
         sink: &mut impl Sink,
-    ) {
-        let Some(service) = &self.stations[place].service else { return };
+    ) -> bool {
+        let service = match &mut self.stations[place].kind {
+            StationKind::Usual | StationKind::Sync => return false,
+            StationKind::Timed(newest) => {
+                self.live = true;
+                newest.keep(frame);
+                return true;
+            }
+            StationKind::Service(service) => service,
+        };
         match service.service {
             DeviceService::Heartbeat => match DeviceState::read(frame.data()) {
                 Some(state) => {
@@ -33,6 +44,7 @@ impl Monitor {
                 None => self.counts.bad_signals += 1,
             },
         }
+        true
     }
 
     fn hear_emergency(
@@ -42,13 +54,11 @@ impl Monitor {
         emergency: Emergency,
         sink: &mut impl Sink,
     ) {
-        let count = |monitor: &Self| {
-            let service = monitor.stations[place].service.as_ref();
-            service.map_or(0, |service| service.devices.len())
-        };
-        for device in 0..count(self) {
-            let Some(service) = &self.stations[place].service else { return };
-            let (index, role) = service.devices[device];
+        let mut next = 0;
+        while let StationKind::Service(service) = &self.stations[place].kind
+            && let Some(&(index, role)) = service.devices.get(next)
+        {
+            next += 1;
             let index = usize::from(index);
             if self.cylinders[index].hear_emergency(role, now, emergency) {
                 self.warn(index, now, sink);
@@ -57,7 +67,11 @@ impl Monitor {
     }
 
     /// Tells what the devices of the cylinder of `index` have said that is no fault.
+    #[inline(always)]
     pub(super) fn tell_devices(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
+        if !self.cylinders[index].speaks() {
+            return;
+        }
         let cylinder = index as u8 + 1;
         self.cylinders[index].take_news(|role, node, news| {
             sink.notice(&Notice::Device { at, cylinder, role, node, news });

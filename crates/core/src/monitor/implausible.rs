@@ -31,13 +31,8 @@ impl Implausible {
         Self { trigger, fault: Fault::Unclassified, beyond: 0.0, report: None }
     }
 
-    #[inline]
     pub fn judge(&mut self, at: Timestamp, checked: Checked) {
         let Checked { quality, beyond, report } = checked;
-        // Nearly always: what is good and stands for nothing changes nothing.
-        if quality.is_good() && !self.raised() {
-            return;
-        }
         let fault = match quality {
             Quality::Good | Quality::Missing => None,
             Quality::NotOperational => {

@@ -69,6 +69,8 @@ pub struct Monitor {
     stations: Vec<Station>,
     /// Whether any page keeps a frame.
     keeps: bool,
+    /// Whether any device sends by a timer of its own.
+    by_timers: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -108,6 +110,7 @@ impl Monitor {
         };
         Self {
             stations: design.subscriptions.all().iter().map(Station::new).collect(),
+            by_timers: design.subscriptions.all().iter().any(|message| message.by_timer),
             subscriptions: design.subscriptions,
             keeps: false,
             clock: CycleClock::new(design.timing),
@@ -230,8 +233,10 @@ impl Monitor {
     /// Takes any frame of the message at `place`.
     #[inline(never)]
     fn sort(&mut self, place: usize, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        self.hear(place, now, frame, sink);
-        if self.stations[place].sync {
+        if self.hear(place, now, frame, sink) {
+            return;
+        }
+        if self.stations[place].is_sync() {
             self.synchronise(frame.timestamp, now, sink);
         }
         for index in 0..self.stations[place].pages.len() {
@@ -318,6 +323,7 @@ impl Monitor {
             cylinder.inputs.clear();
         }
         self.reckon_due();
+        self.take_newest(stamp, now, sink);
         if self.keeps {
             self.take_held(now, sink);
         }

@@ -7,18 +7,55 @@ use crate::frame::Frame;
 use crate::sample::arrival::Slot;
 use crate::sample::counter::AliveCounter;
 use crate::sample::{Field, Transducer};
+use crate::time::{Span, Timestamp};
 use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
+/// What the frames of a message are.
+#[derive(Clone, Debug)]
+pub(super) enum StationKind {
+    /// They come once in a cycle.
+    Usual,
+    /// They open a cycle.
+    Sync,
+    /// Their device sends them by a timer of its own; the newest one.
+    Timed(Box<Newest>),
+    /// A service of a device, without pages.
+    Service(Box<SubscribedService>),
+}
+
 /// A message as its frames are received.
 #[derive(Clone, Debug)]
 pub(super) struct Station {
-    /// Whether the message opens a cycle.
-    pub sync: bool,
-    /// The service of a device whose message it is; it has no pages then.
-    pub service: Option<SubscribedService>,
+    pub kind: StationKind,
     pub pages: Box<[Page]>,
+}
+
+/// The newest frame of a message, until a cycle takes it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Newest {
+    frame: Option<Frame>,
+}
+
+impl Newest {
+    /// Keeps `frame` instead of an older one.
+    pub fn keep(&mut self, frame: &Frame) {
+        match &mut self.frame {
+            Some(known) => known.clone_from(frame),
+            None => self.frame = Some(frame.clone()),
+        }
+    }
+
+    /// The frame for a cycle that opens at `opening`, unless it is older than a cycle of `sample_time`.
+    pub fn take(&mut self, opening: Timestamp, sample_time: Span) -> Option<Frame> {
+        let frame = self.frame.take()?;
+        (opening.since(frame.timestamp) < sample_time).then_some(frame)
+    }
+
+    pub fn forget(&mut self) {
+        self.frame = None;
+    }
 }
 
 /// Signals of a message that come together: carried by the same frames and counted by the same
@@ -43,6 +80,19 @@ pub(super) struct Page {
 }
 
 impl Station {
+    /// Whether the message opens a cycle.
+    pub const fn is_sync(&self) -> bool {
+        matches!(self.kind, StationKind::Sync)
+    }
+
+    /// The newest frame, if the device sends by a timer of its own.
+    pub fn newest(&mut self) -> Option<&mut Newest> {
+        match &mut self.kind {
+            StationKind::Timed(newest) => Some(newest),
+            StationKind::Usual | StationKind::Sync | StationKind::Service(_) => None,
+        }
+    }
+
     pub fn new(message: &Subscription) -> Self {
         let mut drafts: Vec<Draft<'_>> = Vec::new();
         for signal in &message.signals {
@@ -73,8 +123,13 @@ impl Station {
                 sharing.clone().all(|other| other.anchor.plan.is_multiplexed());
             draft.page(if each_has_its_frame { sharing.count() as u64 } else { 1 })
         });
-        let (sync, service) = (message.sync, message.service.clone());
-        Self { sync, service, pages: pages.collect() }
+        let kind = match &message.service {
+            _ if message.sync => StationKind::Sync,
+            _ if message.by_timer => StationKind::Timed(Box::default()),
+            Some(service) => StationKind::Service(Box::new(service.clone())),
+            None => StationKind::Usual,
+        };
+        Self { kind, pages: pages.collect() }
     }
 }
 

@@ -48,6 +48,9 @@ pub struct Subscription {
     pub sync: bool,
     /// Whether the message carries a reading of a transducer.
     pub reading: bool,
+    /// Whether the device sends it by a timer of its own, several times in a cycle: the newest frame before
+    /// the Sync counts. Only for messages of readings alone, on a machine with Sync.
+    pub by_timer: bool,
     /// Whether the message carries anything of a cylinder, and so belongs to a cycle.
     pub cyclic: bool,
     pub signals: Vec<SubscribedSignal>,
@@ -173,6 +176,17 @@ impl Subscriptions {
         (place != NONE).then_some(usize::from(place))
     }
 
+    /// Marks the messages with signals that are `own` as sent by a timer; returns `false` if one of them has
+    /// others than readings, too, or opens cycles.
+    pub fn send_by_timer(&mut self, own: impl Fn(&SubscribedSignal) -> bool) -> bool {
+        let mut alone = true;
+        for message in self.all.iter_mut().filter(|message| message.signals.iter().any(&own)) {
+            alone &= !message.sync && message.signals.iter().all(SubscribedSignal::is_reading);
+            message.by_timer = true;
+        }
+        alone
+    }
+
     pub fn all(&self) -> &[Subscription] {
         &self.all
     }
@@ -191,6 +205,7 @@ impl Subscriptions {
             id,
             sync: false,
             reading: false,
+            by_timer: false,
             cyclic: false,
             signals: Vec::new(),
             service: None,

@@ -64,8 +64,6 @@ pub struct Moment {
     pub push: Option<Push>,
     /// The other transducer in this cycle; `None` where it cannot be relied on.
     pub other: Option<Other>,
-    /// What the transducer says of itself.
-    pub said: DeviceWord,
 }
 
 /// An exactly constant reading: since when, and what was seen meanwhile.
@@ -146,17 +144,27 @@ impl Plausibility {
     /// Judges what arrived in the cycle of `moment`.
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
         self.quality = match reading {
-            None => self.without_reading(moment),
+            None => self.without_reading(moment.live),
             Some(reading) => {
                 self.missing = 0;
                 self.follow(reading.position, moment);
                 self.of_new(reading)
             }
         };
-        match moment.said {
-            DeviceWord::Nothing | DeviceWord::NotOperational => {}
-            DeviceWord::Lost => self.quality = Quality::Stale,
+        self.quality
+    }
+
+    /// Takes what the device says of itself in the cycle that was judged, and whether a reading came.
+    pub fn overrule(&mut self, word: DeviceWord, reads: bool) -> Quality {
+        match word {
             DeviceWord::Failed => self.quality = Quality::Failed,
+            DeviceWord::Lost => self.quality = Quality::Stale,
+            DeviceWord::NotOperational if !reads => {
+                // The time in which a reading is missed begins when the device is operational again.
+                self.missing = 0;
+                self.quality = Quality::NotOperational;
+            }
+            DeviceWord::NotOperational | DeviceWord::Nothing => {}
         }
         self.quality
     }
@@ -183,13 +191,8 @@ impl Plausibility {
         self.still.cycles.saturating_add(self.missing)
     }
 
-    fn without_reading(&mut self, moment: Moment) -> Quality {
-        if moment.said == DeviceWord::NotOperational {
-            // Its time begins when it is operational again.
-            self.missing = 0;
-            return Quality::NotOperational;
-        }
-        self.missing = self.missing.saturating_add(u32::from(moment.live));
+    fn without_reading(&mut self, live: bool) -> Quality {
+        self.missing = self.missing.saturating_add(u32::from(live));
         if self.missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
     }
 

@@ -19,12 +19,28 @@ pub const SENSORS: [&str; 11] = [
     "pressure_rod",
 ];
 
+/// What the CANopen devices of a cylinder say of themselves, which can have a fault, too: the state in a
+/// heartbeat, and the error code of an emergency message.
+pub const SERVICES: [&str; 6] = [
+    "c1_heartbeat",
+    "c1_emergency",
+    "c2_heartbeat",
+    "c2_emergency",
+    "valve_heartbeat",
+    "valve_emergency",
+];
+
+/// All sensors that can have a fault.
+fn sensors() -> impl Iterator<Item = &'static str> {
+    SENSORS.into_iter().chain(SERVICES)
+}
+
 /// A fault of one signal of one cylinder, not yet placed on the bus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// Sensor with the fault, one of [`SENSORS`].
+    /// Sensor with the fault, one of [`SENSORS`] or [`SERVICES`].
     pub sensor: &'static str,
     pub wanted: Wanted,
     pub window: Window,
@@ -64,7 +80,7 @@ pub enum SpecError {
     Missing { kind: &'static str, key: &'static str, what: &'static str },
     #[error("{key} is {given:?}, expected {expected}")]
     Value { key: &'static str, given: String, expected: &'static str },
-    #[error("there is no sensor {given:?}{}; there are {}", hint(*.nearest), names(SENSORS.iter()))]
+    #[error("there is no sensor {given:?}{}; there are {}", hint(*.nearest), names(sensors()))]
     Sensor { given: String, nearest: Option<&'static str> },
     #[error("until ({until} s) is not after at ({at} s)")]
     Until { at: String, until: String },
@@ -165,10 +181,10 @@ impl<'a> KeyValues<'a> {
 
     fn sensor(&self) -> Result<&'static str, SpecError> {
         let given = self.text("sensor").unwrap_or("c1");
-        let known = SENSORS.into_iter().find(|sensor| sensor.eq_ignore_ascii_case(given));
+        let known = sensors().find(|sensor| sensor.eq_ignore_ascii_case(given));
         known.ok_or_else(|| SpecError::Sensor {
             given: given.to_owned(),
-            nearest: nearest(given, SENSORS.into_iter()),
+            nearest: nearest(given, sensors()),
         })
     }
 

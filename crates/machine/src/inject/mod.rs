@@ -17,11 +17,12 @@ mod fault;
 mod injector;
 mod kind;
 mod place;
+mod service;
 mod shape;
 pub mod table;
 mod tally;
 
-pub use fault::{Fault, SENSORS, SpecError, Wanted};
+pub use fault::{Fault, SENSORS, SERVICES, SpecError, Wanted};
 pub use injector::Injector;
 pub use kind::grammar;
 pub use place::{PlaceError, Placed, place};

@@ -2,6 +2,7 @@
 
 use super::fault::{Fault, Wanted};
 use super::kind::nearest;
+use super::service;
 use super::shape::{Code, Shape, Window};
 use tertius_config::settings::{CylinderSignals, Settings};
 use tertius_core::decode::{Raw, SignalPlan};
@@ -33,6 +34,11 @@ pub enum PlaceError {
         #[source]
         error: LookupError,
     },
+    #[error(
+        "no device of cylinder {cylinder} has a {sensor}; it takes a [[canopen.device]] of that kind and role, \
+         whose EDS does not exclude it"
+    )]
+    Service { sensor: &'static str, cylinder: u8 },
     #[error("{signal} is in a frame of the gateway itself (0x{id}), which is never changed")]
     OwnFrame { signal: String, id: Id },
     #[error("{signal} has no valid range; give the value out of range as value=… or raw=…")]
@@ -57,6 +63,9 @@ pub fn place(
         return Err(PlaceError::Cylinder { given: fault.cylinder, cylinders });
     }
     let sensor = fault.sensor;
+    if let Some(placed) = service::place(fault, settings, database) {
+        return placed;
+    }
     let signals = &settings.signals.cylinder;
     let Some((_, pattern)) = signals.named().find(|(key, _)| *key == sensor) else {
         let named = signals.named().map(|(key, _)| key);

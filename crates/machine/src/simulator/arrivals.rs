@@ -49,6 +49,16 @@ impl Arrivals {
         self.free = self.opening.after(self.latency).max(self.free);
     }
 
+    /// Advances to `at`, unless the bus is busy for longer.
+    pub fn wait_until(&mut self, at: Timestamp) {
+        self.free = self.free.max(at);
+    }
+
+    /// Time at which the bus is free.
+    pub fn free(&self) -> Timestamp {
+        self.free
+    }
+
     /// Time at which the next frame, of `length` bytes, has been received; in whole microseconds,
     /// as candump prints it.
     pub fn next(&mut self, length: usize) -> Timestamp {

@@ -70,6 +70,8 @@ impl Origin {
 pub struct Planned {
     pub frame: Frame,
     pub phase: SendPhase,
+    /// Whether it is sent before the Sync, by a transducer with a timer of its own.
+    pub early: bool,
     fields: Vec<(SignalPlan, Origin)>,
 }
 
@@ -165,6 +167,28 @@ impl Layout {
     }
 }
 
+impl Layout {
+    /// Sends the messages of transducers with a time in `timers` before the Sync.
+    pub fn send_early(&mut self, timers: &[[f64; 2]; CYLINDERS]) {
+        for message in &mut self.messages {
+            let is_early = |origin: Origin| match origin {
+                Origin::Length(leg, which) => timers[leg][which] > 0.0,
+                _ => false,
+            };
+            message.early = message.fields.iter().any(|(_, origin)| is_early(*origin));
+        }
+    }
+
+    /// Place of the message that has the length by C1 (0) or C2 (1) of the cylinder `leg`, from 0, if it is
+    /// sent before the Sync.
+    pub fn early(&self, leg: usize, which: usize) -> Option<usize> {
+        let has = |planned: &Planned| {
+            planned.early && planned.fields.iter().any(|(_, it)| *it == Origin::Length(leg, which))
+        };
+        self.messages.iter().position(has)
+    }
+}
+
 /// The origin of a key of `[signals.cylinder]`.
 fn origin(key: &str, cylinder: usize) -> Origin {
     match key {
@@ -245,7 +269,7 @@ impl Builder<'_> {
             let kind = if message.length > 8 { Kind::Fd { flags: 0 } } else { Kind::Data };
             let zeros = vec![0; message.length];
             let frame = Frame::new(Timestamp::default(), message.id, kind, &zeros);
-            self.messages.push(Planned { frame, phase, fields: Vec::new() });
+            self.messages.push(Planned { frame, phase, early: false, fields: Vec::new() });
             self.messages.len() - 1
         });
         let planned = &mut self.messages[place];

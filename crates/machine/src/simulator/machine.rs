@@ -9,7 +9,7 @@ use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
 use nalgebra::Vector3;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
@@ -30,6 +30,8 @@ pub enum MachineError {
 const SEA_STREAM: u64 = u64::MAX;
 /// Stream of the seed for the noise of the sensors.
 const SENSOR_STREAM: u64 = u64::MAX - 1;
+/// Stream of the seed for the timers of transducers, separate for the same reason.
+const TIMER_STREAM: u64 = u64::MAX - 4;
 /// Stream of the seed for disturbances of readings, separate so that they change nothing else.
 const MISREAD_STREAM: u64 = u64::MAX - 3;
 
@@ -39,6 +41,8 @@ pub struct Sample {
     pub motion: Motion,
     /// C1 and C2 of each cylinder.
     pub transducers: [[Reading; 2]; CYLINDERS],
+    /// How long before the Sync each of them was sampled, s; 0 where the Sync asks for it.
+    pub ages: [[f64; 2]; CYLINDERS],
     /// P_bot and P_rod of each cylinder, bar.
     pub chambers: [[f64; 2]; CYLINDERS],
     /// P_L (3-4) of each cylinder, bar.
@@ -69,6 +73,9 @@ pub struct Machine {
     sub_steps: [u32; 2],
     rng: ChaCha8Rng,
     misreads: ChaCha8Rng,
+    /// Times between the readings of the transducers that send by timers of their own, s; 0 for others.
+    timers: [[f64; 2]; CYLINDERS],
+    ages: ChaCha8Rng,
     sample: u64,
     sample_time: f64,
 }
@@ -133,11 +140,19 @@ impl Machine {
             sub_steps: [late, sub_steps - late],
             rng: random(SENSOR_STREAM),
             misreads: random(MISREAD_STREAM),
+            timers: [[0.0; 2]; CYLINDERS],
+            ages: random(TIMER_STREAM),
             sample: 0,
             sample_time,
         };
         machine.settle(options.start);
         Ok(machine)
+    }
+
+    /// The same with transducers that send by timers of their own, with these times between their readings,
+    /// s; 0 for those that answer the Sync.
+    pub fn with_timers(self, timers: [[f64; 2]; CYLINDERS]) -> Self {
+        Self { timers, ..self }
     }
 
     /// Puts the cylinders where they stand in `state`, as if they had been there for long.
@@ -204,10 +219,14 @@ impl Machine {
             for which in 0..2 {
                 let Misread { late, counts } =
                     self.disturbance.reading(time, which, &mut self.misreads);
+                // The timer knows nothing of the Sync.
+                let timer = self.timers[leg][which];
+                let age = if timer > 0.0 { self.ages.random_range(0.0..timer) } else { 0.0 };
+                sample.ages[leg][which] = age;
                 sample.transducers[leg][which] = self.transducers[leg][which].read(
                     time,
                     [state.length, state.speed],
-                    [late, counts],
+                    [late - age, counts],
                     &mut self.rng,
                 );
             }

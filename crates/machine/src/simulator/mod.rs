@@ -17,6 +17,7 @@ mod check;
 mod disturbance;
 mod layout;
 mod machine;
+mod services;
 mod tables;
 pub mod truth;
 mod values;
@@ -31,7 +32,8 @@ use crate::inject::{Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
 use layout::{Layout, SendPhase};
-use tertius_config::settings::Settings;
+use services::Services;
+use tertius_config::settings::{Role, Settings};
 use tertius_core::decode::SignalPlan;
 use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
@@ -55,6 +57,21 @@ pub struct Options {
     pub faults: Vec<Placed>,
     /// Opening of the first cycle.
     pub epoch: Timestamp,
+}
+
+/// Times between the readings of the transducers of `settings` that send by timers of their own, s.
+fn timers(settings: &Settings, database: &Database) -> [[f64; 2]; CYLINDERS] {
+    let mut timers = [[0.0; 2]; CYLINDERS];
+    for device in settings.devices() {
+        let services = database.device_services(&device.name());
+        let timer = device.event_timer.or(services.and_then(|services| services.event_timer));
+        let which = device.role.map(|role| usize::from(role == Role::C2));
+        let place = timers.get_mut(usize::from(device.cylinder).wrapping_sub(1));
+        if let (Some(place), Some(which), Some(timer)) = (place, which, timer) {
+            place[which] = timer;
+        }
+    }
+    timers
 }
 
 /// Default number of sub-steps in a sample of 20 ms: 2 ms each.
@@ -89,6 +106,7 @@ pub struct Simulator {
     machine: Machine,
     layout: Layout,
     arrivals: Arrivals,
+    services: Services,
     injector: Injector,
     in_loop: bool,
     /// Readings of the controller; lengths that did not arrive are those of the previous cycle.
@@ -108,12 +126,15 @@ impl Simulator {
         database: &Database,
         options: &Options,
     ) -> Result<Self, SimulatorError> {
-        let layout = Layout::new(settings, database, tables.transducer.grid())?;
+        let mut layout = Layout::new(settings, database, tables.transducer.grid())?;
+        let timers = timers(settings, database);
+        layout.send_early(&timers);
         let sample_time = settings.machine.sample_time;
         Ok(Self {
-            machine: Machine::new(tables, sample_time, options)?,
+            machine: Machine::new(tables, sample_time, options)?.with_timers(timers),
             arrivals: Arrivals::new(settings.bus.bitrate, tables.controller.latency, options.seed),
             layout,
+            services: Services::new(settings, database, &options.faults, options.epoch),
             injector: Injector::new(&options.faults, options.seed),
             in_loop: options.in_loop,
             readings: Readings::default(),
@@ -149,9 +170,9 @@ impl Simulator {
     }
 
     /// Makes the frames of one cycle, passes them to `sink` in the order of the bus, and advances
-    /// the machine to the next cycle.
+    /// the machine to the next cycle. Of transducers that send by timers of their own these are the newest
+    /// frames before the Sync.
     pub fn step(&mut self, sink: &mut impl FnMut(&Frame)) {
-        self.arrivals.open(self.opening());
         let sample = self.machine.sample();
         self.layout.values.sampled(&sample, self.machine.state(), self.cycle);
         self.readings.pressures = sample.load_pressures;
@@ -162,30 +183,60 @@ impl Simulator {
                 self.readings.speeds[leg] = sample.transducers[leg][0].speed;
             }
         }
+        self.send_early(&sample, sink);
+        self.arrivals.open(self.opening());
         self.send(SendPhase::Sampled, sink);
         let commands = self.machine.command(&self.readings);
         self.layout.values.commanded(&commands);
         self.arrivals.answer();
         self.send(SendPhase::Commanded, sink);
+        let end = self.opening().after(self.sample_time);
+        self.services.send(end, &mut self.arrivals, &mut self.injector, sink);
         self.machine.advance();
         self.cycle += 1;
     }
 
+    /// Sends the readings that were sampled before the Sync, the oldest first.
+    fn send_early(&mut self, sample: &Sample, sink: &mut impl FnMut(&Frame)) {
+        let oldest_first = |one: &[usize; 2], other: &[usize; 2]| {
+            let [one, other] = [one, other].map(|place| sample.ages[place[0]][place[1]]);
+            other.total_cmp(&one)
+        };
+        let mut places: [[usize; 2]; 2 * CYLINDERS] = std::array::from_fn(|i| [i / 2, i % 2]);
+        places.sort_unstable_by(oldest_first);
+        let opening = self.opening();
+        for [leg, which] in places {
+            let age = sample.ages[leg][which];
+            let Some(place) = self.layout.early(leg, which).filter(|_| age > 0.0) else { continue };
+            self.arrivals.wait_until(opening.after(Span::from_seconds(-age)));
+            self.put(place, sink);
+        }
+    }
+
     fn send(&mut self, phase: SendPhase, sink: &mut impl FnMut(&Frame)) {
+        for place in 0..self.layout.messages.len() {
+            let message = &self.layout.messages[place];
+            if message.phase == phase && !message.early {
+                self.put(place, sink);
+            }
+        }
+    }
+
+    /// Sends the message at `place` of the layout.
+    fn put(&mut self, place: usize, sink: &mut impl FnMut(&Frame)) {
         let Self { layout, arrivals, injector, readings, in_loop, .. } = self;
-        for message in layout.messages.iter_mut().filter(|message| message.phase == phase) {
-            message.fill(&layout.values);
-            message.frame.timestamp = arrivals.next(message.frame.length());
-            if !*in_loop {
-                message.read_back(&message.frame, readings);
+        let message = &mut layout.messages[place];
+        message.fill(&layout.values);
+        message.frame.timestamp = arrivals.next(message.frame.length());
+        if !*in_loop {
+            message.read_back(&message.frame, readings);
+        }
+        let unrounded = |plan: &SignalPlan| message.unrounded(plan, &layout.values);
+        if let Some(frame) = injector.take_measured(&message.frame, unrounded) {
+            if *in_loop {
+                message.read_back(frame, readings);
             }
-            let unrounded = |plan: &SignalPlan| message.unrounded(plan, &layout.values);
-            if let Some(frame) = injector.take_measured(&message.frame, unrounded) {
-                if *in_loop {
-                    message.read_back(frame, readings);
-                }
-                sink(frame);
-            }
+            sink(frame);
         }
     }
 }

@@ -48,26 +48,36 @@ impl Cylinder {
         raises
     }
 
-    /// What the devices say in a cycle, by [`DeviceRole`].
+    /// Whether it has devices that tell of themselves.
     #[inline(always)]
-    pub(super) fn listen(
-        &mut self,
-        live: bool,
-        readings: &[Option<Reading>; 2],
-    ) -> [DeviceWord; 3] {
-        if self.devices.is_none() {
-            return [DeviceWord::Nothing; 3];
-        }
-        self.step_devices(live, readings.each_ref().map(Option::is_some))
+    pub const fn speaks(&self) -> bool {
+        self.devices.is_some()
     }
 
-    #[inline(never)]
-    fn step_devices(&mut self, live: bool, [c1, c2]: [bool; 2]) -> [DeviceWord; 3] {
-        let Some(watches) = &mut self.devices else { return [DeviceWord::Nothing; 3] };
-        let reads = [c1, c2, false];
-        core::array::from_fn(|i| {
-            watches[i].as_mut().map_or(DeviceWord::Nothing, |watch| watch.step(live, reads[i]))
-        })
+    /// Takes a cycle with these `readings`; see [`DeviceWatch::step`].
+    #[cold]
+    pub(super) fn step_devices(&mut self, live: bool, readings: &[Option<Reading>; 2]) {
+        let Some(watches) = &mut self.devices else { return };
+        let [c1, c2] = readings.each_ref().map(Option::is_some);
+        for (watch, reads) in watches.iter_mut().zip([c1, c2, false]) {
+            if let Some(watch) = watch {
+                watch.step(live, reads);
+            }
+        }
+    }
+
+    /// What the device of index `i` ([`DeviceRole`]) says of itself.
+    #[cold]
+    pub(super) fn word(&self, i: usize) -> DeviceWord {
+        let watch = self.devices.as_ref().and_then(|watches| watches[i].as_ref());
+        watch.map_or(DeviceWord::Nothing, DeviceWatch::said)
+    }
+
+    /// Quality of the reading of index `i` after what its device says; `reads` tells whether there is one.
+    #[cold]
+    pub(super) fn overrule(&mut self, i: usize, reads: bool) -> Quality {
+        let word = self.word(i);
+        self.plausibility[i].overrule(word, reads)
     }
 
     /// What the device of index `i` ([`DeviceRole`]) says of its fault.
@@ -78,16 +88,12 @@ impl Cylinder {
 
     /// Whether the valve says that it is not operational: then the rod does not follow the command, and no
     /// transducer is at fault.
-    #[inline]
+    #[inline(always)]
     pub(super) fn has_idle_valve(&self) -> bool {
-        self.devices.as_ref().is_some_and(|watches| {
-            let valve = watches[DeviceRole::Valve as usize].as_ref();
-            valve.is_some_and(|watch| watch.said() == DeviceWord::NotOperational)
-        })
+        self.speaks() && self.word(DeviceRole::Valve as usize) == DeviceWord::NotOperational
     }
 
     /// Passes to `tell` what the devices have said that is no fault, with the role and node-ID of each.
-    #[inline]
     pub fn take_news(&mut self, mut tell: impl FnMut(DeviceRole, u8, DeviceNews)) {
         let Some(watches) = &mut self.devices else { return };
         for (role, watch) in DeviceRole::ALL.into_iter().zip(watches.iter_mut()) {

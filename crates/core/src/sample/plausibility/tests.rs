@@ -16,8 +16,7 @@ fn reading(position: f64) -> Reading {
     Reading { position, code: Some(100), status: Some(0), ..Reading::default() }
 }
 
-const MOVING: Moment =
-    Moment { live: true, push: Some(Push::Positive), other: None, said: DeviceWord::Nothing };
+const MOVING: Moment = Moment { live: true, push: Some(Push::Positive), other: None };
 const STILL: Moment = Moment { push: None, ..MOVING };
 
 /// The other transducer in motion, at `position`.
@@ -153,21 +152,24 @@ fn stale_after_the_configured_cycles_but_not_in_silence() {
 #[test]
 fn what_the_device_says_comes_first() {
     let mut checks = Plausibility::new(limits());
-    let saying = |said| Moment { said, ..MOVING };
+    let mut judge = |reading: Option<&Reading>, word| {
+        checks.judge(reading, MOVING);
+        assert_eq!(checks.overrule(word, reading.is_some()), checks.quality());
+        checks.quality()
+    };
     let (good, wild) = (reading(0.0), reading(2.0));
     for reading in [None, Some(&good), Some(&wild)] {
-        assert_eq!(checks.judge(reading, saying(DeviceWord::Failed)), Quality::Failed);
-        assert_eq!(checks.judge(reading, saying(DeviceWord::Lost)), Quality::Stale);
+        assert_eq!(judge(reading, DeviceWord::Failed), Quality::Failed);
+        assert_eq!(judge(reading, DeviceWord::Lost), Quality::Stale);
     }
-    let silent = saying(DeviceWord::NotOperational);
-    assert_eq!(checks.judge(Some(&wild), silent), Quality::OutOfRange, "it has come all the same");
-    assert_eq!(checks.judge(None, MOVING), Quality::Missing);
+    let came = judge(Some(&wild), DeviceWord::NotOperational);
+    assert_eq!(came, Quality::OutOfRange, "it has come all the same");
+    assert_eq!(judge(None, DeviceWord::Nothing), Quality::Missing);
     for _ in 0..100 {
-        assert_eq!(checks.judge(None, silent), Quality::NotOperational);
+        assert_eq!(judge(None, DeviceWord::NotOperational), Quality::NotOperational);
     }
-    assert_eq!(checks.judge(None, MOVING), Quality::Missing, "its time begins");
-    assert_eq!(checks.judge(None, MOVING), Quality::Missing);
-    assert_eq!(checks.judge(None, MOVING), Quality::Stale);
+    let then = [(); 3].map(|()| judge(None, DeviceWord::Nothing));
+    assert_eq!(then, [Quality::Missing, Quality::Missing, Quality::Stale], "its time begins");
 }
 
 #[test]
