@@ -3,6 +3,7 @@
 mod agreement;
 mod allowing;
 mod blanks;
+mod design;
 mod devices;
 mod estimating;
 mod findings;
@@ -13,70 +14,27 @@ mod telling;
 
 use super::gate::Opening;
 use super::implausible::{Checked, Implausible};
-use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::decode::Value;
-use crate::estimate::{self, Estimate, VirtualSensor};
-use crate::incident::{QUANTITIES, Quantities};
-use crate::observe::observer::{Innovation, Measurement, Observer, ObserverDesign, Restart};
-use crate::sample::device::{DeviceDesign, DeviceWord};
+use crate::estimate::{Estimate, VirtualSensor};
+use crate::incident::Quantities;
+use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
+use crate::sample::device::DeviceWord;
 use crate::sample::motion::ReadingMotion;
-use crate::sample::plausibility::{Moment, Other, Plausibility, PlausibilityLimits, Push};
+use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
 use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{self, Dwell, DwellHistory, Judgement, Sequential};
-use crate::time::{Span, Timestamp};
-use crate::verdict::{Bank, BankDesign, Thresholds, Trigger};
+use crate::sequential::{Dwell, DwellHistory, Judgement, Sequential};
+use crate::time::Timestamp;
+use crate::verdict::{Bank, Thresholds, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
 pub use blanks::{Blank, NotJudged};
+pub use design::CylinderDesign;
 use devices::Watches;
 use precedence::Precedence;
 pub use tally::Tally;
 pub use telling::Evaluated;
-
-/// Design of the monitor of one cylinder.
-#[derive(Clone, Debug)]
-pub struct CylinderDesign {
-    /// Cylinder number, counted from 1.
-    pub number: u8,
-    /// Fields that a complete cycle has, by [`Field::bit`].
-    pub required: u16,
-    /// Fields for which a cycle is held open until its deadline: the required ones, and pressures
-    /// where they are read, which never make a cycle incomplete.
-    pub awaited: u16,
-    /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
-    pub limits: [PlausibilityLimits; 2],
-    /// CANopen devices that tell of themselves, by [`crate::sample::DeviceRole`].
-    pub devices: [Option<DeviceDesign>; 3],
-    /// Command at which the cylinder rests, m/s.
-    pub command_offset: f64,
-    /// Cycles without a command after which it is stale.
-    pub command_stale: u32,
-    /// Command speed beyond which it moves the cylinder, m/s.
-    pub moving_speed: f64,
-    pub observers: [ObserverDesign; 2],
-    pub comparator: Comparator,
-    pub bank: BankDesign,
-    /// Sequential detector; `None` where no calibration for it is configured.
-    pub sequential: Option<sequential::Design>,
-    pub estimate: estimate::SensorDesign,
-    /// Measured |C1 − C2| beyond which the machine itself trips, m.
-    pub critical: f64,
-    pub levels: Levels,
-    /// Cycles within which findings belong to one event.
-    pub coincidence: u32,
-    /// Time of good readings that clears a plausibility warning.
-    pub clear: Span,
-}
-
-impl CylinderDesign {
-    /// Limits of the quantities of an incident, m.
-    pub const fn limits(&self) -> [f64; QUANTITIES] {
-        let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
-        [observer, observer, difference, self.critical]
-    }
-}
 
 /// The cycle in which a cylinder is evaluated.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@
 //! due. A gateway that advances by its clock, some guard time behind the bus, and a replay of the
 //! same frames therefore agree.
 
+mod accounts;
 mod admission;
 mod counts;
 pub mod cylinder;
@@ -27,16 +28,15 @@ use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Frame, Kind};
 use crate::incident::Incidents;
-use crate::sample::Transducer;
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 pub use counts::Counts;
-use cylinder::{Blank, Cylinder, CylinderDesign, Evaluation, Tally};
+use cylinder::{Cylinder, CylinderDesign, Evaluation};
 pub use estimates::Estimates;
 use gate::{Gate, Opening};
-use page::{Page, Station};
+use page::Station;
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use sink::{Notice, Record, Sink};
 use subscriptions::{Subscriptions, Target};
@@ -134,42 +134,6 @@ impl Monitor {
             last_status: None,
             next_due: Timestamp::default(),
         }
-    }
-
-    pub const fn counts(&self) -> &Counts {
-        &self.counts
-    }
-
-    /// Tallies of the cylinders, in their order.
-    pub fn tallies(&self) -> impl Iterator<Item = &Tally> {
-        self.cylinders.iter().map(Cylinder::tally)
-    }
-
-    /// The longest times in which the observers of each cylinder did not judge, in the order of the cylinders.
-    pub fn blanks(&self) -> impl Iterator<Item = impl Iterator<Item = Blank>> {
-        self.cylinders.iter().map(Cylinder::blanks)
-    }
-
-    /// Cycles that the observers on C1 and C2 of each cylinder did not judge, in the order of the cylinders; `None`
-    /// for a transducer that is not configured.
-    pub fn unjudged(&self) -> impl Iterator<Item = [Option<u64>; 2]> {
-        self.cylinders.iter().map(Cylinder::unjudged)
-    }
-
-    /// Whether the platform was in a monitored state in any cycle.
-    pub const fn has_opened(&self) -> bool {
-        self.opened_once
-    }
-
-    /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
-    pub fn counter_jumps(&self) -> impl Iterator<Item = [u64; 2]> {
-        let pages = || self.stations.iter().flat_map(|station| &station.pages);
-        (0..self.cylinders.len() as u8).map(move |index| {
-            [Transducer::C1, Transducer::C2].map(|transducer| {
-                let counts = |page: &&Page| page.counted.contains(&(index, transducer));
-                pages().filter(counts).map(|page| page.slot.jumps()).sum()
-            })
-        })
     }
 
     /// Newest Fd_Status and its time.

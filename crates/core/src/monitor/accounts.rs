@@ -1,0 +1,44 @@
+//! What a monitor knows of its own work: counts, tallies, and what it could not judge.
+
+use super::cylinder::{Blank, Cylinder, Tally};
+use super::page::Page;
+use super::{Counts, Monitor};
+use crate::sample::Transducer;
+
+impl Monitor {
+    pub const fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Tallies of the cylinders, in their order.
+    pub fn tallies(&self) -> impl Iterator<Item = &Tally> {
+        self.cylinders.iter().map(Cylinder::tally)
+    }
+
+    /// The longest times in which the observers of each cylinder did not judge, in the order of the cylinders.
+    pub fn blanks(&self) -> impl Iterator<Item = impl Iterator<Item = Blank>> {
+        self.cylinders.iter().map(Cylinder::blanks)
+    }
+
+    /// Cycles that the observers on C1 and C2 of each cylinder did not judge, in the order of the cylinders; `None`
+    /// for a transducer that is not configured.
+    pub fn unjudged(&self) -> impl Iterator<Item = [Option<u64>; 2]> {
+        self.cylinders.iter().map(Cylinder::unjudged)
+    }
+
+    /// Whether the platform was in a monitored state in any cycle.
+    pub const fn has_opened(&self) -> bool {
+        self.opened_once
+    }
+
+    /// Jumps of the alive counters of C1 and C2, in the order of the cylinders.
+    pub fn counter_jumps(&self) -> impl Iterator<Item = [u64; 2]> {
+        let pages = || self.stations.iter().flat_map(|station| &station.pages);
+        (0..self.cylinders.len() as u8).map(move |index| {
+            [Transducer::C1, Transducer::C2].map(|transducer| {
+                let counts = |page: &&Page| page.counted.contains(&(index, transducer));
+                pages().filter(counts).map(|page| page.slot.jumps()).sum()
+            })
+        })
+    }
+}

@@ -1,0 +1,55 @@
+//! What the monitor of a cylinder is made from.
+
+use crate::alarm::Levels;
+use crate::compare::Comparator;
+use crate::estimate;
+use crate::incident::QUANTITIES;
+use crate::observe::observer::ObserverDesign;
+use crate::sample::device::DeviceDesign;
+use crate::sample::plausibility::PlausibilityLimits;
+use crate::sequential;
+use crate::time::Span;
+use crate::verdict::BankDesign;
+
+/// Design of the monitor of one cylinder.
+#[derive(Clone, Debug)]
+pub struct CylinderDesign {
+    /// Cylinder number, counted from 1.
+    pub number: u8,
+    /// Fields that a complete cycle has, by [`Field::bit`].
+    pub required: u16,
+    /// Fields for which a cycle is held open until its deadline: the required ones, and pressures
+    /// where they are read, which never make a cycle incomplete.
+    pub awaited: u16,
+    /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
+    pub limits: [PlausibilityLimits; 2],
+    /// CANopen devices that tell of themselves, by [`crate::sample::DeviceRole`].
+    pub devices: [Option<DeviceDesign>; 3],
+    /// Command at which the cylinder rests, m/s.
+    pub command_offset: f64,
+    /// Cycles without a command after which it is stale.
+    pub command_stale: u32,
+    /// Command speed beyond which it moves the cylinder, m/s.
+    pub moving_speed: f64,
+    pub observers: [ObserverDesign; 2],
+    pub comparator: Comparator,
+    pub bank: BankDesign,
+    /// Sequential detector; `None` where no calibration for it is configured.
+    pub sequential: Option<sequential::Design>,
+    pub estimate: estimate::SensorDesign,
+    /// Measured |C1 − C2| beyond which the machine itself trips, m.
+    pub critical: f64,
+    pub levels: Levels,
+    /// Cycles within which findings belong to one event.
+    pub coincidence: u32,
+    /// Time of good readings that clears a plausibility warning.
+    pub clear: Span,
+}
+
+impl CylinderDesign {
+    /// Limits of the quantities of an incident, m.
+    pub const fn limits(&self) -> [f64; QUANTITIES] {
+        let (observer, difference) = (self.bank.observer.high, self.bank.difference.high);
+        [observer, observer, difference, self.critical]
+    }
+}
