@@ -17,7 +17,8 @@ impl Monitor {
 
     /// The longest times in which the observers of each cylinder did not judge, in the order of the cylinders.
     pub fn blanks(&self) -> impl Iterator<Item = impl Iterator<Item = Blank>> {
-        self.cylinders.iter().map(Cylinder::blanks)
+        let newest = self.last.unwrap_or_default();
+        self.cylinders.iter().map(move |cylinder| cylinder.blanks(newest))
     }
 
     /// Cycles that the observers on C1 and C2 of each cylinder did not judge, in the order of the cylinders; `None`

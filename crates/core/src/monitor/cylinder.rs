@@ -260,7 +260,9 @@ impl Cylinder {
         }
         let complete = self.is_complete();
         self.tally.count(&residuals, self.judged.contains(&true), complete);
-        self.note_blanks(now);
+        if !self.blanks.goes_on(self.judged) {
+            self.note_blank(now);
+        }
         self.has_found = self.finds_anything();
         if self.is_watched || self.has_found {
             self.note_quantities(&residuals);
@@ -292,8 +294,9 @@ impl Cylinder {
         Followed { good, innovation, restart }
     }
 
-    /// Restarts what was learnt of the motion after a time jump or lost frames; findings stand.
-    pub fn interrupt(&mut self, reason: Restart) {
+    /// Restarts what was learnt of the motion after a time jump or lost frames, of which `last` is the time before;
+    /// findings stand.
+    pub fn interrupt(&mut self, reason: Restart, last: Timestamp) {
         self.observers.iter_mut().for_each(|observer| observer.stop(reason));
         self.plausibility.iter_mut().for_each(Plausibility::reset);
         self.bank.interrupt();
@@ -305,8 +308,7 @@ impl Cylinder {
         }
         self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
         self.judged = [false; 2];
-        self.blanks.interrupt(self.tally.cycles);
-        self.is_watched = false;
+        self.blanks.interrupt(last, self.tally.cycles);
         self.motions = Default::default();
         self.interrupt_devices();
         self.critical.interrupt();

@@ -354,7 +354,7 @@ impl Monitor {
         if self.cylinders[index].has_found() || self.register.any(index) {
             self.warn(index, at, sink);
         }
-        if self.incidents.is_open(index) {
+        if self.cylinders[index].is_watched {
             self.follow_incidents(index, now, sink);
         }
         if let Some(estimate) = self.cylinders[index].estimated() {

@@ -96,7 +96,8 @@ impl Monitor {
         self.forget_arrivals();
         self.pending = 0;
         self.gate.reset();
-        self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason));
+        let last = self.last.unwrap_or_default();
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason, last));
     }
 
     pub(super) fn reckon_due(&mut self) {

@@ -35,6 +35,7 @@ impl Monitor {
             sink.transmit(&frame);
         });
         if said {
+            self.cylinders[index].is_watched = true;
             self.reckon_due();
         }
     }

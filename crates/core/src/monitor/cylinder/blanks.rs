@@ -42,7 +42,7 @@ pub struct Blank {
     pub transducer: Transducer,
     /// Opening of the first cycle that it did not judge.
     pub from: Timestamp,
-    /// Opening of the first cycle that it judged again, or of the newest one.
+    /// Opening of the first cycle that it judged again, or the newest time.
     pub until: Timestamp,
     /// Why it stopped judging.
     pub reason: NotJudged,
@@ -57,7 +57,6 @@ pub(super) struct Blanks {
     longest: [[Option<Blank>; KEPT]; 2],
     /// Cycles in the blanks that are over.
     cycles: [u64; 2],
-    newest: Timestamp,
 }
 
 /// A blank that lasts.
@@ -84,26 +83,23 @@ impl Blanks {
         }
     }
 
-    /// Ends the blanks that are open, since time continues elsewhere.
-    pub fn interrupt(&mut self, cycles: u64) {
-        let newest = self.newest;
-        (0..2).for_each(|i| self.end(i, newest, cycles));
+    /// Whether the observers judge as in the cycle before.
+    #[inline]
+    pub fn goes_on(&self, judged: [bool; 2]) -> bool {
+        self.judged == Some(judged)
+    }
+
+    /// Ends at `last` the blanks that are open, since time continues elsewhere.
+    pub fn interrupt(&mut self, last: Timestamp, cycles: u64) {
+        (0..2).for_each(|i| self.end(i, last, cycles));
         self.judged = None;
     }
 }
 
 impl Cylinder {
-    /// Takes whether the observers judged in the cycle.
-    #[inline(always)]
-    pub(super) fn note_blanks(&mut self, now: Evaluation) {
-        self.blanks.newest = now.opened;
-        if self.blanks.judged != Some(self.judged) {
-            self.note_blank(now);
-        }
-    }
-
+    /// Takes that an observer judges again, or no more.
     #[cold]
-    fn note_blank(&mut self, now: Evaluation) {
+    pub(super) fn note_blank(&mut self, now: Evaluation) {
         // This one has been counted.
         let before = self.tally.cycles - 1;
         for (i, transducer) in TRANSDUCERS.into_iter().enumerate() {
@@ -127,12 +123,12 @@ impl Cylinder {
         }
     }
 
-    /// The longest times in which the observers did not judge, those that last among them.
-    pub fn blanks(&self) -> impl Iterator<Item = Blank> {
-        let Blanks { open, longest, newest, .. } = &self.blanks;
-        let lasting = TRANSDUCERS.into_iter().zip(open).filter_map(|(transducer, open)| {
+    /// The longest times in which the observers did not judge, those that last until `newest` among them.
+    pub fn blanks(&self, newest: Timestamp) -> impl Iterator<Item = Blank> {
+        let Blanks { open, longest, .. } = &self.blanks;
+        let lasting = TRANSDUCERS.into_iter().zip(open).filter_map(move |(transducer, open)| {
             let Begun { from, reason, .. } = (*open)?;
-            Some(Blank { transducer, from, until: *newest, reason })
+            Some(Blank { transducer, from, until: newest, reason })
         });
         longest.iter().flatten().flatten().copied().chain(lasting)
     }
