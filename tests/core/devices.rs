@@ -410,6 +410,13 @@ fn a_reading_by_a_timer_that_is_older_than_a_cycle_is_none() {
     }
     assert!(seen.record(19, 3).c1.is_some());
     assert!((20..39).all(|k| seen.record(k, 3).c1.is_none()));
+    // The bus was silent after the last one.
+    monitor.take(&read_at(at(40, -3), 0), &mut seen);
+    for frame in Cycle::new(45).frames().iter().filter(|it| it.id.value() != 0x183) {
+        monitor.take(frame, &mut seen);
+    }
+    monitor.finish(&mut seen);
+    assert!(seen.record(45, 3).c1.is_none() && seen.record(45, 3).c2.is_some());
     let [raised] = seen.warnings[..] else { panic!("{:?}", seen.warnings) };
     assert_eq!((raised.finding.fault, raised.finding.suspect), (Fault::Stale, Suspect::C1));
 }
