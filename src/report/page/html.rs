@@ -51,7 +51,7 @@ tbody tr + tr { border-top: 1px solid var(--faint); }
 .n { text-align: right; }
 .wide { font-size: 12px; }
 .wide th, .wide td { padding-right: .5rem; }
-figure { margin: .6rem 0 1.2rem; break-inside: avoid; }
+figure { box-sizing: border-box; margin: .6rem 0 1.2rem; break-inside: avoid; }
 figure svg { display: block; max-width: 100%; height: auto; }
 figure .title { margin: 0 0 .1rem; font-weight: 600; }
 figcaption { font-size: 13px; padding-left: 76px; }
@@ -209,7 +209,13 @@ impl Page {
             }) + "</tr>\n"
         };
         let wide = if header.len() > WIDE { " class=\"wide\"" } else { "" };
-        _ = write!(self.body, "<div class=\"scroll\"><table{wide}>\n<thead>");
+        // Where it is wider than the screen it is scrolled, by keys too.
+        let title = self.sections.last().map_or(self.title.as_str(), |(_, title)| title);
+        let named = format!("role=\"group\" aria-label=\"{}\"", escaped(title));
+        _ = write!(
+            self.body,
+            "<div class=\"scroll\" tabindex=\"0\" {named}><table{wide}>\n<thead>"
+        );
         self.body += &row("th", &mut header.iter().map(AsRef::as_ref));
         self.body += "</thead>\n<tbody>\n";
         for cells in rows {

@@ -88,7 +88,7 @@ fn one(
 
 fn table(page: &mut Page, heading: &Heading<'_>, incidents: &[&Incident]) {
     let mut html =
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Incidents\">\n\
+        "<div class=\"scroll\" tabindex=\"0\" role=\"group\" aria-label=\"Incidents\">\n\
                     <table>\n<thead><tr>"
             .to_owned();
     for column in wording::INCIDENT_COLUMNS {

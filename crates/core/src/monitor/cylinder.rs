@@ -89,8 +89,8 @@ pub struct Cylinder {
     push: Option<Push>,
     judged: [bool; 2],
     blanks: Blanks,
-    /// Whether any detector has a finding.
-    has_found: bool,
+    /// Whether it was watched in the newest cycle, or any detector has a finding.
+    is_busy: bool,
     /// Whether an incident of it is open.
     pub is_watched: bool,
     /// Quantities of the newest cycle in which it was watched, or found anything.
@@ -126,7 +126,7 @@ impl Cylinder {
             push: None,
             judged: [false; 2],
             blanks: Blanks::default(),
-            has_found: false,
+            is_busy: false,
             is_watched: false,
             quantities: Quantities::default(),
             tally: Tally::default(),
@@ -149,14 +149,14 @@ impl Cylinder {
     pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
         if let Some(sequential) = &mut self.sequential {
             sequential.judge_stop(at, judgement);
-            self.has_found = self.finds_anything();
+            self.is_busy |= self.finds_anything();
         }
     }
 
-    /// Whether any detector has a finding now.
+    /// Whether there may be anything to tell of the newest cycle: a finding, or an incident that is open.
     #[inline]
-    pub const fn has_found(&self) -> bool {
-        self.has_found
+    pub const fn is_busy(&self) -> bool {
+        self.is_busy
     }
 
     /// Cylinder number and sequential detector, if it has one.
@@ -263,8 +263,8 @@ impl Cylinder {
         if !self.blanks.goes_on(self.judged) {
             self.note_blank(now);
         }
-        self.has_found = self.finds_anything();
-        if self.is_watched || self.has_found {
+        self.is_busy = self.is_watched | self.finds_anything();
+        if self.is_busy {
             self.note_quantities(&residuals);
         }
         Evaluated { readings, innovations, difference }

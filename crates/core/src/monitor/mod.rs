@@ -351,11 +351,8 @@ impl Monitor {
             sink.dwell(number, &dwell);
             self.judge_stops(at);
         }
-        if self.cylinders[index].has_found() || self.register.any(index) {
-            self.warn(index, at, sink);
-        }
-        if self.cylinders[index].is_watched {
-            self.follow_incidents(index, now, sink);
+        if self.cylinders[index].is_busy() || self.register.any(index) {
+            self.tell(index, now, sink);
         }
         if let Some(estimate) = self.cylinders[index].estimated() {
             sink.estimate(now.opened, number, estimate);

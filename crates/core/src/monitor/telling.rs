@@ -22,6 +22,17 @@ impl Monitor {
         self.next_status = self.next_status.after(STATUS_PERIOD);
     }
 
+    /// Passes on what there is to tell of the cylinder of `index` in a cycle.
+    #[cold]
+    pub(super) fn tell(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
+        if self.cylinders[index].finds_anything() || self.register.any(index) {
+            self.warn(index, now.at, sink);
+        }
+        if self.cylinders[index].is_watched {
+            self.follow_incidents(index, now, sink);
+        }
+    }
+
     /// Passes on what the detectors of the cylinder of `index` say.
     pub(super) fn warn(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
         let findings = self.cylinders[index].findings();

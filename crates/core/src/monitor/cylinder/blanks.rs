@@ -49,10 +49,11 @@ pub struct Blank {
 }
 
 /// The longest blanks of a cylinder.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Blanks {
-    /// Whether each observer judged in the newest cycle; `None` before the first.
-    judged: Option<[bool; 2]>,
+    /// Whether each observer judged in the newest cycle. Before the first one it counts as if they did, so that a
+    /// blank begins with it.
+    judged: [bool; 2],
     open: [Option<Begun>; 2],
     longest: [[Option<Blank>; KEPT]; 2],
     /// Cycles in the blanks that are over.
@@ -66,6 +67,12 @@ struct Begun {
     /// Number of cycles of the cylinder before it.
     before: u64,
     reason: NotJudged,
+}
+
+impl Default for Blanks {
+    fn default() -> Self {
+        Self { judged: [true; 2], open: [None; 2], longest: Default::default(), cycles: [0; 2] }
+    }
 }
 
 impl Blanks {
@@ -86,13 +93,13 @@ impl Blanks {
     /// Whether the observers judge as in the cycle before.
     #[inline]
     pub fn goes_on(&self, judged: [bool; 2]) -> bool {
-        self.judged == Some(judged)
+        self.judged == judged
     }
 
     /// Ends at `last` the blanks that are open, since time continues elsewhere.
     pub fn interrupt(&mut self, last: Timestamp, cycles: u64) {
         (0..2).for_each(|i| self.end(i, last, cycles));
-        self.judged = None;
+        self.judged = [true; 2];
     }
 }
 
@@ -110,7 +117,7 @@ impl Cylinder {
                 self.blanks.open[i] = Some(Begun { from: now.opened, before, reason });
             }
         }
-        self.blanks.judged = Some(self.judged);
+        self.blanks.judged = self.judged;
     }
 
     fn not_judged(&self, i: usize, now: Evaluation) -> NotJudged {

@@ -7,8 +7,9 @@ use crate::alarm::{Evidence, Finding, Level};
 use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
 
 impl Cylinder {
+    /// Whether any detector has a finding now.
     #[inline]
-    pub(super) fn finds_anything(&self) -> bool {
+    pub fn finds_anything(&self) -> bool {
         self.bank.any_found()
             || self.was_critical
             || self.implausible.iter().any(Implausible::raised)
