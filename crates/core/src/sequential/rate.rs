@@ -342,6 +342,7 @@ mod tests {
             assert!((rate.steepest(from) - expected).abs() < 1e-12, "{}", rate.steepest(from));
         }
         assert_eq!(Rate::new(0.5, &[0.1, 0.2]).steepest(0.0), f64::INFINITY);
+        assert_eq!((rate.silent(), rate.farthest()), (0.5, 2.0));
     }
 
     #[test]
