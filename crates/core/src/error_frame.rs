@@ -142,6 +142,32 @@ mod tests {
         assert_eq!(state(0x008, 0x10), None, "byte 1 is of another class");
     }
 
+    /// As iproute2 prints them.
+    #[test]
+    fn states_have_the_names_that_ip_gives_them() {
+        let names = ControllerState::ALL.map(ControllerState::name);
+        let expected =
+            ["error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping"];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn each_bit_says_one_thing() {
+        for (class, bits, expected) in [
+            (0x001, 0, ErrorFrame::default()),
+            (0x002, 0, ErrorFrame { lost_arbitration: true, ..ErrorFrame::default() }),
+            (0x004, 0x01, ErrorFrame { receive_overflow: true, ..ErrorFrame::default() }),
+            (0x004, 0x02, ErrorFrame { transmit_overflow: true, ..ErrorFrame::default() }),
+            (0x008, 0x03, ErrorFrame { protocol: true, ..ErrorFrame::default() }),
+            (0x010, 0, ErrorFrame { transceiver: true, ..ErrorFrame::default() }),
+            (0x020, 0, ErrorFrame { unacknowledged: true, ..ErrorFrame::default() }),
+        ] {
+            assert_eq!(read(class, [0, bits, 0, 0, 0, 0, 0, 0]), expected, "{class:#x}");
+        }
+        assert!(read(0x100, [0; 8]).restarted);
+        assert!(read(0x040, [0; 8]).is_bus_off() && !read(0x100, [0; 8]).is_bus_off());
+    }
+
     #[test]
     fn counters_are_there_only_where_the_driver_gives_them() {
         let data = [0, 0, 0, 0, 0, 0, 136, 7];

@@ -243,6 +243,57 @@ mod tests {
         }
     }
 
+    /// What is behind the payload is of no frame.
+    #[test]
+    fn frames_are_the_same_that_say_the_same_at_the_same_time() {
+        let id = |value| Id::standard(value).expect("11 bits");
+        let frame = |nanos, value, kind, data: &[u8]| {
+            Frame::new(Timestamp::from_nanos(nanos), id(value), kind, data)
+        };
+        let one = frame(7, 1, Kind::Data, &[1, 2]);
+        let mut same = frame(7, 1, Kind::Data, &[1, 2, 3]);
+        same.set_length(2);
+        assert_eq!(same, one);
+        for other in [
+            frame(8, 1, Kind::Data, &[1, 2]),
+            frame(7, 2, Kind::Data, &[1, 2]),
+            frame(7, 1, Kind::Error, &[1, 2]),
+            frame(7, 1, Kind::Data, &[1, 3]),
+            frame(7, 1, Kind::Data, &[1]),
+        ] {
+            assert_ne!(other, one);
+        }
+    }
+
+    #[test]
+    fn an_identifier_in_a_dbc_says_its_format_in_bit_31() {
+        let [short, long] = [Id::standard(0x181), Id::extended(0x181)].map(|id| id.expect("fits"));
+        assert_eq!((short.to_dbc(), long.to_dbc()), (0x181, 0x8000_0181));
+    }
+
+    #[test]
+    fn a_driver_is_told_the_kind_the_format_and_the_length() {
+        use embedded_can::Frame as Driven;
+        let [short, long] = [Id::standard(0x181), Id::extended(0x181)].map(|id| id.expect("fits"));
+        let payload: &[u8] = &[1, 2, 3];
+        for (id, kind, data, expected) in [
+            (short, Kind::Data, payload, (false, false, true, 3)),
+            (long, Kind::Fd { flags: 0 }, payload, (true, false, true, 3)),
+            (short, Kind::Remote { length: 5 }, &[], (false, true, false, 5)),
+            (long, Kind::Error, payload, (true, false, false, 3)),
+        ] {
+            let frame = Frame::new(Timestamp::default(), id, kind, data);
+            let told = (
+                Driven::is_extended(&frame),
+                Driven::is_remote_frame(&frame),
+                Driven::is_data_frame(&frame),
+                Driven::dlc(&frame),
+            );
+            assert_eq!(told, expected, "{kind:?}");
+            assert_eq!((Id::from(Driven::id(&frame)), Driven::data(&frame)), (id, data));
+        }
+    }
+
     #[test]
     fn what_a_driver_brings_and_takes_is_the_same_frame() {
         let ids =

@@ -284,6 +284,16 @@ mod tests {
     }
 
     #[test]
+    fn scales_reach_as_far_as_their_counts() {
+        let position = CountScale { factor: -1e-4, offset: 3.0 };
+        let scale = EstimateScale { position, ..EstimateScale::default() };
+        let [shortest, longest] = scale.lengths();
+        assert!((shortest - (3.0 - 6.5535)).abs() < 1e-12, "{shortest}");
+        assert!((longest - 2.9999).abs() < 1e-12, "count 0 is no length: {longest}");
+        assert!((scale.largest_sigma() - 0.065_534).abs() < 1e-12, "65535 is anything beyond");
+    }
+
+    #[test]
     fn what_is_not_valid_or_has_no_place_on_the_scales_is_sent_as_invalid() {
         assert_eq!(sent(0.0, 1e-4, false), [0, 0, 100]);
         assert_eq!(sent(0.0, 0.065535, true), [0, 0, 65_535], "that much or more");

@@ -84,3 +84,36 @@ pub struct Warning {
     pub state: State,
     pub finding: Finding,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn finding(gain: Option<f64>) -> Finding {
+        let onset = Timestamp::default();
+        Finding {
+            fault: Fault::Unclassified,
+            suspect: Suspect::Undecided,
+            level: Level::Yellow,
+            residual: Some(1e-3),
+            threshold: Some(8e-4),
+            evidence: Some(Evidence { fault: 20.0, location: None, onset, gain }),
+        }
+    }
+
+    #[test]
+    fn a_finding_changes_for_a_person_when_it_becomes_a_gain_but_not_with_its_numbers() {
+        let [scale, other_scale, none] = [Some(0.01), Some(0.02), None].map(finding);
+        assert_eq!((scale.gain(), none.gain()), (Some(0.01), None));
+        assert_eq!(Finding { evidence: None, ..scale }.gain(), None);
+        assert!(scale.says_as(&other_scale) && !scale.says_as(&none));
+        assert!(scale.says_as(&Finding { residual: Some(2e-3), ..scale }));
+        for changed in [
+            Finding { fault: Fault::Noise, ..scale },
+            Finding { suspect: Suspect::C1, ..scale },
+            Finding { level: Level::Orange, ..scale },
+        ] {
+            assert!(!scale.says_as(&changed), "{changed:?}");
+        }
+    }
+}

@@ -209,3 +209,66 @@ impl Observer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+
+    /// An integrator of the command, whose error of the position goes on by −½ in each cycle.
+    fn observer() -> Observer {
+        Observer::new(ObserverDesign {
+            a: Matrix3::identity(),
+            b: Vector3::new(0.02, 0.0, 0.0),
+            l: Matrix3x2::new(1.5, 0.0, 0.0, 0.0, 0.0, 0.0),
+            settle: 6,
+            max_gap: 2,
+        })
+    }
+
+    const READ: Option<Measurement> = Some(Measurement { position: 0.5, velocity: None });
+
+    fn follow(observer: &mut Observer, cycles: usize) -> Vec<Innovation> {
+        (0..cycles).map(|_| observer.step(READ, Some(0.0)).0.expect("it was read")).collect()
+    }
+
+    /// 1, −½, ¼, −⅛, 1/16: the fifth is less than a tenth.
+    #[test]
+    fn what_lacks_a_command_or_a_reading_is_not_whole_until_its_effect_is_gone() {
+        for (measurement, command) in [(READ, None), (None, Some(0.0)), (None, None)] {
+            let mut observer = observer();
+            let first = follow(&mut observer, 8);
+            assert!(first.iter().all(|it| it.whole && it.residual == 0.0));
+            assert_eq!(first.iter().filter(|it| it.settled).count(), 2);
+            // What was predicted for this cycle lacked nothing.
+            let lost = observer.step(measurement, command).0;
+            assert_eq!(lost.map(|it| it.whole), measurement.map(|_| true));
+            let whole: Vec<bool> = follow(&mut observer, 6).iter().map(|it| it.whole).collect();
+            assert_eq!(whole, [false, false, false, false, true, true]);
+        }
+    }
+
+    #[test]
+    fn without_readings_it_goes_on_by_the_last_command_and_then_stops() {
+        let mut observer = observer();
+        follow(&mut observer, 1);
+        assert_eq!(observer.step(READ, Some(0.1)).0.map(|it| it.estimate), Some(0.5));
+        let coasted = observer.step(None, None);
+        assert_eq!(coasted, (None, None));
+        // By 0.02 m for each m/s of the command, with a reading, without one, and without both.
+        let (found, restart) = observer.step(READ, Some(0.0));
+        let found = found.expect("it was read");
+        assert!((found.estimate - 0.504).abs() < 1e-12, "{found:?}");
+        assert!((found.residual + 0.004).abs() < 1e-12, "{found:?}");
+        assert_eq!(restart, None);
+        // Two cycles are predicted over, three are not.
+        for (missing, expected) in [(2, None), (3, Some(Restart::Gap)), (9, Some(Restart::Gap))] {
+            (0..missing).for_each(|_| _ = observer.step(None, Some(0.0)));
+            let (found, restart) = observer.step(READ, Some(0.0));
+            assert_eq!(restart, expected, "{missing}");
+            assert!(
+                expected.is_none() || found.is_some_and(|it| it.residual == 0.0 && !it.settled)
+            );
+        }
+    }
+}

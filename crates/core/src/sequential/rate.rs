@@ -323,6 +323,28 @@ mod tests {
         assert!((rate.at(1.0) - expected).abs() < 0.05, "{} for {expected}", rate.at(1.0));
     }
 
+    /// Of n samples none was wild, which says that one of n + 1 may be.
+    #[test]
+    fn few_samples_prove_little() {
+        for samples in [1.0, 9.0, 99.0] {
+            let rate = Rate::of(&normal(samples as u64), Of::Mean, SIGMA, USUAL);
+            let (found, wild) = (rate.expect("there are samples").at(1.0), 1.0 / (samples + 1.0));
+            let expected = (2.0 / (wild + USUAL.share * (1.0 - wild))).ln();
+            assert!((found - expected).abs() < 0.05, "{samples}: {found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn it_is_steepest_where_it_is_most_for_its_square() {
+        let rate = Rate::new(0.5, &[0.0, 0.0, 0.25, 4.0, 4.5]);
+        // At nodes of 1, 1.5 and 2 m: 1/3, 2 and 6/5 of what is beyond 0.5 m.
+        for (from, expected) in [(0.5, 4.0 / (2.25 - 0.25)), (0.0, 4.0 / 2.25)] {
+            assert!((rate.steepest(from) - expected).abs() < 1e-12, "{}", rate.steepest(from));
+        }
+        assert_eq!(Rate::new(0.5, &[0.1, 0.2]).steepest(0.0), f64::INFINITY);
+        assert_eq!((rate.silent(), rate.farthest()), (0.5, 2.0));
+    }
+
     #[test]
     fn where_it_reaches_what_it_is_there() {
         for what in [Of::Mean, Of::Square] {

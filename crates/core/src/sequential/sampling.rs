@@ -183,6 +183,18 @@ mod tests {
     }
 
     #[test]
+    fn what_may_be_chance_is_not_told() {
+        for (mean, spread) in [(-3e-4, 1e-4), (3e-4, 1e-4), (0.0, 5e-4)] {
+            let sure = said(mean, spread);
+            let vague = Seen { mean_variance: 1e-6, square_variance: 1e-12, ..sure.seen[0] };
+            let mut sampling = Sampling::default();
+            let told = judge(&mut sampling, &[Said { seen: [vague; 2], ..sure }; 6]);
+            assert_eq!(told.map(|(apart, told)| (apart.changing, told)), Some((false, None)));
+            assert_eq!(judge(&mut sampling, &[sure; 6]).map(|it| it.1), Some(Some(true)));
+        }
+    }
+
+    #[test]
     fn the_middle_is_that_of_those_in_order() {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for count in 1..=MOST {

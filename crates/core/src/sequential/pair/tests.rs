@@ -177,3 +177,12 @@ fn where_the_errors_are_not_known_it_takes_more_to_decide() {
     };
     assert!(decided(Prediction::UNKNOWN) > decided(prediction));
 }
+
+/// After a gap there is nothing to compare until enough has been read again.
+#[test]
+fn what_was_read_before_a_reset_is_not_compared() {
+    let mut pair = follow(1, |_, _| [5e-4, 0.0]);
+    assert!(pair.compare(Form::Step, 10, 13).is_some());
+    pair.reset();
+    assert_eq!(pair.compare(Form::Step, 10, 13), None);
+}

@@ -32,3 +32,42 @@ pub(in crate::sequential) fn put(days: &mut Vec<Day>, day: Day) {
         _ => days.push(day),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec;
+
+    /// A reading of `dwells` dwells on day 3; C2 reads 2 m.
+    fn read(hour: f64, c1: f64, dwells: u32) -> Day {
+        Day { number: 3, at: hour, readings: [c1, 2.0], dwells }
+    }
+
+    #[test]
+    fn dwells_of_a_day_are_one_reading_by_their_number() {
+        let mut days = Vec::new();
+        put(&mut days, read(0.1, 1.0, 1));
+        put(&mut days, read(0.5, 1.0004, 3));
+        let [day] = days[..] else { panic!("one day: {days:?}") };
+        assert!((day.at - 0.4).abs() < 1e-12, "{day:?}");
+        assert!((day.readings[0] - 1.0003).abs() < 1e-12, "{day:?}");
+        assert_eq!((day.number, day.readings[1], day.dwells), (3, 2.0, 4));
+        put(&mut days, Day { number: 4, ..day });
+        assert_eq!(days.len(), 2, "another day is another reading");
+    }
+
+    /// A transducer that was adjusted between two dwells of a day reads two things on it.
+    #[test]
+    fn dwells_that_came_apart_within_a_day_are_two_readings() {
+        for (moved, readings) in [(4e-4, 1), (6e-4, 2), (-4e-4, 1), (-6e-4, 2)] {
+            let mut days = Vec::new();
+            put(&mut days, read(0.1, 1.0, 1));
+            put(&mut days, read(0.5, 1.0 + moved, 1));
+            assert_eq!(days.len(), readings, "{moved}");
+        }
+        // What both have moved by is the rod.
+        let mut days = vec![read(0.1, 1.0, 1)];
+        put(&mut days, Day { readings: [1.01, 2.01], ..read(0.5, 0.0, 1) });
+        assert_eq!(days.len(), 1);
+    }
+}

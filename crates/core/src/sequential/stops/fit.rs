@@ -136,3 +136,58 @@ pub(super) fn likelihood<const N: usize>(
     let explained: f64 = right.iter().zip(solution).map(|(r, b)| r * b).sum();
     Some(0.5 * (explained / variance - determinant))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::vec::Vec;
+    use nalgebra::{Matrix4, Vector4};
+
+    const ROWS: [[f64; 2]; 4] = [[1.0, 0.0], [1.0, 0.2], [1.0, 0.7], [1.0, 1.0]];
+    const VALUES: [f64; 4] = [0.3e-3, 0.5e-3, 1.1e-3, 1.2e-3];
+
+    /// The density of values that are normal, with coefficients that are normal, is known.
+    #[test]
+    fn likelihoods_differ_as_those_of_the_normal_distribution() {
+        let variance = 1e-8;
+        let direct = |deviations: [f64; 2]| {
+            let mut covariance = Matrix4::identity() * variance;
+            for (which, deviation) in deviations.into_iter().enumerate() {
+                let column = Vector4::from(ROWS.map(|row| row[which]));
+                covariance += column * column.transpose() * deviation * deviation;
+            }
+            let values = Vector4::from(VALUES);
+            let inverse = covariance.try_inverse().expect("it is positive");
+            -0.5 * ((values.transpose() * inverse * values)[0] + covariance.determinant().ln())
+        };
+        let found =
+            |deviations| likelihood(&ROWS, &VALUES, deviations, variance).expect("it has one");
+        let usual = [1e-3, 1e-3];
+        for deviations in [[1e-3, 0.1e-3], [0.2e-3, 3e-3], [5e-3, 5e-3]] {
+            let expected = direct(deviations) - direct(usual);
+            let found = found(deviations) - found(usual);
+            assert!((found - expected).abs() < 1e-6 * expected.abs(), "{found} for {expected}");
+        }
+    }
+
+    #[test]
+    fn a_line_is_fitted_and_its_scatter_told() {
+        let scatter = Scatter { usual: 1e-4, least: 1e-6 };
+        let free = [f64::INFINITY; 2];
+        let rows: Vec<[f64; 2]> = (0..200).map(|k| [1.0, f64::from(k) / 199.0]).collect();
+        // To either side in pairs, so that neighbours are neither alike nor unlike.
+        let noise = |k: usize| if k % 4 < 2 { 3e-4 } else { -3e-4 };
+        let values: Vec<f64> =
+            rows.iter().enumerate().map(|(k, row)| 5.0 + 2e-3 * row[1] + noise(k)).collect();
+        let found = fit(&rows, &values, free, scatter).expect("it is determined");
+        assert!((found.moved - 2e-3).abs() < 2e-5, "{found:?}");
+        assert!((found.scatter.sqrt() - 3e-4).abs() < 1e-5, "{found:?}");
+        // σ²/Σ(x − x̄)², with x evenly from 0 to 1.
+        let expected = found.scatter * 12.0 / 200.0;
+        assert!((found.variance / expected - 1.0).abs() < 0.03, "{found:?}");
+        // A prior of nothing leaves nothing, and one row determines no line.
+        let held = fit(&rows, &values, [f64::INFINITY, 1e-9], scatter).expect("it is determined");
+        assert!(held.moved.abs() < 1e-6, "{held:?}");
+        assert_eq!(fit(&rows[..1], &values[..1], free, scatter), None);
+    }
+}
