@@ -133,6 +133,11 @@ impl Page {
         if self.within {
             return self.element("h3", text);
         }
+        self.anchored(text);
+    }
+
+    /// Begins a section of the page, with an anchor.
+    fn anchored(&mut self, text: &str) {
         let word = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
         let anchor: String = text.chars().map(word).collect();
         _ = writeln!(self.body, "<h2 id=\"{anchor}\">{}</h2>", escaped(text));
@@ -146,7 +151,7 @@ impl Page {
 
     /// Adds what would be a page of its own as a part of this one.
     pub fn part(&mut self, text: &str, add: impl FnOnce(&mut Self)) {
-        self.element("h2", text);
+        self.anchored(text);
         let within = std::mem::replace(&mut self.within, true);
         add(self);
         self.within = within;

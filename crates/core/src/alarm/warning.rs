@@ -98,6 +98,7 @@ mod tests {
             residual: Some(1e-3),
             threshold: Some(8e-4),
             evidence: Some(Evidence { fault: 20.0, location: None, onset, gain }),
+            device: None,
         }
     }
 
