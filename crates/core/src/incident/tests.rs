@@ -199,9 +199,9 @@ fn an_old_undecided_difference_is_not_what_begins_now() {
     story.cycle(80.0, [-1.1, 0.1, 3.0]);
     assert_eq!(story.newest().number, 3, "3 mm do not go by 1.1 mm");
     story.clear(81.0, Fde1);
-    story.cycle(89.0, [0.1, 0.1, 3.0]);
-    story.raise(90.0, Fde1, Fault::Abrupt, Suspect::C1, 2.0);
-    story.cycle(90.0, [2.0, 0.1, 5.0]);
+    story.cycle(87.0, [0.1, 0.1, 3.0]);
+    story.raise(88.0, Fde1, Fault::Abrupt, Suspect::C1, 2.0);
+    story.cycle(88.0, [2.0, 0.1, 5.0]);
     assert_eq!(story.newest().number, 3, "it grows: that is another fault");
     story.clear(91.0, Fde1);
     story.raise(95.0, Fde1, Fault::Abrupt, Suspect::C1, -2.0);
