@@ -2,8 +2,8 @@
 //!
 //! A fault raises several detectors, some of them again when it ends, and some only now and then while it is
 //! near their thresholds. A person asks what is wrong, since when, how bad it is and how sure that is. An
-//! [`Incident`] answers: it begins with the first warning, takes in those that [belong to it](joining), ends
-//! when the last of them has cleared and none came after it, and says what [all of them together](fusing)
+//! [`Incident`] answers: it begins with the first warning, takes in those that belong to it (`joining`), ends
+//! when the last of them has cleared and none came after it, and says what all of them together (`fusing`)
 //! mean.
 
 mod fusing;

@@ -16,7 +16,7 @@ use crate::verdict::BankDesign;
 pub struct CylinderDesign {
     /// Cylinder number, counted from 1.
     pub number: u8,
-    /// Fields that a complete cycle has, by [`Field::bit`].
+    /// Fields that a complete cycle has, by [`crate::sample::Field::bit`].
     pub required: u16,
     /// Fields for which a cycle is held open until its deadline: the required ones, and pressures
     /// where they are read, which never make a cycle incomplete.
