@@ -209,6 +209,45 @@ fn an_old_undecided_difference_is_not_what_begins_now() {
     assert_eq!(story.numbers(Progress::Opened), [1, 2, 3]);
 }
 
+/// Where a reading passes the checks again, or comes back, that is seen, whatever the other observer makes of it.
+#[test]
+fn a_reading_that_comes_back_is_seen_to() {
+    let mut frozen = Story::new();
+    frozen.raise(10.0, PlausibilityOfC2, Fault::Frozen, Suspect::C2, 0.0);
+    frozen.cycle(10.0, [0.1; 3]);
+    frozen.clear(12.0, PlausibilityOfC2);
+    frozen.cycle(12.0, [0.1; 3]);
+    frozen.cycle(16.0, [0.1; 3]);
+    assert_eq!(frozen.newest().end, Some((at(12.0), Ending::Returned)));
+    let mut loud = Story::new();
+    loud.step(10.0, 60.0);
+    loud.raise(20.0, Fde1, Fault::Abrupt, Suspect::C1, -60.0);
+    loud.cycle(20.0, [-60.0, 0.1, 0.1]);
+    loud.raise(20.05, Fde2, Fault::Noise, Suspect::Undecided, 2.0);
+    loud.cycle(20.05, [1.0, 2.0, 0.1]);
+    for place in [Fde1, Fde2, Fde3] {
+        loud.clear(21.5, place);
+    }
+    loud.cycle(21.5, [0.1; 3]);
+    loud.cycle(25.5, [0.1; 3]);
+    assert_eq!(loud.newest().end, Some((at(21.5), Ending::Returned)));
+}
+
+/// The cycle in which a warning clears is still its own; what follows is not.
+#[test]
+fn peaks_are_those_of_its_cycles() {
+    let mut story = Story::new();
+    story.raise(10.0, Fde3, Fault::Abrupt, Suspect::Undecided, 2.0);
+    story.cycle(10.0, [0.1, 0.2, 2.0]);
+    story.cycle(10.5, [0.1, -0.3, 1.8]);
+    story.clear(11.0, Fde3);
+    story.cycle(11.0, [0.4, 0.1, 0.1]);
+    story.cycle(11.5, [0.9, 0.9, 0.9]);
+    story.cycle(19.0, [0.1; 3]);
+    let peak = |quantity: Quantity| story.newest().peaks[quantity as usize].map(|it| it.value);
+    assert_eq!(Quantity::ALL.map(peak), [Some(0.4e-3), Some(-0.3e-3), Some(2e-3), None]);
+}
+
 #[test]
 fn two_facts_are_two_incidents_even_at_once() {
     let mut story = Story::new();
