@@ -90,10 +90,9 @@ fn transducers_that_speak_are_heard() {
         of_c1.iter().map(|(_, state, _)| state.as_str()).collect::<Vec<_>>(),
         ["raised", "cleared"]
     );
-    assert_eq!(
-        bench.said("node 1 says EMCY 0x5000: device hardware (maker's own), field 0100000000"),
-        2
-    );
+    let words = "node 1 says EMCY 0x5000: device hardware (maker's own), field 0100000000";
+    assert_eq!(bench.said(&format!("device=\"{words}\"")), 2, "as it is raised, and as it clears");
+    assert_eq!(bench.said(&format!("C1's device: {words}; ")), 1, "in the story of its incident");
     // The heartbeat.
     let of_c2 = plausibility(&lines, "c2");
     let (at, state, warning) = &of_c2[0];

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::process::{Command, Output};
-use tertius_testing::bench::{Bench, Status, run, wait_for, wire};
+use tertius_testing::bench::{Bench, run, wait_for, wire};
 use tertius_testing::program;
 
 /// A bus with the simulated machine's configuration.

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::fs;
 use std::process::Command;
-use tertius_testing::bench::{Bench, Status, excerpt, wait_for, wire};
+use tertius_testing::bench::{Bench, excerpt, wire};
 use tertius_testing::oracle;
 use tertius_testing::program;
 
