@@ -128,7 +128,7 @@ fn residual(
     let shows = |raised: &&Raised| {
         raised.cylinder == number && place(raised.detector).is_none_or(|place| place == i)
     };
-    panel.marks.extend(recorded.raised.iter().filter(shows).map(mark));
+    panel.marks.extend(marks(recorded.raised.iter().filter(shows)));
     for (name, places) in [("time jump", &recorded.jumped_at), ("bus lost", &recorded.lost_at)] {
         let broken =
             |at: &f64| FigureMark { name: name.to_owned(), colour: palette::GREY, at: *at };
@@ -165,6 +165,13 @@ const fn place(detector: Detector) -> Option<usize> {
         Basis::Residual(index) => Some(index),
         Basis::Readings | Basis::Samples | Basis::Lengths => None,
     }
+}
+
+/// Marks of warnings, the worst last, since a mark covers those that were drawn before it.
+fn marks<'a>(raised: impl Iterator<Item = &'a Raised>) -> Vec<FigureMark> {
+    let mut raised: Vec<&Raised> = raised.collect();
+    raised.sort_by_key(|raised| raised.level);
+    raised.into_iter().map(mark).collect()
 }
 
 fn mark(raised: &Raised) -> FigureMark {
@@ -239,7 +246,7 @@ fn zoomed(zoom: &Zoom, recorded: &Recorded) -> Figure {
         joins
     });
     let mut readings = readings(zoom);
-    readings.marks = raised.iter().map(|raised| mark(raised)).collect();
+    readings.marks = marks(raised.iter().copied());
     let mut panels = vec![readings];
     for i in 0..3 {
         let own: Vec<&&Raised> =
@@ -252,7 +259,7 @@ fn zoomed(zoom: &Zoom, recorded: &Recorded) -> Figure {
             continue;
         }
         let mut panel = residual_around(zoom, i, cylinder.bounds[i]);
-        panel.marks = own.into_iter().map(|raised| mark(raised)).collect();
+        panel.marks = marks(own.into_iter().copied());
         if i < 2 {
             panel.bands = bands.iter().copied().map(not_judged).collect();
         }
