@@ -5,8 +5,9 @@
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
 use crate::incident::{Ending, Incident, Part, Quantity};
-use crate::time::Span;
+use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
+use std::cmp::Reverse;
 
 /// Time within which detectors are said to rise together.
 const TOGETHER: Span = Span::from_nanos(100_000_000);
@@ -214,26 +215,33 @@ pub fn advice(incident: &Incident) -> String {
     }
 }
 
+/// How long it lasted; `None` while it is not over, and where the clock was set back meanwhile.
+pub fn lasted(incident: &Incident) -> Option<String> {
+    let (end, _) = incident.end?;
+    (end >= incident.begin).then(|| span(end.since(incident.begin)))
+}
+
 /// How it ended, or that it stands.
 pub fn ending(incident: &Incident) -> String {
     match incident.end {
         None if incident.stands() => "still standing".to_owned(),
         None => "no warning stands; it may come again".to_owned(),
-        Some((at, how)) => {
-            let lasted = span(at.since(incident.begin));
+        Some((_, how)) => {
+            let lasted =
+                lasted(incident).map_or(String::new(), |lasted| format!(" after {lasted}"));
             let how = match how {
                 Ending::Returned => "the reading came back",
                 Ending::Quiet => "below the limits since, which is no proof that it is gone",
                 Ending::Cut => "below the limits when the data ended",
             };
-            format!("over after {lasted}: {how}")
+            format!("over{lasted}: {how}")
         }
     }
 }
 
-/// Level for sorting: the worst first, then the earliest.
-pub fn severity(incident: &Incident) -> (std::cmp::Reverse<Level>, crate::time::Timestamp) {
-    (std::cmp::Reverse(incident.level), incident.begin)
+/// Key for sorting: the highest level first, then the earliest.
+pub fn order(incident: &Incident) -> (Reverse<Level>, Timestamp) {
+    (Reverse(incident.level), incident.begin)
 }
 
 /// Detectors that rose, in the order of their numbers.

@@ -1,6 +1,5 @@
 //! The incidents of a replay.
 
-use crate::alarm::Level;
 use crate::incident::{Incident, Progress};
 use crate::story;
 
@@ -11,7 +10,8 @@ pub const KEPT: usize = 200;
 #[derive(Clone, Debug, Default)]
 pub struct Incidents {
     kept: Vec<Incident>,
-    count: u64,
+    /// Number of incidents of each cylinder, in order.
+    counts: Vec<u64>,
 }
 
 impl Incidents {
@@ -22,50 +22,48 @@ impl Incidents {
             return;
         }
         if incident.progress == Progress::Opened {
-            self.count += 1;
+            let index = usize::from(incident.cylinder) - 1;
+            if self.counts.len() <= index {
+                self.counts.resize(index + 1, 0);
+            }
+            self.counts[index] += 1;
         }
         if self.kept.len() < KEPT {
             self.kept.push(*incident);
             return;
         }
-        let mildest = self.kept.iter_mut().max_by_key(|known| story::severity(known));
+        let mildest = self.kept.iter_mut().max_by_key(|known| story::order(known));
         if let Some(mildest) = mildest.filter(|known| known.level < incident.level) {
             *mildest = *incident;
         }
     }
 
     /// Number of incidents.
-    pub const fn count(&self) -> u64 {
-        self.count
+    pub fn count(&self) -> u64 {
+        self.counts.iter().sum()
     }
 
     /// Number of incidents beyond [`KEPT`].
-    pub const fn left_out(&self) -> u64 {
-        self.count - self.kept.len() as u64
+    pub fn left_out(&self) -> u64 {
+        self.count() - self.kept.len() as u64
     }
 
     /// The incidents that are kept, the worst first, and of one level in the order of their begin.
     pub fn by_severity(&self) -> Vec<&Incident> {
         let mut all: Vec<&Incident> = self.kept.iter().collect();
-        all.sort_by_key(|incident| story::severity(incident));
+        all.sort_by_key(|incident| story::order(incident));
         all
     }
 
     /// The worst one: of the highest level that with the largest difference, relative to its limit.
     pub fn worst(&self) -> Option<&Incident> {
-        let share = |incident: &Incident| {
-            let worst = incident.worst();
-            worst.map_or(0.0, |(quantity, peak)| {
-                peak.value.abs() / incident.limits[quantity as usize]
-            })
-        };
-        let level = self.kept.iter().map(|incident| incident.level).max().unwrap_or(Level::None);
-        let worst = self.kept.iter().filter(|incident| incident.level == level);
-        worst.max_by(|a, b| share(a).total_cmp(&share(b)))
+        self.kept.iter().max_by(|a, b| {
+            a.level.cmp(&b.level).then_with(|| a.severity().total_cmp(&b.severity()))
+        })
     }
 
-    /// Number of incidents of the cylinder `n` (from 1) that are kept.
-    pub fn of_cylinder(&self, n: usize) -> usize {
-        self.kept.iter().filter(|incident| usize::from(incident.cylinder) == n).count()
+    /// Number of incidents of the cylinder `n` (from 1).
+    pub fn of_cylinder(&self, n: usize) -> u64 {
+        self.counts.get(n - 1).copied().unwrap_or(0)
     }
 }

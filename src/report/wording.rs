@@ -38,10 +38,8 @@ pub const LEVEL_COLUMN: usize = 3;
 pub fn incident_row(zone: &Zone, incident: &Incident) -> [String; 7] {
     let off =
         incident.worst().map_or("–".to_owned(), |(_, peak)| story::millimetres(peak.value.abs()));
-    let lasted = match incident.end {
-        Some((at, _)) => story::span(at.since(incident.begin)),
-        None => "stands".to_owned(),
-    };
+    let over = || if incident.stands() { "stands" } else { "–" }.to_owned();
+    let lasted = story::lasted(incident).unwrap_or_else(over);
     [
         zone.time(incident.begin),
         incident.cylinder.to_string(),

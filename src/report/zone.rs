@@ -23,10 +23,7 @@ const ONE_DAY: f64 = 86_000.0;
 impl Zone {
     /// The zone of that name in the IANA database, `UTC` for example; `None` if there is none.
     pub fn named(name: &str) -> Option<TimeZone> {
-        match name {
-            "UTC" => Some(TimeZone::UTC),
-            name => TimeZone::get(name).ok(),
-        }
+        TimeZone::get(name).ok()
     }
 
     /// Times of a recording of `duration` s whose first frame is stamped `first`.

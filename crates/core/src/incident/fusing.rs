@@ -8,21 +8,15 @@ use crate::alarm::detector::WarningPlace;
 use crate::time::Span;
 use crate::verdict::{Fault, Suspect};
 
-/// Places in the order of precedence for the suspect, before the observers.
-const BEFORE_OBSERVERS: [WarningPlace; 5] = [
-    WarningPlace::PlausibilityOfC1,
-    WarningPlace::PlausibilityOfC2,
-    WarningPlace::PlausibilityOfCommand,
-    WarningPlace::Sequential,
-    WarningPlace::Fde3,
-];
-
 /// Places of facts about a reading.
 const FACTS: [WarningPlace; 3] = [
     WarningPlace::PlausibilityOfC1,
     WarningPlace::PlausibilityOfC2,
     WarningPlace::PlausibilityOfCommand,
 ];
+
+/// Places that follow on facts and precede the observers where the suspect is named.
+const BEFORE_OBSERVERS: [WarningPlace; 2] = [WarningPlace::Sequential, WarningPlace::Fde3];
 
 const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
@@ -52,7 +46,7 @@ impl Incident {
     }
 
     fn fused_suspect(&self) -> Suspect {
-        let before = BEFORE_OBSERVERS.map(|place| self.part(place)).into_iter();
+        let before = FACTS.into_iter().chain(BEFORE_OBSERVERS).map(|place| self.part(place));
         let parts = before.chain(self.observers()).flatten();
         let mut suspects = parts.map(|part| part.finding.suspect);
         suspects.find(|suspect| *suspect != Suspect::Undecided).unwrap_or_default()

@@ -165,31 +165,30 @@ impl Incident {
     }
 
     /// The quantity that tells best how bad it is, with its peak: the measured difference where the
-    /// machine itself would trip, R3 where it is beyond its bound, and otherwise the innovation that
-    /// is furthest beyond its threshold.
+    /// machine itself would trip, R3 where a detector of the difference was raised, and otherwise the innovation
+    /// that is furthest beyond its threshold.
     pub fn worst(&self) -> Option<(Quantity, Excursion)> {
-        let of = |quantity: Quantity| {
-            let peak = self.peaks[quantity as usize]?;
-            Some((quantity, peak))
-        };
-        let share = |quantity: Quantity| {
-            let limit = self.limits[quantity as usize];
-            of(quantity).map(|(_, peak)| peak.value.abs() / limit)
-        };
-        if let Some(measured) = of(Quantity::Measured) {
-            return Some(measured);
-        }
-        let by_difference = [WarningPlace::Fde3, WarningPlace::Sequential];
-        if by_difference.into_iter().any(|place| self.part(place).is_some())
-            && let Some(difference) = of(Quantity::R3)
-        {
-            return Some(difference);
-        }
-        let exceeded = [(WarningPlace::Fde1, Quantity::R1), (WarningPlace::Fde2, Quantity::R2)];
-        let exceeded = exceeded.into_iter().filter(|(place, _)| self.part(*place).is_some());
-        exceeded
+        let of = |quantity: Quantity| Some((quantity, self.peaks[quantity as usize]?));
+        let raised = |place: WarningPlace| self.part(place).is_some();
+        let by_difference = raised(WarningPlace::Fde3) || raised(WarningPlace::Sequential);
+        let innovations = [(WarningPlace::Fde1, Quantity::R1), (WarningPlace::Fde2, Quantity::R2)];
+        let innovations = innovations.into_iter().filter(|(place, _)| raised(*place));
+        let largest = innovations
             .map(|(_, quantity)| quantity)
-            .max_by(|a, b| share(*a).unwrap_or(0.0).total_cmp(&share(*b).unwrap_or(0.0)))
-            .and_then(of)
+            .max_by(|a, b| self.share(*a).total_cmp(&self.share(*b)));
+        of(Quantity::Measured)
+            .or_else(|| of(Quantity::R3).filter(|_| by_difference))
+            .or_else(|| of(largest?))
+    }
+
+    /// How bad [`Self::worst`] is: its peak, in terms of its limit; 0 where nothing was compared.
+    pub fn severity(&self) -> f64 {
+        self.worst().map_or(0.0, |(quantity, _)| self.share(quantity))
+    }
+
+    /// Peak of a quantity in terms of its limit; 0 without one.
+    fn share(&self, quantity: Quantity) -> f64 {
+        let limit = self.limits[quantity as usize];
+        self.peaks[quantity as usize].map_or(0.0, |peak| peak.value.abs() / limit)
     }
 }

@@ -3,7 +3,6 @@
 use super::joining::Open;
 use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
 use crate::alarm::detector::PLACES;
-use crate::alarm::status::MAX_CYLINDERS;
 use crate::alarm::{Finding, Level, State, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -13,15 +12,10 @@ use alloc::vec::Vec;
 /// these.
 pub const MOST_AT_ONCE: usize = 3;
 
-// `open` has a bit for each cylinder.
-const _: () = assert!(MAX_CYLINDERS <= u8::BITS as usize);
-
 /// The incidents of a machine, in bounded memory.
 #[derive(Clone, Debug)]
 pub struct Incidents {
     cylinders: Vec<OfCylinder>,
-    /// Cylinders with an incident that is not closed, a bit for each.
-    open: u8,
     /// Number of incidents so far.
     count: u32,
 }
@@ -39,29 +33,21 @@ impl Incidents {
     pub fn new(cylinders: impl IntoIterator<Item = ([f64; QUANTITIES], Span)>) -> Self {
         let of =
             |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
-        Self { cylinders: cylinders.into_iter().map(of).collect(), open: 0, count: 0 }
-    }
-
-    /// Whether an incident of the cylinder of `index` (from 0) is not closed.
-    #[inline]
-    pub const fn is_open(&self, index: usize) -> bool {
-        self.open & 1 << index != 0
+        Self { cylinders: cylinders.into_iter().map(of).collect(), count: 0 }
     }
 
     /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
     pub fn take(&mut self, warning: &Warning) {
-        let index = usize::from(warning.cylinder) - 1;
-        let Self { cylinders, open, count } = self;
-        let cylinder = &mut cylinders[index];
-        *open |= 1 << index;
+        let cylinder = &mut self.cylinders[usize::from(warning.cylinder) - 1];
         match warning.state {
-            State::Raised => cylinder.raise(warning, count),
+            State::Raised => cylinder.raise(warning, &mut self.count),
             State::Changed | State::Cleared => cylinder.revise(warning),
         }
     }
 
     /// Takes the cycle of the cylinder of `index` (from 0) that opened at `opened` and was evaluated at `at`,
-    /// after its warnings. Passes to `say` each incident that was opened, revised or closed.
+    /// after its warnings. Passes to `say` each incident that was opened, revised or closed, and returns whether
+    /// one is left that is not closed.
     #[cold]
     pub fn follow(
         &mut self,
@@ -69,7 +55,7 @@ impl Incidents {
         [opened, at]: [Timestamp; 2],
         quantities: &Quantities,
         mut say: impl FnMut(&Incident),
-    ) {
+    ) -> bool {
         let places = &mut self.cylinders[index].open;
         for place in places.iter_mut() {
             let Some(open) = place else { continue };
@@ -87,9 +73,7 @@ impl Incidents {
                 *place = None;
             }
         }
-        if places.iter().all(Option::is_none) {
-            self.open &= !(1 << index);
-        }
+        places.iter().any(Option::is_some)
     }
 
     /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
@@ -104,16 +88,10 @@ impl Incidents {
     /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
     /// belong to them.
     pub fn cut(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
-        for (index, cylinder) in self.cylinders.iter_mut().enumerate() {
-            for place in &mut cylinder.open {
-                if let Some(open) = place.take_if(|open| !open.incident.stands()) {
-                    let seen = open.has_returned;
-                    let ending = if seen { Ending::Returned } else { Ending::Cut };
-                    say(&open.closed(at, ending));
-                }
-            }
-            if cylinder.open.iter().all(Option::is_none) {
-                self.open &= !(1 << index);
+        for place in self.cylinders.iter_mut().flat_map(|cylinder| &mut cylinder.open) {
+            if let Some(open) = place.take_if(|open| !open.incident.stands()) {
+                let ending = if open.has_returned { Ending::Returned } else { Ending::Cut };
+                say(&open.closed(at, ending));
             }
         }
     }
@@ -127,24 +105,25 @@ impl OfCylinder {
     }
 
     fn raise(&mut self, warning: &Warning, count: &mut u32) {
-        let coincidence = self.coincidence;
-        let taken = self.open.iter_mut().flatten().filter(|open| open.takes(warning, coincidence));
-        // Of several, that which began last.
-        let taken = taken.max_by_key(|open| open.incident.number);
-        if let Some(open) = taken {
-            open.incident.raise(warning);
-            return open.follow(warning, coincidence);
-        }
-        let free = self.open.iter_mut().find(|place| place.is_none());
-        let Some(place) = free else {
-            let newest = self.open.iter_mut().flatten().max_by_key(|open| open.incident.number);
-            newest.into_iter().for_each(|open| open.incident.raise(warning));
-            return;
-        };
-        *count = count.saturating_add(1);
-        let open = place.insert(Open::new(Incident::new(*count, warning, self.limits)));
+        let (coincidence, limits) = (self.coincidence, self.limits);
+        let taken = self.newest(|open| open.takes(warning, coincidence));
+        let free = || self.open.iter().position(Option::is_none);
+        let Some(place) = taken.or_else(free).or_else(|| self.newest(|_| true)) else { return };
+        let open = self.open[place].get_or_insert_with(|| {
+            *count = count.saturating_add(1);
+            Open::new(Incident::new(*count, warning, limits))
+        });
         open.incident.raise(warning);
         open.follow(warning, coincidence);
+    }
+
+    /// Place of the incident that began last of those for which `is` holds.
+    fn newest(&self, is: impl Fn(&Open) -> bool) -> Option<usize> {
+        let number = |place: &usize| {
+            let open = self.open[*place].as_ref().filter(|open| is(open));
+            open.map(|open| open.incident.number)
+        };
+        (0..MOST_AT_ONCE).filter(|place| number(place).is_some()).max_by_key(number)
     }
 
     /// Takes a warning that has changed or cleared into the incident of which it stands.
@@ -222,11 +201,12 @@ impl Incident {
 impl Part {
     /// Takes what its detector says now.
     fn take(&mut self, finding: &Finding) {
-        let Finding { fault, suspect, evidence, .. } = *finding;
+        let Finding { fault, suspect, evidence, device, .. } = *finding;
         let own = &mut self.finding;
         if !self.has_cleared {
             (own.fault, own.suspect) = (fault, suspect);
             own.evidence = evidence.or(own.evidence);
+            own.device = device.or(own.device);
             return;
         }
         if own.suspect == Suspect::Undecided {

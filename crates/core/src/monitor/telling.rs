@@ -55,8 +55,8 @@ impl Monitor {
     pub(super) fn follow_incidents(&mut self, index: usize, now: Evaluation, sink: &mut impl Sink) {
         let Self { cylinders, incidents, .. } = self;
         let (cylinder, times) = (&mut cylinders[index], [now.opened, now.at]);
-        incidents.follow(index, times, cylinder.quantities(), |it| sink.incident(it));
-        cylinder.is_watched = incidents.is_open(index);
+        cylinder.is_watched =
+            incidents.follow(index, times, cylinder.quantities(), |it| sink.incident(it));
     }
 
     pub(super) fn repeat_warnings(&mut self, at: Timestamp, sink: &mut impl Sink) {

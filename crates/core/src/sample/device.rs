@@ -187,11 +187,10 @@ impl DeviceWatch {
     pub fn heartbeat(&mut self, state: DeviceState) {
         let starts = state == DeviceState::Initialising;
         if starts {
-            self.fault = None;
+            (self.fault, self.age) = (None, self.age.map(|_| 0));
         } else {
             self.age = Some(0);
         }
-        self.age = self.age.map(|_| 0);
         // Without heartbeats nothing would tell when a valve becomes operational.
         if !starts || self.sends_readings || self.age.is_some() {
             (self.state, self.fresh) = (state, true);

@@ -7,7 +7,7 @@ use crate::sample::{Quality, Transducer};
 use crate::time::Timestamp;
 
 /// Longest blanks that are kept of each transducer.
-pub const KEPT: usize = 4;
+const KEPT: usize = 4;
 
 /// Why the observer of a transducer did not judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,19 +21,6 @@ pub enum NotJudged {
     NoCommand,
     /// The observer had not settled, at the beginning or after a gap.
     Settling,
-}
-
-impl NotJudged {
-    /// Name in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::State => "state",
-            Self::NoReadings => "no_readings",
-            Self::Implausible => "implausible",
-            Self::NoCommand => "no_command",
-            Self::Settling => "settling",
-        }
-    }
 }
 
 /// A time in which the observer of a transducer did not judge.
