@@ -5,8 +5,8 @@ use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
 use super::site::Site;
-use super::telemetry::Recorder;
 use super::telemetry::clock::SystemClock;
+use super::telemetry::{Facts, Recorder};
 use super::warning_log::WarningLog;
 use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, Warning};
@@ -14,6 +14,7 @@ use crate::bus::Port;
 use crate::canopen::node::{NmtCommand, NmtEvent};
 use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
+use crate::estimate::Estimate;
 use crate::failure::Failure;
 use crate::incident::Incident;
 use crate::live::gateway::{Gateway, Journal};
@@ -45,6 +46,8 @@ pub struct PreparedGateway {
     pub opener: Box<dyn Opener>,
     /// Name of the interface; `None` for the embedded bus.
     pub interface: Option<String>,
+    /// What is monitored, for people.
+    pub facts: Facts,
     /// Address of the HTTP server.
     pub listen: Option<SocketAddr>,
     /// Real-time settings, used only at the gateway's start.
@@ -112,6 +115,11 @@ impl Appliance {
         Arc::clone(&self.stop)
     }
 
+    /// Takes what is monitored from now on.
+    pub fn describe(&self, facts: Facts) {
+        self.recorder.telemetry().describe(facts);
+    }
+
     /// Logs the start of the gateway with the configuration `config`, on its interface, and starts
     /// HTTP on `listen`.
     pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>, interface: Option<&str>) {
@@ -155,11 +163,16 @@ impl Journal for Appliance {
         self.warnings.tell(incident);
     }
 
+    fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
+        self.recorder.estimate(cylinder, estimate);
+    }
+
     fn dwell(&mut self, _: u8, _: &Dwell) {
         self.keeper.dwelt();
     }
 
     fn notice(&mut self, notice: &Notice) {
+        self.recorder.notice(notice);
         self.warnings.write();
         let Some(withheld) = self.quota.ask(Instant::now()) else { return };
         if withheld > 0 {
@@ -294,10 +307,13 @@ impl Surroundings for Appliance {
 
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(PreparedGateway { mut gateway, opener, interface, listen, realtime: _, kept }) => {
+            Ok(prepared) => {
+                let PreparedGateway { mut gateway, opener, interface, listen, facts, kept, .. } =
+                    prepared;
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
+                self.describe(facts);
                 self.site.listen(listen, &self.recorder);
                 self.watch(interface.as_deref());
                 Some((gateway, opener))

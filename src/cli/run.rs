@@ -9,6 +9,7 @@ use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::surroundings::{Appliance, PreparedGateway};
+use crate::appliance::telemetry::Facts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::canopen::node::Node;
@@ -49,13 +50,14 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept } =
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, facts, kept } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        appliance.describe(facts);
         appliance.starting(&self.config, listen, interface.as_deref());
         appliance.restore(&mut gateway, kept);
         if let Some(stage) = &stage {
@@ -115,7 +117,13 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    Ok(PreparedGateway { gateway: gateway(machine), opener, listen, interface, realtime, kept })
+    let facts = Facts {
+        name: settings.machine.name.clone(),
+        configuration: path.display().to_string(),
+        limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
+    };
+    let gateway = gateway(machine);
+    Ok(PreparedGateway { gateway, opener, listen, interface, realtime, facts, kept })
 }
 
 /// A SocketCAN interface by name.

@@ -6,6 +6,7 @@ use crate::alarm::{OwnFrame, Warning};
 use crate::bus::{Port, PortError, Sent};
 use crate::canopen::node::{NmtEvent, Node, NodeView};
 use crate::error_frame::ErrorFrame;
+use crate::estimate::Estimate;
 use crate::frame::Frame;
 use crate::incident::Incident;
 use crate::monitor::{Monitor, Notice, Record, Sink};
@@ -28,6 +29,11 @@ pub trait Journal {
     /// Takes an incident that was opened, revised or closed.
     fn incident(&mut self, incident: &Incident) {
         _ = incident;
+    }
+
+    /// Takes the estimated length of a cylinder, after the record of its cycle; see [`Sink::estimate`].
+    fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
+        _ = (cylinder, estimate);
     }
 
     /// Takes the reading of a rod on its stop.
@@ -283,6 +289,10 @@ impl<J: Journal> Sink for Outlet<'_, J> {
 
     fn incident(&mut self, incident: &Incident) {
         self.journal.incident(incident);
+    }
+
+    fn estimate(&mut self, _: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
+        self.journal.estimate(cylinder, estimate);
     }
 
     fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {

@@ -8,5 +8,6 @@ mod live_gateway;
 mod metrics;
 mod metrics_command;
 mod metrics_support;
+mod page;
 mod realtime;
 mod run_virtual;

@@ -141,7 +141,7 @@ impl Bench {
     }
 
     pub fn ask(&self, path: &str) -> Answer {
-        ask(&self.server, &format!("GET {path} HTTP/1.1\r\nHost: here\r\n\r\n"))
+        ask(&self.server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"))
     }
 
     pub fn health(&self) -> (u16, Value) {

@@ -32,27 +32,12 @@ pub struct OpenIncident {
     pub suspect: &'static str,
     pub level: &'static str,
     pub fault: &'static str,
+    /// The fault in words: `growing error`.
+    pub kind: &'static str,
     /// Time stamp of its first warning, s.
     pub begin: f64,
     /// In words: `cylinder 5, C1, black: growing error`.
     pub summary: String,
-}
-
-const LEVELS: [Level; 5] = [Level::None, Level::Yellow, Level::Orange, Level::Red, Level::Black];
-const SUSPECTS: [Suspect; 4] = [Suspect::Undecided, Suspect::C1, Suspect::C2, Suspect::Process];
-const FAULTS: [Fault; 8] = [
-    Fault::Unclassified,
-    Fault::Abrupt,
-    Fault::Noise,
-    Fault::Incipient,
-    Fault::OutOfRange,
-    Fault::BrokenWire,
-    Fault::Frozen,
-    Fault::Stale,
-];
-
-fn place<T: PartialEq>(all: &[T], one: &T) -> u64 {
-    all.iter().position(|it| it == one).unwrap_or(0) as u64
 }
 
 impl Incidents {
@@ -71,9 +56,8 @@ impl Incidents {
         }
         let free = |slot: &&Slot| slot.packed.load(Ordering::Relaxed) == 0;
         let Some(slot) = known.or_else(|| self.slots.iter().find(free)) else { return };
-        let level = place(&LEVELS, &incident.level);
-        let (suspect, fault) =
-            (place(&SUSPECTS, &incident.suspect), place(&FAULTS, &incident.fault));
+        let level = incident.level as u64;
+        let (suspect, fault) = (incident.suspect as u64, incident.fault as u64);
         slot.begin.store(incident.begin.as_nanos(), Ordering::Relaxed);
         slot.packed.store(number << 32 | level << 16 | suspect << 8 | fault, Ordering::Release);
     }
@@ -89,8 +73,8 @@ impl Incidents {
             let packed = slot.packed.load(Ordering::Acquire);
             let number = u32::try_from(packed >> 32).ok().filter(|number| *number > 0)?;
             let byte = |shift: u32| (packed >> shift & 0xFF) as usize;
-            let level = *LEVELS.get(byte(16))?;
-            let (suspect, fault) = (*SUSPECTS.get(byte(8))?, *FAULTS.get(byte(0))?);
+            let level = *Level::ALL.get(byte(16))?;
+            let (suspect, fault) = (*Suspect::ALL.get(byte(8))?, *Fault::ALL.get(byte(0))?);
             let whom = story::whom(suspect);
             let (name, kind) = (level.name(), story::fault(fault));
             Some(OpenIncident {
@@ -99,9 +83,29 @@ impl Incidents {
                 suspect: suspect.name(),
                 level: name,
                 fault: fault.name(),
+                kind,
                 begin: Timestamp::from_nanos(slot.begin.load(Ordering::Relaxed)).as_seconds(),
                 summary: format!("cylinder {cylinder}, {whom}, {name}: {kind}"),
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A new variant has a place in the list, or an open incident would be shown as another one.
+    #[test]
+    fn numbers_are_places() {
+        for (place, level) in Level::ALL.into_iter().enumerate() {
+            assert_eq!(level as usize, place);
+        }
+        for (place, suspect) in Suspect::ALL.into_iter().enumerate() {
+            assert_eq!(suspect as usize, place);
+        }
+        for (place, fault) in Fault::ALL.into_iter().enumerate() {
+            assert_eq!(fault as usize, place);
+        }
     }
 }

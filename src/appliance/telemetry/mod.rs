@@ -3,29 +3,36 @@
 //! [`Recorder`] belongs to the data path. It does nothing for a frame, and a few relaxed stores for
 //! a cycle and a turn: no lock, no allocation, and no system call except reading a clock. It writes
 //! to [`Telemetry`], which everyone may read at any time: [`exposition`] for Prometheus, [`health`]
-//! for people and load balancers.
+//! for load balancers, [`overview`] and [`trend`] for people.
 
 mod cell;
 pub mod clock;
 pub mod exposition;
 pub mod health;
 mod incidents;
+pub mod lamp;
+pub mod overview;
 mod recorder;
 mod stops;
 mod totals;
+pub mod trend;
 
 use crate::alarm::status::{Health, MAX_CYLINDERS, Status};
 use crate::bus::socket::{ControllerState, LinkState};
+use crate::incident::QUANTITIES;
 use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
 use incidents::Incidents;
 pub use incidents::OpenIncident;
 pub use recorder::Recorder;
+use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 use stops::Stop;
 use totals::Totals;
+use trend::Trend;
 
 /// Time without a frame of the machine after which nothing is known of its transducers, and without
 /// a turn of the data path after which nothing is known at all.
@@ -54,6 +61,12 @@ struct Cylinder {
     raised: [Total; DETECTORS],
     /// State ([`Health`]) of C1 and C2.
     transducers: [State; 2],
+    /// Whether the device of C1 and of C2 said that it is not operational.
+    idle: [AtomicBool; 2],
+    /// Estimated length and its standard deviation, m.
+    estimate: Gauge,
+    sigma: Gauge,
+    trend: Trend,
     stop: Stop,
     incidents: Incidents,
 }
@@ -65,6 +78,10 @@ impl Cylinder {
             sizes: std::array::from_fn(|_| Histogram::new(&RESIDUAL_BOUNDS)),
             raised: Default::default(),
             transducers: Default::default(),
+            idle: Default::default(),
+            estimate: Gauge::default(),
+            sigma: Gauge::default(),
+            trend: Trend::default(),
             stop: Stop::default(),
             incidents: Incidents::default(),
         }
@@ -80,6 +97,17 @@ struct Link {
     state: State,
     transmit_errors: Gauge,
     receive_errors: Gauge,
+}
+
+/// What a gateway monitors: facts of its configuration.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Facts {
+    /// Name of the machine.
+    pub name: String,
+    /// File of the configuration.
+    pub configuration: String,
+    /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
+    pub limits_m: Vec<[f64; QUANTITIES]>,
 }
 
 /// All telemetry of a running gateway.
@@ -104,6 +132,8 @@ pub struct Telemetry {
     /// Uptime at the last frame of the machine, ns, plus one; zero means never.
     heard: AtomicU64,
     link: Link,
+    /// What is monitored; written at the start and by a reload.
+    facts: RwLock<Arc<Facts>>,
 }
 
 impl Telemetry {
@@ -122,7 +152,23 @@ impl Telemetry {
             turned: AtomicU64::new(0),
             heard: AtomicU64::new(0),
             link: Link::default(),
+            facts: RwLock::default(),
         }
+    }
+
+    /// Takes what is monitored from now on.
+    pub fn describe(&self, facts: Facts) {
+        *self.facts.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(facts);
+    }
+
+    /// What is monitored.
+    pub fn facts(&self) -> Arc<Facts> {
+        self.facts.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The trend of the cylinder `number` (from 1); `None` where the machine has no such cylinder.
+    pub fn trend(&self, number: usize) -> Option<&Trend> {
+        Some(&self.cylinders().get(number.checked_sub(1)?)?.trend)
     }
 
     /// Takes the state of the interface from the kernel.

@@ -1,14 +1,17 @@
 //! Writes the events of the data path to the telemetry.
 
 use super::clock::Clock;
+use super::trend::Filling;
 use super::{DETECTORS, Telemetry, mark};
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, OwnMessage, State, Warning};
 use crate::bus::{Port, PortCounts};
+use crate::estimate::Estimate;
 use crate::incident::Incident;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{OutboxCounts, OutboxLimits};
-use crate::monitor::{Counts, Record};
+use crate::monitor::{Counts, Notice, Record};
+use crate::sample::device::{DeviceNews, DeviceRole, DeviceState};
 use crate::time::Timestamp;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -31,6 +34,8 @@ pub struct Recorder {
     /// Times of the newest warnings, by which their frames are recognised.
     warned: [Option<Timestamp>; ON_THEIR_WAY],
     next: usize,
+    /// Bins of the trends that are not complete.
+    filling: [Filling; MAX_CYLINDERS],
 }
 
 impl Recorder {
@@ -45,6 +50,7 @@ impl Recorder {
             status_at: None,
             warned: [None; ON_THEIR_WAY],
             next: 0,
+            filling: Default::default(),
         }
     }
 
@@ -66,6 +72,34 @@ impl Recorder {
             if let Some(size) = size {
                 cylinder.sizes[i].observe(size);
             }
+        }
+        self.filling[index].record(record, &cylinder.trend);
+    }
+
+    /// Takes the estimated length of a cylinder, after the record of its cycle.
+    pub fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
+        let index = usize::from(cylinder).wrapping_sub(1);
+        let Some(of) = self.telemetry.cylinders.get(index) else { return };
+        let valid = estimate.filter(|estimate| estimate.valid);
+        of.estimate.set(valid.map(|estimate| estimate.position));
+        of.sigma.set(valid.map(|estimate| estimate.sigma));
+        self.filling[index].estimate(valid);
+    }
+
+    /// Takes what a device said of itself.
+    pub fn notice(&self, notice: &Notice) {
+        let Notice::Device { cylinder, role, news: DeviceNews::State(state), .. } = notice else {
+            return;
+        };
+        let which = match role {
+            DeviceRole::C1 => 0,
+            DeviceRole::C2 => 1,
+            DeviceRole::Valve => return,
+        };
+        let index = usize::from(*cylinder).wrapping_sub(1);
+        if let Some(of) = self.telemetry.cylinders.get(index) {
+            let idle = *state != DeviceState::Operational;
+            of.idle[which].store(idle, Ordering::Relaxed);
         }
     }
 

@@ -16,6 +16,9 @@ pub enum Level {
 }
 
 impl Level {
+    /// All levels, in the order of their numbers.
+    pub const ALL: [Self; 5] = [Self::None, Self::Yellow, Self::Orange, Self::Red, Self::Black];
+
     /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {

@@ -32,6 +32,18 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// All kinds, in the order of their numbers.
+    pub const ALL: [Self; 8] = [
+        Self::Unclassified,
+        Self::Abrupt,
+        Self::Noise,
+        Self::Incipient,
+        Self::OutOfRange,
+        Self::BrokenWire,
+        Self::Frozen,
+        Self::Stale,
+    ];
+
     /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {

@@ -15,6 +15,9 @@ pub enum Suspect {
 }
 
 impl Suspect {
+    /// All suspects, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Undecided, Self::C1, Self::C2, Self::Process];
+
     /// Name in files and reports.
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,0 +1,104 @@
+//! The connections of the server: how many there are, and how long each lasts.
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::Request;
+use hyper::body::Incoming;
+use hyper::server::conn::http1;
+use hyper::service::{Service, service_fn};
+use hyper_util::rt::TokioIo;
+use hyper_util::service::TowerToHyperService;
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::task::AbortHandle;
+
+/// Most connections at once, those of streams apart; the oldest one gives way. An honest one lasts for milliseconds.
+const CONNECTIONS: usize = 16;
+
+/// Time limit from the opening of a connection to the last byte of its answer, unless it is a stream.
+const TIME_LIMIT: Duration = Duration::from_secs(5);
+
+/// Most bytes of request line and headers together; the least that the parser works with.
+const HEAD_SIZE: usize = 8192;
+const HEADERS: usize = 64;
+
+/// Pause after a connection that could not be accepted, for example for lack of file descriptors.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// A connection, as its request sees it.
+#[derive(Debug, Default)]
+pub(super) struct Connection {
+    /// Whether its answer is a stream, which lasts.
+    streams: AtomicBool,
+    /// Ends it.
+    abort: OnceLock<AbortHandle>,
+}
+
+impl Connection {
+    /// Notes that the answer is a stream; whoever feeds it ends the connection.
+    pub fn becomes_stream(&self) {
+        self.streams.store(true, Ordering::Relaxed);
+    }
+
+    /// Ends the connection at once, whatever it still has to send.
+    pub fn end(&self) {
+        if let Some(abort) = self.abort.get() {
+            abort.abort();
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.abort.get().is_none_or(AbortHandle::is_finished)
+    }
+
+    fn is_stream(&self) -> bool {
+        self.streams.load(Ordering::Relaxed)
+    }
+}
+
+/// Accepts connections until the task is dropped.
+pub(super) async fn accept(listener: TcpListener, router: Router) {
+    let mut connections: VecDeque<Arc<Connection>> = VecDeque::with_capacity(CONNECTIONS);
+    loop {
+        let Ok((stream, _)) = listener.accept().await else {
+            tokio::time::sleep(PAUSE).await;
+            continue;
+        };
+        // Streams are counted where they are fed.
+        connections.retain(|connection| !(connection.is_over() || connection.is_stream()));
+        if connections.len() == CONNECTIONS
+            && let Some(oldest) = connections.pop_front()
+        {
+            oldest.end();
+        }
+        let connection = Arc::new(Connection::default());
+        let task = tokio::spawn(answer(stream, router.clone(), Arc::clone(&connection)));
+        // The runtime has one thread: the task does not begin before this is set.
+        _ = connection.abort.set(task.abort_handle());
+        connections.push_back(connection);
+    }
+}
+
+/// Serves one request. Errors concern the client alone.
+async fn answer(stream: TcpStream, router: Router, connection: Arc<Connection>) {
+    let own = Arc::clone(&connection);
+    let service = service_fn(move |request: Request<Incoming>| {
+        let mut request = request.map(Body::new);
+        request.extensions_mut().insert(Arc::clone(&own));
+        TowerToHyperService::new(router.clone()).call(request)
+    });
+    let served = http1::Builder::new()
+        .keep_alive(false)
+        .max_buf_size(HEAD_SIZE)
+        .max_headers(HEADERS)
+        .header_read_timeout(None)
+        .serve_connection(TokioIo::new(stream), service);
+    let mut served = std::pin::pin!(served);
+    let in_time = tokio::time::timeout(TIME_LIMIT, served.as_mut()).await;
+    if in_time.is_err() && connection.is_stream() {
+        _ = served.await;
+    }
+}

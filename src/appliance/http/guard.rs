@@ -1,0 +1,107 @@
+//! What every request has to pass, and what every answer says to the browser.
+
+use super::Shared;
+use axum::extract::{Request, State};
+use axum::http::header::{
+    CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, REFERRER_POLICY, TRANSFER_ENCODING,
+    X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
+};
+use axum::http::uri::Authority;
+use axum::http::{HeaderValue, StatusCode};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use std::net::IpAddr;
+
+/// Nothing but what comes from the gateway itself, no frames, no inline script or style.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
+                      img-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Headers of every answer to people.
+const HEADERS: [(HeaderName, &str); 6] = [
+    (CONTENT_SECURITY_POLICY, POLICY),
+    (X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (X_FRAME_OPTIONS, "DENY"),
+    (REFERRER_POLICY, "no-referrer"),
+    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+];
+
+const FAR: &str = "the page is served on this computer only, because what is sent here is not encrypted.\n\
+                   From another one:\n  ssh -L 9481:127.0.0.1:9481 BOX     and then open http://127.0.0.1:9481/\n\
+                   or let a proxy with a certificate (nginx, Caddy) pass it on to http.listen on a loopback \
+                   address.\n";
+
+/// Refuses requests with a body, which nothing here takes.
+pub(super) async fn without_body(request: Request, next: Next) -> Response {
+    let headers = request.headers();
+    let empty = headers.get(CONTENT_LENGTH).is_none_or(|length| length == HeaderValue::from(0));
+    if empty && !headers.contains_key(TRANSFER_ENCODING) {
+        return next.run(request).await;
+    }
+    (StatusCode::PAYLOAD_TOO_LARGE, "a request here has no body\n").into_response()
+}
+
+/// Refuses requests to a host that is not this one. A page from elsewhere whose name was made to point here
+/// (DNS rebinding) would be of the same origin as ours, but its requests bear its own name.
+pub(super) async fn only_known_hosts(
+    State(shared): State<Shared>,
+    request: Request,
+    next: Next,
+) -> Response {
+    if !shared.address.ip().is_loopback() {
+        return (StatusCode::FORBIDDEN, FAR).into_response();
+    }
+    let host = request.headers().get(HOST).and_then(|host| host.to_str().ok());
+    if host.is_some_and(|host| is_own(host)) {
+        return next.run(request).await;
+    }
+    let told =
+        format!("this gateway is http://{}/; it does not answer to another name\n", shared.address);
+    (StatusCode::MISDIRECTED_REQUEST, told).into_response()
+}
+
+/// Whether a Host header names a loopback address or `localhost`. The port may be that of a tunnel.
+fn is_own(host: &str) -> bool {
+    let Ok(authority) = host.parse::<Authority>() else { return false };
+    if authority.as_str().contains('@') {
+        return false;
+    }
+    let name = authority.host().trim_start_matches('[').trim_end_matches(']');
+    name.eq_ignore_ascii_case("localhost")
+        || name.parse::<IpAddr>().is_ok_and(|address| address.is_loopback())
+}
+
+/// Adds what the browser has to know.
+pub(super) async fn with_policy(request: Request, next: Next) -> Response {
+    let mut response = next.run(request).await;
+    for (name, value) in HEADERS {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_loopback_names_are_its_own() {
+        for host in ["127.0.0.1:9481", "localhost", "LOCALHOST:8080", "[::1]:9481", "127.0.0.2"] {
+            assert!(is_own(host), "{host}");
+        }
+        let others = [
+            "",
+            "evil.example",
+            "localhost.evil.example",
+            "127.0.0.1.evil.example:9481",
+            "me@localhost",
+            "192.168.1.2:9481",
+            "0.0.0.0",
+            "[::]",
+            "local host",
+        ];
+        for host in others {
+            assert!(!is_own(host), "{host}");
+        }
+    }
+}

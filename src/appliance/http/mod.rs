@@ -1,0 +1,131 @@
+//! The gateway over HTTP, on a thread of its own: a page for people, its health and its metrics.
+//!
+//! It only reads what the data path has stored, so the data path never waits for its clients.
+
+mod api;
+mod connections;
+mod guard;
+mod page;
+mod stream;
+
+use super::realtime;
+use super::telemetry::clock::Clock;
+use super::telemetry::exposition::{CONTENT_TYPE, exposition};
+use super::telemetry::{Recorder, Telemetry};
+use axum::Router;
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE as TYPE};
+use axum::middleware::{from_fn, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use stream::Audience;
+use tokio::net::TcpListener;
+use tokio::sync::oneshot;
+
+/// Stack of the thread, bytes; what is answered is on the heap.
+const STACK_SIZE: usize = 512 * 1024;
+
+/// A running server; it ends when this is dropped.
+#[derive(Debug)]
+pub struct Server {
+    address: SocketAddr,
+    _stop: oneshot::Sender<()>,
+}
+
+impl Server {
+    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0.
+    ///
+    /// # Errors The address is in use or not available, or the system provides no thread.
+    pub fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
+        let listener = std::net::TcpListener::bind(listen)?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let shared = Shared {
+            telemetry: recorder.telemetry().clone(),
+            clock: recorder.clock().clone(),
+            audience: Arc::default(),
+            address,
+        };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let (stop, stopped) = oneshot::channel();
+        let serve = move || {
+            realtime::be_ordinary();
+            runtime.spawn(stream::tell(shared.clone()));
+            runtime.spawn(async move {
+                match TcpListener::from_std(listener) {
+                    Ok(listener) => connections::accept(listener, router(shared)).await,
+                    Err(error) => tracing::warn!("no telemetry over HTTP: {error}"),
+                }
+            });
+            // Ends with an error once the sender is dropped; the runtime takes its tasks along.
+            _ = runtime.block_on(stopped);
+        };
+        std::thread::Builder::new().name("http".to_owned()).stack_size(STACK_SIZE).spawn(serve)?;
+        Ok(Self { address, _stop: stop })
+    }
+
+    /// Address that the server listens on.
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+}
+
+#[derive(Clone)]
+struct Shared {
+    telemetry: Arc<Telemetry>,
+    clock: Arc<dyn Clock>,
+    /// Those who watch the page.
+    audience: Arc<Audience>,
+    address: SocketAddr,
+}
+
+fn router(shared: Shared) -> Router {
+    let people = Router::new()
+        .route("/", get(page::index))
+        .route("/assets/{name}", get(page::asset))
+        .route("/api/machine", get(api::machine))
+        .route("/api/overview", get(api::overview))
+        .route("/api/trend/{cylinder}", get(api::trend))
+        .route("/api/stream", get(stream::stream))
+        .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))
+        .layer(from_fn(guard::with_policy));
+    // What machines read: a monitoring system may know this computer by any name.
+    Router::new()
+        .route("/health", get(health))
+        .route("/metrics", get(metrics))
+        .merge(people)
+        .layer(from_fn(guard::without_body))
+        .with_state(shared)
+}
+
+async fn health(State(shared): State<Shared>) -> Response {
+    let report = shared.telemetry.health(shared.clock.uptime());
+    let code = if report.is_serving() { StatusCode::OK } else { StatusCode::SERVICE_UNAVAILABLE };
+    let mut response = json(&report);
+    if response.status() == StatusCode::OK {
+        *response.status_mut() = code;
+    }
+    response
+}
+
+async fn metrics(State(shared): State<Shared>) -> Response {
+    match exposition(&shared.telemetry, &*shared.clock) {
+        Ok(text) => ([(TYPE, CONTENT_TYPE)], text).into_response(),
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+    }
+}
+
+/// `value` as the answer to a request, on a line of its own.
+fn json(value: &impl serde::Serialize) -> Response {
+    match serde_json::to_string(value) {
+        Ok(json) => {
+            let headers = [(TYPE, "application/json"), (CACHE_CONTROL, "no-store")];
+            (headers, json + "\n").into_response()
+        }
+        Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
+    }
+}

@@ -1,0 +1,143 @@
+//! Server-sent events: the overview and the newest bins of the trends, to everybody who watches.
+
+use super::Shared;
+use super::api::number;
+use super::connections::Connection;
+use crate::appliance::telemetry::trend::{Bin, STEP};
+use crate::time::Timestamp;
+use axum::Extension;
+use axum::body::{Body, Bytes, HttpBody};
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
+use hyper::body::Frame;
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll};
+use std::time::Duration;
+use tokio::sync::mpsc::{Receiver, Sender, channel};
+
+/// Most who watch at once; a further one is refused.
+const MOST_WATCHERS: usize = 64;
+
+/// Events that wait for a watcher, 4 s of them. Whoever does not read them by then is dropped, not waited for.
+const WAITING: usize = 8;
+
+/// Most bins of a cylinder in one event: those of 4 s, should the thread have waited for so long.
+const MOST_BINS: usize = 8;
+
+/// Time between two events.
+const PERIOD: Duration = Duration::from_nanos(STEP.as_nanos() as u64);
+
+/// Those who watch.
+#[derive(Debug, Default)]
+pub(super) struct Audience(Mutex<Vec<Watcher>>);
+
+#[derive(Debug)]
+struct Watcher {
+    events: Sender<Bytes>,
+    connection: Arc<Connection>,
+}
+
+impl Audience {
+    /// Adds who watches on `connection`; `None` if there are too many.
+    fn join(&self, connection: Arc<Connection>) -> Option<Receiver<Bytes>> {
+        let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        watchers.retain(|watcher| !watcher.events.is_closed());
+        if watchers.len() >= MOST_WATCHERS {
+            return None;
+        }
+        let (events, receiver) = channel(WAITING);
+        connection.becomes_stream();
+        watchers.push(Watcher { events, connection });
+        Some(receiver)
+    }
+
+    /// Tells everybody what `event` makes, if there is anybody.
+    fn tell(&self, event: impl FnOnce() -> Bytes) {
+        let mut watchers = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if watchers.is_empty() {
+            return;
+        }
+        let event = event();
+        watchers.retain(|watcher| {
+            let taken = watcher.events.try_send(event.clone()).is_ok();
+            if !taken {
+                watcher.connection.end();
+            }
+            taken
+        });
+    }
+}
+
+/// The events that wait for one watcher, as the body of an answer.
+struct Events(Receiver<Bytes>);
+
+impl HttpBody for Events {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        self.0.poll_recv(context).map(|event| event.map(|event| Ok(Frame::data(event))))
+    }
+}
+
+pub(super) async fn stream(
+    State(shared): State<Shared>,
+    Extension(connection): Extension<Arc<Connection>>,
+) -> Response {
+    let Some(events) = shared.audience.join(connection) else {
+        let told = "as many watch as can be served; close another window of this page\n";
+        return (StatusCode::SERVICE_UNAVAILABLE, told).into_response();
+    };
+    let headers = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
+    (headers, Body::new(Events(events))).into_response()
+}
+
+/// Tells the audience, again and again, what is new.
+pub(super) async fn tell(shared: Shared) {
+    let mut period = tokio::time::interval(PERIOD);
+    let mut since = Vec::new();
+    loop {
+        period.tick().await;
+        let bins = newest(&shared, &mut since);
+        shared.audience.tell(|| event(&shared, &bins));
+    }
+}
+
+/// The bins of each cylinder since the last event; of more than [`MOST_BINS`] the newest.
+fn newest(shared: &Shared, since: &mut Vec<Timestamp>) -> Vec<(usize, Bin)> {
+    let cylinders = shared.telemetry.facts().limits_m.len();
+    since.resize(cylinders, Timestamp::from_nanos(i64::MIN));
+    let mut new = Vec::new();
+    for (number, since) in (1..).zip(since) {
+        let Some(trend) = shared.telemetry.trend(number) else { continue };
+        let Some(newest) = trend.newest() else { continue };
+        // Before that the clock was set back.
+        *since = (*since).min(newest.begin);
+        let bins = trend.after(*since);
+        let skipped = bins.len().saturating_sub(MOST_BINS);
+        new.extend(bins.into_iter().skip(skipped).map(|bin| (number, bin)));
+        *since = newest.begin;
+    }
+    new
+}
+
+/// One event of each kind: `overview`, and `bins` with `[[cylinder, time, [least, largest, …]], …]`.
+fn event(shared: &Shared, bins: &[(usize, Bin)]) -> Bytes {
+    let overview = shared.telemetry.overview(shared.clock.uptime(), shared.clock.system());
+    let row = |(cylinder, bin): &(usize, Bin)| {
+        let values = bin.ranges.iter().flatten().map(|value| number(*value));
+        (*cylinder, bin.begin.as_seconds(), values.collect::<Vec<_>>())
+    };
+    let rows: Vec<_> = bins.iter().map(row).collect();
+    let json = |value: serde_json::Result<String>| value.unwrap_or_else(|_| "null".to_owned());
+    let overview = json(serde_json::to_string(&overview));
+    let rows = json(serde_json::to_string(&rows));
+    Bytes::from(format!("event: overview\ndata: {overview}\n\nevent: bins\ndata: {rows}\n\n"))
+}

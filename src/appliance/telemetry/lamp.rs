@@ -1,0 +1,65 @@
+//! The state of a transducer as a lamp, in the categories of NAMUR NE 107, which people in the field know.
+
+use crate::alarm::status::Health;
+use serde::Serialize;
+
+/// A category of NE 107. *Unknown* is a state of its own: it is never shown as good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lamp {
+    /// A warning stands that blames the transducer.
+    Failure,
+    /// Its device is not operational, as somebody who works on it leaves it.
+    CheckFunction,
+    /// A warning stands that may be its fault.
+    OutOfSpecification,
+    /// Its readings on the stops drift.
+    MaintenanceRequired,
+    Good,
+    /// There is no evidence either way.
+    Unknown,
+}
+
+impl Lamp {
+    /// The lamp of a transducer that is `health`, whose device `is_idle`, and which the stops say `drifts`.
+    pub const fn new(health: Health, is_idle: bool, drifts: bool) -> Self {
+        match (health, is_idle, drifts) {
+            (Health::Faulty, ..) => Self::Failure,
+            (_, true, _) => Self::CheckFunction,
+            (Health::Suspect, ..) => Self::OutOfSpecification,
+            (Health::Healthy, _, true) => Self::MaintenanceRequired,
+            (Health::Healthy, ..) => Self::Good,
+            (Health::Unknown, ..) => Self::Unknown,
+        }
+    }
+
+    /// The category in words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Failure => "failure",
+            Self::CheckFunction => "check function",
+            Self::OutOfSpecification => "out of specification",
+            Self::MaintenanceRequired => "maintenance required",
+            Self::Good => "good",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_evidence_is_good_and_a_failure_outranks_all() {
+        for (is_idle, drifts) in [(false, false), (false, true), (true, false), (true, true)] {
+            assert_eq!(Lamp::new(Health::Faulty, is_idle, drifts), Lamp::Failure);
+            for health in [Health::Unknown, Health::Suspect, Health::Healthy] {
+                let good = health == Health::Healthy && !is_idle && !drifts;
+                assert_eq!(Lamp::new(health, is_idle, drifts) == Lamp::Good, good);
+            }
+        }
+        assert_eq!(Lamp::new(Health::Unknown, false, true), Lamp::Unknown);
+        assert_eq!(Lamp::new(Health::Healthy, false, true), Lamp::MaintenanceRequired);
+    }
+}

@@ -1,0 +1,146 @@
+//! Everything that the page shows at a glance, at one time.
+
+use super::cell::{Gauge, State};
+use super::exposition::TRANSDUCERS;
+use super::health::HealthReport;
+use super::lamp::Lamp;
+use super::stops::Drifting;
+use super::{Cylinder, EVIDENCE, OpenIncident, Telemetry, trend};
+use crate::alarm::status::Health;
+use crate::time::Timestamp;
+use serde::Serialize;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// State of the gateway and of the machine.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Overview {
+    /// The system's time, s.
+    pub time: f64,
+    #[serde(flatten)]
+    pub health: HealthReport,
+    pub cylinders: Vec<CylinderOverview>,
+}
+
+/// State of one cylinder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CylinderOverview {
+    /// Counted from 1.
+    pub number: usize,
+    /// Those of C1 and C2.
+    pub transducers: [TransducerOverview; 2],
+    /// Largest |R1|, |R2| and |R3| in the newest bin of the trend and cycle; `null` without evidence.
+    pub residuals_mm: [Option<f64>; 3],
+    /// Estimated length of the virtual third sensor.
+    pub estimate_m: Option<f64>,
+    /// Its standard deviation.
+    pub sigma_mm: Option<f64>,
+    /// Number of readings on the stops that are kept.
+    pub dwells: Option<f64>,
+}
+
+/// State of one transducer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TransducerOverview {
+    pub lamp: Lamp,
+    /// Words for it, with the reason where there is one.
+    pub words: String,
+    /// Drift by the readings on the stops, mm a month, whether or not it is beyond chance.
+    pub drift_mm_per_month: Option<f64>,
+    /// Its standard error, mm a month.
+    pub error_mm_per_month: Option<f64>,
+    /// Months until maintenance is due: expected, earliest, latest; only where the stops name the transducer.
+    pub months_left: [Option<f64>; 3],
+}
+
+impl Telemetry {
+    /// The overview at the uptime `now` and the system's time `time`.
+    pub fn overview(&self, now: Duration, time: Timestamp) -> Overview {
+        let health = self.health(now);
+        let evidence = self.has_evidence(now);
+        let view = |(number, cylinder)| self.cylinder(number, cylinder, evidence, &health);
+        let cylinders = (1..).zip(self.cylinders()).map(view).collect();
+        Overview { time: time.as_seconds(), cylinders, health }
+    }
+
+    fn cylinder(
+        &self,
+        number: usize,
+        cylinder: &Cylinder,
+        evidence: bool,
+        health: &HealthReport,
+    ) -> CylinderOverview {
+        let now = |gauge: &Gauge| gauge.get().filter(|_| evidence);
+        let transducer = |which: usize| {
+            let state = State::get(&cylinder.transducers[which]).filter(|_| evidence);
+            let idle = evidence && cylinder.idle[which].load(Ordering::Relaxed);
+            let is = |it: &Drifting| it.cylinder == number && it.transducer == TRANSDUCERS[which];
+            let drifts = health.drifting.iter().any(is);
+            let lamp = Lamp::new(known(state), idle, drifts);
+            let reading = &cylinder.stop.readings[which];
+            TransducerOverview {
+                lamp,
+                words: words(lamp, (number, TRANSDUCERS[which]), health),
+                drift_mm_per_month: reading.drift.get().map(|drift| drift * 1e3),
+                error_mm_per_month: reading.error.get().map(|error| error * 1e3),
+                months_left: reading.left.each_ref().map(Gauge::get),
+            }
+        };
+        CylinderOverview {
+            number,
+            transducers: [transducer(0), transducer(1)],
+            residuals_mm: cylinder
+                .lately()
+                .map(|size| size.filter(|_| evidence).map(|it| it * 1e3)),
+            estimate_m: now(&cylinder.estimate),
+            sigma_mm: now(&cylinder.sigma).map(|sigma| sigma * 1e3),
+            dwells: cylinder.stop.dwells.get(),
+        }
+    }
+}
+
+impl Cylinder {
+    /// Largest |R1|, |R2| and |R3| in the newest bin of the trend and in the newest cycle, m; `None` where the
+    /// newest cycle has none.
+    fn lately(&self) -> [Option<f64>; 3] {
+        let [_, _, ranges @ .., _, _] = self.trend.newest().map_or(trend::EMPTY, |bin| bin.ranges);
+        std::array::from_fn(|i| {
+            // Not-a-number loses against any number.
+            let [least, largest] = ranges[i].map(|value| f64::from(value.abs()));
+            self.residuals[i].get().map(|size| size.max(least).max(largest))
+        })
+    }
+}
+
+fn known(state: Option<u8>) -> Health {
+    let all = [Health::Unknown, Health::Healthy, Health::Suspect, Health::Faulty];
+    all.into_iter().find(|health| Some(*health as u8) == state).unwrap_or_default()
+}
+
+/// Words for the lamp of a transducer of the cylinder, with their reason.
+fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthReport) -> String {
+    let incident = |suspects: &[&str]| {
+        let mut incidents = health.incidents.iter();
+        let of = |it: &&OpenIncident| it.cylinder == cylinder && suspects.contains(&it.suspect);
+        incidents.find(of).map(|it| it.kind)
+    };
+    let reason = match lamp {
+        Lamp::Failure => incident(&[transducer]).unwrap_or_default(),
+        Lamp::OutOfSpecification => {
+            incident(&["undecided"]).map_or("", |_| "it may be this one or the other")
+        }
+        Lamp::MaintenanceRequired => "its readings on the stops drift",
+        Lamp::CheckFunction => "its device is not operational",
+        Lamp::Good => "",
+        Lamp::Unknown => match health.mode {
+            _ if health.seconds_since_frame.is_none_or(|time| time > EVIDENCE.as_secs_f64()) => {
+                "no frames"
+            }
+            Some("gated") => "not judged in this state of the platform",
+            Some("starting") => "not judged yet",
+            _ => "no evidence",
+        },
+    };
+    let separator = if reason.is_empty() { "" } else { ": " };
+    format!("{}{separator}{reason}", lamp.words())
+}
