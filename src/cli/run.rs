@@ -6,8 +6,10 @@ use super::node;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::history::{HistoryFile, Kept};
+use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
+use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, PreparedGateway};
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
@@ -49,7 +51,7 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept } =
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept, store } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -57,7 +59,7 @@ impl Run {
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config, listen, interface.as_deref());
-        appliance.restore(&mut gateway, kept);
+        appliance.restore(&mut gateway, kept, store);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -115,7 +117,29 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    Ok(PreparedGateway { gateway: gateway(machine), opener, listen, interface, realtime, kept })
+    let store = store_plan(&machine);
+    Ok(PreparedGateway {
+        gateway: gateway(machine),
+        opener,
+        listen,
+        interface,
+        realtime,
+        kept,
+        store,
+    })
+}
+
+/// The event store of a machine, if it has one.
+fn store_plan(machine: &Machine) -> Option<StorePlan> {
+    let settings = &machine.loaded.settings;
+    Some(StorePlan {
+        path: machine.loaded.store_path.clone()?,
+        size: u64::from(settings.store.size) * 1_000_000,
+        days: settings.store.days,
+        machine: settings.machine.name.clone(),
+        configuration: identity::of(&machine.loaded),
+        sample_time: settings.machine.sample_time,
+    })
 }
 
 /// A SocketCAN interface by name.

@@ -104,6 +104,8 @@ pub struct Telemetry {
     /// Uptime at the last frame of the machine, ns, plus one; zero means never.
     heard: AtomicU64,
     link: Link,
+    /// Size of the event store, bytes.
+    store_size: Gauge,
 }
 
 impl Telemetry {
@@ -122,6 +124,7 @@ impl Telemetry {
             turned: AtomicU64::new(0),
             heard: AtomicU64::new(0),
             link: Link::default(),
+            store_size: Gauge::default(),
         }
     }
 
@@ -139,6 +142,22 @@ impl Telemetry {
         self.link.state.set(None);
         self.link.transmit_errors.set(None);
         self.link.receive_errors.set(None);
+    }
+
+    /// Notes that the event store has written so many notes, and that it lost so many before.
+    pub fn store_written(&self, written: u64, lost: u64) {
+        self.totals.store_written.add(written);
+        self.totals.store_lost.add(lost);
+    }
+
+    /// Notes that the event store could not be written.
+    pub fn store_failed(&self) {
+        self.totals.store_failures.add(1);
+    }
+
+    /// Takes the size of the event store, bytes; `None` if it is not open.
+    pub fn store_size(&self, size: Option<u64>) {
+        self.store_size.set(size.map(|size| size as f64));
     }
 
     fn cylinders(&self) -> &[Cylinder] {
