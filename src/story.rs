@@ -5,6 +5,8 @@
 use crate::alarm::detector::WarningPlace;
 use crate::alarm::{Detector, Level};
 use crate::incident::{Ending, Incident, Part, Quantity};
+use crate::sample::device::{DeviceNews, DeviceState};
+use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use std::cmp::Reverse;
@@ -237,6 +239,35 @@ pub fn ending(incident: &Incident) -> String {
             format!("over{lasted}: {how}")
         }
     }
+}
+
+/// What a device said that is no fault of its readings; its name goes before it.
+pub fn news(news: DeviceNews) -> String {
+    match news {
+        DeviceNews::State(DeviceState::Operational) => "is operational again".to_owned(),
+        DeviceNews::State(DeviceState::Initialising) => {
+            "has started, and is not operational: it sends no readings".to_owned()
+        }
+        DeviceNews::State(state) => {
+            format!("is {}, not operational: it sends no readings", state.name())
+        }
+        DeviceNews::Network(emergency) => format!("complains about the network: {emergency}"),
+    }
+}
+
+/// Time between the samples of C1 and C2, in words.
+pub fn timing(apart: &Apart) -> String {
+    let Apart { mean, spread, .. } = apart;
+    let skew = match mean {
+        0.0 => String::new(),
+        _ if *mean > 0.0 => format!("C2 {:.2} ms sooner than calibrated, ", 1e3 * mean),
+        _ => format!("C2 {:.2} ms later than calibrated, ", -1e3 * mean),
+    };
+    let jitter = 1e3 * spread;
+    format!(
+        "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
+         transducer is at fault, look at Sync and the devices' clocks"
+    )
 }
 
 /// Key for sorting: the highest level first, then the earliest.

@@ -1,8 +1,11 @@
 //! The computer around the live gateway: signals, the service manager, the log. Only this module
 //! knows what runs the gateway.
 
+mod aside;
 pub mod http;
+pub mod identity;
 pub mod realtime;
+pub mod store;
 pub mod telemetry;
 
 #[cfg(feature = "cli")]

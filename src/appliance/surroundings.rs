@@ -5,6 +5,7 @@ use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
 use super::site::Site;
+use super::store::{Cause, Clerk, EventKind, StorePlan};
 use super::telemetry::clock::SystemClock;
 use super::telemetry::{Facts, Recorder};
 use super::warning_log::WarningLog;
@@ -21,9 +22,10 @@ use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Request, Surroundings};
 use crate::monitor::{Notice, Record};
-use crate::report::{device, jsonl::restart_name};
+use crate::report::jsonl::restart_name;
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::{Apart, Dwell};
+use crate::story;
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -54,6 +56,8 @@ pub struct PreparedGateway {
     pub realtime: Realtime,
     /// State that outlives the gateway.
     pub kept: Kept,
+    /// Event store, if anything is kept.
+    pub store: Option<StorePlan>,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<PreparedGateway, Failure>>;
@@ -71,6 +75,7 @@ pub struct Appliance {
     links: Option<LinkWatch>,
     quota: Quota,
     keeper: Keeper,
+    clerk: Clerk,
 }
 
 impl Appliance {
@@ -95,6 +100,7 @@ impl Appliance {
         let (warnings, site, quota) =
             (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
         let keeper = Keeper::new(recorder.telemetry());
+        let clerk = Clerk::new(recorder.telemetry());
         Ok(Self {
             stop,
             reload,
@@ -107,6 +113,7 @@ impl Appliance {
             links,
             quota,
             keeper,
+            clerk,
         })
     }
 
@@ -135,15 +142,17 @@ impl Appliance {
         }
     }
 
-    /// Restores in `gateway` what was kept.
-    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept) {
+    /// Restores in `gateway` what was kept, and begins to keep what it finds.
+    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept, store: Option<StorePlan>) {
         gateway.restore(self.keeper.open(kept, None));
+        self.clerk.begin(store, Cause::Start, false);
     }
 
     /// Finishes after `gateway` has stopped.
     pub fn stopped(&mut self, gateway: &Gateway) {
         tell(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());
+        self.clerk.finish();
         info!("stopped");
     }
 }
@@ -151,28 +160,33 @@ impl Appliance {
 impl Journal for Appliance {
     fn record(&mut self, record: &Record) {
         self.recorder.record(record);
+        self.clerk.record(record);
     }
 
     fn warning(&mut self, warning: &Warning) {
         self.recorder.warning(warning);
         self.warnings.take(warning);
+        self.clerk.warning(warning);
     }
 
     fn incident(&mut self, incident: &Incident) {
         self.recorder.incident(incident);
         self.warnings.tell(incident);
+        self.clerk.incident(incident);
     }
 
     fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
         self.recorder.estimate(cylinder, estimate);
     }
 
-    fn dwell(&mut self, _: u8, _: &Dwell) {
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
         self.keeper.dwelt();
+        self.clerk.dwell(cylinder, dwell);
     }
 
     fn notice(&mut self, notice: &Notice) {
         self.recorder.notice(notice);
+        self.clerk.notice(notice);
         self.warnings.write();
         let Some(withheld) = self.quota.ask(Instant::now()) else { return };
         if withheld > 0 {
@@ -199,7 +213,7 @@ impl Journal for Appliance {
                 info!("C1 and C2 are sampled as they were calibrated again");
             }
             Notice::Device { cylinder, role, node, news, .. } => {
-                let what = device::news(news);
+                let what = story::news(news);
                 let device = role.name();
                 match news {
                     DeviceNews::State(DeviceState::Operational) => {
@@ -214,6 +228,7 @@ impl Journal for Appliance {
     fn bus(&mut self, health: &BusHealth) {
         let state = health.state.map_or("active again", ControllerState::name);
         let [transmit_errors, receive_errors] = health.counters.unwrap_or_default();
+        self.clerk.event(EventKind::Controller, || format!("the controller is {state}"));
         match health.state {
             Some(ControllerState::BusOff) => warn!(
                 "the controller is bus-off: it receives and sends nothing until it is restarted, \
@@ -235,6 +250,7 @@ impl Journal for Appliance {
         }
         let (command, state) = (event.command.name(), event.state.name());
         let to = if event.everyone { "all nodes" } else { "this node" };
+        self.clerk.event(EventKind::Nmt, || format!("NMT {command} to {to}: {state}"));
         match event.command {
             NmtCommand::Stop | NmtCommand::EnterPreOperational => warn!(
                 command,
@@ -280,11 +296,14 @@ impl Surroundings for Appliance {
         self.recorder.opened();
         let description = port.description();
         info!("open: {description}");
+        self.clerk.event(EventKind::BusOpened, || description.clone());
         tell(&[NotifyState::Status(&description)]);
     }
 
     fn lost(&mut self, reason: &str) {
         warn!("no bus: {reason}; trying again");
+        self.clerk.event(EventKind::BusLost, || reason.to_owned());
+        self.clerk.turned();
         tell(&[NotifyState::Status(reason)]);
     }
 
@@ -295,6 +314,7 @@ impl Surroundings for Appliance {
     fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.warnings.write();
         self.recorder.closed(gateway, port);
+        self.clerk.turned();
     }
 
     fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
@@ -302,15 +322,17 @@ impl Surroundings for Appliance {
         self.watchdog.feed();
         self.recorder.turned(gateway, port);
         self.keeper.turned(gateway.monitor());
+        self.clerk.turned();
         self.activity.look(gateway, port);
     }
 
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
             Ok(prepared) => {
-                let PreparedGateway { mut gateway, opener, interface, listen, facts, kept, .. } =
+                let PreparedGateway { mut gateway, opener, interface, listen, facts, kept, store, .. } =
                     prepared;
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
+                self.clerk.begin(store, Cause::Reload, false);
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.describe(facts);
@@ -320,6 +342,7 @@ impl Surroundings for Appliance {
             }
             Err(failure) => {
                 self.recorder.refused();
+                self.clerk.event(EventKind::Refused, || failure.to_string());
                 warn!("the new configuration is refused, the old one stays in force: {failure}");
                 None
             }

@@ -95,7 +95,9 @@ impl Machine {
             config::parse(&format!("config/{name}"), text)?;
         let dbc_path = PathBuf::from(format!("dbc/{dbc}"));
         let dbc_text = dbc_text.to_vec();
-        let loaded = Loaded { settings, document, dbc_path, dbc_text, sheets, history_path: None };
+        let (history_path, store_path) = (None, None);
+        let loaded =
+            Loaded { settings, document, dbc_path, dbc_text, sheets, history_path, store_path };
         Self::new(loaded, design::judging)
     }
 
@@ -130,8 +132,10 @@ impl Machine {
     /// The files of the machine that a command must not overwrite, `config` among them.
     pub fn files<'a>(&'a self, config: &'a Path) -> impl Iterator<Item = &'a Path> {
         let history = self.loaded.history_path.as_deref();
+        let store = self.loaded.store_path.as_deref();
         let sheets = self.loaded.sheets.iter().map(|sheet| sheet.path.as_path());
-        [config, self.loaded.dbc_path.as_path()].into_iter().chain(sheets).chain(history)
+        let kept = history.into_iter().chain(store);
+        [config, self.loaded.dbc_path.as_path()].into_iter().chain(sheets).chain(kept)
     }
 }
 

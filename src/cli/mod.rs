@@ -8,6 +8,7 @@ mod demo;
 mod doctor;
 mod eds;
 mod evaluate;
+mod events;
 mod faults;
 mod files;
 mod history;
@@ -52,6 +53,7 @@ enum Command {
     Check(check::Check),
     Doctor(doctor::Doctor),
     Eds(eds::Eds),
+    Events(events::Events),
     Inject(inject::Inject),
     Commission(commission::Commission),
     Identify(identify::Identify),
@@ -73,6 +75,7 @@ impl Arguments {
             Command::Check(check) => check.run(),
             Command::Doctor(doctor) => doctor.run(),
             Command::Eds(eds) => eds.run(),
+            Command::Events(events) => events.run(),
             Command::Inject(inject) => inject.run(),
             Command::Commission(commission) => commission.run(),
             Command::Identify(identify) => identify.run(),

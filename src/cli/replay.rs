@@ -92,7 +92,7 @@ impl From<StampOption> for TimeStamps {
     }
 }
 
-fn zone(name: &str) -> Result<TimeZone, String> {
+pub(super) fn zone(name: &str) -> Result<TimeZone, String> {
     Zone::named(name).ok_or_else(|| {
         format!("there is no time zone {name:?}; expected a name such as UTC or Europe/Amsterdam")
     })

@@ -6,8 +6,10 @@ use super::node;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::history::{HistoryFile, Kept};
+use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
+use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, PreparedGateway};
 use crate::appliance::telemetry::Facts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
@@ -50,8 +52,8 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let PreparedGateway { mut gateway, opener, listen, interface, realtime, facts, kept } =
-            prepare(&self.config, stage.as_ref())?;
+        let prepared = prepare(&self.config, stage.as_ref())?;
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, facts, kept, store } = prepared;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
@@ -59,7 +61,7 @@ impl Run {
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.describe(facts);
         appliance.starting(&self.config, listen, interface.as_deref());
-        appliance.restore(&mut gateway, kept);
+        appliance.restore(&mut gateway, kept, store);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -120,10 +122,33 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
     let facts = Facts {
         name: settings.machine.name.clone(),
         configuration: path.display().to_string(),
+        identity: identity::of(&machine.loaded),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
     };
-    let gateway = gateway(machine);
-    Ok(PreparedGateway { gateway, opener, listen, interface, realtime, facts, kept })
+    let store = store_plan(&machine);
+    Ok(PreparedGateway {
+        gateway: gateway(machine),
+        opener,
+        listen,
+        interface,
+        realtime,
+        facts,
+        kept,
+        store,
+    })
+}
+
+/// The event store of a machine, if it has one.
+fn store_plan(machine: &Machine) -> Option<StorePlan> {
+    let settings = &machine.loaded.settings;
+    Some(StorePlan {
+        path: machine.loaded.store_path.clone()?,
+        size: u64::from(settings.store.size) * 1_000_000,
+        days: settings.store.days,
+        machine: settings.machine.name.clone(),
+        configuration: identity::of(&machine.loaded),
+        sample_time: settings.machine.sample_time,
+    })
 }
 
 /// A SocketCAN interface by name.

@@ -1,23 +1,8 @@
-//! What CANopen devices say of themselves, in words and as JSON.
+//! What CANopen devices say of themselves, as JSON.
 
-use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sample::emergency::Emergency;
 use crate::sample::{DeviceReason, DeviceReport};
 use serde::Serialize;
-
-/// What a device said that is no fault of its readings; its name goes before it.
-pub fn news(news: DeviceNews) -> String {
-    match news {
-        DeviceNews::State(DeviceState::Operational) => "is operational again".to_owned(),
-        DeviceNews::State(DeviceState::Initialising) => {
-            "has started, and is not operational: it sends no readings".to_owned()
-        }
-        DeviceNews::State(state) => {
-            format!("is {}, not operational: it sends no readings", state.name())
-        }
-        DeviceNews::Network(emergency) => format!("complains about the network: {emergency}"),
-    }
-}
 
 /// Fields of a warning that a device has given a reason for.
 #[derive(Serialize)]

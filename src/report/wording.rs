@@ -1,12 +1,11 @@
 //! Texts of a replay that several outputs share: rows, lines and numbers.
 
-use super::device;
 use super::jsonl::restart_name;
 use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::sequential::{Apart, Unknown};
+use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
@@ -185,31 +184,16 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
             let (label, reason) = (detector.label(), spaced(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))
         }
-        Notice::Timing { at, apart: Some(apart) } => (at, timing(&apart)),
+        Notice::Timing { at, apart: Some(apart) } => (at, story::timing(&apart)),
         Notice::Timing { at, apart: None } => {
             (at, "timing: C1 and C2 are sampled as they were calibrated again".to_owned())
         }
         Notice::Device { at, cylinder, role, node, news } => {
-            let what = device::news(news);
+            let what = story::news(news);
             (at, format!("cylinder {cylinder}: node {node} ({}) {what}", role.label()))
         }
     };
     [clock(at.since(first).as_seconds()), what]
-}
-
-/// Time between the samples of C1 and C2, in words.
-fn timing(apart: &Apart) -> String {
-    let Apart { mean, spread, .. } = apart;
-    let skew = match mean {
-        0.0 => String::new(),
-        _ if *mean > 0.0 => format!("C2 {:.2} ms sooner than calibrated, ", 1e3 * mean),
-        _ => format!("C2 {:.2} ms later than calibrated, ", -1e3 * mean),
-    };
-    let jitter = 1e3 * spread;
-    format!(
-        "timing: C1 and C2 are not sampled together: {skew}± {jitter:.2} ms by chance; no \
-         transducer is at fault, look at Sync and the devices' clocks"
-    )
 }
 
 /// `text` with a capital at the beginning, as a line of its own. A symbol stays: Δ is none of the letters that

@@ -3,6 +3,7 @@
 mod canopen;
 mod devices;
 mod embedded_bus;
+mod event_store;
 mod inject_proxy;
 mod live_gateway;
 mod metrics;

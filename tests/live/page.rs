@@ -20,7 +20,8 @@ fn bench() -> Bench {
     let telemetry = bench.witness.recorder.telemetry();
     let limits_m = vec![[1e-3, 1e-3, 1.5e-3, 0.05]; 6];
     let configuration = "e-type.toml".to_owned();
-    telemetry.describe(Facts { name: "<b>Ampelmann</b>".to_owned(), configuration, limits_m });
+    let name = "<b>Ampelmann</b>".to_owned();
+    telemetry.describe(Facts { name, configuration, limits_m, ..Facts::default() });
     bench.witness.recorder.opened();
     let frames: Vec<Frame> = (0..200)
         .flat_map(|k| Cycle { offset: if k >= 190 { 30 } else { 0 }, ..Cycle::new(k) }.frames())

@@ -39,6 +39,8 @@ pub struct Loaded {
     /// Path of the file in which the gateway keeps its readings on the stops; the file need not
     /// exist.
     pub history_path: Option<PathBuf>,
+    /// Path of the event store; the file need not exist.
+    pub store_path: Option<PathBuf>,
 }
 
 impl Loaded {
@@ -76,30 +78,33 @@ pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
     let dbc_path = folder.join(&settings.bus.dbc);
     let dbc_text = read_dbc(&dbc_path, &document)?;
     let history_path = settings.sequential.history.as_ref().map(|history| folder.join(history));
+    let store_path = settings.store.file.as_ref().map(|file| folder.join(file));
     let sheets = read_sheets(folder, &settings, &document)?;
-    if let Some(history) = &history_path {
-        let mut inputs = vec![path, &dbc_path];
-        inputs.extend(sheets.iter().map(|sheet| sheet.path.as_path()));
-        refuse_overwriting(history, &inputs, &document)?;
+    let mut inputs = vec![path, &dbc_path];
+    inputs.extend(sheets.iter().map(|sheet| sheet.path.as_path()));
+    for (key, written) in [("sequential.history", &history_path), ("store.file", &store_path)] {
+        let Some(written) = written else { continue };
+        refuse_overwriting((key, written), &inputs, &document)?;
+        inputs.push(written);
     }
-    Ok(Loaded { settings, document, dbc_path, dbc_text, sheets, history_path })
+    Ok(Loaded { settings, document, dbc_path, dbc_text, sheets, history_path, store_path })
 }
 
-/// Refuses a history path that names one of these files: the gateway sets aside a file that is not
-/// a history, and writes a new one.
+/// Refuses a path of a file that the gateway keeps, if it names one of these files: the gateway sets aside
+/// what it cannot use, and writes a new one.
 fn refuse_overwriting(
-    history: &Path,
+    (key, written): (&str, &Path),
     inputs: &[&Path],
     document: &Document,
 ) -> Result<(), ConfigError> {
     // Under whatever name, hard links among them.
     let identity = |path: &Path| fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
-    let real = identity(history);
-    let same = |input: &&&Path| real.is_some() && identity(input) == real;
+    let real = identity(written);
+    let same = |input: &&&Path| real.is_some() && identity(input) == real || **input == written;
     let Some(input) = inputs.iter().find(same) else { return Ok(()) };
-    let message = format!("`sequential.history` would overwrite {}", input.display());
-    let help = "name a file of its own, for example \"/var/lib/tertius/e-type.dwells\"";
-    let problem = document.problem("sequential.history", message, help);
+    let message = format!("`{key}` would overwrite {}", input.display());
+    let help = "name a file of its own, for example one in /var/lib/tertius";
+    let problem = document.problem(key, message, help);
     Err(document.refuse([problem]).expect("one problem is a refusal"))
 }
 

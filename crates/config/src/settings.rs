@@ -20,8 +20,8 @@ pub use cylinder::Cylinder;
 pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
-use gateway::{GATEWAY, HTTP, REALTIME};
-pub use gateway::{Gateway, Http, Realtime};
+use gateway::{GATEWAY, HTTP, REALTIME, STORE};
+pub use gateway::{Gateway, Http, Realtime, Store};
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
@@ -65,6 +65,8 @@ table! {
             "", "CANopen: the gateway as a node, and devices on the bus";
         http: Http = Http::default() => Kind::Table(&HTTP),
             "", "the gateway's own state over HTTP";
+        store: Store = Store::default() => Kind::Table(&STORE),
+            "", "what is kept of incidents and events";
         realtime: Realtime = Realtime::default() => Kind::Table(&REALTIME),
             "", "what the gateway asks of the kernel";
         cylinder: Vec<Cylinder> = Vec::new() => Kind::Tables(&CYLINDER),

@@ -1,15 +1,12 @@
 //! The file of a machine's dwells, which is replaced atomically.
 
+use crate::appliance::aside::{beside, set_aside};
 use crate::sequential::Archive;
 use crate::sequential::archive::{MAX_SIZE, Refusal};
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
-
-/// Most files that are set aside; by then somebody should have looked.
-const ASIDE: usize = 8;
 
 /// Path of the file in which the dwells of a machine are kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,15 +70,7 @@ impl HistoryFile {
     /// # Errors The file cannot be renamed, or many have already been set aside; it then stays
     /// where it is.
     pub fn set_aside(&self) -> io::Result<PathBuf> {
-        let target = self.target();
-        let names = (1..=ASIDE).map(|n| beside(&target, &format!(".aside-{n}")));
-        let mut free = names.filter(|name| fs::symlink_metadata(name).is_err());
-        let Some(name) = free.next() else {
-            let told = format!("{ASIDE} are set aside already; look at them and remove them");
-            return Err(io::Error::new(ErrorKind::AlreadyExists, told));
-        };
-        fs::rename(&target, &name)?;
-        Ok(name)
+        set_aside(&self.target())
     }
 
     /// Target of the path; a link remains one.
@@ -96,12 +85,6 @@ fn put(path: &Path, archive: &Archive) -> io::Result<()> {
     file.sync_all()
 }
 
-fn beside(path: &Path, suffix: &str) -> PathBuf {
-    let mut name = OsString::from(path);
-    name.push(suffix);
-    name.into()
-}
-
 fn folder(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -109,6 +92,7 @@ fn folder(path: &Path) -> &Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appliance::aside::ASIDE;
     use crate::sequential::Dwell;
     use crate::time::Timestamp;
 

@@ -246,6 +246,8 @@ impl View {
 
     fn process(&self, out: &mut Out<'_, '_>) -> fmt::Result {
         let telemetry = &self.telemetry;
+        let help = "Size of the event store, bytes. Absent without one.";
+        out.gauge("store_size_bytes", help, telemetry.store_size.get())?;
         let help = "What runs.";
         out.family("build", help, None, MetricType::Info)?
             .encode_info(&[("version", env!("CARGO_PKG_VERSION"))])?;

@@ -106,6 +106,8 @@ pub struct Facts {
     pub name: String,
     /// File of the configuration.
     pub configuration: String,
+    /// Identity of the configuration: a digest of its files.
+    pub identity: String,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
     pub limits_m: Vec<[f64; QUANTITIES]>,
 }
@@ -134,6 +136,8 @@ pub struct Telemetry {
     link: Link,
     /// What is monitored; written at the start and by a reload.
     facts: RwLock<Arc<Facts>>,
+    /// Size of the event store, bytes.
+    store_size: Gauge,
 }
 
 impl Telemetry {
@@ -153,6 +157,7 @@ impl Telemetry {
             heard: AtomicU64::new(0),
             link: Link::default(),
             facts: RwLock::default(),
+            store_size: Gauge::default(),
         }
     }
 
@@ -185,6 +190,22 @@ impl Telemetry {
         self.link.state.set(None);
         self.link.transmit_errors.set(None);
         self.link.receive_errors.set(None);
+    }
+
+    /// Notes that the event store has written so many notes, and that it lost so many before.
+    pub fn store_written(&self, written: u64, lost: u64) {
+        self.totals.store_written.add(written);
+        self.totals.store_lost.add(lost);
+    }
+
+    /// Notes that the event store could not be written.
+    pub fn store_failed(&self) {
+        self.totals.store_failures.add(1);
+    }
+
+    /// Takes the size of the event store, bytes; `None` if it is not open.
+    pub fn store_size(&self, size: Option<u64>) {
+        self.store_size.set(size.map(|size| size as f64));
     }
 
     fn cylinders(&self) -> &[Cylinder] {

@@ -42,6 +42,10 @@ pub(super) struct Totals {
     /// Failed writes of the history, counted by the thread that keeps it.
     pub history_failures: Total,
     pub history_crowded: Total,
+    /// Notes that the event store has written, counted by its thread, as are the next two.
+    pub store_written: Total,
+    pub store_lost: Total,
+    pub store_failures: Total,
 }
 
 impl Totals {
@@ -86,7 +90,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 30] {
+    pub fn described(&self) -> [Described<'_>; 33] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -121,6 +125,9 @@ impl Totals {
             ("history_failures", "Times that the history of the stops could not be written.", &self.history_failures),
             ("history_crowded", "Times that the history of the stops was not handed over, because \
                 too much waited to be written; the next write includes it.", &self.history_crowded),
+            ("store_written", "Notes that the event store has written: incidents, warnings, events.", &self.store_written),
+            ("store_lost", "Notes that the event store had no room for.", &self.store_lost),
+            ("store_failures", "Times that the event store could not be written; it is tried again.", &self.store_failures),
         ]
     }
 }

@@ -1,4 +1,4 @@
-//! The gateway itself: `[gateway]`, `[http]` and `[realtime]`.
+//! The gateway itself: `[gateway]`, `[http]`, `[store]` and `[realtime]`.
 
 use crate::kinds::{DURATION, number, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
@@ -26,6 +26,20 @@ table! {
         /// [`HTTP_OFF`](super::HTTP_OFF) is the word for none.
         listen: String = "127.0.0.1:9481".to_owned() => text(TextRule::Listen),
             "\"127.0.0.1:9481\"", "where /health and /metrics are served, ADDRESS:PORT; or off";
+    }
+}
+
+table! {
+    /// The event store: what happened on the machine, kept for years.
+    pub struct Store = STORE {
+        file: Option<String> = None => text(TextRule::Path),
+            "\"/var/lib/tertius/e-type.events\"",
+            "the database in which the gateway keeps incidents and events, relative to this file; absent: \
+             nothing is kept";
+        size: u32 = 256 => whole(4, 65_536, "the disk has to have room for it"),
+            "256", "the largest size of the database, MB; the oldest incidents and events give way";
+        days: u32 = 1825 => whole(1, 36_500, "an age"),
+            "1825", "closed incidents and events that are older give way, days; hourly statistics stay";
     }
 }
 

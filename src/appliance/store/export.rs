@@ -1,0 +1,123 @@
+//! Export as CSV and as lines of JSON, page by page.
+
+use super::query::{Filter, MOST_FOUND};
+use super::reader::{EventEntry, StoreReader};
+use super::trouble::Trouble;
+use crate::time::Timestamp;
+use std::io::Write;
+
+/// Form of an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExportFormat {
+    /// Comma-separated values with a header, for spreadsheets.
+    Csv,
+    /// Lines of JSON, an object each.
+    Jsonl,
+}
+
+/// Columns of a CSV.
+pub const EXPORT_COLUMNS: [&str; 17] = [
+    "id", "at_utc", "at_s", "kind", "cylinder", "level", "suspect", "fault", "state", "ending",
+    "end_s", "size_m", "quantity", "peak_m", "limit_m", "about", "text",
+];
+
+/// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit. Memory is that of a
+/// page; what is written meanwhile comes in no page.
+///
+/// # Errors The store cannot be read, or `out` not be written.
+pub fn export(
+    reader: &StoreReader,
+    filter: &Filter,
+    format: ExportFormat,
+    now: Timestamp,
+    out: &mut impl Write,
+) -> Result<(), Trouble> {
+    let mut page = Filter { limit: MOST_FOUND, ..filter.clone() };
+    if format == ExportFormat::Csv {
+        writeln!(out, "{}", EXPORT_COLUMNS.join(","))?;
+    }
+    loop {
+        let found = reader.search(&page, now)?;
+        for entry in &found.entries {
+            match format {
+                ExportFormat::Csv => writeln!(out, "{}", row(entry).join(","))?,
+                ExportFormat::Jsonl => {
+                    let line = serde_json::to_string(entry);
+                    let line = line.map_err(|error| Trouble::Other(error.to_string()))?;
+                    writeln!(out, "{line}")?;
+                }
+            }
+        }
+        page.before = found.next;
+        if found.next.is_none() {
+            return Ok(());
+        }
+    }
+}
+
+/// Fields in the order of [`EXPORT_COLUMNS`].
+fn row(entry: &EventEntry) -> [String; 17] {
+    let incident = entry.incident.as_ref();
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let text = |value: Option<&str>| value.map_or(String::new(), field);
+    [
+        entry.id.to_string(),
+        utc(entry.at_s),
+        entry.at_s.to_string(),
+        field(&entry.kind),
+        entry.cylinder.map_or(String::new(), |number| number.to_string()),
+        text(entry.level),
+        text(entry.suspect.as_deref()),
+        text(incident.map(|it| it.fault.as_str())),
+        text(incident.map(|it| it.state)),
+        text(incident.and_then(|it| it.ending.as_deref())),
+        number(incident.and_then(|it| it.end_s)),
+        number(incident.and_then(|it| it.size_m)),
+        text(incident.and_then(|it| it.quantity.as_deref())),
+        number(incident.and_then(|it| it.peak_m)),
+        number(incident.and_then(|it| it.limit_m)),
+        entry.about.map_or(String::new(), |id| id.to_string()),
+        field(&entry.text),
+    ]
+}
+
+/// A text as a field: quoted where it has to be, and never a formula for a spreadsheet.
+fn field(text: &str) -> String {
+    let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']);
+    let text = if formula { format!("'{text}") } else { text.to_owned() };
+    if text.contains(['"', ',', '\n', '\r', ';']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text
+    }
+}
+
+/// Date and time, as RFC 3339 has them.
+fn utc(at: Timestamp) -> String {
+    let at = jiff::Timestamp::from_nanosecond(i128::from(at.as_nanos()));
+    at.map_or(String::new(), |at| at.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_is_one_and_no_formula() {
+        for (text, expected) in [
+            ("plain", "plain"),
+            ("a, b", "\"a, b\""),
+            ("say \"no\"", "\"say \"\"no\"\"\""),
+            ("=HYPERLINK(1)", "'=HYPERLINK(1)"),
+            ("-1+1", "'-1+1"),
+            ("@x, y", "\"'@x, y\""),
+            ("line\nbreak", "\"line\nbreak\""),
+        ] {
+            assert_eq!(field(text), expected);
+        }
+        assert_eq!(
+            utc(Timestamp::from_nanos(1_700_000_000_250_000_000)),
+            "2023-11-14T22:13:20.25Z"
+        );
+    }
+}

@@ -1,0 +1,237 @@
+//! Incidents as rows: the present one, its revisions and its alarm.
+
+use super::act::{ActError, AlarmAct};
+use super::note::EventKind;
+use super::rows::{Facets, Rows};
+use crate::alarm::Level;
+use crate::alarm_list::{ActKind, Alarm, AlarmCondition, Happening, Standing};
+use crate::incident::{Incident, Progress};
+use crate::story;
+use crate::time::Timestamp;
+use rusqlite::{OptionalExtension, Row, Transaction, params};
+
+/// Levels in the order of their numbers.
+const LEVELS: [Level; 5] = [Level::None, Level::Yellow, Level::Orange, Level::Red, Level::Black];
+
+/// Level of that number.
+pub(super) fn level(number: u8) -> Level {
+    LEVELS.get(usize::from(number)).copied().unwrap_or_default()
+}
+
+/// Columns from which [`alarm`] is read.
+pub(super) const ALARM: &str = "condition, acknowledged, shelved_until_ns, level";
+
+/// An incident's alarm, from the columns [`ALARM`] that begin at `at`.
+pub(super) fn alarm(row: &Row<'_>, at: usize) -> rusqlite::Result<Alarm> {
+    let condition: String = row.get(at)?;
+    let all = [AlarmCondition::Active, AlarmCondition::Returned, AlarmCondition::Interrupted];
+    let condition = all.into_iter().find(|it| it.name() == condition).unwrap_or_default();
+    let shelved: Option<i64> = row.get(at + 2)?;
+    Ok(Alarm {
+        standing: Standing { condition, acknowledged: row.get(at + 1)? },
+        shelved_until: shelved.map(Timestamp::from_nanos),
+        level: level(row.get(at + 3)?),
+    })
+}
+
+/// Writes what became of an incident: its event, its present state and a revision.
+pub(super) fn revise(rows: &Rows<'_>, incident: &Incident) -> rusqlite::Result<()> {
+    let text = story::line(incident);
+    let facets = Facets {
+        cylinder: Some(incident.cylinder),
+        level: Some(incident.level as u8),
+        suspect: Some(incident.suspect.name()),
+        incident: None,
+    };
+    let (id, alarm) = match known(rows, incident)? {
+        Some((id, alarm)) => {
+            rows.step.execute(
+                "UPDATE events SET level = ?, suspect = ?, text = ? WHERE id = ?",
+                params![facets.level, facets.suspect, text, id],
+            )?;
+            rows.index(id, EventKind::Incident, facets, &text)?;
+            (id, alarm)
+        }
+        None => {
+            let id = rows.put((EventKind::Incident, incident.begin), facets, &text)?;
+            (id, Alarm::opened(incident.level))
+        }
+    };
+    let alarm = follow(alarm, incident);
+    put(rows, id, incident)?;
+    put_alarm(rows.step, id, &alarm)?;
+    let progress = incident.progress.name();
+    let told = story::evidence(incident);
+    let level = incident.level as u8;
+    let of = [incident.suspect.name(), incident.fault.name()];
+    put_revision(rows, (id, incident.timestamp, progress), (level, of), &format!("{text}; {told}"))
+}
+
+/// The alarm of an incident after this news of it.
+fn follow(alarm: Alarm, incident: &Incident) -> Alarm {
+    let goes_on = incident.progress != Progress::Closed;
+    let alarm = match alarm.standing.condition {
+        // The program goes on with what another one had left.
+        AlarmCondition::Interrupted if goes_on => alarm.after(Happening::Worse),
+        _ => alarm.at_level(incident.level),
+    };
+    if goes_on { alarm } else { alarm.after(Happening::Returned) }
+}
+
+/// The number of an incident that is in the store, and its alarm: by its number in this run, or as one that an
+/// earlier run has left and a monitor with its state goes on with.
+fn known(rows: &Rows<'_>, incident: &Incident) -> rusqlite::Result<Option<(i64, Alarm)>> {
+    let found = |row: &Row<'_>| Ok((row.get(0)?, alarm(row, 1)?));
+    let own = format!("SELECT id, {ALARM} FROM incidents WHERE run = ? AND number = ?");
+    let own = rows.step.query_row(&own, params![rows.run, incident.number], found).optional()?;
+    if own.is_some() || incident.progress == Progress::Opened {
+        return Ok(own);
+    }
+    let left = format!(
+        "SELECT id, {ALARM} FROM incidents WHERE number = ? AND cylinder = ? AND begin_ns = ?
+             AND condition = 'interrupted' AND run < ? ORDER BY id DESC LIMIT 1"
+    );
+    let (number, cylinder) = (incident.number, incident.cylinder);
+    let by = params![number, cylinder, incident.begin.as_nanos(), rows.run];
+    rows.step.query_row(&left, by, found).optional()
+}
+
+fn put(rows: &Rows<'_>, id: i64, incident: &Incident) -> rusqlite::Result<()> {
+    let worst = incident.worst();
+    let detectors: Vec<&str> =
+        story::detectors(incident).into_iter().map(|detector| detector.name()).collect();
+    rows.step.execute(
+        "INSERT INTO incidents (id, run, number, cylinder, begin_ns, onset_ns, end_ns, ending,
+             condition, acknowledged, active, listed, level, suspect, fault, gain, size_m,
+             quantity, peak_m, peak_ns, limit_m, detectors, evidence, advice, course)
+         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, 'active', 0, 1, 1, ?9, ?10, ?11, ?12, ?13, ?14,
+             ?15, ?16, ?17, ?18, ?19, ?20, ?21)
+         ON CONFLICT DO UPDATE SET run = ?2, onset_ns = ?6, end_ns = ?7, ending = ?8, level = ?9,
+             suspect = ?10, fault = ?11, gain = ?12, size_m = ?13, quantity = ?14, peak_m = ?15,
+             peak_ns = ?16, limit_m = ?17, detectors = ?18, evidence = ?19, advice = ?20, course = ?21",
+        params![
+            id,
+            rows.run,
+            incident.number,
+            incident.cylinder,
+            incident.begin.as_nanos(),
+            incident.onset.as_nanos(),
+            incident.end.map(|(at, _)| at.as_nanos()),
+            incident.end.map(|(_, how)| how.name()),
+            incident.level as u8,
+            incident.suspect.name(),
+            incident.fault.name(),
+            incident.gain,
+            incident.size,
+            worst.map(|(quantity, _)| quantity.name()),
+            worst.map(|(_, peak)| peak.value),
+            worst.map(|(_, peak)| peak.at.as_nanos()),
+            worst.map(|(quantity, _)| incident.limits[quantity as usize]),
+            detectors.join(" "),
+            story::evidence(incident),
+            story::advice(incident),
+            story::ending(incident),
+        ],
+    )?;
+    Ok(())
+}
+
+fn put_alarm(step: &Transaction<'_>, id: i64, alarm: &Alarm) -> rusqlite::Result<()> {
+    let Standing { condition, acknowledged } = alarm.standing;
+    step.execute(
+        "UPDATE incidents SET condition = ?, acknowledged = ?, shelved_until_ns = ?, active = ?,
+             listed = ? WHERE id = ?",
+        params![
+            condition.name(),
+            acknowledged,
+            alarm.shelved_until.map(Timestamp::as_nanos),
+            condition == AlarmCondition::Active,
+            !alarm.is_normal(),
+            id
+        ],
+    )?;
+    Ok(())
+}
+
+fn put_revision(
+    rows: &Rows<'_>,
+    (id, at, progress): (i64, Timestamp, &str),
+    (level, [suspect, fault]): (u8, [&str; 2]),
+    text: &str,
+) -> rusqlite::Result<()> {
+    rows.step.execute(
+        "INSERT INTO revisions (incident, at_ns, progress, level, suspect, fault, text)
+         VALUES (?, ?, ?, ?, ?, ?, ?)",
+        params![id, at.as_nanos(), progress, level, suspect, fault, text],
+    )?;
+    Ok(())
+}
+
+/// Gives the incidents that are open to the run `run`, which goes on with them.
+pub(super) fn carry_over(step: &Transaction<'_>, run: i64) -> rusqlite::Result<()> {
+    step.execute("UPDATE incidents SET run = ? WHERE active = 1", [run])?;
+    Ok(())
+}
+
+/// Marks at `at` the incidents that are open as interrupted: nothing shows that they are over.
+pub(super) fn interrupt(rows: &Rows<'_>, at: Timestamp) -> rusqlite::Result<()> {
+    const COURSE: &str = "the monitor ended while it was open; nothing shows that it is over";
+    let sql = format!("SELECT id, suspect, fault, {ALARM} FROM incidents WHERE active = 1");
+    let mut query = rows.step.prepare(&sql)?;
+    let open = query.query_map([], |row| {
+        Ok((row.get::<_, i64>(0)?, [row.get::<_, String>(1)?, row.get(2)?], alarm(row, 3)?))
+    })?;
+    for open in open.collect::<rusqlite::Result<Vec<_>>>()? {
+        let (id, [suspect, fault], alarm) = open;
+        put_alarm(rows.step, id, &alarm.after(Happening::Interrupted))?;
+        rows.step.execute(
+            "UPDATE incidents SET ending = 'interrupted', course = ? WHERE id = ?",
+            params![COURSE, id],
+        )?;
+        let of = (alarm.level as u8, [suspect.as_str(), fault.as_str()]);
+        put_revision(rows, (id, at, "interrupted"), of, COURSE)?;
+    }
+    Ok(())
+}
+
+/// Does what a person did, unless it means nothing.
+pub(super) fn act(rows: &Rows<'_>, act: &AlarmAct) -> rusqlite::Result<Result<(), ActError>> {
+    let sql = format!("SELECT cylinder, suspect, {ALARM} FROM incidents WHERE id = ?");
+    let found = |row: &Row<'_>| Ok((row.get(0)?, row.get::<_, String>(1)?, alarm(row, 2)?));
+    let found = rows.step.query_row(&sql, [act.incident], found).optional()?;
+    let Some((cylinder, _, before)) = found else { return Ok(Err(ActError::Unknown)) };
+    let after = match before.act(act.kind, act.at) {
+        Ok(after) => after,
+        Err(refusal) => return Ok(Err(refusal.into())),
+    };
+    put_alarm(rows.step, act.incident, &after)?;
+    let (id, who, note) = (act.incident, act.who(), act.note());
+    let (text, until) = match act.kind {
+        ActKind::Acknowledge => {
+            rows.step.execute(
+                "UPDATE incidents SET acknowledged_by = ?, acknowledged_ns = ?,
+                     acknowledged_note = ? WHERE id = ?",
+                params![who, act.at.as_nanos(), note, id],
+            )?;
+            (format!("{who} acknowledged incident {id}"), None)
+        }
+        ActKind::Shelve(until) => {
+            rows.step.execute(
+                "UPDATE incidents SET shelved_by = ?, shelved_reason = ? WHERE id = ?",
+                params![who, note, id],
+            )?;
+            let time = story::span(until.since(act.at));
+            (format!("{who} shelved incident {id} for {time}"), Some(until.as_nanos()))
+        }
+        ActKind::Unshelve => (format!("{who} unshelved incident {id}"), None),
+    };
+    let text = if note.is_empty() { text } else { format!("{text}: {note}") };
+    let level = Some(before.level as u8);
+    let facets = Facets { cylinder: Some(cylinder), level, suspect: None, incident: Some(id) };
+    let event = rows.put((EventKind::Act, act.at), facets, &text)?;
+    rows.step.execute(
+        "INSERT INTO acts VALUES (?, ?, ?, ?, ?, ?, ?)",
+        params![event, id, act.at.as_nanos(), act.kind.name(), who, note, until],
+    )?;
+    Ok(Ok(()))
+}

@@ -1,0 +1,241 @@
+//! Reading the store: what a page or a script shows.
+
+use super::entries::{
+    ALARM_COLUMNS, ENTRY_COLUMNS, alarm_entry, entry, hour_entry, incident_page, seconds,
+    stop_entry, warning_entry,
+};
+pub use super::entries::{
+    ActEntry, AlarmEntry, EventEntry, HourEntry, IncidentFields, IncidentPage, Revision, StopEntry,
+    WarningEntry,
+};
+use super::query::Filter;
+use super::schema;
+use super::trouble::Trouble;
+use crate::alarm_list::LONGEST_SHELVING;
+use crate::time::Timestamp;
+use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
+use serde::Serialize;
+use std::path::Path;
+
+/// Most alarms of an overview, the worst first.
+const ALARMS: usize = 200;
+
+/// Most rows of each list of an incident's page, and of the stops.
+const ROWS: usize = 500;
+
+/// Most hours that are returned: those of a month, of all residuals of a cylinder.
+const HOURS: usize = 3 * 24 * 31;
+
+/// A connection of its own, which reads only. Opening one takes about a millisecond, so that each request may have
+/// its own: it then sees a file that was set aside as little as one that was replaced.
+#[derive(Debug)]
+pub struct StoreReader(Connection);
+
+/// The alarm list and what led to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Overview {
+    /// Alarms that a person has to deal with: active ones first, then by level, then the newest.
+    pub alarms: Vec<AlarmEntry>,
+    pub counts: Counts,
+    /// The program and the configuration that wrote last; `None` for a store without a run.
+    pub run: Option<RunEntry>,
+}
+
+/// Numbers of listed alarms; a shelved one counts as such only.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    pub unacknowledged: u64,
+    pub acknowledged: u64,
+    /// Returned, not acknowledged.
+    pub returned: u64,
+    /// Interrupted, not acknowledged.
+    pub interrupted: u64,
+    pub shelved: u64,
+}
+
+/// A run of the monitor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunEntry {
+    pub run: i64,
+    /// Time of its begin, s since 1970.
+    pub begin_s: f64,
+    /// `start` or `reload`
+    pub cause: String,
+    pub version: String,
+    pub machine: String,
+    pub configuration: String,
+}
+
+/// A page of a search.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EventPage {
+    /// The newest first.
+    pub entries: Vec<EventEntry>,
+    /// [`Filter::before`] of the next page; `None` on the last.
+    pub next: Option<i64>,
+}
+
+impl StoreReader {
+    /// Opens the store at `path`.
+    ///
+    /// # Errors There is none, or it cannot be read.
+    pub fn open(path: &Path) -> Result<Self, Trouble> {
+        schema::open_to_read(path).map(Self)
+    }
+
+    /// The alarm list at `now`; `gated`: the monitor does not judge by design.
+    ///
+    /// # Errors The store cannot be read.
+    pub fn overview(&self, now: Timestamp, gated: bool) -> Result<Overview, Trouble> {
+        let sql = format!(
+            "SELECT {ALARM_COLUMNS} FROM incidents i JOIN events e ON e.id = i.id
+             WHERE listed = 1 ORDER BY i.active DESC, i.level DESC, i.id DESC LIMIT {ALARMS}"
+        );
+        let alarms = self.list(&sql, params![], |row| alarm_entry(row, now, gated))?;
+        let counts = self.counts(now)?;
+        let run = self.0.query_row(
+            "SELECT id, begin_ns, cause, version, machine, configuration FROM runs
+             ORDER BY id DESC LIMIT 1",
+            [],
+            |row| {
+                Ok(RunEntry {
+                    run: row.get(0)?,
+                    begin_s: seconds(row.get(1)?),
+                    cause: row.get(2)?,
+                    version: row.get(3)?,
+                    machine: row.get(4)?,
+                    configuration: row.get(5)?,
+                })
+            },
+        );
+        Ok(Overview { alarms, counts, run: run.optional()? })
+    }
+
+    /// Counts in one pass over the index of listed alarms.
+    fn counts(&self, now: Timestamp) -> Result<Counts, Trouble> {
+        let sql = "SELECT sum(NOT shelved AND active AND NOT acknowledged),
+                 sum(NOT shelved AND active AND acknowledged),
+                 sum(NOT shelved AND condition = 'returned'),
+                 sum(NOT shelved AND condition = 'interrupted'), sum(shelved)
+             FROM (SELECT active, acknowledged, condition,
+                 coalesce(shelved_until_ns > ?1 AND shelved_until_ns <= ?1 + ?2, 0) AS shelved
+                 FROM incidents INDEXED BY incidents_listed WHERE listed = 1)";
+        let now = params![now.as_nanos(), LONGEST_SHELVING.as_nanos()];
+        Ok(self.0.query_row(sql, now, |row| {
+            let count = |at| {
+                Ok::<_, rusqlite::Error>(
+                    row.get::<_, Option<i64>>(at)?.unwrap_or(0).cast_unsigned(),
+                )
+            };
+            Ok(Counts {
+                unacknowledged: count(0)?,
+                acknowledged: count(1)?,
+                returned: count(2)?,
+                interrupted: count(3)?,
+                shelved: count(4)?,
+            })
+        })?)
+    }
+
+    /// Incidents and events for which `filter` holds, the newest first; states as they are at `now`.
+    ///
+    /// # Errors The store cannot be read.
+    pub fn search(&self, filter: &Filter, now: Timestamp) -> Result<EventPage, Trouble> {
+        let conditions = filter.conditions(&self.0)?;
+        // One more says whether there are more.
+        let limit = filter.limit();
+        let sql = format!("SELECT {ENTRY_COLUMNS} FROM {} LIMIT {}", conditions.sql, limit + 1);
+        let values = params_from_iter(conditions.values);
+        let mut query = self.0.prepare(&sql)?;
+        let rows = query.query_map(values, |row| entry(row, now))?;
+        let mut entries = rows.collect::<rusqlite::Result<Vec<EventEntry>>>()?;
+        let more = entries.len() > limit;
+        entries.truncate(limit);
+        let next = entries.last().filter(|_| more).map(|last| last.id);
+        Ok(EventPage { entries, next })
+    }
+
+    /// All that is known of the incident `id`; `None` if there is none.
+    ///
+    /// # Errors The store cannot be read.
+    pub fn incident(&self, id: i64, now: Timestamp) -> Result<Option<IncidentPage>, Trouble> {
+        let sql = format!(
+            "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, quantity, peak_m, peak_ns,
+                 limit_m, detectors, evidence, advice, course, i.begin_ns
+             FROM incidents i JOIN events e ON e.id = i.id WHERE i.id = ?"
+        );
+        let found = |row: &Row<'_>| {
+            Ok((incident_page(row, now)?, row.get::<_, i64>(29)?, row.get::<_, i64>(17)?))
+        };
+        let Some((mut page, begin, run)) = self.0.query_row(&sql, [id], found).optional()? else {
+            return Ok(None);
+        };
+        page.revisions = self.list(
+            &format!(
+                "SELECT at_ns, progress, level, suspect, fault, text FROM revisions
+                 WHERE incident = ? ORDER BY id LIMIT {ROWS}"
+            ),
+            [id],
+            super::entries::revision,
+        )?;
+        page.acts = self.list(
+            &format!(
+                "SELECT at_ns, kind, who, note, until_ns FROM acts WHERE incident = ?
+                 ORDER BY event LIMIT {ROWS}"
+            ),
+            [id],
+            super::entries::act_entry,
+        )?;
+        let end = self.0.query_row("SELECT end_ns FROM incidents WHERE id = ?", [id], |row| {
+            row.get::<_, Option<i64>>(0)
+        })?;
+        page.warnings = self.list(
+            &format!(
+                "SELECT at_ns, detector, state, fault, suspect, level, residual_m, threshold_m,
+                     evidence_nats, device FROM warnings
+                 WHERE run = ? AND cylinder = ? AND at_ns BETWEEN ? AND ? ORDER BY id LIMIT {ROWS}"
+            ),
+            params![run, page.alarm.cylinder, begin, end.unwrap_or(i64::MAX)],
+            warning_entry,
+        )?;
+        Ok(Some(page))
+    }
+
+    /// The newest readings on the stop of a cylinder, the newest first.
+    ///
+    /// # Errors The store cannot be read.
+    pub fn stops(&self, cylinder: u8) -> Result<Vec<StopEntry>, Trouble> {
+        let sql = format!(
+            "SELECT at_ns, c1_m, c2_m FROM stops WHERE cylinder = ? ORDER BY id DESC LIMIT {ROWS}"
+        );
+        self.list(&sql, [cylinder], stop_entry)
+    }
+
+    /// Statistics of the residuals of a cylinder for the hours from `from` to before `to`, a month at most.
+    ///
+    /// # Errors The store cannot be read.
+    pub fn hours(
+        &self,
+        cylinder: u8,
+        from: Timestamp,
+        to: Timestamp,
+    ) -> Result<Vec<HourEntry>, Trouble> {
+        let hour = |at: Timestamp| at.as_nanos().div_euclid(1_000_000_000);
+        let sql = format!(
+            "SELECT hour_s, quantity, count, judged_s, mean_m, squares_m2, least_m, most_m FROM hours
+             WHERE hour_s >= ? AND hour_s < ? AND cylinder = ? ORDER BY hour_s, quantity LIMIT {HOURS}"
+        );
+        self.list(&sql, params![hour(from), hour(to), cylinder], hour_entry)
+    }
+
+    fn list<T>(
+        &self,
+        sql: &str,
+        values: impl rusqlite::Params,
+        row: impl FnMut(&Row<'_>) -> rusqlite::Result<T>,
+    ) -> Result<Vec<T>, Trouble> {
+        let mut query = self.0.prepare(sql)?;
+        let rows = query.query_map(values, row)?;
+        Ok(rows.collect::<rusqlite::Result<Vec<T>>>()?)
+    }
+}

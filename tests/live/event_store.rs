@@ -1,0 +1,134 @@
+//! What the gateway finds is in its event store, and can be read while it runs and after it.
+
+use serde_json::Value;
+use std::path::Path;
+use tertius::alarm_list::ActKind;
+use tertius::appliance::store::{AlarmAct, Cause, Clerk, Filter, StorePlan, StoreReader};
+use tertius::appliance::telemetry::Recorder;
+use tertius::appliance::telemetry::clock::{Clock, SystemClock};
+use tertius::time::Span;
+use tertius_testing::process::{configuration, excerpt, write};
+use tertius_testing::support::{Run, replay, tertius};
+
+/// Steps of 1.25 mm at 60 s; they end at 65 s.
+fn stage(folder: &Path) -> (String, String) {
+    let config = configuration(folder, "virtual");
+    let text = std::fs::read_to_string(&config).expect("it was written");
+    let kept = "[store]\nfile = \"kept.events\"\n\n";
+    std::fs::write(&config, format!("{kept}{text}")).expect("the folder is ours");
+    let log = folder.join("bus.log");
+    write(&log, "can0", &excerpt(57.0, 72.0));
+    let plain = |path: &Path| path.to_str().expect("temporary folders have plain names").to_owned();
+    (plain(&config), plain(&log))
+}
+
+fn run(config: &str, log: &str) -> Run {
+    tertius(&["run", "--config", config, "--play", log, "--speed", "max"], b"").ok()
+}
+
+fn events(config: &str, options: &[&str]) -> Run {
+    tertius(&[&["events", "--config", config], options].concat(), b"")
+}
+
+#[test]
+fn the_store_has_the_incidents_that_a_replay_finds() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    events(&config, &[]).failed(2, &["kept.events"]);
+    run(&config, &log);
+    let expected = replay(&[&log], &config, &[]).ok();
+    let summaries = |lines: &[Value], key: &str| {
+        let mut texts: Vec<String> =
+            lines.iter().map(|it| it[key].as_str().expect("a text").to_owned()).collect();
+        texts.sort();
+        texts
+    };
+    let of_replay: Vec<Value> = expected
+        .incidents()
+        .into_iter()
+        .filter(|it| it["state"] == "closed" || it["state"] == "standing")
+        .collect();
+    let kept = events(&config, &["--kind", "incident", "--format", "jsonl"]).ok();
+    assert!(!of_replay.is_empty());
+    assert_eq!(summaries(&kept.lines(), "text"), summaries(&of_replay, "summary"));
+    let begins = |lines: &[Value], key: &str| {
+        let mut begins: Vec<f64> = lines.iter().map(|it| it[key].as_f64().expect("s")).collect();
+        begins.sort_by(f64::total_cmp);
+        begins
+    };
+    let first = expected.warnings()[0].clone();
+    let zero = first["timestamp"].as_f64().expect("s") - first["t"].as_f64().expect("s");
+    let expected = begins(&of_replay, "begin");
+    for (kept, begin) in begins(&kept.lines(), "at_s").into_iter().zip(expected) {
+        assert!((kept - zero - begin).abs() < 1e-5, "{kept} {begin}");
+    }
+}
+
+#[test]
+fn each_start_and_stop_is_an_event_and_csv_says_it_too() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    run(&config, &log);
+    run(&config, &log);
+    let human = events(&config, &[]).ok().stdout;
+    assert_eq!(human.matches("  start: tertius").count(), 2, "{human}");
+    assert_eq!(human.matches("  stop: the gateway was stopped").count(), 2, "{human}");
+    assert_eq!(human.matches("bus opened: ").count(), 2, "{human}");
+    assert!(!human.contains("without a word"), "{human}");
+    let csv = events(&config, &["--format", "csv", "--search", "step"]).ok().stdout;
+    let mut lines = csv.lines();
+    assert!(lines.next().is_some_and(|head| head.starts_with("id,at_utc,at_s,kind,cylinder,")));
+    let incidents = lines.filter(|line| line.contains(",incident,")).count();
+    assert!(incidents >= 2 && incidents.is_multiple_of(2), "{csv}");
+    let told = events(&config, &["--kind", "nothing"]);
+    told.failed(2, &["expected one of incident, act, start"]);
+}
+
+#[test]
+fn an_act_is_answered_once_it_is_kept() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, log) = stage(folder.path());
+    run(&config, &log);
+    let path = folder.path().join("kept.events");
+    let clock = SystemClock::new();
+    let recorder = Recorder::new(std::sync::Arc::new(clock));
+    let mut clerk = Clerk::new(recorder.telemetry());
+    let plan = StorePlan {
+        path: path.clone(),
+        size: 8_000_000,
+        days: 100,
+        machine: "a machine".to_owned(),
+        configuration: String::new(),
+        sample_time: 0.02,
+    };
+    clerk.begin(Some(plan), Cause::Start, false);
+    let now = clock.system();
+    let listed = |now| StoreReader::open(&path).and_then(|reader| reader.overview(now, false));
+    let before = listed(now).expect("it can be read");
+    let incident = before.alarms[0].incident;
+    let handle = clerk.handle();
+    let until = now.after(Span::from_seconds(600.0));
+    for kind in [ActKind::Acknowledge, ActKind::Shelve(until)] {
+        let act = AlarmAct::new(incident, kind, now, ["A. Person", "the cable is on its way"]);
+        let answer = handle.act(act.expect("it is whole")).expect("nothing else waits");
+        _ = answer.blocking_recv().expect("it is answered");
+    }
+    let reader = StoreReader::open(&path).expect("it is there");
+    let page = reader.incident(incident, now).expect("it can be read").expect("it is there");
+    assert_eq!(page.acts[0].who, "A. Person");
+    assert_eq!(page.alarm.acknowledged_note.as_deref(), Some("the cable is on its way"));
+    let found = reader.search(&Filter { text: "cable way".to_owned(), ..Filter::default() }, now);
+    assert!(!found.expect("it can be read").entries.is_empty(), "acts are events");
+    clerk.finish();
+    assert_eq!(handle.state().trouble, None);
+}
+
+#[test]
+fn a_store_that_would_overwrite_an_input_is_refused() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let (config, _) = stage(folder.path());
+    let text = std::fs::read_to_string(&config).expect("it was written");
+    let text = text.replace("kept.events", "machine.toml");
+    std::fs::write(&config, text).expect("the folder is ours");
+    tertius(&["check", &config], b"").failed(2, &["`store.file` would overwrite"]);
+}
