@@ -4,6 +4,7 @@ use super::joining::Open;
 use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
 use crate::alarm::detector::PLACES;
 use crate::alarm::{Finding, Level, State, Warning};
+use crate::state::state;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use alloc::vec::Vec;
@@ -20,11 +21,22 @@ pub struct Incidents {
     count: u32,
 }
 
+state! {
+    Incidents { count }
+    parts { cylinders }
+    sound |it| it.are_of_their_cylinders()
+}
+
 #[derive(Clone, Debug)]
 struct OfCylinder {
     open: [Option<Open>; MOST_AT_ONCE],
     limits: [f64; QUANTITIES],
     coincidence: Span,
+}
+
+state! {
+    OfCylinder { open }
+    but { limits, coincidence }
 }
 
 impl Incidents {
@@ -34,6 +46,12 @@ impl Incidents {
         let of =
             |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
         Self { cylinders: cylinders.into_iter().map(of).collect(), count: 0 }
+    }
+
+    /// Whether the incidents of each cylinder are its own.
+    fn are_of_their_cylinders(&self) -> bool {
+        let mut each = self.cylinders.iter().zip(1_u8..);
+        each.all(|(cylinder, n)| cylinder.open.iter().flatten().all(|it| it.incident.cylinder == n))
     }
 
     /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.

@@ -1,6 +1,7 @@
 //! Counts and extremes of a cylinder.
 
 use crate::sequential::Coverage;
+use crate::state::whole;
 use crate::verdict::Residuals;
 
 /// Counts and extremes of one cylinder, for reports.
@@ -19,6 +20,8 @@ pub struct Tally {
     /// Coverage of the sequential detector; `None` without one.
     pub sequential: Option<Coverage>,
 }
+
+whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential } }
 
 impl Tally {
     /// Counts a cycle.
