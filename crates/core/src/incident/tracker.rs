@@ -97,10 +97,18 @@ impl Incidents {
     /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
     pub fn finish(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
         self.cut(at, &mut say);
-        for incident in self.cylinders.iter_mut().flat_map(OfCylinder::standing) {
-            (incident.progress, incident.timestamp) = (Progress::Standing, at);
-            say(incident);
-        }
+        self.standing(at).for_each(|incident| say(&incident));
+    }
+
+    /// The incidents of which a warning stands, as told at `at`.
+    pub fn standing(&self, at: Timestamp) -> impl Iterator<Item = Incident> {
+        let open = self.cylinders.iter().flat_map(|cylinder| cylinder.open.iter().flatten());
+        let standing = open.map(|open| open.incident).filter(Incident::stands);
+        standing.map(move |incident| Incident {
+            progress: Progress::Standing,
+            timestamp: at,
+            ..incident
+        })
     }
 
     /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
@@ -116,12 +124,6 @@ impl Incidents {
 }
 
 impl OfCylinder {
-    /// Incidents of which a warning stands.
-    fn standing(&mut self) -> impl Iterator<Item = &mut Incident> {
-        let open = self.open.iter_mut().flatten().map(|open| &mut open.incident);
-        open.filter(|incident| incident.stands())
-    }
-
     fn raise(&mut self, warning: &Warning, count: &mut u32) {
         let (coincidence, limits) = (self.coincidence, self.limits);
         let taken = self.newest(|open| open.takes(warning, coincidence));

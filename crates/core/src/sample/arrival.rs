@@ -307,6 +307,13 @@ impl Slot {
         Some(kept.frame)
     }
 
+    /// Counts anew.
+    pub fn count_anew(&mut self) {
+        if let Some(alive) = &mut self.counter {
+            alive.count_anew();
+        }
+    }
+
     /// Time stamp of the frame that is kept.
     pub fn kept_since(&self) -> Option<Timestamp> {
         self.kept.as_ref().map(|kept| kept.frame.timestamp)

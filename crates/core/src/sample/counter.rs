@@ -91,6 +91,10 @@ impl AliveCounter {
         self.jumps
     }
 
+    pub const fn count_anew(&mut self) {
+        self.jumps = 0;
+    }
+
     /// Whether `value` is the count of the frame that is due in cycle number `cycle`, for which
     /// [`Self::read`] returns [`Count::Off`] by 0.
     #[inline(always)]

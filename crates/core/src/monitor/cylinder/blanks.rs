@@ -86,6 +86,12 @@ impl Blanks {
         }
     }
 
+    /// Forgets those that are over; those that go on are counted from here.
+    pub fn count_anew(&mut self) {
+        (self.longest, self.cycles) = Default::default();
+        self.open.iter_mut().flatten().for_each(|begun| begun.before = 0);
+    }
+
     /// Whether each that is open began within the first so many cycles.
     pub fn begin_before(&self, cycles: u64) -> bool {
         self.open.iter().flatten().all(|begun| begun.before <= cycles)

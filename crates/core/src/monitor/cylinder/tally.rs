@@ -1,5 +1,6 @@
 //! Counts and extremes of a cylinder.
 
+use super::Cylinder;
 use crate::sequential::Coverage;
 use crate::state::whole;
 use crate::verdict::Residuals;
@@ -22,6 +23,14 @@ pub struct Tally {
 }
 
 whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential } }
+
+impl Cylinder {
+    /// Counts anew, also what is not judged at present.
+    pub fn count_anew(&mut self) {
+        self.tally = Tally::default();
+        self.blanks.count_anew();
+    }
+}
 
 impl Tally {
     /// Counts a cycle.
