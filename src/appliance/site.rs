@@ -1,35 +1,50 @@
 //! The address at which the gateway's telemetry is served, and its log lines.
 
-use super::http::Server;
+use super::http::{Desk, Server, TokenDigest};
+use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
 use tracing::{info, warn};
+
+/// What the configuration asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SitePlan {
+    /// Address to listen on; port 0 becomes another one. `None`: there is no server.
+    pub listen: Option<SocketAddr>,
+    /// Digest of the token that acts need.
+    pub token: Option<TokenDigest>,
+}
 
 /// The server, if there is one. The gateway also works without it.
 #[derive(Debug, Default)]
 pub(super) struct Site {
     /// Address as requested; port 0 becomes another one.
     listen: Option<SocketAddr>,
+    desk: Desk,
     server: Option<Server>,
 }
 
 impl Site {
-    /// Serves what `recorder` writes on `listen` from now on. Where that fails, the previous server
-    /// continues.
-    pub fn listen(&mut self, listen: Option<SocketAddr>, recorder: &Recorder) {
-        if self.listen == listen && self.server.is_some() == listen.is_some() {
+    /// Serves what `recorder` writes and `store` keeps by `plan` from now on. Where that fails, the previous
+    /// server continues.
+    pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder, store: StoreHandle) {
+        self.desk.store = Some(store);
+        self.desk.admit(plan.token);
+        if self.listen == plan.listen && self.server.is_some() == plan.listen.is_some() {
             return;
         }
-        let Some(wanted) = listen else {
-            *self = Self::default();
+        let Some(wanted) = plan.listen else {
+            (self.listen, self.server) = (None, None);
             info!("telemetry over HTTP is now off");
             return;
         };
-        match Server::start(wanted, recorder) {
+        match Server::start(wanted, recorder, self.desk.clone()) {
             Ok(server) => {
                 let address = server.address();
-                info!("telemetry: http://{address}/health and http://{address}/metrics");
+                info!(
+                    "page: http://{address}/, telemetry: http://{address}/health and http://{address}/metrics"
+                );
                 if !address.ip().is_loopback() {
                     warn!(
                         "{address} can be reached from other machines, where everything can be \
@@ -37,7 +52,7 @@ impl Site {
                         IPAddressAllow= of the unit also applies"
                     );
                 }
-                *self = Self { listen, server: Some(server) };
+                (self.listen, self.server) = (plan.listen, Some(server));
             }
             Err(error) => {
                 let help = help(&error);

@@ -5,6 +5,7 @@ use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
 use super::site::Site;
+pub use super::site::SitePlan;
 use super::store::{Cause, Clerk, EventKind, StorePlan};
 use super::telemetry::clock::SystemClock;
 use super::telemetry::{Facts, Recorder};
@@ -31,7 +32,6 @@ use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;
-use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -50,8 +50,8 @@ pub struct PreparedGateway {
     pub interface: Option<String>,
     /// What is monitored, for people.
     pub facts: Facts,
-    /// Address of the HTTP server.
-    pub listen: Option<SocketAddr>,
+    /// The HTTP server.
+    pub site: SitePlan,
     /// Real-time settings, used only at the gateway's start.
     pub realtime: Realtime,
     /// State that outlives the gateway.
@@ -128,10 +128,10 @@ impl Appliance {
     }
 
     /// Logs the start of the gateway with the configuration `config`, on its interface, and starts
-    /// HTTP on `listen`.
-    pub fn starting(&mut self, config: &Path, listen: Option<SocketAddr>, interface: Option<&str>) {
+    /// HTTP by `site`.
+    pub fn starting(&mut self, config: &Path, site: SitePlan, interface: Option<&str>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
-        self.site.listen(listen, &self.recorder);
+        self.site.listen(site, &self.recorder, self.clerk.handle());
         self.watch(interface);
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
     }
@@ -329,14 +329,22 @@ impl Surroundings for Appliance {
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
             Ok(prepared) => {
-                let PreparedGateway { mut gateway, opener, interface, listen, facts, kept, store, .. } =
-                    prepared;
+                let PreparedGateway {
+                    mut gateway,
+                    opener,
+                    interface,
+                    site,
+                    facts,
+                    kept,
+                    store,
+                    ..
+                } = prepared;
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
                 self.clerk.begin(store, Cause::Reload, false);
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.describe(facts);
-                self.site.listen(listen, &self.recorder);
+                self.site.listen(site, &self.recorder, self.clerk.handle());
                 self.watch(interface.as_deref());
                 Some((gateway, opener))
             }

@@ -30,6 +30,7 @@ mod stage;
 mod state;
 mod survey;
 mod tables;
+mod token;
 mod tune;
 mod update;
 mod virtual_bus;
@@ -62,6 +63,7 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     Calibrate(calibrate::Calibrate),
     Tune(tune::Tune),
+    Token(token::Token),
 }
 
 impl Arguments {
@@ -84,6 +86,7 @@ impl Arguments {
             Command::Evaluate(evaluate) => evaluate.run(),
             Command::Calibrate(calibrate) => calibrate.run(),
             Command::Tune(tune) => tune.run(),
+            Command::Token(token) => token.run(),
         }
     }
 }

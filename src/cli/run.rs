@@ -10,7 +10,7 @@ use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
-use crate::appliance::surroundings::{Appliance, PreparedGateway};
+use crate::appliance::surroundings::{Appliance, PreparedGateway, SitePlan};
 use crate::appliance::telemetry::Facts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
@@ -53,14 +53,15 @@ impl Run {
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
         let prepared = prepare(&self.config, stage.as_ref())?;
-        let PreparedGateway { mut gateway, opener, listen, interface, realtime, facts, kept, store } = prepared;
+        let PreparedGateway { mut gateway, opener, site, interface, realtime, facts, kept, store } =
+            prepared;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.describe(facts);
-        appliance.starting(&self.config, listen, interface.as_deref());
+        appliance.starting(&self.config, site, interface.as_deref());
         appliance.restore(&mut gateway, kept, store);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
@@ -112,7 +113,11 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         Some(stage) => (stage.opener(identifiers), None),
         None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
-    let (listen, realtime) = (settings.http.address(), settings.realtime);
+    let site = SitePlan {
+        listen: settings.http.address(),
+        token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
+    };
+    let realtime = settings.realtime;
     let kept = Kept {
         machine: settings.machine.name.clone(),
         cylinders: settings.machine.cylinders,
@@ -129,7 +134,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
     Ok(PreparedGateway {
         gateway: gateway(machine),
         opener,
-        listen,
+        site,
         interface,
         realtime,
         facts,

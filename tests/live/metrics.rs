@@ -5,7 +5,7 @@ use std::io::Read;
 use std::net::TcpStream;
 use std::time::Duration;
 use tertius::alarm::{OwnFrame, Warning};
-use tertius::appliance::http::Server;
+use tertius::appliance::http::{Desk, Server};
 use tertius::bus::embedded::{BusState, EmbeddedBus};
 use tertius::bus::socket::{ControllerState, LinkState};
 use tertius::bus::{Identifiers, Port};
@@ -374,7 +374,7 @@ fn only_what_there_is_is_answered_and_only_without_a_body() {
     let long = format!("GET / HTTP/1.1\r\nHost: localhost\r\nLong: {}\r\n\r\n", "x".repeat(9000));
     assert_eq!(request(&long), 431);
     // A port that is taken is an error with which the gateway goes on.
-    let taken = Server::start(bench.server.address(), &bench.witness.recorder);
+    let taken = Server::start(bench.server.address(), &bench.witness.recorder, Desk::default());
     assert_eq!(taken.expect_err("it is taken").kind(), std::io::ErrorKind::AddrInUse);
 }
 
@@ -386,7 +386,9 @@ fn a_server_ends_with_its_owner() {
     // It ends on its own thread; its address is free once it has.
     let again = (0..10_000).find_map(|_| {
         std::thread::yield_now();
-        TcpStream::connect(address).is_err().then(|| Server::start(address, &witness.recorder))
+        TcpStream::connect(address)
+            .is_err()
+            .then(|| Server::start(address, &witness.recorder, Desk::default()))
     });
     again.expect("it ends").expect("its address is free");
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tertius::alarm::{OwnFrame, State, Warning};
-use tertius::appliance::http::Server;
+use tertius::appliance::http::{Desk, Server};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::Clock as Watch;
 use tertius::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
@@ -112,7 +112,8 @@ impl Bench {
         let port = bus.open(&Identifiers::All, 4096).expect("the bus is up");
         let recorder = Recorder::new(Arc::new(hands.clone()));
         let listen = "127.0.0.1:0".parse().expect("an address");
-        let server = Server::start(listen, &recorder).expect("loopback has a free port");
+        let server =
+            Server::start(listen, &recorder, Desk::default()).expect("loopback has a free port");
         let (records, raised) = (Vec::new(), Vec::new());
         let witness = Witness { recorder, records, raised, warnings: 0, warning_frames: 0 };
         Self { hands, bus, gateway: gateway(), port, witness, server }

@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
 use std::sync::Arc;
 use std::time::Duration;
-use tertius::appliance::http::Server;
+use tertius::appliance::http::{Desk, Server};
 use tertius::appliance::telemetry::{Facts, Recorder};
 use tertius::frame::Frame;
 use tertius::time::Span;
@@ -198,7 +198,8 @@ fn beyond_this_computer_only_machines_are_answered() {
     let recorder =
         Recorder::new(Arc::new(tertius::appliance::telemetry::clock::SystemClock::new()));
     let everywhere = "0.0.0.0:0".parse().expect("an address");
-    let server = Server::start(everywhere, &recorder).expect("there is a free port");
+    let server =
+        Server::start(everywhere, &recorder, Desk::default()).expect("there is a free port");
     let get = |path: &str| ask(&server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
     for path in ["/", "/api/overview", "/api/stream"] {
         let answer = get(path);

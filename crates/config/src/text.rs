@@ -32,6 +32,8 @@ pub(super) enum TextRule {
     CylinderSignal,
     /// An address and a port, or "off".
     Listen,
+    /// A SHA-256 in hexadecimal digits.
+    Digest,
 }
 
 /// What a text has to be, and why or how.
@@ -49,6 +51,8 @@ const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries:
                             DBC without a signal, for example Sync";
 const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
                            off, for no HTTP";
+const DIGEST_HELP: &str =
+    "the SHA-256 of the token and not the token itself; `tertius token` makes both";
 const INTERFACE_HELP: &str =
     "as `ip link` lists it, for example can0; or virtual, the embedded bus";
 
@@ -84,6 +88,8 @@ impl TextRule {
             }
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
             Self::Listen if text == HTTP_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
+            Self::Digest if is_digest(text) => Ok(()),
+            Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
         }
     }
@@ -111,6 +117,10 @@ fn interface(text: &str) -> Result<(), TextFault> {
         return fault("without spaces and slashes", INTERFACE_HELP);
     }
     Ok(())
+}
+
+fn is_digest(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 /// Whether `text` is a C identifier, as names in DBC files are.

@@ -3,11 +3,11 @@
 use super::Shared;
 use axum::extract::{Request, State};
 use axum::http::header::{
-    CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, REFERRER_POLICY, TRANSFER_ENCODING,
-    X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
+    CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, ORIGIN, REFERRER_POLICY,
+    TRANSFER_ENCODING, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
 };
 use axum::http::uri::Authority;
-use axum::http::{HeaderValue, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use std::net::IpAddr;
@@ -58,6 +58,18 @@ pub(super) async fn only_known_hosts(
     let told =
         format!("this gateway is http://{}/; it does not answer to another name\n", shared.address);
     (StatusCode::MISDIRECTED_REQUEST, told).into_response()
+}
+
+/// Whether a request comes from our own page, or from no page at all.
+pub(super) fn is_from_here(headers: &HeaderMap) -> bool {
+    let text = |name: HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or_default());
+    let site = text(HeaderName::from_static("sec-fetch-site"));
+    let host = text(HOST).unwrap_or_default();
+    let own = |origin: &str| {
+        let rest = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
+        rest.is_some_and(|rest| rest.eq_ignore_ascii_case(host))
+    };
+    text(ORIGIN).is_none_or(own) && site.is_none_or(|site| site == "same-origin")
 }
 
 /// Whether a Host header names a loopback address or `localhost`. The port may be that of a tunnel.

@@ -2,32 +2,60 @@
 //!
 //! It only reads what the data path has stored, so the data path never waits for its clients.
 
+mod acts;
 mod api;
 mod connections;
+mod events;
 mod guard;
 mod page;
 mod stream;
+mod token;
 
 use super::realtime;
+use super::store::{StoreHandle, StoreState};
 use super::telemetry::clock::Clock;
 use super::telemetry::exposition::{CONTENT_TYPE, exposition};
 use super::telemetry::{Recorder, Telemetry};
 use axum::Router;
-use axum::extract::State;
+use axum::extract::{DefaultBodyLimit, State};
 use axum::http::StatusCode;
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE as TYPE};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
+use axum::routing::{get, post};
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 use stream::Audience;
+pub use token::TokenDigest;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
 
 /// Stack of the thread, bytes; what is answered is on the heap.
 const STACK_SIZE: usize = 512 * 1024;
+
+/// Most threads that read the event store at once.
+const READERS: usize = 2;
+
+/// What is served beside the telemetry.
+#[derive(Clone, Debug, Default)]
+pub struct Desk {
+    /// The event store.
+    pub store: Option<StoreHandle>,
+    /// Digest of the token that acts need; `None`: there are no acts. A reload may change it.
+    pub token: Arc<RwLock<Option<TokenDigest>>>,
+}
+
+impl Desk {
+    /// Lets only those act who have the token of `digest` from now on.
+    pub fn admit(&self, digest: Option<TokenDigest>) {
+        *self.token.write().unwrap_or_else(PoisonError::into_inner) = digest;
+    }
+
+    fn token(&self) -> Option<TokenDigest> {
+        *self.token.read().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// A running server; it ends when this is dropped.
 #[derive(Debug)]
@@ -37,10 +65,10 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves what `recorder` writes on `listen`, or on a free port if its port is 0.
+    /// Serves what `recorder` writes, and `desk`, on `listen`, or on a free port if its port is 0.
     ///
     /// # Errors The address is in use or not available, or the system provides no thread.
-    pub fn start(listen: SocketAddr, recorder: &Recorder) -> io::Result<Self> {
+    pub fn start(listen: SocketAddr, recorder: &Recorder, desk: Desk) -> io::Result<Self> {
         let listener = std::net::TcpListener::bind(listen)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
@@ -49,8 +77,13 @@ impl Server {
             clock: recorder.clock().clone(),
             audience: Arc::default(),
             address,
+            desk,
         };
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .max_blocking_threads(READERS)
+            .thread_name("http-reader")
+            .build()?;
         let (stop, stopped) = oneshot::channel();
         let serve = move || {
             realtime::be_ordinary();
@@ -81,9 +114,19 @@ struct Shared {
     /// Those who watch the page.
     audience: Arc<Audience>,
     address: SocketAddr,
+    desk: Desk,
+}
+
+impl Shared {
+    fn store_state(&self) -> StoreState {
+        self.desk.store.as_ref().map(StoreHandle::state).unwrap_or_default()
+    }
 }
 
 fn router(shared: Shared) -> Router {
+    let acts = Router::new()
+        .route("/api/alarms/{incident}/{act}", post(acts::act))
+        .layer(DefaultBodyLimit::max(acts::LONGEST_ACT));
     let people = Router::new()
         .route("/", get(page::index))
         .route("/assets/{name}", get(page::asset))
@@ -91,14 +134,21 @@ fn router(shared: Shared) -> Router {
         .route("/api/overview", get(api::overview))
         .route("/api/trend/{cylinder}", get(api::trend))
         .route("/api/stream", get(stream::stream))
+        .route("/api/alarms", get(events::alarms))
+        .route("/api/events", get(events::events))
+        .route("/api/export/{name}", get(events::file))
+        .route("/api/incidents/{id}", get(events::incident))
+        .route("/api/stops/{cylinder}", get(events::stops))
+        .layer(from_fn(guard::without_body))
+        .merge(acts)
         .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))
         .layer(from_fn(guard::with_policy));
     // What machines read: a monitoring system may know this computer by any name.
     Router::new()
         .route("/health", get(health))
         .route("/metrics", get(metrics))
-        .merge(people)
         .layer(from_fn(guard::without_body))
+        .merge(people)
         .with_state(shared)
 }
 

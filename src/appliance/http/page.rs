@@ -16,12 +16,14 @@ const PICTURE: &str = "image/svg+xml";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 /// Names, types and contents; the first one is the page itself.
-const FILES: [(&str, &str, &str); 10] = [
+const FILES: [(&str, &str, &str); 12] = [
     ("index.html", HTML, include_str!("page/index.html")),
     ("page.css", STYLE, include_str!("page/page.css")),
     ("page.js", SCRIPT, include_str!("page/page.js")),
     ("overview.js", SCRIPT, include_str!("page/overview.js")),
     ("trends.js", SCRIPT, include_str!("page/trends.js")),
+    ("alarms.js", SCRIPT, include_str!("page/alarms.js")),
+    ("incidents.js", SCRIPT, include_str!("page/incidents.js")),
     ("words.js", SCRIPT, include_str!("page/words.js")),
     ("icon.svg", PICTURE, include_str!("page/icon.svg")),
     // uPlot 1.6.32 (MIT), as it is published.

@@ -17,7 +17,7 @@ mod stops;
 mod totals;
 pub mod trend;
 
-use crate::alarm::status::{Health, MAX_CYLINDERS, Status};
+use crate::alarm::status::{Health, MAX_CYLINDERS, Mode, Status};
 use crate::bus::socket::{ControllerState, LinkState};
 use crate::incident::QUANTITIES;
 use crate::time::Timestamp;
@@ -222,6 +222,11 @@ impl Telemetry {
             |it: &OpenIncident| exposition::ALARM_LEVELS.iter().position(|name| *name == it.level);
         open.sort_by_key(|it| (std::cmp::Reverse(level(it)), it.number));
         open
+    }
+
+    /// Whether the monitor is in `mode`.
+    pub fn is_in(&self, mode: Mode) -> bool {
+        self.mode.get() == Some(mode as u8)
     }
 
     fn is_open(&self) -> bool {

@@ -25,7 +25,10 @@ table! {
     pub struct Http = HTTP {
         /// [`HTTP_OFF`](super::HTTP_OFF) is the word for none.
         listen: String = "127.0.0.1:9481".to_owned() => text(TextRule::Listen),
-            "\"127.0.0.1:9481\"", "where /health and /metrics are served, ADDRESS:PORT; or off";
+            "\"127.0.0.1:9481\"", "where the page, /health and /metrics are served, ADDRESS:PORT; or off";
+        token: Option<String> = None => text(TextRule::Digest),
+            "\"8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19\"",
+            "SHA-256 of the token that acts on alarms need, as `tertius token` prints it; absent: no acts";
     }
 }
 

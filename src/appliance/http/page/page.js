@@ -1,10 +1,12 @@
 // The page: what the gateway says, and which view is shown.
 
+import { Alarms } from "./alarms.js";
+import { Incidents } from "./incidents.js";
 import { Overview, incident } from "./overview.js";
 import { Trends } from "./trends.js";
-import { ago, element, left, number, plural, say, symbol, utc } from "./words.js";
+import { ago, element, left, number, plural, say, sentence, symbol, utc } from "./words.js";
 
-const VIEWS = ["overview", "trends", "alarms", "maintenance"];
+const VIEWS = ["overview", "trends", "alarms", "incidents", "maintenance"];
 const CONDITIONS = { ok: "good", unknown: "unknown", degraded: "out_of_specification", down: "failure" };
 /** Time without an event after which nothing is known, ms. */
 const SILENCE = 3000;
@@ -12,6 +14,8 @@ const SILENCE = 3000;
 const at = (id) => document.getElementById(id);
 const overview = new Overview(at("view-overview"));
 const trends = new Trends(at("view-trends"));
+const alarms = new Alarms(at("view-alarms"), at("spoken"));
+const incidents = new Incidents(at("view-incidents"));
 let machine = null;
 let newest = null;
 let heard = 0;
@@ -28,6 +32,11 @@ function route() {
   document.title = `${machine.name}: ${view}`;
   if (view === "trends") trends.open(Number(detail) || trends.cylinder);
   else trends.close();
+  if (view === "alarms") {
+    showAlarms.read = 0;
+    showAlarms(newest);
+  }
+  if (view === "incidents") incidents.open(detail ? Number(detail) : null);
 }
 
 /** Says how it is in the head of the page. */
@@ -46,12 +55,9 @@ function show(now) {
   newest = now;
   overview.show(now);
   const bus = now.bus === "open" ? (now.controller ? `controller ${now.controller}` : "bus open") : "bus closed";
-  condition(now.status, `${capital(now.reason)}. ${capital(bus)}, ${now.mode ?? "not monitoring"}.`);
+  condition(now.status, `${sentence(now.reason)} ${sentence(`${bus}, ${now.mode ?? "not monitoring"}`)}`);
   say(at("clock"), utc(now.time));
-  const count = at("count");
-  count.hidden = now.incidents.length === 0;
-  say(count, String(now.incidents.length));
-  alarms(now);
+  showAlarms(now);
   maintenance(now);
   const said = `${now.level}/${now.incidents.map((it) => it.number).join()}`;
   if (levelSaid !== null && said !== levelSaid) {
@@ -60,16 +66,23 @@ function show(now) {
   levelSaid = said;
 }
 
-const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
-
-function alarms(now) {
-  const key = JSON.stringify(now.incidents);
-  const place = at("view-alarms");
-  if (place.dataset.key === key) return;
-  place.dataset.key = key;
-  place.replaceChildren(element("h2", {}, "Alarms that stand"),
-    now.incidents.length ? element("ul", { class: "incidents" }, ...now.incidents.map(incident))
-      : element("p", {}, "None stands."));
+/** The alarm list, of which the number waits in the menu. */
+async function showAlarms(now) {
+  const key = now && JSON.stringify(now.incidents);
+  const fresh = key === showAlarms.key && Date.now() - showAlarms.read < 3000;
+  if (!now || showAlarms.busy || fresh) return;
+  showAlarms.busy = true;
+  [showAlarms.key, showAlarms.read] = [key, Date.now()];
+  try {
+    const found = await alarms.refresh();
+    if (found === null) alarms.fallback(now.incidents.map(incident));
+    const waiting = found ? found.alarms.filter((it) => it.state.includes("unacknowledged")).length : now.incidents.length;
+    const count = at("count");
+    count.hidden = waiting === 0;
+    say(count, String(waiting));
+  } finally {
+    showAlarms.busy = false;
+  }
 }
 
 function maintenance(now) {
@@ -88,7 +101,8 @@ function maintenance(now) {
     table("Transducers and their drift on the stops", header, rows),
     element("h2", {}, "Gateway"),
     table("The gateway", ["What", "Value"], [
-      ["Program", `tertius ${machine.version}`], ["Machine", machine.name], ["Configuration", machine.configuration]]),
+      ["Program", `tertius ${machine.version}`], ["Machine", machine.name], ["Configuration", machine.configuration],
+      ["Its identity", machine.identity]]),
     element("h2", {}, "Limits, mm"),
     table("Limits", ["Cylinder", "R1", "R2", "R3", "C1 − C2"],
       machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => number(limit * 1e3, 2))])));
@@ -141,6 +155,7 @@ async function start() {
   say(at("machine"), machine.name || "Tertius");
   overview.build(machine.limits_m);
   trends.build(machine.limits_m);
+  incidents.build(machine.limits_m);
   addEventListener("hashchange", route);
   route();
   heard = Date.now();

@@ -86,6 +86,11 @@ export function ago(seconds) {
   return `${Math.round(seconds / 86400)} days ago`;
 }
 
+/** `text` as a sentence. */
+export function sentence(text) {
+  return text ? `${text.charAt(0).toUpperCase()}${text.slice(1)}${text.endsWith(".") ? "" : "."}` : "";
+}
+
 /** "1 alarm", "3 alarms". */
 export function plural(count, word) {
   return `${count} ${word}${count === 1 ? "" : "s"}`;

@@ -1,0 +1,105 @@
+//! What people do with alarms. No act changes a frame on the bus or mutes a detector.
+
+use super::Shared;
+use super::guard::is_from_here;
+use crate::alarm_list::ActKind;
+use crate::appliance::store::{ActError, AlarmAct};
+use crate::time::Span;
+use axum::body::Bytes;
+use axum::extract::{Path, State};
+use axum::http::header::{CONTENT_TYPE, WWW_AUTHENTICATE};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use std::time::Duration;
+
+/// Most bytes of an act.
+pub(super) const LONGEST_ACT: usize = 8192;
+
+/// Time within which the store has to answer.
+const PATIENCE: Duration = Duration::from_secs(4);
+
+/// An act, as the page sends it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Told {
+    who: String,
+    #[serde(default)]
+    note: String,
+    /// How long a shelving lasts.
+    #[serde(default)]
+    minutes: u32,
+}
+
+/// `POST /api/alarms/INCIDENT/acknowledge`, `shelve` or `unshelve`.
+pub(super) async fn act(
+    State(shared): State<Shared>,
+    Path((incident, name)): Path<(i64, String)>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Response {
+    if let Err(refusal) = admit(&shared, &headers) {
+        return refusal;
+    }
+    let told: Told = match serde_json::from_slice(&body) {
+        Ok(told) => told,
+        Err(error) => return (StatusCode::BAD_REQUEST, format!("{error}\n")).into_response(),
+    };
+    let now = shared.clock.system();
+    let kind = match name.as_str() {
+        "acknowledge" => ActKind::Acknowledge,
+        "shelve" => {
+            let length = Span::from_nanos(i64::from(told.minutes) * 60_000_000_000);
+            ActKind::Shelve(now.after(length))
+        }
+        "unshelve" => ActKind::Unshelve,
+        _ => return (StatusCode::NOT_FOUND, "there is no such act\n").into_response(),
+    };
+    let Some(store) = &shared.desk.store else {
+        return answer(&ActError::Unavailable("it is off".to_owned()));
+    };
+    let act = AlarmAct::new(incident, kind, now, [&told.who, &told.note]);
+    match act.and_then(|act| store.act(act)) {
+        Ok(answered) => match tokio::time::timeout(PATIENCE, answered).await {
+            Ok(Ok(Ok(()))) => StatusCode::NO_CONTENT.into_response(),
+            Ok(Ok(Err(error))) => answer(&error),
+            Ok(Err(_)) | Err(_) => answer(&ActError::Busy),
+        },
+        Err(error) => answer(&error),
+    }
+}
+
+fn answer(error: &ActError) -> Response {
+    let code = match error {
+        ActError::Name | ActError::Reason | ActError::Note => StatusCode::BAD_REQUEST,
+        ActError::Unknown => StatusCode::NOT_FOUND,
+        ActError::Refused(_) => StatusCode::CONFLICT,
+        ActError::Busy | ActError::Unavailable(_) => StatusCode::SERVICE_UNAVAILABLE,
+    };
+    (code, format!("{error}\n")).into_response()
+}
+
+/// Admits requests of this page by those who have the token. A page from elsewhere has neither: it can send no
+/// header of its own, and no JSON, without asking first, and nothing here answers that question.
+fn admit(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
+    if !is_from_here(headers) {
+        return Err((StatusCode::FORBIDDEN, "this did not come from the gateway's own page\n")
+            .into_response());
+    }
+    let json = headers.get(CONTENT_TYPE).is_some_and(|kind| kind.as_bytes() == b"application/json");
+    if !json {
+        return Err(
+            (StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n").into_response()
+        );
+    }
+    let Some(token) = shared.desk.token() else {
+        let told = "acts are off: `tertius token` makes a token, whose digest belongs into [http] of the \
+                    configuration\n";
+        return Err((StatusCode::FORBIDDEN, told).into_response());
+    };
+    if token.admits(headers) {
+        return Ok(());
+    }
+    let told = "the token is missing or wrong\n";
+    Err((StatusCode::UNAUTHORIZED, [(WWW_AUTHENTICATE, "Bearer")], told).into_response())
+}

@@ -1,0 +1,195 @@
+//! What the event store has, as JSON: alarms, incidents and events, stops.
+
+use super::{Shared, json};
+use crate::alarm::Level;
+use crate::alarm::status::Mode;
+use crate::appliance::store::{
+    EventKind, ExportFormat, Filter, Overview, StoreReader, StoreState, Trouble, export,
+};
+use crate::time::Timestamp;
+use crate::verdict::Suspect;
+use axum::body::Body;
+use axum::extract::{Path, Query, State};
+use axum::http::StatusCode;
+use axum::http::header::{CACHE_CONTROL, CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+
+/// Most bytes of an export over HTTP; `tertius events` has no such bound.
+const LONGEST_EXPORT: usize = 8_000_000;
+
+/// The alarm list, and whether it is of now.
+#[derive(Debug, Serialize)]
+struct Alarms {
+    store: StoreState,
+    /// Whether acts are allowed to those who have the token.
+    acts: bool,
+    #[serde(flatten)]
+    overview: Option<Overview>,
+}
+
+pub(super) async fn alarms(State(shared): State<Shared>) -> Response {
+    let now = shared.clock.system();
+    let gated = shared.telemetry.is_in(Mode::Gated);
+    let (store, acts) = (shared.store_state(), shared.desk.token().is_some());
+    if store.path.is_none() {
+        return json(&Alarms { store, acts, overview: None });
+    }
+    read(&shared, move |reader| {
+        let overview = reader.overview(now, gated)?;
+        Ok(json(&Alarms { store, acts, overview: Some(overview) }))
+    })
+    .await
+}
+
+/// What is searched for, as it stands in an address.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Wanted {
+    text: String,
+    cylinder: Option<u8>,
+    suspect: Option<String>,
+    level: Option<String>,
+    kind: Option<String>,
+    /// Times, s since 1970.
+    from: Option<f64>,
+    to: Option<f64>,
+    before: Option<i64>,
+    limit: usize,
+}
+
+impl Wanted {
+    /// The filter.
+    ///
+    /// # Errors What there is no such name for.
+    fn filter(self) -> Result<Filter, String> {
+        let wrong = |what: &str, name: &str| format!("there is no {what} {name:?}\n");
+        let suspect = self.suspect.map(|name| {
+            let known = Suspect::ALL.into_iter().find(|suspect| suspect.name() == name);
+            known.ok_or_else(|| wrong("suspect", &name))
+        });
+        let level = self.level.map(|name| {
+            let known = Level::ALL.into_iter().find(|level| level.name() == name);
+            known.ok_or_else(|| wrong("level", &name))
+        });
+        let kind = self.kind.map(|name| {
+            let known = EventKind::ALL.into_iter().find(|kind| kind.name() == name);
+            known.ok_or_else(|| wrong("kind of event", &name))
+        });
+        let time = |seconds: Option<f64>| {
+            let seconds = seconds.filter(|seconds| seconds.is_finite());
+            seconds.map(|seconds| Timestamp::from_nanos((seconds * 1e9) as i64))
+        };
+        Ok(Filter {
+            text: self.text,
+            cylinder: self.cylinder,
+            suspect: suspect.transpose()?,
+            level: level.transpose()?,
+            kind: kind.transpose()?,
+            from: time(self.from),
+            to: time(self.to),
+            before: self.before,
+            limit: self.limit,
+        })
+    }
+}
+
+pub(super) async fn events(State(shared): State<Shared>, Query(wanted): Query<Wanted>) -> Response {
+    let now = shared.clock.system();
+    match wanted.filter() {
+        Ok(filter) => read(&shared, move |reader| Ok(json(&reader.search(&filter, now)?))).await,
+        Err(told) => (StatusCode::BAD_REQUEST, told).into_response(),
+    }
+}
+
+pub(super) async fn incident(State(shared): State<Shared>, Path(id): Path<i64>) -> Response {
+    let now = shared.clock.system();
+    read(&shared, move |reader| match reader.incident(id, now)? {
+        Some(incident) => Ok(json(&incident)),
+        None => Ok((StatusCode::NOT_FOUND, "there is no such incident\n").into_response()),
+    })
+    .await
+}
+
+pub(super) async fn stops(State(shared): State<Shared>, Path(cylinder): Path<u8>) -> Response {
+    read(&shared, move |reader| Ok(json(&reader.stops(cylinder)?))).await
+}
+
+/// The events as a file: `events.csv` or `events.jsonl`.
+pub(super) async fn file(
+    State(shared): State<Shared>,
+    Path(name): Path<String>,
+    Query(wanted): Query<Wanted>,
+) -> Response {
+    let (format, kind) = match name.as_str() {
+        "events.csv" => (ExportFormat::Csv, "text/csv; charset=utf-8"),
+        "events.jsonl" => (ExportFormat::Jsonl, "application/jsonl; charset=utf-8"),
+        _ => return (StatusCode::NOT_FOUND, "there is no such file\n").into_response(),
+    };
+    let filter = match wanted.filter() {
+        Ok(filter) => filter,
+        Err(told) => return (StatusCode::BAD_REQUEST, told).into_response(),
+    };
+    let now = shared.clock.system();
+    read(&shared, move |reader| {
+        let mut out = Bounded(Vec::new());
+        export(reader, &filter, format, now, &mut out)?;
+        let name = format!("attachment; filename=\"{name}\"");
+        let headers = [
+            (CONTENT_TYPE, kind.to_owned()),
+            (CACHE_CONTROL, "no-store".to_owned()),
+            (CONTENT_DISPOSITION, name),
+        ];
+        Ok((headers, Body::from(out.0)).into_response())
+    })
+    .await
+}
+
+/// Takes what an answer may hold in memory.
+struct Bounded(Vec<u8>);
+
+impl std::io::Write for Bounded {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if self.0.len() + bytes.len() > LONGEST_EXPORT {
+            return Err(std::io::Error::other(
+                "this is more than 8 MB; choose a shorter time, or use `tertius events` on the box",
+            ));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The answer of `ask`, which may wait for the disk, on a thread for that.
+async fn read(
+    shared: &Shared,
+    ask: impl FnOnce(&StoreReader) -> Result<Response, Trouble> + Send + 'static,
+) -> Response {
+    let StoreState { path, trouble } = shared.store_state();
+    let Some(path) = path else {
+        let told = trouble.unwrap_or_else(|| {
+            "nothing is kept: `file = \"FILE\"` in [store] of the configuration makes the gateway keep its \
+             events"
+                .to_owned()
+        });
+        return (StatusCode::NOT_FOUND, told + "\n").into_response();
+    };
+    let answer = tokio::task::spawn_blocking(move || {
+        let reader = StoreReader::open(&path)?;
+        ask(&reader)
+    });
+    match answer.await {
+        Ok(Ok(response)) => response,
+        Ok(Err(trouble)) => {
+            (StatusCode::SERVICE_UNAVAILABLE, format!("the event store: {trouble}\n"))
+                .into_response()
+        }
+        Err(_) => {
+            (StatusCode::INTERNAL_SERVER_ERROR, "the event store was not read\n").into_response()
+        }
+    }
+}

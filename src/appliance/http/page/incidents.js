@@ -1,0 +1,115 @@
+// Incidents and events: searched, exported, and each incident by itself.
+
+import { element, number, say, sentence, utc } from "./words.js";
+
+const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "lost"];
+const LEVELS = ["yellow", "orange", "red", "black"];
+const SUSPECTS = { c1: "C1", c2: "C2", undecided: "C1 or C2", process: "neither transducer" };
+const QUANTITIES = { r1: "R1", r2: "R2", r3: "R3", c1_c2: "C1 − C2" };
+const PAGE = 50;
+
+export class Incidents {
+  constructor(place) {
+    this.place = place;
+    const option = (value, text) => element("option", { value }, text);
+    this.text = element("input", { type: "search", maxlength: 200, placeholder: "frozen C2" });
+    this.kind = element("select", {}, option("", "everything"), ...KINDS.map((kind) => option(kind, kind.replace("_", " "))));
+    this.level = element("select", {}, option("", "any level"), ...LEVELS.map((level) => option(level, `${level} or worse`)));
+    this.cylinder = element("select", {}, option("", "all"));
+    const label = (text, node) => element("label", {}, text, node);
+    this.form = element("form", { class: "search", role: "search" },
+      label("Words", this.text), label("What", this.kind), label("Level", this.level), label("Cylinder", this.cylinder),
+      element("button", { type: "submit" }, "Search"));
+    this.form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.search();
+    });
+    this.note = element("p", { role: "status" });
+    this.list = element("ul", { class: "incidents" });
+    this.more = element("button", { type: "button", hidden: true }, "Older ones");
+    this.more.addEventListener("click", () => this.search(this.next));
+    this.csv = element("a", { download: true }, "CSV");
+    this.jsonl = element("a", { download: true }, "lines of JSON");
+    this.found = element("div", {}, this.form,
+      element("p", { class: "quiet" }, "All that is found, as a file: ", this.csv, " ", this.jsonl),
+      this.note, this.list, this.more);
+    this.single = element("article", { hidden: true });
+    place.replaceChildren(element("h2", {}, "Incidents and events"), this.found, this.single);
+  }
+
+  build(limits) {
+    this.cylinder.append(...limits.map((_, index) => element("option", { value: index + 1 }, String(index + 1))));
+  }
+
+  /** Shows the incident of that number in the store, or the search. */
+  async open(id) {
+    this.found.hidden = id != null;
+    this.single.hidden = id == null;
+    if (id == null) return this.search();
+    const answer = await fetch(`/api/incidents/${id}`);
+    this.single.replaceChildren(...(answer.ok ? page(await answer.json())
+      : [element("p", {}, await answer.text()), element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"))]));
+  }
+
+  query() {
+    const query = new URLSearchParams();
+    for (const [name, node] of [["text", this.text], ["kind", this.kind], ["level", this.level], ["cylinder", this.cylinder]]) {
+      if (node.value) query.set(name, node.value);
+    }
+    return query;
+  }
+
+  async search(before) {
+    const query = this.query();
+    this.csv.href = `/api/export/events.csv?${query}`;
+    this.jsonl.href = `/api/export/events.jsonl?${query}`;
+    query.set("limit", PAGE);
+    if (before != null) query.set("before", before);
+    const answer = await fetch(`/api/events?${query}`);
+    if (!answer.ok) {
+      this.list.replaceChildren();
+      this.more.hidden = true;
+      return say(this.note, await answer.text());
+    }
+    const { entries, next } = await answer.json();
+    const rows = entries.map(row);
+    if (before == null) this.list.replaceChildren(...rows);
+    else this.list.append(...rows);
+    say(this.note, this.list.children.length === 0 ? "Nothing is found." : "");
+    this.next = next;
+    this.more.hidden = next == null;
+  }
+}
+
+function row(entry) {
+  const incident = entry.kind === "incident";
+  const id = incident ? entry.id : entry.about;
+  return element("li", {},
+    element("span", { class: `level ${(incident && entry.level) || ""}` }, incident ? entry.level : entry.kind.replace("_", " ")), " ",
+    element("time", {}, utc(entry.at_s)), " ",
+    id != null ? element("a", { href: `#incidents/${id}` }, entry.text) : entry.text,
+    incident && entry.ending ? element("span", { class: "quiet" }, ` ${entry.ending}`) : null);
+}
+
+/** The page of one incident. */
+function page(it) {
+  const mm = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mm`);
+  const facts = [
+    ["Cylinder", String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect], ["Level reached", it.level],
+    ["Begin", utc(it.begin_s)], ["Onset", utc(it.onset_s)],
+    ["End", it.end_s == null ? "it is open" : `${utc(it.end_s)}, ${it.ending}`],
+    ["Size", mm(it.size_m)], ["Largest", it.quantity ? `${QUANTITIES[it.quantity] ?? it.quantity} ${mm(it.peak_m)} of ${mm(it.limit_m)}` : "–"],
+    ["Detectors", it.detectors],
+  ];
+  const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
+  return [
+    element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"), " · ",
+      element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)),
+    element("h3", {}, it.text),
+    element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
+    element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)])),
+    ...list("Acts", it.acts.map((act) => `${utc(act.at_s)} ${act.kind} by ${act.who}${act.note ? `: ${act.note}` : ""}${act.until_s == null ? "" : `, until ${utc(act.until_s)}`}`)),
+    ...list("Course", it.revisions.map((revision) => `${utc(revision.at_s)} ${revision.progress}: ${revision.text}`)),
+    ...list("Warnings", it.warnings.map((warning) => `${utc(warning.at_s)} ${warning.detector} ${warning.state}`)),
+  ];
+}
