@@ -53,7 +53,7 @@
 //! machine: it advises, and the machine's own safety system acts.
 //!
 //! Three features leave rooms out when they are off, and all of them are on by default: `cli` has the commands, the
-//! program and what surrounds the gateway in it; `http` has health and metrics ([`appliance::http`],
+//! program and what surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`],
 //! [`appliance::telemetry`]); `plots` has [`report`]. `cli` needs the other two. Without them there are the bus, the
 //! live monitor and all crates.
 //!

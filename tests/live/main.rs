@@ -1,5 +1,6 @@
 //! The gateway and the proxy on buses that are not in the kernel, and the HTTP of the gateway.
 
+mod acts;
 mod canopen;
 mod devices;
 mod embedded_bus;

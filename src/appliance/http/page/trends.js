@@ -128,7 +128,9 @@ export class Trends {
   range() {
     if (this.zoomed) return this.zoomed;
     const end = this.time.at(-1) ?? 0;
-    return [end - this.window, end];
+    // A gateway that has just started has nothing older.
+    const begin = Math.min(this.time[0] ?? end, end - 30);
+    return [Math.max(end - this.window, begin), end];
   }
 
   zoom(factor) {
