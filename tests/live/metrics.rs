@@ -158,6 +158,27 @@ fn warnings_and_residuals_are_told_by_cylinder() {
     assert!(metrics.get("tertius_incidents_opened_total", &["cylinder=2"]) >= open);
 }
 
+/// Clients that know only the older format get that, with the same samples.
+#[test]
+fn the_older_format_has_the_same_samples() {
+    let mut bench = Bench::new();
+    bench.witness.recorder.opened();
+    bench.run(&cycles(0..120), DELAY);
+    let (old, new) = (bench.ask("/metrics"), bench.scrape());
+    assert!(old.head.contains("content-type: text/plain; version=0.0.4"), "{}", old.head);
+    let samples = |text: &str| {
+        let samples = text.lines().filter(|line| !line.starts_with('#'));
+        samples.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(samples(&old.body), samples(&new.body));
+    let types: Vec<&str> = old.body.lines().filter(|line| line.starts_with("# TYPE")).collect();
+    assert!(types.contains(&"# TYPE tertius_build_info gauge"), "{types:?}");
+    assert!(types.contains(&"# TYPE tertius_cycles_total counter"), "{types:?}");
+    let number = new.body.lines().filter(|line| line.starts_with("# TYPE")).count();
+    assert_eq!(types.len(), number);
+    assert!(!old.body.contains("# EOF") && !old.body.contains("# UNIT"));
+}
+
 #[test]
 fn latency_is_that_of_caused_warnings_alone() {
     let mut bench = Bench::new();
@@ -474,7 +495,7 @@ fn scraped(bench: &mut Bench, mut pass: impl FnMut(&mut Bench, i64)) -> Vec<serd
             pass(bench, turn);
         }
         let t = bench.hands.bus.now().as_nanos() as f64 / 1e9;
-        let text = bench.ask("/metrics").body;
+        let text = bench.scrape().body;
         scrapes.push(serde_json::json!({ "t": t, "up": true, "text": text }));
     }
     scrapes

@@ -145,13 +145,19 @@ impl Bench {
         ask(&self.server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"))
     }
 
+    /// The answer to Prometheus, which accepts OpenMetrics.
+    pub fn scrape(&self) -> Answer {
+        let accept = "Accept: application/openmetrics-text;version=1.0.0,text/plain;q=0.5";
+        ask(&self.server, &format!("GET /metrics HTTP/1.1\r\nHost: here\r\n{accept}\r\n\r\n"))
+    }
+
     pub fn health(&self) -> (u16, Value) {
         let answer = self.ask("/health");
         (answer.code, serde_json::from_str(&answer.body).expect("it is JSON"))
     }
 
     pub fn metrics(&self) -> Metrics {
-        let answer = self.ask("/metrics");
+        let answer = self.scrape();
         assert_eq!(answer.code, 200);
         let kind = "content-type: application/openmetrics-text; version=1.0.0; charset=utf-8";
         assert!(answer.head.contains(kind), "{}", answer.head);

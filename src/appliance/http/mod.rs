@@ -14,12 +14,12 @@ mod token;
 use super::realtime;
 use super::store::{StoreHandle, StoreState};
 use super::telemetry::clock::Clock;
-use super::telemetry::exposition::{CONTENT_TYPE, exposition};
+use super::telemetry::exposition::{CONTENT_TYPE, PLAIN_CONTENT_TYPE, exposition, plain};
 use super::telemetry::{Recorder, Telemetry};
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, State};
-use axum::http::StatusCode;
-use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE as TYPE};
+use axum::http::header::{ACCEPT, CACHE_CONTROL, CONTENT_TYPE as TYPE};
+use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
@@ -162,9 +162,12 @@ async fn health(State(shared): State<Shared>) -> Response {
     response
 }
 
-async fn metrics(State(shared): State<Shared>) -> Response {
+async fn metrics(State(shared): State<Shared>, headers: HeaderMap) -> Response {
+    let accepted = headers.get(ACCEPT).and_then(|accepted| accepted.to_str().ok());
+    let modern = accepted.is_some_and(|accepted| accepted.contains("application/openmetrics-text"));
     match exposition(&shared.telemetry, &*shared.clock) {
-        Ok(text) => ([(TYPE, CONTENT_TYPE)], text).into_response(),
+        Ok(text) if modern => ([(TYPE, CONTENT_TYPE)], text).into_response(),
+        Ok(text) => ([(TYPE, PLAIN_CONTENT_TYPE)], plain(&text)).into_response(),
         Err(error) => (StatusCode::INTERNAL_SERVER_ERROR, error.to_string()).into_response(),
     }
 }

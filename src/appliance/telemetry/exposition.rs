@@ -11,7 +11,7 @@ use prometheus_client::collector::Collector;
 use prometheus_client::encoding::{DescriptorEncoder, MetricEncoder, NoLabelSet, text};
 use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -60,6 +60,34 @@ pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<Strin
     let mut out = String::with_capacity(64 * 1024);
     text::encode(&mut out, &registry)?;
     Ok(out)
+}
+
+/// Content type of [`plain`], for HTTP.
+pub const PLAIN_CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
+
+/// `text` of OpenMetrics in the older format of Prometheus, for clients that do not accept OpenMetrics: there is no
+/// type *info*, counters are described by the name of their samples, and there are no units.
+pub fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut help = "";
+    for line in text.lines() {
+        let mut words = line.splitn(4, ' ');
+        match [(); 4].map(|()| words.next().unwrap_or_default()) {
+            ["#", "EOF" | "UNIT", ..] => {}
+            // The type comes after it, and says how the family is called.
+            ["#", "HELP", _, text] => help = text,
+            ["#", "TYPE", name, kind] => {
+                let (suffix, kind) = match kind {
+                    "counter" => ("_total", kind),
+                    "info" => ("_info", "gauge"),
+                    _ => ("", kind),
+                };
+                _ = write!(plain, "# HELP {name}{suffix} {help}\n# TYPE {name}{suffix} {kind}\n");
+            }
+            _ => _ = writeln!(plain, "{line}"),
+        }
+    }
+    plain
 }
 
 /// The telemetry at one time.
@@ -132,6 +160,25 @@ impl View {
                 if let Some(size) = residual.get() {
                     family.encode_family(&labels)?.encode_gauge(&size)?;
                 }
+            }
+        }
+        let help = "Limit of a residual, and of the measured difference of C1 and C2 (c1_c2).";
+        let unit = Some(Unit::Meters);
+        let mut family = out.family("residual_limit", help, unit, MetricType::Gauge)?;
+        let facts = self.telemetry.facts();
+        for ((number, _), limits) in self.numbered().zip(&facts.limits_m) {
+            for (name, limit) in RESIDUALS.iter().chain(["c1_c2"].iter()).zip(limits) {
+                let labels = [("cylinder", number), ("residual", name)];
+                family.encode_family(&labels)?.encode_gauge(limit)?;
+            }
+        }
+        let help =
+            "Standard deviation of the estimated length. Absent where there is no valid one.";
+        let unit = Some(Unit::Meters);
+        let mut family = out.family("estimate_sigma", help, unit, MetricType::Gauge)?;
+        for (number, cylinder) in self.numbered().filter(|_| evidence) {
+            if let Some(sigma) = cylinder.sigma.get() {
+                family.encode_family(&[("cylinder", number)])?.encode_gauge(&sigma)?;
             }
         }
         let help = "Sizes of a residual, cycle by cycle.";
