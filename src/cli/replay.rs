@@ -14,7 +14,7 @@ use crate::report::human::{self, Heading};
 use crate::report::judgement::RecordedFacts;
 use crate::report::page::{self, PageRecorder};
 use crate::report::{Blanks, Judgement, Stops, Summary, Zone, estimates, jsonl, residuals};
-use crate::time::Span;
+use crate::time::{Span, Timestamp};
 use clap::{Args, ValueEnum};
 use jiff::tz::TimeZone;
 use std::fs;
@@ -318,15 +318,12 @@ fn feed(
     mut kept: Option<&mut StateFile>,
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
-    let mut last = None;
+    let mut last = output.first;
     let mut frames = 0_u64;
     while let Some(frame) = recording.next_frame()? {
-        if last.replace(frame.timestamp).is_none() {
-            output.first = frame.timestamp;
-            output.begin = match &mut kept {
-                Some(kept) => kept.begin(output.first, monitor.newest())?,
-                None => output.first,
-            };
+        last = frame.timestamp;
+        if frames == 0 {
+            begin(last, monitor, output, kept.as_deref_mut())?;
         }
         monitor.take(frame, output);
         frames += 1;
@@ -342,7 +339,20 @@ fn feed(
         None => monitor.finish(output),
     }
     bar.finish();
-    Ok(last.map_or(Span::ZERO, |last| last.since(output.first)))
+    Ok(last.since(output.first))
+}
+
+/// Begins the outputs of a recording whose first frame is stamped `first`.
+#[cold]
+fn begin(
+    first: Timestamp,
+    monitor: &Monitor,
+    output: &mut Output,
+    kept: Option<&mut StateFile>,
+) -> Result<(), Failure> {
+    output.first = first;
+    output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
+    Ok(())
 }
 
 /// Fails if a part of an input could not be read, although the rest was replayed.

@@ -30,28 +30,13 @@ impl StateFile {
     /// The file `path`, which is `claimed`, for a monitor of `design`; and the monitor that goes on from it, and counts
     /// anew, if it exists.
     ///
-    /// # Errors The file cannot be read, or is not the state of such a monitor.
+    /// # Errors See [`take_up`].
     pub fn open(
         path: &Path,
         claimed: Claimed,
         design: &MonitorDesign,
     ) -> Result<(Self, Option<Monitor>), Failure> {
-        let refuse = |why: String, advice: &str| {
-            let path = path.display();
-            Failure::Wrong(format!("{path}: {why}. Nothing was changed; {advice}"))
-        };
-        const ANEW: &str = "name another file, or move this one away to begin anew";
-        const OTHER: &str = "replay with the same ones, or name another file to begin anew";
-        let bytes = read(path).map_err(|it| refuse(format!("it cannot be read: {it}"), ANEW))?;
-        let resumed = bytes.map(|bytes| {
-            let saved = SavedState::from_bytes(&bytes)?;
-            Ok((saved.begin(), saved.resume(design.clone())?))
-        });
-        let resumed = resumed.transpose().map_err(|refusal: StateRefusal| {
-            let advice = if refusal == StateRefusal::Design { OTHER } else { ANEW };
-            refuse(refusal.to_string(), advice)
-        })?;
-        let (begin, mut monitor) = resumed.unzip();
+        let (begin, mut monitor) = take_up(path, design)?.unzip();
         if let Some(monitor) = &mut monitor {
             monitor.count_anew();
         }
@@ -90,6 +75,31 @@ impl StateFile {
         writer.put(&SavedState::of(monitor, self.design, begin).to_bytes())?;
         writer.close()
     }
+}
+
+/// The monitor of `design` that goes on from the state in `path`, after the time stamp of the first frame of all; `None`
+/// if there is no such file.
+///
+/// # Errors The file cannot be read, or is not the state of such a monitor.
+pub fn take_up(
+    path: &Path,
+    design: &MonitorDesign,
+) -> Result<Option<(Timestamp, Monitor)>, Failure> {
+    const ANEW: &str = "name another file, or move this one away to begin anew";
+    const SAME: &str = "replay with the same ones, or name another file to begin anew";
+    let refuse = |why: String, advice: &str| {
+        let path = path.display();
+        Failure::Wrong(format!("{path}: {why}. Nothing was changed; {advice}"))
+    };
+    let bytes = read(path).map_err(|it| refuse(format!("it cannot be read: {it}"), ANEW))?;
+    let resumed = bytes.map(|bytes| {
+        let saved = SavedState::from_bytes(&bytes)?;
+        Ok((saved.begin(), saved.resume(design.clone())?))
+    });
+    resumed.transpose().map_err(|refusal: StateRefusal| {
+        let advice = if refusal == StateRefusal::Design { SAME } else { ANEW };
+        refuse(refusal.to_string(), advice)
+    })
 }
 
 /// The bytes of a file, at most one more than a state has; `None` if there is no such file.

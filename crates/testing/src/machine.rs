@@ -178,8 +178,12 @@ pub fn hasty() -> Monitor {
 
 /// The same without the keys whose lines begin so.
 pub fn without(left_out: &[&str]) -> Monitor {
-    let design = from_files_without(left_out, design::judging);
-    design.map_or_else(|flaws| panic!("{flaws}"), Monitor::new)
+    Monitor::new(design_without(left_out))
+}
+
+/// What that is made from.
+pub fn design_without(left_out: &[&str]) -> MonitorDesign {
+    from_files_without(left_out, design::judging).unwrap_or_else(|flaws| panic!("{flaws}"))
 }
 
 /// Plays `frames` through the default machine's monitor.

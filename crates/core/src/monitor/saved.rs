@@ -71,7 +71,9 @@ pub enum StateRefusal {
     TooLong,
     #[error("its content has another checksum: it was changed or truncated")]
     Damaged,
-    #[error("tertius {0} wrote it, whose state has other fields than that of tertius {PROGRAM}")]
+    #[error(
+        "another tertius ({0}) wrote it, whose state has other fields than that of this one ({PROGRAM})"
+    )]
     Version(String),
     #[error(
         "it is of another design: the configuration, its DBC or EDS files, or the estimates that were asked for, \

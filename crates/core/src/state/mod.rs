@@ -37,6 +37,7 @@ pub trait Stateful {
     /// Fingerprint of the names, types and order of all that is saved.
     const SHAPE: u64;
 
+    /// Appends the state.
     fn save(&self, into: &mut StateWriter);
 
     /// Takes up what was saved. After an error the value is to be discarded, since a part was taken up.
@@ -55,8 +56,10 @@ pub trait Whole: Stateful + Sized {
 
 /// Values with state that are there, or are as many, as the design says.
 pub trait Parts {
+    /// As [`Stateful::SHAPE`].
     const SHAPE: u64;
 
+    /// Appends the number of parts, and the state of each.
     fn save_parts(&self, into: &mut StateWriter);
 
     /// Takes up the state of each part.
@@ -67,8 +70,10 @@ pub trait Parts {
 
 /// Patterns of bits, of which each is possible, other than of a count.
 pub trait Bits: Sized {
+    /// As [`Stateful::SHAPE`].
     const SHAPE: u64;
 
+    /// Appends the pattern.
     fn save_bits(&self, into: &mut StateWriter);
 
     /// Reads a pattern.

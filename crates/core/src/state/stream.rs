@@ -15,11 +15,13 @@ impl StateWriter {
         Self { bytes: Vec::with_capacity(bytes) }
     }
 
+    /// Appends bytes of a known number.
     #[inline]
     pub fn put<const N: usize>(&mut self, bytes: [u8; N]) {
         self.bytes.extend_from_slice(&bytes);
     }
 
+    /// Appends `bytes`, whose number is not.
     pub fn put_all(&mut self, bytes: &[u8]) {
         self.bytes.extend_from_slice(bytes);
     }
