@@ -1,5 +1,6 @@
 //! The database: its tables, version by version, and opening it.
 
+use super::retention::RESERVE;
 use super::trouble::Trouble;
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use std::path::Path;
@@ -52,9 +53,26 @@ CREATE TABLE incidents (
     shelved_by TEXT, shelved_reason TEXT
 ) STRICT;
 CREATE UNIQUE INDEX incidents_of_run ON incidents (run, number);
-CREATE INDEX incidents_listed ON incidents (
-    active, level, id, condition, acknowledged, shelved_until_ns
-) WHERE listed = 1;
+CREATE INDEX incidents_listed ON incidents (active, level, id) WHERE listed = 1;
+CREATE INDEX incidents_shelved ON incidents (shelved_until_ns) WHERE shelved_until_ns IS NOT NULL;
+CREATE TABLE tallies (
+    condition TEXT NOT NULL, acknowledged INTEGER NOT NULL, count INTEGER NOT NULL,
+    PRIMARY KEY (condition, acknowledged)
+) STRICT, WITHOUT ROWID;
+CREATE TRIGGER tally_new AFTER INSERT ON incidents BEGIN
+    INSERT INTO tallies VALUES (new.condition, new.acknowledged, 1)
+        ON CONFLICT DO UPDATE SET count = count + 1;
+END;
+CREATE TRIGGER tally_changed AFTER UPDATE OF condition, acknowledged ON incidents BEGIN
+    UPDATE tallies SET count = count - 1
+        WHERE condition = old.condition AND acknowledged = old.acknowledged;
+    INSERT INTO tallies VALUES (new.condition, new.acknowledged, 1)
+        ON CONFLICT DO UPDATE SET count = count + 1;
+END;
+CREATE TRIGGER tally_gone AFTER DELETE ON incidents BEGIN
+    UPDATE tallies SET count = count - 1
+        WHERE condition = old.condition AND acknowledged = old.acknowledged;
+END;
 CREATE INDEX incidents_active ON incidents (cylinder) WHERE active = 1;
 CREATE TABLE revisions (
     id INTEGER PRIMARY KEY, incident INTEGER NOT NULL, at_ns INTEGER NOT NULL, progress TEXT NOT NULL,
@@ -66,7 +84,7 @@ CREATE TABLE warnings (
     detector TEXT NOT NULL, state TEXT NOT NULL, fault TEXT NOT NULL, suspect TEXT NOT NULL,
     level INTEGER NOT NULL, residual_m REAL, threshold_m REAL, evidence_nats REAL, device TEXT
 ) STRICT;
-CREATE INDEX warnings_of_cylinder ON warnings (run, cylinder, at_ns);
+CREATE INDEX warnings_at ON warnings (at_ns, cylinder);
 CREATE TABLE acts (
     event INTEGER PRIMARY KEY, incident INTEGER NOT NULL, at_ns INTEGER NOT NULL, kind TEXT NOT NULL,
     who TEXT NOT NULL, note TEXT NOT NULL, until_ns INTEGER
@@ -100,14 +118,15 @@ pub(super) fn open(path: &Path, size: u64) -> Result<Connection, Trouble> {
     database.query_row("PRAGMA journal_mode = WAL", [], |_| Ok(()))?;
     database.execute_batch(SETTINGS)?;
     migrate(&mut database, &MIGRATIONS)?;
-    limit(&database, size)?;
+    limit(&database, size, 0)?;
     Ok(database)
 }
 
-/// Makes the database refuse to grow beyond `size` bytes.
+/// Makes the database refuse to grow beyond `size` bytes, less the [`RESERVE`] of which `reserve` bytes may be used.
 ///
 /// # Errors It cannot be read.
-pub(super) fn limit(database: &Connection, size: u64) -> Result<(), Trouble> {
+pub(super) fn limit(database: &Connection, size: u64, reserve: u64) -> Result<(), Trouble> {
+    let size = size.saturating_sub(RESERVE).saturating_add(reserve);
     let page: i64 = database.query_row("PRAGMA page_size", [], |row| row.get(0))?;
     let pages = size.cast_signed() / page.max(512);
     Ok(database.query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))?)

@@ -98,7 +98,8 @@ impl<'a> Writer<'a> {
     fn patience(&self) -> Duration {
         let due = self.since.map(|since| since + GATHER);
         let due = due.map(|due| self.not_before.map_or(due, |time| due.max(time)));
-        let next = due.unwrap_or(self.tidy_at).min(self.tidy_at);
+        let tidy = self.not_before.map_or(self.tidy_at, |time| self.tidy_at.max(time));
+        let next = due.unwrap_or(tidy).min(tidy);
         next.saturating_duration_since(Instant::now()).max(Duration::from_millis(1))
     }
 
@@ -156,8 +157,7 @@ impl<'a> Writer<'a> {
         let now = self.clock.system();
         self.tidy_at = Instant::now() + TIDY;
         let (Some(vault), Some(plan)) = (&mut self.vault, &self.plan) else { return };
-        let limits = Limits { size: plan.store.size, days: plan.store.days };
-        match retention::step(&mut vault.database, limits, &mut self.aging, now) {
+        match retention::step(&mut vault.database, limits(plan), &mut self.aging, now) {
             Ok(Left::More) => self.tidy_at = Instant::now() + GATHER,
             Ok(Left::Nothing) => {}
             Err(trouble) => self.fail(&trouble),
@@ -231,6 +231,11 @@ impl<'a> Writer<'a> {
         self.not_before = None;
         self.tell(None);
         self.measure();
+        if let (Some(vault), Some(plan)) = (&self.vault, &self.plan)
+            && retention::is_due(&vault.database, limits(plan)).unwrap_or(false)
+        {
+            self.tidy_at = Instant::now();
+        }
     }
 
     /// Notes what hinders, tells it once, and does what helps.
@@ -243,9 +248,9 @@ impl<'a> Writer<'a> {
         let locked = matches!(trouble, Trouble::Locked);
         self.not_before = Some(Instant::now() + AGAIN[usize::from(!locked)]);
         match (trouble, &mut self.vault, &self.plan) {
-            (Trouble::Full, Some(vault), _) => {
-                let room = retention::make_room(&mut vault.database);
-                if room.is_ok() {
+            (Trouble::Full, Some(vault), Some(plan)) => {
+                let made = retention::make_room(&mut vault.database, limits(plan));
+                if matches!(made, Ok(true)) {
                     self.not_before = Some(Instant::now() + AGAIN[0]);
                 }
             }
@@ -301,6 +306,10 @@ impl<'a> Writer<'a> {
         // Who asked may have gone.
         _ = request.answer.send(answer);
     }
+}
+
+fn limits(plan: &Plan) -> Limits {
+    Limits { size: plan.store.size, days: plan.store.days }
 }
 
 /// Writes all notes or none, and returns the run and the answers to the acts.
