@@ -1,6 +1,7 @@
 //! The surroundings of the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
+use super::flight::{FlightPlan, FlightRecorder};
 use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
@@ -15,6 +16,7 @@ use crate::canopen::node::{NmtCommand, NmtEvent};
 use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::failure::Failure;
+use crate::frame::Frame;
 use crate::incident::Incident;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
@@ -25,7 +27,7 @@ use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::{Apart, Dwell};
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::io;
 use std::net::SocketAddr;
@@ -51,6 +53,8 @@ pub struct PreparedGateway {
     pub realtime: Realtime,
     /// State that outlives the gateway.
     pub kept: Kept,
+    /// What is recorded of incidents; `None` for nothing.
+    pub flight: Option<FlightPlan>,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<PreparedGateway, Failure>>;
@@ -68,6 +72,7 @@ pub struct Appliance {
     links: Option<LinkWatch>,
     quota: Quota,
     keeper: Keeper,
+    flight: FlightRecorder,
 }
 
 impl Appliance {
@@ -92,6 +97,8 @@ impl Appliance {
         let (warnings, site, quota) =
             (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
         let keeper = Keeper::new(recorder.telemetry());
+        let flight = FlightRecorder::new(recorder.telemetry());
+        flag::register(SIGUSR1, flight.demand())?;
         Ok(Self {
             stop,
             reload,
@@ -104,6 +111,7 @@ impl Appliance {
             links,
             quota,
             keeper,
+            flight,
         })
     }
 
@@ -127,8 +135,9 @@ impl Appliance {
         }
     }
 
-    /// Restores in `gateway` what was kept.
-    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept) {
+    /// Restores in `gateway` what was kept, and records it by `flight`.
+    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept, flight: Option<FlightPlan>) {
+        self.flight.follow(flight);
         gateway.restore(self.keeper.open(kept, None));
     }
 
@@ -136,11 +145,16 @@ impl Appliance {
     pub fn stopped(&mut self, gateway: &Gateway) {
         tell(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());
+        self.flight.finish();
         info!("stopped");
     }
 }
 
 impl Journal for Appliance {
+    fn frame(&mut self, frame: &Frame) {
+        self.flight.frame(frame);
+    }
+
     fn record(&mut self, record: &Record) {
         self.recorder.record(record);
     }
@@ -153,6 +167,7 @@ impl Journal for Appliance {
     fn incident(&mut self, incident: &Incident) {
         self.recorder.incident(incident);
         self.warnings.tell(incident);
+        self.flight.incident(incident);
     }
 
     fn dwell(&mut self, _: u8, _: &Dwell) {
@@ -234,8 +249,9 @@ impl Journal for Appliance {
         }
     }
 
-    fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {
+    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
         self.recorder.sent(frame);
+        self.flight.sent(frame, at);
     }
 }
 
@@ -289,13 +305,18 @@ impl Surroundings for Appliance {
         self.watchdog.feed();
         self.recorder.turned(gateway, port);
         self.keeper.turned(gateway.monitor());
+        self.flight.turned(gateway);
         self.activity.look(gateway, port);
     }
 
     fn reload(&mut self, before: &Gateway) -> Option<(Gateway, Box<dyn Opener>)> {
         match (self.prepare)() {
-            Ok(PreparedGateway { mut gateway, opener, interface, listen, realtime: _, kept }) => {
+            Ok(prepared) => {
+                let PreparedGateway {
+                    mut gateway, opener, interface, listen, kept, flight, ..
+                } = prepared;
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
+                self.flight.follow(flight);
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);

@@ -6,6 +6,7 @@ use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
 use super::progress::Bar;
+use super::recorded::RecordedInputs;
 use super::recordings;
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
@@ -22,13 +23,15 @@ use std::path::{Path, PathBuf};
 
 /// Runs recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  tertius replay field.log.zst --config config/e-type.toml")]
+#[command(after_help = "Examples:
+  tertius replay field.log.zst --config config/e-type.toml
+  tertius replay /var/lib/tertius/recordings/20260314T120000Z-cylinder-2-incident-1")]
 pub struct Replay {
     #[arg(required = true, value_name = "LOG", help = recordings(" or .zst, - for standard input"))]
     logs: Vec<PathBuf>,
-    /// The machine's configuration
+    /// The machine's configuration; the folder of a recorded incident has its own
     #[arg(long, value_name = "FILE")]
-    config: PathBuf,
+    config: Option<PathBuf>,
     /// A page for people, or lines of JSON for scripts
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -105,13 +108,15 @@ impl Replay {
     /// Runs the command.
     ///
     /// # Errors A wrong call or file, or output that cannot be written.
-    pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config)?;
+    pub fn run(mut self) -> Result<(), Failure> {
+        let RecordedInputs { logs, config } = RecordedInputs::of(self.logs, self.config.take())?;
+        self.logs = logs;
+        let machine = Machine::load(&config)?;
         let interfaces = machine.interfaces(self.interface.as_deref());
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
         let mut recording = Recording::open(&self.logs, options)?;
-        let [residuals, estimates, frames, report] = self.claim(&machine)?;
+        let [residuals, estimates, frames, report] = self.claim(&machine, &config)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
@@ -135,6 +140,7 @@ impl Replay {
         let judgement = judgement(&machine, &interfaces, &recording, &monitor);
         let replayed = Replayed {
             machine: &machine,
+            config: &config,
             recording: &recording,
             monitor: &monitor,
             judgement: &judgement,
@@ -155,14 +161,14 @@ impl Replay {
     }
 
     /// Claims the files that are written: residuals, estimates, frames and the page.
-    fn claim(&self, machine: &Machine) -> Result<[Option<Claimed>; 4], Failure> {
+    fn claim(&self, machine: &Machine, config: &Path) -> Result<[Option<Claimed>; 4], Failure> {
         let logs = self.logs.iter().map(PathBuf::as_path);
         // The history that is gone on with may be the gateway's own.
         let real = |path: &Path| fs::canonicalize(path).ok();
         let kept = self.history.as_deref().and_then(real);
         let own = machine.loaded.history_path.as_deref();
         let is_kept = |path: &Path| Some(path) == own && kept.is_some() && real(path) == kept;
-        let files = machine.files(&self.config).filter(|path| !is_kept(path));
+        let files = machine.files(config).filter(|path| !is_kept(path));
         let header = |columns: &str| format!("{columns}\n");
         let (residuals, estimates) = (header(residuals::HEADER), header(estimates::HEADER));
         let wanted = [
@@ -184,7 +190,7 @@ impl Replay {
         report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
-        let Replayed { machine, recording, monitor, judgement, duration } = *replayed;
+        let Replayed { machine, config, recording, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
@@ -212,7 +218,7 @@ impl Replay {
         let heading = Heading {
             inputs: &inputs.join(", "),
             machine: &machine.loaded.settings.machine.name,
-            config: &self.config.display().to_string(),
+            config: &config.display().to_string(),
             zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };
@@ -236,6 +242,8 @@ impl Replay {
 #[derive(Clone, Copy)]
 struct Replayed<'a> {
     machine: &'a Machine,
+    /// Its configuration.
+    config: &'a Path,
     recording: &'a Recording,
     monitor: &'a Monitor,
     judgement: &'a Judgement,

@@ -5,6 +5,7 @@ use super::machine::Machine;
 use super::node;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
+use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
@@ -49,7 +50,7 @@ impl Run {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
-        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept } =
+        let PreparedGateway { mut gateway, opener, listen, interface, realtime, kept, flight } =
             prepare(&self.config, stage.as_ref())?;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -57,7 +58,7 @@ impl Run {
         let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.starting(&self.config, listen, interface.as_deref());
-        appliance.restore(&mut gateway, kept);
+        appliance.restore(&mut gateway, kept, flight);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -102,7 +103,12 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
 fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
-    let identifiers = identifiers(&machine);
+    let identifiers = if settings.recorder.records_all() {
+        // The monitor ignores the frames of others.
+        Identifiers::All
+    } else {
+        Identifiers::Only(identifiers(&machine))
+    };
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
         Some(stage) => (stage.opener(identifiers), None),
@@ -115,20 +121,22 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    Ok(PreparedGateway { gateway: gateway(machine), opener, listen, interface, realtime, kept })
+    let flight = FlightPlan::new(path, &machine.loaded);
+    let gateway = gateway(machine);
+    Ok(PreparedGateway { gateway, opener, listen, interface, realtime, kept, flight })
 }
 
 /// A SocketCAN interface by name.
 #[derive(Debug)]
 struct Interface {
     name: String,
-    identifiers: Vec<Id>,
+    identifiers: Identifiers,
 }
 
 impl Opener for Interface {
     fn open(&mut self) -> Result<Box<dyn Port>, String> {
         let options = Options {
-            identifiers: Identifiers::Only(self.identifiers.clone()),
+            identifiers: self.identifiers.clone(),
             few_under_way: true,
             ..Options::default()
         };

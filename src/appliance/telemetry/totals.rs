@@ -42,6 +42,10 @@ pub(super) struct Totals {
     /// Failed writes of the history, counted by the thread that keeps it.
     pub history_failures: Total,
     pub history_crowded: Total,
+    pub recorder_recordings: Total,
+    pub recorder_failures: Total,
+    pub recorder_left_out: Total,
+    pub recorder_lost: Total,
 }
 
 impl Totals {
@@ -86,7 +90,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 30] {
+    pub fn described(&self) -> [Described<'_>; 34] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -121,6 +125,11 @@ impl Totals {
             ("history_failures", "Times that the history of the stops could not be written.", &self.history_failures),
             ("history_crowded", "Times that the history of the stops was not handed over, because \
                 too much waited to be written; the next write includes it.", &self.history_crowded),
+            ("recorder_recordings", "Recordings that were written.", &self.recorder_recordings),
+            ("recorder_failures", "Recordings that could not be written.", &self.recorder_failures),
+            ("recorder_left_out", "Incidents that were not recorded, because too many came at once.",
+                &self.recorder_left_out),
+            ("recorder_frames_lost", "Frames that are missing in the ring of the recorder.", &self.recorder_lost),
         ]
     }
 }
