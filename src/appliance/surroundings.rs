@@ -137,8 +137,8 @@ impl Appliance {
 
     /// Restores in `gateway` what was kept, and records it by `flight`.
     pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept, flight: Option<FlightPlan>) {
-        self.flight.follow(flight);
         gateway.restore(self.keeper.open(kept, None));
+        self.flight.follow(flight, gateway.monitor());
     }
 
     /// Finishes after `gateway` has stopped.
@@ -316,7 +316,7 @@ impl Surroundings for Appliance {
                     mut gateway, opener, interface, listen, kept, flight, ..
                 } = prepared;
                 gateway.restore(self.keeper.open(kept, Some(before.monitor())));
-                self.flight.follow(flight);
+                self.flight.follow(flight, gateway.monitor());
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.site.listen(listen, &self.recorder);

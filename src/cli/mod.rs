@@ -27,6 +27,7 @@ mod run;
 mod simulate;
 mod simulation;
 mod stage;
+mod state;
 mod survey;
 mod tables;
 mod tune;

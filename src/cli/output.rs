@@ -25,6 +25,9 @@ const LINES: &str = "standard output";
 pub struct Output {
     /// The time stamp of the recording's first frame.
     pub first: Timestamp,
+    /// The time stamp from which the seconds of lines and tables count: of the first frame of all, where a state
+    /// was taken up.
+    pub begin: Timestamp,
     pub episodes: Episodes,
     pub incidents: Incidents,
     pub notices: Notices,
@@ -64,6 +67,7 @@ impl Output {
             frames.map(Claimed::open).transpose()?.map(|file| LogWriter::new(file, interface));
         Ok(Self {
             first: Timestamp::default(),
+            begin: Timestamp::default(),
             episodes: Episodes::default(),
             incidents: Incidents::default(),
             notices: Notices::default(),
@@ -123,7 +127,7 @@ impl Sink for Output {
             recorder.record(self.first, record);
         }
         if let Some(table) = &mut self.residuals {
-            let result = table.write(self.first, record);
+            let result = table.write(self.begin, record);
             self.note(RESIDUALS, result);
         }
     }
@@ -134,7 +138,7 @@ impl Sink for Output {
             recorder.warning(self.first, warning);
         }
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::warning(lines, self.first, warning);
+            let result = jsonl::warning(lines, self.begin, warning);
             self.note(LINES, result);
         }
     }
@@ -142,14 +146,14 @@ impl Sink for Output {
     fn incident(&mut self, incident: &Incident) {
         self.incidents.take(incident);
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::incident(lines, self.first, incident);
+            let result = jsonl::incident(lines, self.begin, incident);
             self.note(LINES, result);
         }
     }
 
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
         if let Some(table) = &mut self.estimates {
-            let result = table.write(self.first, at, cylinder, estimate);
+            let result = table.write(self.begin, at, cylinder, estimate);
             self.note(ESTIMATES, result);
         }
     }
@@ -167,7 +171,7 @@ impl Sink for Output {
             recorder.notice(self.first, notice);
         }
         if let Some(lines) = &mut self.lines {
-            let result = jsonl::notice(lines, self.first, notice);
+            let result = jsonl::notice(lines, self.begin, notice);
             self.note(LINES, result);
         }
     }

@@ -8,6 +8,7 @@ use super::output::Output;
 use super::progress::Bar;
 use super::recorded::RecordedInputs;
 use super::recordings;
+use super::state::{self, StateFile};
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
@@ -52,6 +53,12 @@ pub struct Replay {
     /// the same file
     #[arg(long, value_name = "FILE")]
     history: Option<PathBuf>,
+    /// Goes on from the monitor's state in the file, if it exists, and leaves the state there at the
+    /// end of the recording, which is not taken for the end of the machine: recordings that are
+    /// replayed one by one, in the order of time and with the same configuration, then give what
+    /// they give together
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
     /// Takes only the frames of this interface [default: the configuration's if the recording has
     /// it, else the only one]
     #[arg(long, value_name = "NAME")]
@@ -108,39 +115,32 @@ impl Replay {
     /// Runs the command.
     ///
     /// # Errors A wrong call or file, or output that cannot be written.
-    pub fn run(mut self) -> Result<(), Failure> {
-        let RecordedInputs { logs, config } = RecordedInputs::of(self.logs, self.config.take())?;
-        self.logs = logs;
-        let machine = Machine::load(&config)?;
+    pub fn run(self) -> Result<(), Failure> {
+        let inputs = RecordedInputs::of(&self.logs, self.config.as_deref())?;
+        let machine = Machine::load(&inputs.config)?;
         let interfaces = machine.interfaces(self.interface.as_deref());
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
-        let mut recording = Recording::open(&self.logs, options)?;
-        let [residuals, estimates, frames, report] = self.claim(&machine, &config)?;
+        let mut recording = Recording::open(&inputs.logs, options)?;
+        let Claims { residuals, estimates, frames, report, state } =
+            self.claim(&machine, &inputs)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
         )?;
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
-        let mut design = machine.design.clone();
-        if self.estimates.is_some() && design.estimates == Estimates::None {
-            design.estimates = Estimates::Told;
-        }
-        let mut monitor = Monitor::new(design);
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
-        if let Some(history) = &history {
-            monitor.restore(history.archive());
-        }
-        let duration = feed(&mut recording, &mut monitor, &mut output)?;
+        let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
+        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut())?;
         if output.failed() {
             return broken_off(output);
         }
         let judgement = judgement(&machine, &interfaces, &recording, &monitor);
         let replayed = Replayed {
             machine: &machine,
-            config: &config,
+            inputs: &inputs,
             recording: &recording,
             monitor: &monitor,
             judgement: &judgement,
@@ -149,6 +149,9 @@ impl Replay {
         self.conclude(&replayed, report, output)?;
         if let Some(history) = history {
             history.write(&monitor)?;
+        }
+        if let Some(kept) = kept {
+            kept.write(&monitor)?;
         }
         damage(&recording)?;
         match judgement.is_judged() {
@@ -160,15 +163,46 @@ impl Replay {
         }
     }
 
-    /// Claims the files that are written: residuals, estimates, frames and the page.
-    fn claim(&self, machine: &Machine, config: &Path) -> Result<[Option<Claimed>; 4], Failure> {
-        let logs = self.logs.iter().map(PathBuf::as_path);
+    /// The monitor of `machine`, and the file of its state, from which it goes on where there is one; otherwise from
+    /// the state that was recorded with the `inputs`, or from the `history` of the stops.
+    fn monitor(
+        &self,
+        machine: &Machine,
+        state: Option<Claimed>,
+        inputs: &RecordedInputs,
+        history: Option<&History>,
+    ) -> Result<(Monitor, Option<StateFile>), Failure> {
+        let mut design = machine.design.clone();
+        if self.estimates.is_some() && design.estimates == Estimates::None {
+            design.estimates = Estimates::Told;
+        }
+        let open = |(path, claimed)| StateFile::open(path, claimed, &design);
+        let opened = self.state.as_deref().zip(state).map(open).transpose()?;
+        let (kept, resumed) = opened.map_or((None, None), |(kept, it)| (Some(kept), it));
+        let recorded = inputs.state.as_deref().filter(|_| self.state.is_none());
+        let monitor = match (resumed, recorded) {
+            (Some(resumed), _) => resumed,
+            (None, Some(path)) => state::recorded(path, design)?,
+            (None, None) => {
+                let mut monitor = Monitor::new(design);
+                if let Some(history) = history {
+                    monitor.restore(history.archive());
+                }
+                monitor
+            }
+        };
+        Ok((monitor, kept))
+    }
+
+    /// Claims the files that are written.
+    fn claim(&self, machine: &Machine, inputs: &RecordedInputs) -> Result<Claims, Failure> {
+        let logs = inputs.logs.iter().chain(&inputs.state).map(PathBuf::as_path);
         // The history that is gone on with may be the gateway's own.
         let real = |path: &Path| fs::canonicalize(path).ok();
         let kept = self.history.as_deref().and_then(real);
         let own = machine.loaded.history_path.as_deref();
         let is_kept = |path: &Path| Some(path) == own && kept.is_some() && real(path) == kept;
-        let files = machine.files(config).filter(|path| !is_kept(path));
+        let files = machine.files(&inputs.config).filter(|path| !is_kept(path));
         let header = |columns: &str| format!("{columns}\n");
         let (residuals, estimates) = (header(residuals::HEADER), header(estimates::HEADER));
         let wanted = [
@@ -177,10 +211,12 @@ impl Replay {
             (self.warnings.as_deref(), Mark::None),
             (self.report.as_deref(), Mark::Page("replay")),
             (self.history.as_deref(), Mark::Judged),
+            (self.state.as_deref(), Mark::Parts(&[state::MARK])),
         ];
         let inputs = Inputs::new(logs.chain(files));
-        let [residuals, estimates, frames, report, _] = inputs.claim(wanted, self.overwriting)?;
-        Ok([residuals, estimates, frames, report])
+        let [residuals, estimates, frames, report, _, state] =
+            inputs.claim(wanted, self.overwriting)?;
+        Ok(Claims { residuals, estimates, frames, report, state })
     }
 
     /// Writes the results on standard output, and on the page.
@@ -190,7 +226,7 @@ impl Replay {
         report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
-        let Replayed { machine, config, recording, monitor, judgement, duration } = *replayed;
+        let Replayed { machine, inputs, recording, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
@@ -213,12 +249,12 @@ impl Replay {
             episodes: &episodes,
             incidents: &incidents,
         };
-        let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let logs = inputs.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let zone = Zone::new(self.time_zone.clone(), output.first, duration.as_seconds());
         let heading = Heading {
-            inputs: &inputs.join(", "),
+            inputs: &logs.join(", "),
             machine: &machine.loaded.settings.machine.name,
-            config: &config.display().to_string(),
+            config: &inputs.config.display().to_string(),
             zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };
@@ -238,12 +274,21 @@ impl Replay {
     }
 }
 
+/// The files that a replay writes, besides the history.
+#[derive(Debug)]
+struct Claims {
+    residuals: Option<Claimed>,
+    estimates: Option<Claimed>,
+    frames: Option<Claimed>,
+    report: Option<Claimed>,
+    state: Option<Claimed>,
+}
+
 /// Results of a replay after the whole recording was read.
 #[derive(Clone, Copy)]
 struct Replayed<'a> {
     machine: &'a Machine,
-    /// Its configuration.
-    config: &'a Path,
+    inputs: &'a RecordedInputs,
     recording: &'a Recording,
     monitor: &'a Monitor,
     judgement: &'a Judgement,
@@ -278,19 +323,24 @@ fn broken_off(output: Output) -> Result<(), Failure> {
 }
 
 /// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
-/// from its first frame to its last.
+/// from its first frame to its last. Where the state is `kept`, the machine goes on after the end.
 fn feed(
     recording: &mut Recording,
     monitor: &mut Monitor,
     output: &mut Output,
+    mut kept: Option<&mut StateFile>,
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
-    let mut first = None;
-    let mut last = output.first;
+    let mut last = None;
     let mut frames = 0_u64;
     while let Some(frame) = recording.next_frame()? {
-        last = frame.timestamp;
-        output.first = *first.get_or_insert(last);
+        if last.replace(frame.timestamp).is_none() {
+            output.first = frame.timestamp;
+            output.begin = match &mut kept {
+                Some(kept) => kept.begin(output.first, monitor.newest())?,
+                None => output.first,
+            };
+        }
         monitor.take(frame, output);
         frames += 1;
         if frames.is_multiple_of(STRIDE) {
@@ -300,9 +350,12 @@ fn feed(
             bar.show(recording.progress());
         }
     }
-    monitor.finish(output);
+    match kept {
+        Some(_) => monitor.standing().for_each(|incident| output.incidents.take(&incident)),
+        None => monitor.finish(output),
+    }
     bar.finish();
-    Ok(last.since(output.first))
+    Ok(last.map_or(Span::ZERO, |last| last.since(output.first)))
 }
 
 /// Fails if a part of an input could not be read, although the rest was replayed.

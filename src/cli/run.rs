@@ -121,7 +121,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    let flight = FlightPlan::new(path, &machine.loaded);
+    let flight = FlightPlan::new(path, &machine.loaded, &machine.design);
     let gateway = gateway(machine);
     Ok(PreparedGateway { gateway, opener, listen, interface, realtime, kept, flight })
 }

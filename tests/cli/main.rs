@@ -20,3 +20,4 @@ mod replay_identity;
 mod report;
 mod residuals;
 mod simulate;
+mod state;

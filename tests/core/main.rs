@@ -26,6 +26,7 @@ mod monitor_cycles;
 mod monitor_pages;
 mod pdo;
 mod plant;
+mod resume;
 mod riccati;
 mod sea;
 mod sequential;

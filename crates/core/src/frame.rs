@@ -1,6 +1,9 @@
 //! A CAN frame with the time at which it was on the bus, and its conversion to and from the drivers
 //! of `embedded_can`.
 
+use crate::state::{
+    StateError, StateReader, StateWriter, Stateful, Whole, shape_of_both, shape_of_name,
+};
 use crate::time::Timestamp;
 use embedded_can::{ExtendedId, StandardId};
 
@@ -128,6 +131,71 @@ impl Frame {
     pub fn set_length(&mut self, length: usize) {
         assert!(length <= MAX_DATA, "a frame holds at most {MAX_DATA} bytes");
         self.length = length as u8;
+    }
+}
+
+impl Stateful for Id {
+    const SHAPE: u64 = shape_of_name("Id");
+
+    fn save(&self, into: &mut StateWriter) {
+        self.0.save(into);
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        *self = Self::read(from)?;
+        Ok(())
+    }
+}
+
+impl Whole for Id {
+    fn read(from: &mut StateReader<'_>) -> Result<Self, StateError> {
+        let number = u32::read(from)?;
+        let id = match number & Self::EXTENDED {
+            0 => Self::standard(number),
+            _ => Self::extended(number & !Self::EXTENDED),
+        };
+        id.ok_or(StateError::Unsound { what: "identifier" })
+    }
+}
+
+impl Stateful for Frame {
+    const SHAPE: u64 = shape_of_both(shape_of_name("Frame"), MAX_DATA as u64);
+
+    fn save(&self, into: &mut StateWriter) {
+        let Self { timestamp, id, kind, length, bytes } = self;
+        timestamp.save(into);
+        id.save(into);
+        into.put(match kind {
+            Kind::Data => [0, 0],
+            Kind::Fd { flags } => [1, *flags],
+            Kind::Remote { length } => [2, *length],
+            Kind::Error => [3, 0],
+        });
+        length.save(into);
+        bytes.save(into);
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        *self = Self::read(from)?;
+        Ok(())
+    }
+}
+
+impl Whole for Frame {
+    fn read(from: &mut StateReader<'_>) -> Result<Self, StateError> {
+        let (timestamp, id) = (Timestamp::read(from)?, Id::read(from)?);
+        let kind = match from.take()? {
+            [0, 0] => Kind::Data,
+            [1, flags] => Kind::Fd { flags },
+            [2, length] => Kind::Remote { length },
+            [3, 0] => Kind::Error,
+            _ => return Err(StateError::Unsound { what: "kind of frame" }),
+        };
+        let length = u8::read(from)?;
+        if usize::from(length) > MAX_DATA {
+            return Err(StateError::Unsound { what: "length of a frame" });
+        }
+        Ok(Self { timestamp, id, kind, length, bytes: from.take()? })
     }
 }
 

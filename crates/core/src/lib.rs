@@ -20,6 +20,7 @@
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
 //! - [`monitor`]: all of them as one machine.
+//! - [`state`]: what of each of them is saved, so that another monitor goes on where one has stopped.
 //!
 //! Time comes with the frames: there is no clock, socket, file, thread or global. The caller
 //! provides the [`monitor::MonitorDesign`] from which a monitor is made; the configuration crate
@@ -45,5 +46,6 @@ pub mod monitor;
 pub mod observe;
 pub mod sample;
 pub mod sequential;
+pub mod state;
 pub mod time;
 pub mod verdict;

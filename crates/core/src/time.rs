@@ -3,6 +3,7 @@
 //! `Display` writes both types in seconds with all their digits, without a conversion to floating
 //! point, so that a time stamp can be searched for in its recording.
 
+use crate::state::{StateError, StateReader, StateWriter, Stateful, Whole, shape_of_name};
 use core::fmt;
 
 /// An instant in nanoseconds since the Unix epoch (or since whatever a recording counts from).
@@ -12,6 +13,43 @@ pub struct Timestamp(i64);
 /// A signed distance between two [`Timestamp`]s, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span(i64);
+
+/// The farthest times that are taken up: a century and a half from the epoch, so that the distance between two of
+/// them does not overflow.
+const FARTHEST: i64 = 1 << 62;
+
+impl Stateful for Timestamp {
+    const SHAPE: u64 = shape_of_name("Timestamp");
+
+    fn save(&self, into: &mut StateWriter) {
+        self.0.save(into);
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        *self = Self::read(from)?;
+        Ok(())
+    }
+}
+
+impl Whole for Timestamp {
+    fn read(from: &mut StateReader<'_>) -> Result<Self, StateError> {
+        let nanos = i64::read(from)?;
+        let is_near = (-FARTHEST..=FARTHEST).contains(&nanos);
+        if is_near { Ok(Self(nanos)) } else { Err(StateError::Unsound { what: "time stamp" }) }
+    }
+}
+
+impl Stateful for Span {
+    const SHAPE: u64 = shape_of_name("Span");
+
+    fn save(&self, into: &mut StateWriter) {
+        self.0.save(into);
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.0.resume(from)
+    }
+}
 
 const NANOS_PER_SECOND: f64 = 1e9;
 

@@ -2,6 +2,7 @@
 
 use crate::frame::{Frame, Id, Kind};
 use crate::incident::Incident;
+use crate::monitor::Monitor;
 use crate::time::Timestamp;
 
 /// Room for frames, bytes: about a second of a full bus with 500 kbit/s.
@@ -24,6 +25,8 @@ pub(super) struct Block {
     bytes: Vec<u8>,
     /// Number of frames lost before those of this block, because no block was free.
     pub lost: u64,
+    /// The monitor before the first of its frames.
+    pub state: Option<Box<Monitor>>,
     pub incidents: Vec<Incident>,
     /// Number of incidents lost for want of room.
     pub left_out: u64,
@@ -36,6 +39,7 @@ impl Block {
         Self {
             bytes: Vec::with_capacity(SIZE),
             lost: 0,
+            state: None,
             incidents: Vec::with_capacity(INCIDENTS),
             left_out: 0,
             until: Timestamp::default(),
@@ -80,6 +84,7 @@ impl Block {
         self.bytes.clear();
         self.incidents.clear();
         (self.lost, self.left_out) = (0, 0);
+        self.state = None;
     }
 }
 

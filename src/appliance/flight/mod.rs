@@ -10,7 +10,8 @@
 //!
 //! The data path only copies a frame into a block that it already has ([`tap`]). Whatever takes time is the
 //! worker's: it packs blocks ([`packer`]), keeps the last ones ([`ring`]), and writes a recording ([`recording`])
-//! once all of its frames have come ([`folder`]). If the worker falls behind, frames are left out of the recording and
+//! once all of its frames have come ([`folder`]). Every ten seconds a copy of the monitor goes the same way, so that a
+//! recording begins with what the monitor knew, and its replay says the same to the byte. If the worker falls behind, frames are left out of the recording and
 //! counted, and nobody waits.
 
 mod block;
@@ -25,13 +26,14 @@ mod worker;
 
 pub use folder::is_recording;
 pub use manifest::MANIFEST;
-pub use plan::{FRAMES_FILE, FlightPlan};
+pub use plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
 
 use super::telemetry::Telemetry;
 use crate::alarm::OwnFrame;
 use crate::frame::Frame;
 use crate::incident::Incident;
 use crate::live::gateway::Gateway;
+use crate::monitor::Monitor;
 use crate::time::Timestamp;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -70,15 +72,15 @@ impl FlightRecorder {
         Arc::clone(&self.demand)
     }
 
-    /// Records by `plan` from now on; `None` to record no more. Recordings that wait for further frames are written
+    /// Records by `plan` from now on, beginning with `monitor`; `None` to record no more. Recordings that wait for further frames are written
     /// with those that they have, since a new configuration judges the next ones.
-    pub fn follow(&mut self, plan: Option<FlightPlan>) {
+    pub fn follow(&mut self, plan: Option<FlightPlan>, monitor: &Monitor) {
         self.tap = None;
         self.workers.retain(|worker| !worker.is_finished());
         let Some(plan) = plan else { return };
         // What an earlier worker of this program is writing there is no leftover.
         let is_new = self.folder.replace(plan.folder.clone()).as_ref() != Some(&plan.folder);
-        let (tap, work) = tap::connect(&self.telemetry);
+        let (tap, work) = tap::connect(&self.telemetry, monitor);
         let (demand, telemetry) = (Arc::clone(&self.demand), Arc::clone(&self.telemetry));
         let builder = std::thread::Builder::new().name("recorder".to_owned());
         let run = move || worker::work(plan, work, is_new, demand, telemetry);
@@ -116,7 +118,7 @@ impl FlightRecorder {
     /// Notes that `gateway` had a turn: about once a second a block is handed to the worker.
     pub fn turned(&mut self, gateway: &Gateway) {
         match &mut self.tap {
-            Some(tap) => tap.turned(gateway.now()),
+            Some(tap) => tap.turned(gateway.now(), gateway.monitor()),
             None if self.demand.load(Ordering::Relaxed) => {
                 self.demand.store(false, Ordering::Relaxed);
                 warn!("there is no recording to be written: `recorder.folder` is not configured");

@@ -3,6 +3,7 @@
 
 use super::block::Block;
 use crate::bus::append_log_line;
+use crate::monitor::{DesignChecksum, SavedState};
 use crate::time::Timestamp;
 use std::io;
 use zstd::bulk::Compressor;
@@ -24,30 +25,40 @@ pub(super) struct Piece {
     pub lost: u64,
     /// A whole zstd frame, or nothing.
     pub bytes: Box<[u8]>,
+    /// State of the monitor before the first frame, as a file.
+    pub state: Option<Box<[u8]>>,
+}
+
+impl Piece {
+    /// Bytes in memory.
+    pub fn size(&self) -> usize {
+        self.bytes.len() + self.state.as_ref().map_or(0, |state| state.len())
+    }
 }
 
 /// Packs blocks, with buffers that it keeps.
 pub(super) struct Packer {
     interface: String,
+    design: DesignChecksum,
     text: Vec<u8>,
     compressor: Compressor<'static>,
 }
 
 impl Packer {
-    /// A packer whose lines have `interface` as the name of the bus.
+    /// A packer whose lines have `interface` as the name of the bus, and whose states are of `design`.
     ///
     /// # Errors There is no memory for the compressor.
-    pub fn new(interface: &str) -> io::Result<Self> {
+    pub fn new(interface: &str, design: DesignChecksum) -> io::Result<Self> {
         let mut compressor = Compressor::new(LEVEL)?;
         compressor.set_parameter(CParameter::WindowLog(WINDOW))?;
         compressor.set_parameter(CParameter::ChecksumFlag(true))?;
-        Ok(Self { interface: interface.to_owned(), text: Vec::new(), compressor })
+        Ok(Self { interface: interface.to_owned(), design, text: Vec::new(), compressor })
     }
 
     /// The piece of `block`; `None` if nothing is in it.
     ///
     /// # Errors The compressor's.
-    pub fn pack(&mut self, block: &Block) -> io::Result<Option<Piece>> {
+    pub fn pack(&mut self, block: &mut Block) -> io::Result<Option<Piece>> {
         self.text.clear();
         let mut ends = None;
         let mut frames = 0;
@@ -57,7 +68,10 @@ impl Packer {
             ends = Some([first, frame.timestamp]);
             frames += 1;
         }
-        if frames == 0 && block.lost == 0 {
+        let begin = ends.map_or(block.until, |[first, _]| first);
+        let monitor = block.state.take();
+        let state = monitor.map(|it| SavedState::of(&it, self.design, begin).to_bytes().into());
+        if frames == 0 && block.lost == 0 && state.is_none() {
             return Ok(None);
         }
         let bytes = match frames {
@@ -65,6 +79,6 @@ impl Packer {
             _ => self.compressor.compress(&self.text)?,
         };
         let (until, lost) = (block.until, block.lost);
-        Ok(Some(Piece { ends, until, frames, lost, bytes: bytes.into() }))
+        Ok(Some(Piece { ends, until, frames, lost, bytes: bytes.into(), state }))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::manifest::{Extent, MANIFEST, Manifest, utc};
 use super::packer::Piece;
-use super::plan::{FRAMES_FILE, FlightPlan};
+use super::plan::{FRAMES_FILE, FlightPlan, STATE_FILE};
 use super::ring::{MOST_BYTES, Ring};
 use crate::incident::Incident;
 use crate::time::{Span, Timestamp};
@@ -48,19 +48,19 @@ impl Recording {
 
     /// The recording of what is in the ring.
     pub fn on_demand(now: Timestamp, ring: &Ring) -> Self {
-        Self::new(now, [now, now], ring.since(Timestamp::from_nanos(i64::MIN)))
+        Self::new(now, [now, now], ring.whole())
     }
 
     fn new(at: Timestamp, [opened, end]: [Timestamp; 2], pieces: Vec<Arc<Piece>>) -> Self {
-        let bytes = pieces.iter().map(|piece| piece.bytes.len()).sum();
+        let bytes = pieces.iter().map(|piece| piece.size()).sum();
         Self { at, end, opened, pieces, bytes, number: None, told: Vec::new(), is_full: false }
     }
 
     /// Adds frames.
     pub fn take(&mut self, piece: &Arc<Piece>) {
-        self.is_full |= self.bytes + piece.bytes.len() > MOST_BYTES;
+        self.is_full |= self.bytes + piece.size() > MOST_BYTES;
         if !self.is_full {
-            self.bytes += piece.bytes.len();
+            self.bytes += piece.size();
             self.pieces.push(Arc::clone(piece));
         }
     }
@@ -114,7 +114,8 @@ impl Recording {
         let frames = self.pieces.iter().map(|piece| &*piece.bytes).collect();
         let machine = plan.files.iter().map(|file| (file.name.as_str(), vec![&*file.bytes]));
         let own = [(FRAMES_FILE, frames), (MANIFEST, vec![manifest])];
-        let all = machine.chain(own);
+        let state = self.pieces.first().and_then(|piece| piece.state.as_deref());
+        let all = machine.chain(own).chain(state.map(|state| (STATE_FILE, vec![state])));
         all.map(|(name, parts)| RecordedFile { name, parts }).collect()
     }
 }

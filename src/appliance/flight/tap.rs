@@ -4,6 +4,7 @@ use super::block::{Block, INCIDENTS};
 use crate::appliance::telemetry::Telemetry;
 use crate::frame::Frame;
 use crate::incident::Incident;
+use crate::monitor::Monitor;
 use crate::time::{Span, Timestamp};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -14,6 +15,9 @@ const BLOCKS: usize = 32;
 /// Longest time after which a block is handed over, full or not.
 const LONGEST: Span = Span::from_nanos(1_000_000_000);
 
+/// Time between two copies of the monitor.
+const BETWEEN_STATES: Span = Span::from_nanos(10_000_000_000);
+
 /// Copies frames into blocks, and hands these to the worker.
 #[derive(Debug)]
 pub(super) struct Tap {
@@ -22,6 +26,8 @@ pub(super) struct Tap {
     empty: Receiver<Box<Block>>,
     /// Time of the data path when a block was handed over last.
     handed: Option<Timestamp>,
+    /// The same, when the monitor was copied last.
+    copied: Option<Timestamp>,
     /// Newest time stamp.
     now: Timestamp,
     /// Number of frames lost since a block was taken last.
@@ -40,25 +46,28 @@ pub(super) struct Work {
     pub empty: SyncSender<Box<Block>>,
 }
 
-/// A tap, and what its worker needs. All blocks are made here, and no other ones later.
-pub(super) fn connect(telemetry: &Arc<Telemetry>) -> (Tap, Work) {
+/// A tap that begins with `monitor`, and what its worker needs. All blocks are made here, and no other ones later.
+pub(super) fn connect(telemetry: &Arc<Telemetry>, monitor: &Monitor) -> (Tap, Work) {
     let (full, filled) = sync_channel(BLOCKS);
     let (emptied, empty) = sync_channel(BLOCKS);
     for _ in 0..BLOCKS {
         // There is room for all of them.
         _ = emptied.try_send(Box::new(Block::new()));
     }
-    let tap = Tap {
+    let mut tap = Tap {
         current: None,
         full,
         empty,
         handed: None,
+        copied: None,
         now: Timestamp::default(),
         lost: 0,
         incidents: Vec::with_capacity(INCIDENTS),
         left_out: 0,
         telemetry: Arc::clone(telemetry),
     };
+    tap.provide();
+    tap.copy(monitor);
     (tap, Work { full: filled, empty: emptied })
 }
 
@@ -94,14 +103,28 @@ impl Tap {
         self.incidents.push(*incident);
     }
 
-    /// Hands over a block that is old enough, empty or not, so that the worker knows the time on a quiet bus.
-    pub fn turned(&mut self, now: Timestamp) {
+    /// Hands over a block that is old enough, empty or not, so that the worker knows the time on a quiet bus. The
+    /// next one begins with a copy of `monitor`, if that is due.
+    pub fn turned(&mut self, now: Timestamp, monitor: &Monitor) {
         let handed = *self.handed.get_or_insert(now);
-        let age = now.since(handed);
-        if age >= LONGEST || age < Span::ZERO {
-            self.provide();
-            self.hand_over(now);
+        if !is_due(now, handed, LONGEST) {
+            return;
         }
+        self.provide();
+        self.hand_over(now);
+        let copied = *self.copied.get_or_insert(now);
+        if is_due(now, copied, BETWEEN_STATES) {
+            self.provide();
+            if self.copy(monitor) {
+                self.copied = Some(now);
+            }
+        }
+    }
+
+    /// Copies the monitor into a block without frames, if there is one.
+    fn copy(&mut self, monitor: &Monitor) -> bool {
+        let block = self.current.as_mut();
+        block.map(|block| block.state = Some(Box::new(monitor.clone()))).is_some()
     }
 
     /// Has a block to fill, if there is one.
@@ -126,6 +149,12 @@ impl Tap {
     }
 }
 
+/// Whether the time since `last` is over, or the clock was set back.
+fn is_due(now: Timestamp, last: Timestamp, time: Span) -> bool {
+    let age = now.since(last);
+    age >= time || age < Span::ZERO
+}
+
 impl Drop for Tap {
     /// Hands over what there is, before the channel closes.
     fn drop(&mut self) {
@@ -139,6 +168,7 @@ mod tests {
     use super::*;
     use crate::appliance::telemetry::clock::SystemClock;
     use crate::frame::{Id, Kind};
+    use tertius_testing::machine::monitor;
 
     fn frame(at: i64) -> Frame {
         let id = Id::standard(0x123).expect("11 bits");
@@ -148,7 +178,7 @@ mod tests {
     #[test]
     fn a_worker_that_stands_still_costs_frames_and_nobody_waits() {
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
-        let (mut tap, work) = connect(&telemetry);
+        let (mut tap, work) = connect(&telemetry, &monitor());
         let frames = 200_000;
         (0..frames).for_each(|at| tap.frame(Timestamp::from_nanos(at), &frame(at)));
         // The worker goes on.
@@ -170,9 +200,10 @@ mod tests {
     #[test]
     fn time_passes_for_the_worker_on_a_quiet_bus() {
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
-        let (mut tap, work) = connect(&telemetry);
+        let monitor = monitor();
+        let (mut tap, work) = connect(&telemetry, &monitor);
         for ms in (0..3500).step_by(5) {
-            tap.turned(Timestamp::from_nanos(ms * 1_000_000));
+            tap.turned(Timestamp::from_nanos(ms * 1_000_000), &monitor);
         }
         let until = work.full.try_iter().map(|block| block.until.as_seconds());
         assert_eq!(until.collect::<Vec<_>>(), [1.0, 2.0, 3.0]);

@@ -24,9 +24,9 @@ const AT_ONCE: usize = 8;
 /// Longest wait for a block, after which it is looked whether anything was asked for.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Time that the ring keeps beyond the configured one: a block, and an incident that is opened a little after
-/// its begin.
-const MARGIN: Span = Span::from_nanos(5_000_000_000);
+/// Time that the ring keeps beyond the configured one: the time between two states, a block, and an incident that is
+/// opened a little after its begin.
+const MARGIN: Span = Span::from_nanos(15_000_000_000);
 
 struct Worker {
     plan: FlightPlan,
@@ -91,7 +91,7 @@ impl Worker {
     fn new(plan: FlightPlan, telemetry: Arc<Telemetry>) -> io::Result<Self> {
         let keep = plan.before.as_nanos().saturating_add(MARGIN.as_nanos());
         Ok(Self {
-            packer: Packer::new(&plan.interface)?,
+            packer: Packer::new(&plan.interface, plan.design)?,
             ring: Ring::new(Span::from_nanos(keep)),
             open: Vec::new(),
             folder: RecordingFolder::new(plan.folder.clone(), plan.size),

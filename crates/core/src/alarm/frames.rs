@@ -10,6 +10,7 @@ use super::status::Status;
 use super::warning::Finding;
 use crate::estimate::Estimate;
 use crate::frame::Id;
+use crate::state::state;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
@@ -109,11 +110,21 @@ pub struct Encoder {
     scale: EstimateScale,
 }
 
+state! {
+    Encoder { channels }
+    but { scale }
+}
+
 #[derive(Clone, Debug)]
 struct Channel {
     message: OwnMessage,
     id: Id,
     counter: u8,
+}
+
+state! {
+    Channel { counter }
+    but { message, id }
 }
 
 impl Encoder {

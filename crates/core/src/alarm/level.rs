@@ -1,5 +1,7 @@
 //! The alarm levels of Table 2-1.
 
+use crate::state::choice;
+
 /// An alarm level, mildest first. Tertius only advises: the operator or the machine acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
@@ -14,6 +16,8 @@ pub enum Level {
     /// Shut-down through hardware in 5 seconds.
     Black,
 }
+
+choice! { Level { None, Yellow, Orange, Red, Black } }
 
 impl Level {
     /// Name in files and reports.

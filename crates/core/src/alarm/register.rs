@@ -4,6 +4,7 @@ use super::Level;
 use super::detector::Detector;
 pub use super::detector::{DETECTORS, PLACES};
 use super::warning::{Finding, State, Warning};
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 use crate::verdict::Suspect;
 use alloc::vec;
@@ -18,6 +19,8 @@ struct Standing {
     repeat_at: Timestamp,
 }
 
+whole! { Standing { finding, repeat_at } }
+
 /// All standing warnings, with one place for each detector of each cylinder, so that the register
 /// never grows.
 #[derive(Clone, Debug)]
@@ -26,6 +29,12 @@ pub struct Register {
     standing: u32,
     /// Earliest repetition of the standing warnings.
     due: Option<Timestamp>,
+}
+
+state! {
+    Register { standing, due }
+    parts { places }
+    sound |it| it.is_reckoned()
 }
 
 impl Register {
@@ -112,8 +121,17 @@ impl Register {
     }
 
     fn reckon_due(&mut self) {
-        let standing = self.places.iter().flatten().flatten();
-        self.due = standing.map(|standing| standing.repeat_at).min();
+        self.due = self.times().min();
+    }
+
+    /// Times at which the standing warnings are repeated.
+    pub fn times(&self) -> impl Iterator<Item = Timestamp> {
+        self.places.iter().flatten().flatten().map(|standing| standing.repeat_at)
+    }
+
+    /// Whether the number of warnings and the earliest time are those of the places.
+    fn is_reckoned(&self) -> bool {
+        self.standing as usize == self.times().count() && self.due == self.times().min()
     }
 
     /// Passes to `say` every warning whose repetition is due by `at`.

@@ -1,6 +1,7 @@
 //! Contents of Fd_Status, which is sent every 100 ms.
 
 use super::Level;
+use crate::state::{choice, whole};
 
 /// Number of cylinders that Fd_Status has room for.
 pub const MAX_CYLINDERS: usize = 6;
@@ -18,6 +19,8 @@ pub enum Health {
     Faulty = 3,
 }
 
+choice! { Health { Unknown, Healthy, Suspect, Faulty } }
+
 /// State of the monitor as a whole. The numbers are those of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
@@ -32,6 +35,8 @@ pub enum Mode {
     Stopping = 4,
 }
 
+choice! { Mode { Starting, Monitoring, Gated, Degraded, Stopping } }
+
 /// The content of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Status {
@@ -42,3 +47,5 @@ pub struct Status {
     pub mode: Mode,
     pub active_warnings: u32,
 }
+
+whole! { Status { transducers, level, mode, active_warnings } }

@@ -3,6 +3,7 @@
 use super::detector::Detector;
 use super::level::Level;
 use crate::sample::DeviceReport;
+use crate::state::whole;
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 
@@ -41,6 +42,8 @@ pub struct Finding {
     pub device: Option<DeviceReport>,
 }
 
+whole! { Finding { fault, suspect, level, residual, threshold, evidence, device } }
+
 /// Certainty and onset of a finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
@@ -56,6 +59,8 @@ pub struct Evidence {
     /// Fd_Warning has no code for it, and the fault is unclassified.
     pub gain: Option<f64>,
 }
+
+whole! { Evidence { fault, location, onset, gain } }
 
 impl Finding {
     /// [`Evidence::gain`] of a fault that is a gain error.

@@ -1,5 +1,6 @@
 //! The estimated length, carried on by the command alone.
 
+use crate::state::whole;
 use nalgebra::{Matrix3, Vector3};
 
 /// An estimated state, and its prediction since.
@@ -13,6 +14,8 @@ pub struct Carrier {
     /// Whether the velocity has settled, too.
     pub able: bool,
 }
+
+whole! { Carrier { x, variance, coasted, able } }
 
 impl Carrier {
     /// Predicts the next cycle; `None` if a number is no longer finite.
@@ -30,6 +33,8 @@ pub struct Reserve {
     younger: Option<Carrier>,
     older: Option<Carrier>,
 }
+
+whole! { Reserve { younger, older } }
 
 impl Reserve {
     pub fn clear(&mut self) {

@@ -7,6 +7,7 @@ pub use crate::sequential::Drive;
 use crate::sequential::drive::Commands;
 use crate::sequential::pair;
 use crate::sequential::parameters::{DriveParameters, PairParameters};
+use crate::state::state;
 use alloc::boxed::Box;
 use nalgebra::{Matrix3, Vector3};
 
@@ -90,6 +91,8 @@ pub struct Feed {
     commands: Commands,
     newest: Option<f64>,
 }
+
+state! { Feed { commands, newest } }
 
 impl Feed {
     /// For commands every `sample_time` seconds.

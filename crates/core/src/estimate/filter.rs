@@ -2,6 +2,7 @@
 
 use super::dynamics::Dynamics;
 use super::mean::Mean;
+use crate::state::whole;
 use nalgebra::{Matrix3, Vector3};
 
 /// How an innovation is counted.
@@ -28,6 +29,8 @@ pub struct Filter {
     /// Mean of ν² over the value that the filter expects.
     surprise: Mean,
 }
+
+whole! { Filter { x, p, running, coasted, seen, followed, surprise } }
 
 impl Filter {
     /// Stops following the rod; what is known of the transducer stays.

@@ -5,6 +5,7 @@
 //! leaves out: load, supply pressure, friction, wrong parameters.
 
 use super::mean::Mean;
+use crate::state::whole;
 use nalgebra::{Matrix3, Vector3};
 
 /// Shadows, the longest of 512 cycles. Beyond them the variance is reckoned.
@@ -19,11 +20,18 @@ struct Shadow {
     squares: Mean,
 }
 
+whole! {
+    Shadow { x, age, squares }
+    sound |it| it.age.is_none_or(|age| age < u32::MAX / 2)
+}
+
 /// The measured error of the prediction.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
     shadows: [Shadow; SHADOWS],
 }
+
+whole! { Growth { shadows } }
 
 impl Growth {
     /// Drops the copies, because what follows cannot be compared with them.

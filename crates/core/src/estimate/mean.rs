@@ -1,11 +1,15 @@
 //! A mean with a fading memory.
 
+use crate::state::whole;
+
 /// The mean of values: of all of them at first, later with an exponential memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Mean {
     value: f64,
     count: u32,
 }
+
+whole! { Mean { value, count } }
 
 impl Mean {
     /// Adds `value` to a mean over about `memory` values.

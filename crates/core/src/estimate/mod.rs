@@ -30,6 +30,7 @@ pub mod parameters;
 pub mod scale;
 pub mod sensor;
 
+use crate::state::{choice, whole};
 pub use dynamics::{Drive, Dynamics};
 pub use parameters::EstimateParameters;
 pub use scale::LengthScale;
@@ -44,6 +45,8 @@ pub enum Source {
     /// Prediction by the command alone.
     Model,
 }
+
+choice! { Source { Both, C1, C2, Model } }
 
 impl Source {
     /// Name in tables.
@@ -69,3 +72,5 @@ pub struct Estimate {
     /// the stroke.
     pub valid: bool,
 }
+
+whole! { Estimate { position, sigma, source, valid } }

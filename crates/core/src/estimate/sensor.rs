@@ -10,6 +10,7 @@ use super::scale::LengthScale;
 use super::{Estimate, Source};
 use crate::sequential::parameters::ResidualParameters;
 use crate::sequential::velocity::Velocity;
+use crate::state::state;
 
 /// Parameters of a virtual sensor.
 #[derive(Clone, Debug)]
@@ -79,6 +80,13 @@ pub struct VirtualSensor {
     /// Transducers that were trusted and had a reading in the previous cycle.
     relied_on: [bool; 2],
     cycle: u64,
+}
+
+state! {
+    VirtualSensor {
+        velocity, feed, filters, growth, differences, difference, largest, carrier, reserve, relied_on, cycle,
+    }
+    but { design, cycles }
 }
 
 impl VirtualSensor {

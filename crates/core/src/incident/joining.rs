@@ -7,6 +7,7 @@
 use super::{Ending, Incident, Progress};
 use crate::alarm::detector::{Basis, DETECTORS};
 use crate::alarm::{Detector, Level, Warning};
+use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 
@@ -38,6 +39,8 @@ pub(super) struct Open {
     /// What was told of it.
     told: Option<Said>,
 }
+
+whole! { Open { incident, newest, grew, difference, has_returned, told } }
 
 /// What an incident says that is news to a person when it changes.
 type Said = (Suspect, Fault, bool, Level);

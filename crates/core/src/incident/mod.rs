@@ -14,6 +14,7 @@ mod tracker;
 
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::{Finding, Level};
+use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
 pub use tracker::{Incidents, MOST_AT_ONCE};
@@ -28,6 +29,8 @@ pub enum Progress {
     Standing,
     Closed,
 }
+
+choice! { Progress { Opened, Revised, Standing, Closed } }
 
 impl Progress {
     /// Name in files and reports.
@@ -53,6 +56,8 @@ pub enum Ending {
     /// it would come again.
     Cut,
 }
+
+choice! { Ending { Returned, Quiet, Cut } }
 
 impl Ending {
     /// Name in files and reports.
@@ -105,6 +110,8 @@ pub struct Excursion {
     pub at: Timestamp,
 }
 
+whole! { Excursion { value, at } }
+
 /// One detector's share in an incident.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
@@ -120,6 +127,8 @@ pub struct Part {
     /// course or end, and fills in only what was not known.
     pub has_cleared: bool,
 }
+
+whole! { Part { raised, raises, stands, finding, has_cleared } }
 
 /// What the warnings of a cylinder that have one cause say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,6 +160,13 @@ pub struct Incident {
     pub peaks: [Option<Excursion>; QUANTITIES],
     /// Limits of the quantities, m.
     pub limits: [f64; QUANTITIES],
+}
+
+whole! {
+    Incident {
+        number, cylinder, progress, timestamp, begin, onset, end, suspect, fault, gain, size, level, parts, peaks,
+        limits,
+    }
 }
 
 impl Incident {

@@ -4,6 +4,7 @@ use super::joining::Open;
 use super::{Ending, Excursion, Incident, Part, Progress, QUANTITIES, Quantities, Quantity};
 use crate::alarm::detector::PLACES;
 use crate::alarm::{Finding, Level, State, Warning};
+use crate::state::state;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
 use alloc::vec::Vec;
@@ -20,11 +21,22 @@ pub struct Incidents {
     count: u32,
 }
 
+state! {
+    Incidents { count }
+    parts { cylinders }
+    sound |it| it.are_of_their_cylinders()
+}
+
 #[derive(Clone, Debug)]
 struct OfCylinder {
     open: [Option<Open>; MOST_AT_ONCE],
     limits: [f64; QUANTITIES],
     coincidence: Span,
+}
+
+state! {
+    OfCylinder { open }
+    but { limits, coincidence }
 }
 
 impl Incidents {
@@ -34,6 +46,12 @@ impl Incidents {
         let of =
             |(limits, coincidence)| OfCylinder { open: [None; MOST_AT_ONCE], limits, coincidence };
         Self { cylinders: cylinders.into_iter().map(of).collect(), count: 0 }
+    }
+
+    /// Whether the incidents of each cylinder are its own.
+    fn are_of_their_cylinders(&self) -> bool {
+        let mut each = self.cylinders.iter().zip(1_u8..);
+        each.all(|(cylinder, n)| cylinder.open.iter().flatten().all(|it| it.incident.cylinder == n))
     }
 
     /// Takes a warning in the order of time; [`Self::follow`] then tells what became of its incident.
@@ -79,10 +97,18 @@ impl Incidents {
     /// Tells at `at`, after which there is nothing more, of every incident that is not closed.
     pub fn finish(&mut self, at: Timestamp, mut say: impl FnMut(&Incident)) {
         self.cut(at, &mut say);
-        for incident in self.cylinders.iter_mut().flat_map(OfCylinder::standing) {
-            (incident.progress, incident.timestamp) = (Progress::Standing, at);
-            say(incident);
-        }
+        self.standing(at).for_each(|incident| say(&incident));
+    }
+
+    /// The incidents of which a warning stands, as told at `at`.
+    pub fn standing(&self, at: Timestamp) -> impl Iterator<Item = Incident> {
+        let open = self.cylinders.iter().flat_map(|cylinder| cylinder.open.iter().flatten());
+        let standing = open.map(|open| open.incident).filter(Incident::stands);
+        standing.map(move |incident| Incident {
+            progress: Progress::Standing,
+            timestamp: at,
+            ..incident
+        })
     }
 
     /// Closes at `at` the incidents of which no warning stands, since what follows cannot be told to
@@ -98,12 +124,6 @@ impl Incidents {
 }
 
 impl OfCylinder {
-    /// Incidents of which a warning stands.
-    fn standing(&mut self) -> impl Iterator<Item = &mut Incident> {
-        let open = self.open.iter_mut().flatten().map(|open| &mut open.incident);
-        open.filter(|incident| incident.stands())
-    }
-
     fn raise(&mut self, warning: &Warning, count: &mut u32) {
         let (coincidence, limits) = (self.coincidence, self.limits);
         let taken = self.newest(|open| open.takes(warning, coincidence));

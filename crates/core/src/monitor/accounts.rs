@@ -3,6 +3,7 @@
 use super::cylinder::{Blank, Cylinder, Tally};
 use super::page::Page;
 use super::{Counts, Monitor};
+use crate::incident::Incident;
 use crate::sample::Transducer;
 
 impl Monitor {
@@ -25,6 +26,19 @@ impl Monitor {
     /// for a transducer that is not configured.
     pub fn unjudged(&self) -> impl Iterator<Item = [Option<u64>; 2]> {
         self.cylinders.iter().map(Cylinder::unjudged)
+    }
+
+    /// Incidents that are not over, as they stand.
+    pub fn standing(&self) -> impl Iterator<Item = Incident> {
+        self.incidents.standing(self.last.unwrap_or_default())
+    }
+
+    /// Counts anew: from here the accounts are those of the frames that follow.
+    pub fn count_anew(&mut self) {
+        (self.counts, self.opened_once) = (Counts::default(), false);
+        self.cylinders.iter_mut().for_each(Cylinder::count_anew);
+        let pages = self.stations.iter_mut().flat_map(|station| &mut station.pages);
+        pages.for_each(|page| page.slot.count_anew());
     }
 
     /// Whether the platform was in a monitored state in any cycle.

@@ -1,5 +1,7 @@
 //! Counts that a monitor keeps.
 
+use crate::state::whole;
+
 /// Counts of the frames and cycles of a monitor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
@@ -30,4 +32,11 @@ pub struct Counts {
     pub time_jumps: u64,
     /// Losses of the bus, after which everything restarted.
     pub interruptions: u64,
+}
+
+whole! {
+    Counts {
+        used, ignored, errors, cycles, incomplete, missing, late, repeated, held, bad_signals, backwards, time_jumps,
+        interruptions,
+    }
 }

@@ -9,6 +9,7 @@ mod estimating;
 mod findings;
 mod judging;
 mod precedence;
+mod saved;
 mod tally;
 mod telling;
 
@@ -70,7 +71,7 @@ pub struct Cylinder {
     plausibility: [Plausibility; 2],
     motions: [ReadingMotion; 2],
     /// `None` without devices that tell of themselves.
-    devices: Option<Watches>,
+    devices: Option<Box<Watches>>,
     implausible: [Implausible; 3],
     observers: [Observer; 2],
     bank: Bank,

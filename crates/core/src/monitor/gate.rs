@@ -1,5 +1,6 @@
 //! Platform states in which FDE1 and FDE2 judge, and in which the rods stand on their stops.
 
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 
@@ -13,6 +14,11 @@ pub struct Gate {
     state: Option<Seen>,
 }
 
+state! {
+    Gate { state }
+    but { monitored, stops, timeout }
+}
+
 /// Newest state of the platform, with its meaning, which is looked up once and not in each cycle of
 /// each cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +27,8 @@ struct Seen {
     monitored: bool,
     stop: Option<i64>,
 }
+
+whole! { Seen { at, monitored, stop } }
 
 /// Opening of the gate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

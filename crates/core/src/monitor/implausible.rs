@@ -1,6 +1,7 @@
 //! The warning of a reading that fails a plausibility check.
 
 use crate::sample::{DeviceReport, Quality};
+use crate::state::state;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Thresholds, Trigger};
 
@@ -14,6 +15,8 @@ pub struct Implausible {
     /// What the device says of it.
     pub report: Option<DeviceReport>,
 }
+
+state! { Implausible { trigger, fault, beyond, report } }
 
 /// What a check found in a cycle.
 #[derive(Clone, Copy, Debug)]

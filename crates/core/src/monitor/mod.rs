@@ -18,6 +18,7 @@ mod memory;
 mod page;
 mod passage;
 mod sampling;
+mod saved;
 pub mod sink;
 pub mod subscriptions;
 mod telling;
@@ -38,6 +39,7 @@ pub use estimates::Estimates;
 use gate::{Gate, Opening};
 use page::Station;
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
+pub use saved::{DesignChecksum, MAX_STATE, SavedState, StateRefusal};
 pub use sink::{Notice, Record, Sink};
 use subscriptions::{Subscriptions, Target};
 

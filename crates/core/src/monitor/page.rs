@@ -7,6 +7,7 @@ use crate::frame::Frame;
 use crate::sample::arrival::Slot;
 use crate::sample::counter::AliveCounter;
 use crate::sample::{Field, Transducer};
+use crate::state::{StateError, StateReader, StateWriter, Stateful, state, whole};
 use crate::time::{Span, Timestamp};
 use alloc::boxed::Box;
 use alloc::vec;
@@ -32,11 +33,18 @@ pub(super) struct Station {
     pub pages: Box<[Page]>,
 }
 
+state! {
+    Station { kind }
+    parts { pages }
+}
+
 /// The newest frame of a message, until a cycle takes it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Newest {
     frame: Option<Frame>,
 }
+
+whole! { Newest { frame } }
 
 impl Newest {
     /// Keeps `frame` instead of an older one.
@@ -77,6 +85,29 @@ pub(super) struct Page {
     pub slot: Slot,
     /// A signal in the same frames as the page; `None` where every frame carries the page.
     carried_with: Option<SignalPlan>,
+}
+
+state! {
+    Page { slot }
+    but { reading, cyclic, signals, intake, counter, counted, carried_with }
+}
+
+impl Stateful for StationKind {
+    const SHAPE: u64 = Newest::SHAPE;
+
+    fn save(&self, into: &mut StateWriter) {
+        match self {
+            Self::Timed(newest) => newest.save(into),
+            Self::Usual | Self::Sync | Self::Service(_) => {}
+        }
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        match self {
+            Self::Timed(newest) => newest.resume(from),
+            Self::Usual | Self::Sync | Self::Service(_) => Ok(()),
+        }
+    }
 }
 
 impl Station {

@@ -2,6 +2,7 @@
 
 use super::model::{Model, POSITION, POSITION_AND_VELOCITY};
 use super::riccati::{self, RiccatiError};
+use crate::state::{choice, state};
 use nalgebra::{Matrix2x3, Matrix3, Matrix3x2, Vector3};
 
 /// Fixed parameters of one observer: the model (4-1) and the gain of (5-4).
@@ -98,6 +99,8 @@ pub enum Restart {
     Interruption,
 }
 
+choice! { Restart { Gap, Diverged, TimeJump, Interruption } }
+
 /// An observer with its state.
 #[derive(Clone, Debug)]
 pub struct Observer {
@@ -112,6 +115,12 @@ pub struct Observer {
     recovery: u32,
     running: bool,
     stopped_by: Option<Restart>,
+}
+
+state! {
+    Observer { x, u, followed, coasted, recovering, running, stopped_by }
+    but { design, recovery }
+    sound |it| it.coasted <= it.design.max_gap.saturating_add(1)
 }
 
 impl Observer {

@@ -8,6 +8,7 @@
 use super::counter::{AliveCounter, BEHIND, Count};
 use super::phase::{Phases, Usual};
 use crate::frame::Frame;
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
 /// Number of consecutive cycles with frames, none in time, after which the counter or deadline that
@@ -71,6 +72,11 @@ struct Kept {
     before: u64,
 }
 
+whole! {
+    Kept { frame, cycle, sure, before }
+    bits { counter }
+}
+
 /// Arrivals at one place.
 #[derive(Clone, Debug)]
 pub struct Slot {
@@ -86,6 +92,13 @@ pub struct Slot {
     /// Number of consecutive cycles with frames, none in time.
     starved: u32,
     starved_in: u64,
+}
+
+state! {
+    Slot { filled, phases, usual, kept, starved, starved_in }
+    parts { counter }
+    bits { digest }
+    sound |it| it.usual.is_none_or(|usual| usual == it.phases.usual())
 }
 
 impl Slot {
@@ -292,6 +305,24 @@ impl Slot {
         let kept = self.kept.take()?;
         self.take(&kept.frame, kept.counter, when.cycle, when.phase(kept.frame.timestamp));
         Some(kept.frame)
+    }
+
+    /// Counts anew.
+    pub fn count_anew(&mut self) {
+        if let Some(alive) = &mut self.counter {
+            alive.count_anew();
+        }
+    }
+
+    /// Time stamp of the frame that is kept.
+    pub fn kept_since(&self) -> Option<Timestamp> {
+        self.kept.as_ref().map(|kept| kept.frame.timestamp)
+    }
+
+    /// Whether nothing was taken for a cycle after that of this `number`, and nothing is kept for one after the next.
+    pub fn is_of_cycles_until(&self, number: u64) -> bool {
+        let is_kept = |kept: &Kept| kept.cycle <= number + 1;
+        self.filled.is_none_or(|cycle| cycle <= number) && self.kept.as_ref().is_none_or(is_kept)
     }
 
     /// Cycle of the frame that is kept.

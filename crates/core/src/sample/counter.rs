@@ -5,6 +5,8 @@
 //! the sender counts something else, or sends irregularly; it is then not trusted until it fits
 //! again.
 
+use crate::state::{state, whole};
+
 /// Most cycles by which a frame can be late; a counter that is further off is another count.
 pub const BEHIND: i64 = 5;
 
@@ -37,6 +39,11 @@ struct Point {
     step: Option<u64>,
 }
 
+whole! {
+    Point { cycle }
+    bits { value, step }
+}
+
 /// Follows one alive counter.
 #[derive(Clone, Debug)]
 pub struct AliveCounter {
@@ -53,6 +60,13 @@ pub struct AliveCounter {
     believed: bool,
     fitting: u32,
     jumps: u64,
+}
+
+state! {
+    AliveCounter { last, misfit, believed, fitting, jumps }
+    bits { step }
+    but { bits, ones }
+    sound |it| it.fitting <= FITTING && (1..=i64::MAX as u64).contains(&it.step)
 }
 
 impl AliveCounter {
@@ -75,6 +89,10 @@ impl AliveCounter {
     /// Number of counts that fitted no cycle.
     pub const fn jumps(&self) -> u64 {
         self.jumps
+    }
+
+    pub const fn count_anew(&mut self) {
+        self.jumps = 0;
     }
 
     /// Whether `value` is the count of the frame that is due in cycle number `cycle`, for which

@@ -11,6 +11,7 @@
 //! grid determines the time.
 
 use super::arrival::When;
+use crate::state::state;
 use crate::time::{Span, Timestamp};
 
 /// Sample time and deadline of the cycles.
@@ -59,6 +60,12 @@ pub struct CycleClock {
     followed: i64,
 }
 
+state! {
+    CycleClock { opened, nominal, open, provisional, number, followed }
+    but { timing }
+    sound |it| (0..=SLOWNESS).contains(&it.followed)
+}
+
 /// Divisor of the correction: the grid moves by this part of an opening's deviation, once it has
 /// followed as many. The Sync may run one per cent faster or slower than this clock and still
 /// deviate by less than a quarter of a sample time.
@@ -90,6 +97,11 @@ impl CycleClock {
     /// Opening of the newest cycle.
     pub const fn opened(&self) -> Option<Timestamp> {
         self.opened
+    }
+
+    /// Times of the newest opening: of its frame, and on the grid.
+    pub fn times(&self) -> impl Iterator<Item = Timestamp> {
+        [self.opened, self.nominal].into_iter().flatten()
     }
 
     pub const fn is_open(&self) -> bool {

@@ -5,6 +5,8 @@
 //! reading is explained and nobody is to blame. Heartbeats that stop after they have begun mean that the
 //! device is lost. Nothing is expected of a device that has sent none.
 
+mod saved;
+
 use super::emergency::{Emergency, Severity};
 use core::fmt;
 

@@ -1,5 +1,6 @@
 //! Emergency messages of CANopen devices (EMCY, CiA 301) and their words.
 
+use crate::state::whole;
 use core::fmt;
 
 /// An emergency message: what a device says is wrong with itself.
@@ -12,6 +13,8 @@ pub struct Emergency {
     /// Field of the maker's own.
     pub detail: [u8; 5],
 }
+
+whole! { Emergency { code, register, detail } }
 
 /// What an emergency message means for the readings of its device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! Whether a reading follows a rod in motion, judged by its own steps.
 
+use crate::state::whole;
+
 /// Least number of steps in one direction for a motion: noise with three values makes two at most.
 const STEPS: u32 = 3;
 
@@ -17,6 +19,8 @@ pub struct ReadingMotion {
     /// Number of these steps in the same direction.
     steps: u32,
 }
+
+whole! { ReadingMotion { last, newest, recent, steps } }
 
 impl ReadingMotion {
     /// Takes the reading of a cycle, m; `None` where there is none.

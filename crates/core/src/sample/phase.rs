@@ -1,5 +1,7 @@
 //! Usual times within a cycle of the frames of a place.
 
+use crate::state::whole;
+
 /// Number of frames that are remembered.
 const FRAMES: usize = 64;
 
@@ -19,6 +21,8 @@ pub struct Phases {
     count: usize,
 }
 
+whole! { Phases { newest, count } }
+
 /// Median and scatter of the phases, ns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usual {
@@ -26,6 +30,8 @@ pub struct Usual {
     /// Difference beyond which phases are different, ns.
     pub tolerance: i64,
 }
+
+whole! { Usual { phase, tolerance } }
 
 impl Phases {
     pub const fn new() -> Self {

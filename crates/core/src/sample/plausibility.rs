@@ -5,6 +5,7 @@ use super::device::DeviceWord;
 use super::motion::ReadingMotion;
 use super::quality::Quality;
 use super::reading::Reading;
+use crate::state::{choice, state, whole};
 use alloc::vec::Vec;
 
 /// Limits of plausible readings.
@@ -36,6 +37,8 @@ pub enum Push {
     Positive,
     Negative,
 }
+
+choice! { Push { Positive, Negative } }
 
 /// The other transducer of the cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +83,8 @@ struct Stillness {
     travelled: f64,
 }
 
+whole! { Stillness { cycles, pushed, beside, stirred, travelled } }
+
 impl Stillness {
     fn begin(other: Option<Other>) -> Self {
         Self { beside: other.map(|other| other.position), ..Self::default() }
@@ -113,6 +118,11 @@ pub struct Plausibility {
     /// Stillness since the reading changed and the command moves.
     held: Stillness,
     quality: Quality,
+}
+
+state! {
+    Plausibility { missing, last, still, held, quality }
+    but { limits, broken_wire }
 }
 
 impl Plausibility {

@@ -1,5 +1,7 @@
 //! Quality of a reading before any model is asked.
 
+use crate::state::choice;
+
 /// Verdict of the plausibility checks. From [`Quality::Failed`] on, the variants are in the order of the
 /// checks: the first that applies is the quality.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -21,6 +23,10 @@ pub enum Quality {
     OutOfRange,
     /// The reading is exactly constant while the command moves.
     Frozen,
+}
+
+choice! {
+    Quality { Good, Missing, NotOperational, Failed, Stale, BrokenWire, OutOfRange, Frozen }
 }
 
 impl Quality {

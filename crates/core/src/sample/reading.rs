@@ -1,11 +1,15 @@
 //! Inputs of one cylinder within one cycle.
 
+use crate::state::{choice, whole};
+
 /// C1 or C2, as an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transducer {
     C1 = 0,
     C2 = 1,
 }
+
+choice! { Transducer { C1, C2 } }
 
 /// A pressure of a cylinder, as an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +97,8 @@ pub struct Inputs {
     counts: [i64; PLACES],
     numbers: [f64; PLACES],
 }
+
+whole! { Inputs { got, counts, numbers } }
 
 impl Inputs {
     /// Forgets everything, for the next cycle.

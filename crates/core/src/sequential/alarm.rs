@@ -2,8 +2,12 @@
 
 use super::scale::Scale;
 use super::statistic::Peak;
+use crate::state::{choice, whole};
 use crate::time::Timestamp;
 use crate::verdict::{Fault, Suspect};
+
+/// More cycles than any alarm lasts, or is calm, which are fewer than can be counted.
+const MOST_CYCLES: u32 = u32::MAX - 1000;
 
 /// Cause of an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +19,8 @@ pub enum Cause {
     /// A reading on the stop that differs from the first ones.
     Dwell,
 }
+
+choice! { Cause { Mean, Variance, Slow, Dwell } }
 
 /// A standing alarm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +48,11 @@ pub struct Alarm {
     /// Whether all cylinders were found to be sampled differently when the alarm had just been
     /// raised: it is then no transducer's.
     pub of_timing: bool,
+}
+
+whole! {
+    Alarm { cause, peak, back, fault, suspect, evidence, size, scale, onset, age, calm, of_timing }
+    sound |it| it.age < MOST_CYCLES && it.calm < MOST_CYCLES
 }
 
 impl Alarm {

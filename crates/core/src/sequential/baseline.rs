@@ -1,6 +1,7 @@
 //! The baseline of a healthy residual: its slow changes, mainly with the temperature.
 
 use super::parameters::ResidualParameters;
+use crate::state::{state, whole};
 use crate::time::{self, Timestamp};
 
 /// A slow mean of the residual, which weights uncertain samples less, and its own uncertainty.
@@ -15,6 +16,11 @@ pub struct Baseline {
     seen: f64,
     value: f64,
     doubt: f64,
+}
+
+state! {
+    Baseline { seen, value, doubt }
+    but { parameters, gain, begin, clip }
 }
 
 impl Baseline {
@@ -73,6 +79,8 @@ pub struct Loss {
     lost: bool,
 }
 
+whole! { Loss { newest, lost } }
+
 impl Loss {
     /// Notes that readings are missing from here on.
     pub const fn begin(&mut self) {
@@ -107,6 +115,12 @@ pub struct Slow {
     mean: Option<f64>,
     sum: f64,
     count: u32,
+}
+
+state! {
+    Slow { means, held, next, mean, sum, count }
+    but { wild, second }
+    sound |it| it.next < MEANS && it.held <= MEANS && it.count < it.second
 }
 
 impl Slow {

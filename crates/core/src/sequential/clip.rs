@@ -2,6 +2,7 @@
 
 use super::statistic::{Bands, Scales};
 use super::wild::Frequency;
+use crate::state::state;
 
 /// The index of the window of so many samples as wild ones must not be a fault by, of [`super::windows::WIDTHS`].
 const SEVERAL: usize = 3;
@@ -51,6 +52,11 @@ pub struct Clipping {
     usual: Clip,
     of_frequent: Clip,
     frequency: Frequency,
+}
+
+state! {
+    Clipping { frequency }
+    but { usual, of_frequent }
 }
 
 impl Clipping {

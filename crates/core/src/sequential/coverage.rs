@@ -1,5 +1,7 @@
 //! Coverage of a detector: for how long it could judge, and why not otherwise.
 
+use crate::state::{choice, whole};
+
 /// Why a detector cannot judge a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unknown {
@@ -12,6 +14,8 @@ pub enum Unknown {
     /// The difference of C1 and C2 in this stretch of motion is still being learnt.
     NoBaseline,
 }
+
+choice! { Unknown { NotMonitored, NoReading, NotCalibrated, NoBaseline } }
 
 impl Unknown {
     pub const ALL: [Self; 4] =
@@ -35,6 +39,8 @@ pub struct Coverage {
     /// Cycles in which it did not judge, in the order of [`Unknown::ALL`].
     pub unknown: [u64; Unknown::ALL.len()],
 }
+
+whole! { Coverage { judged, unknown } }
 
 impl Coverage {
     /// Counts a cycle.

@@ -1,6 +1,7 @@
 //! The sequential detector of one cylinder.
 
 mod alarmed;
+mod saved;
 mod together;
 
 use super::alarm::{Alarm, Cause};

@@ -2,6 +2,7 @@
 
 use super::parameters::{DriveCycles, DriveParameters};
 use super::tanh::{of_five_times, tanh};
+use crate::state::state;
 
 /// Steps by which commands are looked back at, of [`DriveParameters::step`].
 const LAGS: [usize; 11] = [0, 1, 2, 3, 4, 5, 6, 8, 10, 13, 16];
@@ -34,6 +35,12 @@ pub struct Commands {
     count: usize,
     /// Commands that it takes.
     needed: usize,
+}
+
+state! {
+    Commands { rings, phase, turn, count }
+    but { cycles, needed }
+    sound |it| it.phase < it.cycles.phases
 }
 
 impl Commands {

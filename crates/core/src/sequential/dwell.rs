@@ -2,6 +2,7 @@
 //! to dwell, and the one that moved is the one that drifted.
 
 use super::stops::StopParameters;
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
 const P: &StopParameters = &StopParameters::DEFAULT;
@@ -15,6 +16,8 @@ pub struct Dwell {
     pub readings: [f64; 2],
 }
 
+whole! { Dwell { at, readings } }
+
 /// Waits for a rod to rest on its stop, and reads it once each time.
 #[derive(Clone, Debug)]
 pub struct Dwelling {
@@ -24,6 +27,12 @@ pub struct Dwelling {
     sums: [f64; 2],
     count: u32,
     read: bool,
+}
+
+state! {
+    Dwelling { since, sums, count, read }
+    but { rest }
+    sound |it| it.count < u32::MAX / 2
 }
 
 impl Default for Dwelling {

@@ -3,6 +3,7 @@
 use super::dwell::Dwell;
 use super::stops::{Day, StopParameters};
 use super::trend::Trend;
+use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 use thiserror::Error;
@@ -36,6 +37,8 @@ pub struct Gauging {
     pub corrected: Option<[f64; 2]>,
 }
 
+whole! { Gauging { count, corrected } }
+
 /// Dwells in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DwellHistory {
@@ -43,6 +46,11 @@ pub struct DwellHistory {
     /// Number of dwells of which each is the mean.
     counts: Vec<u32>,
     gauging: Gauging,
+}
+
+whole! {
+    DwellHistory { dwells, counts, gauging }
+    sound |it| it.flaw().is_none()
 }
 
 /// Why dwells are not a valid history.
@@ -78,22 +86,30 @@ impl DwellHistory {
     ///
     /// # Errors The dwells are not a valid history.
     pub fn restore(dwells: Vec<Dwell>, counts: Vec<u32>, gauging: Gauging) -> Result<Self, Flaw> {
-        let Gauging { count, corrected } = gauging;
-        let sound = count.is_finite() && count >= 0.0;
+        let mut history = Self { dwells, counts, gauging };
+        if let Some(flaw) = history.flaw() {
+            return Err(flaw);
+        }
+        history.shorten();
+        Ok(history)
+    }
+
+    /// Why this is not a valid history.
+    fn flaw(&self) -> Option<Flaw> {
+        let Self { dwells, counts, gauging: Gauging { count, corrected } } = self;
+        let sound = count.is_finite() && *count >= 0.0;
         if dwells.len() > MOST_READ {
-            Err(Flaw::TooMany)
+            Some(Flaw::TooMany)
         } else if counts.len() != dwells.len() || counts.contains(&0) {
-            Err(Flaw::Count)
+            Some(Flaw::Count)
         } else if !dwells.iter().all(is_sound) {
-            Err(Flaw::Reading)
+            Some(Flaw::Reading)
         } else if !dwells.is_sorted_by(|one, next| one.at < next.at) {
-            Err(Flaw::Order)
+            Some(Flaw::Order)
         } else if !sound || !corrected.iter().flatten().all(|number| number.is_finite()) {
-            Err(Flaw::Gauging)
+            Some(Flaw::Gauging)
         } else {
-            let mut history = Self { dwells, counts, gauging };
-            history.shorten();
-            Ok(history)
+            None
         }
     }
 

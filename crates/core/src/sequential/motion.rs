@@ -4,6 +4,7 @@
 //! displacements in the same direction.
 
 use super::parameters::ResidualParameters;
+use crate::state::state;
 
 /// Displacements are over no more cycles: those of [`ResidualParameters::motion`] up to 160 Hz.
 pub const MOST_CYCLES: usize = 32;
@@ -19,6 +20,12 @@ pub struct Motion {
     held: usize,
     /// Displacement of each reading in the previous cycle, m; 0 where it was small.
     way: [f64; 2],
+}
+
+state! {
+    Motion { ring, next, held, way }
+    but { least, over }
+    sound |it| it.next < it.over.max(1) && it.held <= it.over
 }
 
 impl Motion {

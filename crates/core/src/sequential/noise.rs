@@ -4,6 +4,7 @@
 //! the velocity, appears in their difference: σ² + (s v)².
 
 use super::parameters::SamplingParameters;
+use crate::state::whole;
 
 /// Nobody has sampled two devices more alike than this, s: a calibration that says so was lucky.
 pub const LEAST_TIMING: f64 = SamplingParameters::DEFAULT.least_timing;
@@ -16,6 +17,8 @@ pub struct Noise {
     /// Standard deviation s of the time between the samples of C1 and C2, s.
     pub timing: f64,
 }
+
+whole! { Noise { rest, timing } }
 
 impl Noise {
     /// Least scatter from the rounding of readings with this `resolution`, m.

@@ -9,6 +9,7 @@ use super::drive::{Commands, Drive};
 use super::parameters::{PairParameters, SequentialParameters};
 use super::whitening::{ORDER, Whitening};
 use crate::observe::riccati::{self, RiccatiError};
+use crate::state::state;
 use crate::time;
 use nalgebra::{Matrix2x3, Matrix3, Vector2, Vector3};
 
@@ -155,6 +156,12 @@ pub struct Pair {
     innovations: [[f64; 2]; KEPT],
     next: usize,
     held: usize,
+}
+
+state! {
+    Pair { commands, x, running, innovations, next, held }
+    but { design }
+    sound |it| it.next < KEPT && it.held <= KEPT
 }
 
 impl Pair {

@@ -4,6 +4,7 @@ use super::clip::Clip;
 use super::statistic::DEAD_BAND;
 use super::thinning::Independence;
 use super::windows::{Few, Sums, VALUES};
+use crate::state::state;
 use alloc::boxed::Box;
 
 /// Up to this width a window takes every independent sample; wider ones only those in motion, because
@@ -59,6 +60,11 @@ pub struct Newest<const N: usize> {
     most: usize,
 }
 
+state! {
+    Newest<N> [const N: usize] { ring, count }
+    but { most }
+}
+
 impl<const N: usize> Default for Newest<N> {
     fn default() -> Self {
         const { assert!(N.is_power_of_two()) };
@@ -106,6 +112,11 @@ pub struct History {
     said: u64,
     /// Cycle of the newest independent sample in motion.
     moved: u64,
+}
+
+state! {
+    History { all, few, moving, many, cycle, said, moved }
+    sound |it| it.said <= it.cycle && it.moved <= it.cycle
 }
 
 impl History {

@@ -7,6 +7,7 @@
 
 use super::parameters::SamplingParameters;
 use super::skew::Seen;
+use crate::state::whole;
 
 const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 
@@ -48,6 +49,8 @@ pub struct Said {
 pub struct Sampling {
     changed: bool,
 }
+
+whole! { Sampling { changed } }
 
 impl Sampling {
     /// Most cylinders that are asked.

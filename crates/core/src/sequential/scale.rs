@@ -5,6 +5,7 @@
 //! up and down, l is no such function of time, and one of them fails.
 
 use super::parameters::{ScaleParameters, SequentialCycles};
+use crate::state::{state, whole};
 use nalgebra::{SMatrix, SVector};
 
 /// Regressors 1, t, t² and l, and the residual.
@@ -27,6 +28,8 @@ pub struct Scale {
     pub nats: f64,
 }
 
+whole! { Scale { gain, nats } }
+
 /// Sums of products since an alarm. Memory does not grow.
 #[derive(Clone, Debug)]
 pub struct Proportion {
@@ -40,6 +43,11 @@ pub struct Proportion {
     /// So many samples are one.
     alike: f64,
     sums: [[f64; COLUMNS]; COLUMNS],
+}
+
+state! {
+    Proportion { sums }
+    but { deviation, dead_band, parameters, longest, alike }
 }
 
 impl Proportion {

@@ -3,6 +3,7 @@
 use super::samples::{AT_REST, History, MOVING};
 use super::statistic::{Peak, Scales, larger};
 use super::windows::{Few, Sums, VALUES, WIDTHS, add};
+use crate::state::whole;
 
 /// So many windows are of samples at rest, too, …
 const FEW: usize = 5;
@@ -30,6 +31,11 @@ pub struct Search {
     age: u32,
     /// Result of the newest search of the wide windows.
     wide: [Peak; 2],
+}
+
+whole! {
+    Search { age, wide }
+    sound |it| it.age < EVERY
 }
 
 impl Search {

@@ -3,6 +3,7 @@
 
 use super::noise::Noise;
 use super::parameters::SamplingParameters;
+use crate::state::state;
 
 const P: &SamplingParameters = &SamplingParameters::DEFAULT;
 
@@ -30,6 +31,11 @@ pub struct Skew {
     /// Part of each sum that remains after another sample.
     keep: [f64; TIMES],
     sums: [[f64; TIMES]; SUMS],
+}
+
+state! {
+    Skew { sums }
+    but { known, keep }
 }
 
 /// Of v², of v⁴, of v e, of v² times what e² is beyond the noise at rest, and of the variances of these

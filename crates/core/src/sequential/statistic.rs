@@ -5,6 +5,7 @@ use super::rate::Rate;
 use super::samples::History;
 use super::wild::Outliers;
 use super::windows::{VALUES, WIDTHS};
+use crate::state::whole;
 use core::ops::Range;
 
 /// A statistic and its window.
@@ -15,6 +16,8 @@ pub struct Peak {
     /// Width of the window, samples; 0 while nothing stands out.
     pub width: usize,
 }
+
+whole! { Peak { nats, width } }
 
 /// The larger of two.
 pub(super) fn larger(one: Peak, other: Peak) -> Peak {

@@ -3,6 +3,7 @@
 use super::motion::Motion;
 use super::parameters::ResidualParameters;
 use super::samples::Sample;
+use crate::state::state;
 
 /// Weight of a sample as evidence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,11 @@ pub struct Thinning {
     newest: Option<([f64; 2], f64)>,
     /// Displacement of the readings in the newest cycle, m.
     moved: Option<[f64; 2]>,
+}
+
+state! {
+    Thinning { motion, newest, moved }
+    but { rounding, alike, farthest }
 }
 
 impl Thinning {

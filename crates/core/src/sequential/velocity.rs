@@ -1,6 +1,7 @@
 //! Velocity of the rod, by C2.
 
 use super::parameters::ResidualParameters;
+use crate::state::state;
 
 /// The measured velocity, or else one from the differences of successive readings.
 #[derive(Clone, Debug)]
@@ -12,6 +13,11 @@ pub struct Velocity {
     before: Option<f64>,
     /// Velocity by differences, m/s.
     derived: Option<f64>,
+}
+
+state! {
+    Velocity { before, derived }
+    but { sample_time, gain }
 }
 
 impl Velocity {

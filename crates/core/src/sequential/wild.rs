@@ -7,6 +7,7 @@
 //! ([`Frequency`]).
 
 use super::parameters::OutlierParameters;
+use crate::state::state;
 
 const P: &OutlierParameters = &OutlierParameters::DEFAULT;
 
@@ -65,6 +66,11 @@ pub struct Frequency {
     share: f64,
     /// Direction in which the newest sample was wild; 0 if it was not.
     side: f64,
+}
+
+state! {
+    Frequency { share, side }
+    but { farthest, frequent, part }
 }
 
 impl Frequency {

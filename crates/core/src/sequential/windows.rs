@@ -1,5 +1,6 @@
 //! Sums over the newest samples.
 
+use crate::state::{state, whole};
 use alloc::boxed::Box;
 
 /// Samples in each window: about as many as an octave needs, so that what begins between two of
@@ -20,6 +21,8 @@ pub struct Sums<const N: usize> {
     /// Number of samples that came.
     count: usize,
 }
+
+state! { Sums<N> [const N: usize] { before, total, count } }
 
 impl<const N: usize> Sums<N> {
     pub fn new() -> Self {
@@ -92,6 +95,8 @@ pub struct Few {
     rings: [[f64; VALUES]; 2 * FEW],
     count: usize,
 }
+
+whole! { Few { rings, count } }
 
 impl Few {
     pub const fn clear(&mut self) {

@@ -10,6 +10,7 @@ use super::noise::Noise;
 use super::parameters::{SamplingParameters, WitnessParameters};
 use super::samples::NEWEST;
 use super::wild::Outliers;
+use crate::state::whole;
 
 const P: &WitnessParameters = &WitnessParameters::DEFAULT;
 
@@ -23,6 +24,8 @@ pub struct Witness {
     ring: [[f64; 2]; KEPT],
     count: usize,
 }
+
+whole! { Witness { ring, count } }
 
 impl Default for Witness {
     fn default() -> Self {

@@ -7,6 +7,7 @@ use super::history::ResidualHistory;
 use super::parameters::{VerdictCycles, VerdictParameters};
 use super::suspect::{self, FdeState, Suspect};
 use super::trigger::{Raise, Thresholds, Trigger};
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
 /// Residuals of one cycle, m, signed; `None` where there is nothing to judge.
@@ -63,6 +64,11 @@ pub struct Bank {
     cycles: VerdictCycles,
 }
 
+state! {
+    Bank { triggers, verdicts, newest, observed, difference, found, any_found }
+    but { signatures, coincidence, parameters, cycles }
+}
+
 /// State of a raised FDE.
 #[derive(Clone, Copy, Debug)]
 struct Found {
@@ -70,6 +76,8 @@ struct Found {
     suspect: Suspect,
     age: u32,
 }
+
+whole! { Found { fault, suspect, age } }
 
 impl Bank {
     pub fn new(design: &BankDesign) -> Self {

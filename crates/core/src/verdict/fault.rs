@@ -6,6 +6,7 @@
 
 use super::parameters::{VerdictCycles, VerdictParameters};
 use crate::observe::observer::ObserverDesign;
+use crate::state::choice;
 use nalgebra::{Vector2, Vector3};
 
 /// Residuals R1 or R2 that are kept: those of [`VerdictParameters::window`] up to 100 Hz.
@@ -29,6 +30,10 @@ pub enum Fault {
     BrokenWire,
     Frozen,
     Stale,
+}
+
+choice! {
+    Fault { Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale }
 }
 
 impl Fault {

@@ -1,10 +1,17 @@
 //! The newest residuals of one detector.
 
+use crate::state::state;
+
 /// A ring of the last `N` values; places not yet filled read as zero.
 #[derive(Clone, Debug)]
 pub struct ResidualHistory<const N: usize> {
     values: [f64; N],
     next: usize,
+}
+
+state! {
+    ResidualHistory<N> [const N: usize] { values, next }
+    sound |it| it.next < N
 }
 
 impl<const N: usize> Default for ResidualHistory<N> {

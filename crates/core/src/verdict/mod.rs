@@ -7,6 +7,7 @@ pub mod parameters;
 pub mod suspect;
 pub mod trigger;
 
+use crate::state::choice;
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
 pub use parameters::VerdictParameters;
@@ -22,3 +23,5 @@ pub enum Verdict {
     Healthy,
     Faulty,
 }
+
+choice! { Verdict { Unknown, Healthy, Faulty } }

@@ -1,6 +1,7 @@
 //! The suspect, from the pattern of the three FDEs (Figure 5-17).
 
 use super::{Verdict, trigger::Raise};
+use crate::state::choice;
 use crate::time::Span;
 
 /// Suspect of a warning.
@@ -13,6 +14,8 @@ pub enum Suspect {
     /// Neither transducer: the cylinder, its valve or the model.
     Process,
 }
+
+choice! { Suspect { Undecided, C1, C2, Process } }
 
 impl Suspect {
     /// Name in files and reports.

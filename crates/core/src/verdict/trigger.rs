@@ -1,6 +1,7 @@
 //! A threshold with hysteresis in size and time: raised above δ_h, cleared after a while below δ_l.
 
 use super::Verdict;
+use crate::state::{state, whole};
 use crate::time::{Span, Timestamp};
 
 /// Thresholds of one residual.
@@ -23,6 +24,8 @@ pub struct Raise {
     pub last_exceeded: Timestamp,
 }
 
+whole! { Raise { at, last_exceeded } }
+
 /// Judges the magnitude of one residual, cycle after cycle.
 #[derive(Clone, Debug)]
 pub struct Trigger {
@@ -32,6 +35,11 @@ pub struct Trigger {
     below: Span,
     /// Time of the last cycle, if its magnitude was below δ_l.
     was_below: Option<Timestamp>,
+}
+
+state! {
+    Trigger { raised, below, was_below }
+    but { thresholds }
 }
 
 impl Trigger {

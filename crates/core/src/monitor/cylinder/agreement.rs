@@ -10,6 +10,8 @@
 //! in both innovations, since both observers get the same command, while a fault is only in its
 //! own.
 
+use crate::state::whole;
+
 /// Part of the innovation below which C1 − C2 does not show it.
 const PART: f64 = 0.5;
 
@@ -23,6 +25,8 @@ pub struct Agreement {
     raised: [bool; 2],
     process: [bool; 2],
 }
+
+whole! { Agreement { raised, process } }
 
 impl Agreement {
     /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and the difference `apart` of

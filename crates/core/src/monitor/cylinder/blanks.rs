@@ -4,6 +4,7 @@
 use super::{Cylinder, Evaluation, TRANSDUCERS};
 use crate::monitor::gate::Opening;
 use crate::sample::{Quality, Transducer};
+use crate::state::{choice, whole};
 use crate::time::Timestamp;
 
 /// Longest blanks that are kept of each transducer.
@@ -23,6 +24,8 @@ pub enum NotJudged {
     Settling,
 }
 
+choice! { NotJudged { State, NoReadings, Implausible, NoCommand, Settling } }
+
 /// A time in which the observer of a transducer did not judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blank {
@@ -34,6 +37,8 @@ pub struct Blank {
     /// Why it stopped judging.
     pub reason: NotJudged,
 }
+
+whole! { Blank { transducer, from, until, reason } }
 
 /// The longest blanks of a cylinder.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +52,8 @@ pub(super) struct Blanks {
     cycles: [u64; 2],
 }
 
+whole! { Blanks { judged, open, longest, cycles } }
+
 /// A blank that lasts.
 #[derive(Clone, Copy, Debug)]
 struct Begun {
@@ -55,6 +62,8 @@ struct Begun {
     before: u64,
     reason: NotJudged,
 }
+
+whole! { Begun { from, before, reason } }
 
 impl Default for Blanks {
     fn default() -> Self {
@@ -75,6 +84,17 @@ impl Blanks {
         if let Some(place) = shortest.filter(|place| length(place) < length(&Some(blank))) {
             *place = Some(blank);
         }
+    }
+
+    /// Forgets those that are over; those that go on are counted from here.
+    pub fn count_anew(&mut self) {
+        (self.longest, self.cycles) = Default::default();
+        self.open.iter_mut().flatten().for_each(|begun| begun.before = 0);
+    }
+
+    /// Whether each that is open began within the first so many cycles.
+    pub fn begin_before(&self, cycles: u64) -> bool {
+        self.open.iter().flatten().all(|begun| begun.before <= cycles)
     }
 
     /// Whether the observers judge as in the cycle before.

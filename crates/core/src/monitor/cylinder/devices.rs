@@ -5,23 +5,32 @@ use crate::monitor::implausible::Checked;
 use crate::sample::device::{DeviceDesign, DeviceNews, DeviceState, DeviceWatch, DeviceWord};
 use crate::sample::emergency::Emergency;
 use crate::sample::{DeviceReport, DeviceRole, Quality, Reading};
+use crate::state::state;
 use crate::time::Timestamp;
 use alloc::boxed::Box;
 
 /// Watches on the devices of a cylinder, by [`DeviceRole`].
-pub(super) type Watches = Box<[Option<DeviceWatch>; 3]>;
+#[derive(Clone, Debug)]
+pub(super) struct Watches {
+    each: [Option<DeviceWatch>; 3],
+}
+
+state! {
+    Watches {}
+    parts { each }
+}
 
 /// The watches on the devices of `designs`; `None` without any.
-pub(super) fn watches(designs: &[Option<DeviceDesign>; 3]) -> Option<Watches> {
+pub(super) fn watches(designs: &[Option<DeviceDesign>; 3]) -> Option<Box<Watches>> {
     let watch =
         |role: DeviceRole| designs[role as usize].map(|design| DeviceWatch::new(design, role));
     let any = designs.iter().any(Option::is_some);
-    any.then(|| Box::new(DeviceRole::ALL.map(watch)))
+    any.then(|| Box::new(Watches { each: DeviceRole::ALL.map(watch) }))
 }
 
 impl Cylinder {
     fn watch_mut(&mut self, role: DeviceRole) -> Option<&mut DeviceWatch> {
-        self.devices.as_mut()?[role as usize].as_mut()
+        self.devices.as_mut()?.each[role as usize].as_mut()
     }
 
     pub fn hear_heartbeat(&mut self, role: DeviceRole, state: DeviceState) {
@@ -59,7 +68,7 @@ impl Cylinder {
     pub(super) fn step_devices(&mut self, live: bool, readings: &[Option<Reading>; 2]) {
         let Some(watches) = &mut self.devices else { return };
         let [c1, c2] = readings.each_ref().map(Option::is_some);
-        for (watch, reads) in watches.iter_mut().zip([c1, c2, false]) {
+        for (watch, reads) in watches.each.iter_mut().zip([c1, c2, false]) {
             if let Some(watch) = watch {
                 watch.step(live, reads);
             }
@@ -69,7 +78,7 @@ impl Cylinder {
     /// What the device of index `i` ([`DeviceRole`]) says of itself.
     #[cold]
     pub(super) fn word(&self, i: usize) -> DeviceWord {
-        let watch = self.devices.as_ref().and_then(|watches| watches[i].as_ref());
+        let watch = self.devices.as_ref().and_then(|watches| watches.each[i].as_ref());
         watch.map_or(DeviceWord::Nothing, DeviceWatch::said)
     }
 
@@ -83,7 +92,7 @@ impl Cylinder {
     /// What the device of index `i` ([`DeviceRole`]) says of its fault.
     #[cold]
     pub(super) fn report(&self, i: usize) -> Option<DeviceReport> {
-        self.devices.as_ref()?[i].as_ref()?.report()
+        self.devices.as_ref()?.each[i].as_ref()?.report()
     }
 
     /// Whether the valve says that it is not operational: then the rod does not follow the command, and no
@@ -96,7 +105,7 @@ impl Cylinder {
     /// Passes to `tell` what the devices have said that is no fault, with the role and node-ID of each.
     pub fn take_news(&mut self, mut tell: impl FnMut(DeviceRole, u8, DeviceNews)) {
         let Some(watches) = &mut self.devices else { return };
-        for (role, watch) in DeviceRole::ALL.into_iter().zip(watches.iter_mut()) {
+        for (role, watch) in DeviceRole::ALL.into_iter().zip(&mut watches.each) {
             let Some(watch) = watch else { continue };
             while let Some(news) = watch.take_news() {
                 tell(role, watch.node(), news);
@@ -106,7 +115,7 @@ impl Cylinder {
 
     /// Restarts the times of the devices; see [`DeviceWatch::interrupt`].
     pub(super) fn interrupt_devices(&mut self) {
-        let watches = self.devices.iter_mut().flat_map(|watches| watches.iter_mut());
+        let watches = self.devices.iter_mut().flat_map(|watches| &mut watches.each);
         watches.flatten().for_each(DeviceWatch::interrupt);
     }
 }

@@ -6,6 +6,7 @@
 //! Every detector that warns while a reading stands is therefore told which one it is, until its
 //! warning clears.
 
+use crate::state::{state, whole};
 use crate::verdict::{Fault, Suspect};
 
 /// Number of detectors: FDE1, FDE2, FDE3 and the sequential detector.
@@ -39,6 +40,11 @@ struct Culprit {
     known: bool,
 }
 
+whole! {
+    Culprit { transducer, known }
+    sound |it| it.transducer < 2
+}
+
 /// Precedence for each detector.
 #[derive(Clone, Copy, Debug)]
 pub struct Precedence {
@@ -50,6 +56,12 @@ pub struct Precedence {
     ages: [Option<u32>; DETECTORS],
     /// The transducer that stood when FDE3 was raised, while its fault is not yet decided.
     awaited: Option<usize>,
+}
+
+state! {
+    Precedence { culprits, ages, awaited }
+    but { before }
+    sound |it| it.awaited.is_none_or(|transducer| transducer < 2)
 }
 
 impl Precedence {

@@ -1,6 +1,8 @@
 //! Counts and extremes of a cylinder.
 
+use super::Cylinder;
 use crate::sequential::Coverage;
+use crate::state::whole;
 use crate::verdict::Residuals;
 
 /// Counts and extremes of one cylinder, for reports.
@@ -18,6 +20,16 @@ pub struct Tally {
     pub worst: [Option<f64>; 3],
     /// Coverage of the sequential detector; `None` without one.
     pub sequential: Option<Coverage>,
+}
+
+whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential } }
+
+impl Cylinder {
+    /// Counts anew, also what is not judged at present.
+    pub fn count_anew(&mut self) {
+        self.tally = Tally::default();
+        self.blanks.count_anew();
+    }
 }
 
 impl Tally {

@@ -42,7 +42,7 @@ impl Sequential {
     /// cylinders are asked about it before the alarm is next examined.
     pub fn claim(&self) -> Option<Claim> {
         let alarm = self.alarm.as_ref().filter(|alarm| alarm.is_to_be_claimed(&self.cycles))?;
-        let cycles = (alarm.age as usize + alarm.back).min(self.cycles.newest);
+        let cycles = (alarm.age as usize).saturating_add(alarm.back).min(self.cycles.newest);
         let Design { noise, sample_time, .. } = &self.design;
         Some(self.witness.claim(cycles, &noise.relied_on(), *sample_time))
     }

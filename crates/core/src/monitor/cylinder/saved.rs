@@ -1,0 +1,14 @@
+//! What is saved of a cylinder.
+
+use super::Cylinder;
+use crate::state::state;
+
+state! {
+    Cylinder {
+        inputs, pending, plausibility, motions, implausible, observers, bank, agreement, precedence, estimated,
+        critical, apart, was_critical, command_missing, push, judged, blanks, is_busy, is_watched, quantities, tally,
+    }
+    parts { devices, sequential, sensor }
+    but { design }
+    sound |it| it.blanks.begin_before(it.tally.cycles)
+}
