@@ -133,7 +133,7 @@ impl Replay {
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
-        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut())?;
+        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
         if output.failed() {
             return broken_off(output);
         }
@@ -323,12 +323,14 @@ fn broken_off(output: Output) -> Result<(), Failure> {
 }
 
 /// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
-/// from its first frame to its last. Where the state is `kept`, the machine goes on after the end.
+/// from its first frame to its last. Where the state is `kept`, or was recorded with the
+/// `inputs`, the machine goes on after the end.
 fn feed(
     recording: &mut Recording,
     monitor: &mut Monitor,
     output: &mut Output,
     mut kept: Option<&mut StateFile>,
+    inputs: &RecordedInputs,
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut last = None;
@@ -350,9 +352,10 @@ fn feed(
             bar.show(recording.progress());
         }
     }
-    match kept {
-        Some(_) => monitor.standing().for_each(|incident| output.incidents.take(&incident)),
-        None => monitor.finish(output),
+    if kept.is_some() || inputs.state.is_some() {
+        monitor.standing().for_each(|incident| output.incidents.take(&incident));
+    } else {
+        monitor.finish(output);
     }
     bar.finish();
     Ok(last.map_or(Span::ZERO, |last| last.since(output.first)))

@@ -3,6 +3,7 @@
 mod canopen;
 mod devices;
 mod embedded_bus;
+mod flight_recorder;
 mod inject_proxy;
 mod live_gateway;
 mod metrics;

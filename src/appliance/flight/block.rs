@@ -30,6 +30,8 @@ pub(super) struct Block {
     pub incidents: Vec<Incident>,
     /// Number of incidents lost for want of room.
     pub left_out: u64,
+    /// Whether somebody asks for everything up to here.
+    pub demanded: bool,
     /// Time up to which everything is in this block or an earlier one.
     pub until: Timestamp,
 }
@@ -42,6 +44,7 @@ impl Block {
             state: None,
             incidents: Vec::with_capacity(INCIDENTS),
             left_out: 0,
+            demanded: false,
             until: Timestamp::default(),
         }
     }
@@ -85,6 +88,7 @@ impl Block {
         self.incidents.clear();
         (self.lost, self.left_out) = (0, 0);
         self.state = None;
+        self.demanded = false;
     }
 }
 

@@ -80,7 +80,7 @@ impl FlightRecorder {
         let Some(plan) = plan else { return };
         // What an earlier worker of this program is writing there is no leftover.
         let is_new = self.folder.replace(plan.folder.clone()).as_ref() != Some(&plan.folder);
-        let (tap, work) = tap::connect(&self.telemetry, monitor);
+        let (tap, work) = tap::connect(&self.telemetry, &self.demand, monitor);
         let (demand, telemetry) = (Arc::clone(&self.demand), Arc::clone(&self.telemetry));
         let builder = std::thread::Builder::new().name("recorder".to_owned());
         let run = move || worker::work(plan, work, is_new, demand, telemetry);

@@ -67,7 +67,14 @@ mod tests {
 
     fn piece(second: i64, bytes: usize) -> Arc<Piece> {
         let until = Timestamp::from_nanos(second * 1_000_000_000);
-        Arc::new(Piece { ends: None, until, frames: 1, lost: 0, bytes: vec![0; bytes].into(), state: None })
+        Arc::new(Piece {
+            ends: None,
+            until,
+            frames: 1,
+            lost: 0,
+            bytes: vec![0; bytes].into(),
+            state: None,
+        })
     }
 
     fn seconds(ring: &Ring, from: i64) -> Vec<i64> {

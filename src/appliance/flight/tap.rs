@@ -7,6 +7,7 @@ use crate::incident::Incident;
 use crate::monitor::Monitor;
 use crate::time::{Span, Timestamp};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Number of blocks, 2 MB: a disk that stalls for ten seconds loses nothing of a full bus with 1 Mbit/s.
@@ -36,6 +37,7 @@ pub(super) struct Tap {
     incidents: Vec<Incident>,
     /// Number of incidents lost for want of room.
     left_out: u64,
+    demand: Arc<AtomicBool>,
     telemetry: Arc<Telemetry>,
 }
 
@@ -47,7 +49,11 @@ pub(super) struct Work {
 }
 
 /// A tap that begins with `monitor`, and what its worker needs. All blocks are made here, and no other ones later.
-pub(super) fn connect(telemetry: &Arc<Telemetry>, monitor: &Monitor) -> (Tap, Work) {
+pub(super) fn connect(
+    telemetry: &Arc<Telemetry>,
+    demand: &Arc<AtomicBool>,
+    monitor: &Monitor,
+) -> (Tap, Work) {
     let (full, filled) = sync_channel(BLOCKS);
     let (emptied, empty) = sync_channel(BLOCKS);
     for _ in 0..BLOCKS {
@@ -64,6 +70,7 @@ pub(super) fn connect(telemetry: &Arc<Telemetry>, monitor: &Monitor) -> (Tap, Wo
         lost: 0,
         incidents: Vec::with_capacity(INCIDENTS),
         left_out: 0,
+        demand: Arc::clone(demand),
         telemetry: Arc::clone(telemetry),
     };
     tap.provide();
@@ -140,6 +147,7 @@ impl Tap {
     fn hand_over(&mut self, now: Timestamp) {
         let Some(mut block) = self.current.take() else { return };
         block.until = now;
+        block.demanded = self.demand.swap(false, Ordering::Relaxed);
         block.incidents.append(&mut self.incidents);
         block.left_out = std::mem::take(&mut self.left_out);
         self.handed = Some(now);
@@ -178,7 +186,7 @@ mod tests {
     #[test]
     fn a_worker_that_stands_still_costs_frames_and_nobody_waits() {
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
-        let (mut tap, work) = connect(&telemetry, &monitor());
+        let (mut tap, work) = connect(&telemetry, &Arc::default(), &monitor());
         let frames = 200_000;
         (0..frames).for_each(|at| tap.frame(Timestamp::from_nanos(at), &frame(at)));
         // The worker goes on.
@@ -201,7 +209,7 @@ mod tests {
     fn time_passes_for_the_worker_on_a_quiet_bus() {
         let telemetry = Arc::new(Telemetry::new(&SystemClock::new()));
         let monitor = monitor();
-        let (mut tap, work) = connect(&telemetry, &monitor);
+        let (mut tap, work) = connect(&telemetry, &Arc::default(), &monitor);
         for ms in (0..3500).step_by(5) {
             tap.turned(Timestamp::from_nanos(ms * 1_000_000), &monitor);
         }

@@ -21,8 +21,8 @@ use tracing::{info, warn};
 /// Most recordings in progress: one for each cylinder, and some.
 const AT_ONCE: usize = 8;
 
-/// Longest wait for a block, after which it is looked whether anything was asked for.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Longest wait for a block; the data path hands one over every second while a bus is there.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Time that the ring keeps beyond the configured one: the time between two states, a block, and an incident that is
 /// opened a little after its begin.
@@ -67,18 +67,25 @@ pub(super) fn work(
         match work.full.recv_timeout(PATIENCE) {
             Ok(mut block) => {
                 heard = Instant::now();
-                let incidents = worker.take(&mut block);
+                let (incidents, demanded) = (worker.take(&mut block), block.demanded);
                 // Before anything is written, which may take long.
                 block.clear();
                 _ = work.empty.try_send(block);
                 worker.follow(&incidents);
+                if demanded {
+                    worker.write_ring();
+                }
             }
-            Err(RecvTimeoutError::Timeout) if heard.elapsed() > longest => worker.conclude_all(),
-            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Timeout) => {
+                if heard.elapsed() > longest {
+                    worker.conclude_all();
+                }
+                // No block will bring it.
+                if demand.swap(false, Ordering::Relaxed) {
+                    worker.write_ring();
+                }
+            }
             Err(RecvTimeoutError::Disconnected) => break,
-        }
-        if demand.swap(false, Ordering::Relaxed) {
-            worker.write_ring();
         }
     }
     if demand.swap(false, Ordering::Relaxed) {
