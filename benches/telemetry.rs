@@ -1,23 +1,28 @@
-//! What the telemetry costs the data path: the same frames through the same gateway without and
-//! with it, in turn, in one run.
+//! What the telemetry and the flight recorder cost the data path: the same frames through the same
+//! gateway without and with them, in turn, in one run.
 //!
 //!     cargo bench --bench telemetry
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tertius::alarm::{OwnFrame, Warning};
+use tertius::appliance::flight::{FlightPlan, FlightRecorder};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
+use tertius::config::{self, design};
+use tertius::dbc::Database;
 use tertius::frame::Frame;
 use tertius::live::gateway::{Gateway, Journal, Silent};
 use tertius::live::outbox::{Outbox, OutboxLimits};
-use tertius::monitor::Record;
+use tertius::monitor::{Estimates, Monitor, Record};
 use tertius::time::{Span, Timestamp};
 use tertius_testing::machine::{Cycle, monitor};
 
-const CYCLES: i64 = 5_000;
-const ROUNDS: usize = 21;
+/// As many as the recorder has blocks for, since no worker keeps up with frames that come without a pause.
+const CYCLES: i64 = 1_500;
+const ROUNDS: usize = 41;
 
 /// Gives frames, so many at a time, and takes everything.
 struct Tape<'a> {
@@ -57,9 +62,15 @@ impl Port for Tape<'_> {
     }
 }
 
-struct Told(Recorder);
+struct Told(Recorder, Option<FlightRecorder>);
 
 impl Journal for Told {
+    fn frame(&mut self, frame: &Frame) {
+        if let Some(flight) = &mut self.1 {
+            flight.frame(frame);
+        }
+    }
+
     fn record(&mut self, record: &Record) {
         self.0.record(record);
     }
@@ -68,8 +79,11 @@ impl Journal for Told {
         self.0.warning(warning);
     }
 
-    fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {
+    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
         self.0.sent(frame);
+        if let Some(flight) = &mut self.1 {
+            flight.sent(frame, at);
+        }
     }
 }
 
@@ -85,19 +99,59 @@ fn gateway() -> Gateway {
     Gateway::new(monitor(), Outbox::new(limits), Span::from_seconds(0.01))
 }
 
+#[derive(Clone, Copy, PartialEq)]
+enum With {
+    Nothing,
+    Telemetry,
+    Recorder,
+}
+
+/// The machine with everything on, and a recorder that nothing asks to write.
+fn recorder(told: &Recorder, monitor: &Monitor) -> FlightRecorder {
+    let path = Path::new("tests/recordings/e-type-sequential.toml");
+    let loaded = config::load(path).expect("it ships");
+    let mut flight = FlightRecorder::new(told.telemetry());
+    let plan = FlightPlan {
+        folder: std::env::temp_dir().join("tertius-bench"),
+        before: Span::from_seconds(30.0),
+        after: Span::from_seconds(30.0),
+        size: 1,
+        machine: String::new(),
+        interface: "can0".to_owned(),
+        files: Vec::new(),
+        design: everything(&loaded).checksum(),
+    };
+    flight.follow(Some(plan), monitor);
+    flight
+}
+
+fn everything(loaded: &config::Loaded) -> tertius::monitor::MonitorDesign {
+    let text = tertius::dbc::text::from_bytes(&loaded.dbc_text);
+    let database = Database::parse(&text).expect("it ships");
+    let mut design = design::judging(&loaded.settings, &database).expect("they fit");
+    design.estimates = Estimates::Told;
+    design
+}
+
 /// Nanoseconds a frame.
-fn play(frames: &[Frame], batch: usize, told: bool) -> f64 {
+fn play(frames: &[Frame], batch: usize, with: With) -> f64 {
     let mut port = Tape { frames, batch, counts: PortCounts::default() };
     let mut gateway = gateway();
-    let mut recorder = Told(Recorder::new(Arc::new(SystemClock::new())));
-    recorder.0.opened();
+    let mut told = Told(Recorder::new(Arc::new(SystemClock::new())), None);
+    told.0.opened();
+    if with == With::Recorder {
+        told.1 = Some(recorder(&told.0, gateway.monitor()));
+    }
     let start = Instant::now();
     while !port.frames.is_empty() {
-        if told {
-            gateway.turn(&mut port, Duration::ZERO, &mut recorder).expect("a tape does not break");
-            recorder.0.turned(&gateway, &port);
-        } else {
+        if with == With::Nothing {
             gateway.turn(&mut port, Duration::ZERO, &mut Silent).expect("a tape does not break");
+        } else {
+            gateway.turn(&mut port, Duration::ZERO, &mut told).expect("a tape does not break");
+            told.0.turned(&gateway, &port);
+            if let Some(flight) = &mut told.1 {
+                flight.turned(&gateway);
+            }
         }
     }
     let time = start.elapsed();
@@ -112,13 +166,37 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 fn main() {
     let frames: Vec<Frame> = (0..CYCLES).flat_map(|k| Cycle::new(k).frames()).collect();
-    for (batch, name) in [(20, "a turn for each cycle"), (1, "a turn for each frame")] {
-        let pairs: Vec<(f64, f64)> = (0..ROUNDS)
-            .map(|_| (play(&frames, batch, false), play(&frames, batch, true)))
-            .collect();
-        let without = median(pairs.iter().map(|pair| pair.0).collect());
-        let with = median(pairs.iter().map(|pair| pair.1).collect());
-        let ratio = median(pairs.iter().map(|pair| pair.1 / pair.0).collect());
-        println!("{name}: {without:.0} ns a frame without, {with:.0} with; ratio {ratio:.3}");
+    for (without, with, what) in [
+        (With::Nothing, With::Telemetry, "telemetry"),
+        (With::Telemetry, With::Recorder, "flight recorder beside the telemetry"),
+    ] {
+        for (batch, name) in [(20, "a turn for each cycle"), (1, "a turn for each frame")] {
+            let pairs: Vec<(f64, f64)> = (0..ROUNDS)
+                .map(|_| (play(&frames, batch, without), play(&frames, batch, with)))
+                .collect();
+            let without = median(pairs.iter().map(|pair| pair.0).collect());
+            let with = median(pairs.iter().map(|pair| pair.1).collect());
+            let ratio = median(pairs.iter().map(|pair| pair.1 / pair.0).collect());
+            println!(
+                "{what}, {name}: {without:.0} ns a frame without, {with:.0} with; ratio {ratio:.3}"
+            );
+        }
     }
+    copies();
+}
+
+/// What a copy of the monitor takes.
+fn copies() {
+    let loaded = config::load(Path::new("tests/recordings/e-type-sequential.toml"));
+    let mut monitor = Monitor::new(everything(&loaded.expect("it ships")));
+    let frames = (0..CYCLES).flat_map(|k| Cycle::new(k).frames());
+    frames.for_each(|frame| monitor.take(&frame, &mut Vec::new()));
+    let times = (0..200).map(|_| {
+        let start = Instant::now();
+        let copy = Box::new(monitor.clone());
+        let time = start.elapsed();
+        drop(copy);
+        time.as_nanos() as f64 / 1e3
+    });
+    println!("a copy of the monitor with everything on: {:.0} µs", median(times.collect()));
 }

@@ -13,6 +13,8 @@ mod activity;
 #[cfg(feature = "cli")]
 pub mod doctor;
 #[cfg(feature = "cli")]
+pub mod flight;
+#[cfg(feature = "cli")]
 pub mod history;
 #[cfg(feature = "cli")]
 mod journald;

@@ -1,6 +1,7 @@
 //! The surroundings of the live gateway: signals, the log, the service manager.
 
 use super::activity::Activity;
+use super::flight::{FlightPlan, FlightRecorder};
 use super::history::{Keeper, Kept};
 use super::link_watch::LinkWatch;
 use super::quota::Quota;
@@ -18,18 +19,19 @@ use crate::config::settings::Realtime;
 use crate::error_frame::ControllerState;
 use crate::estimate::Estimate;
 use crate::failure::Failure;
+use crate::frame::Frame;
 use crate::incident::Incident;
 use crate::live::gateway::{Gateway, Journal};
 use crate::live::health::BusHealth;
 use crate::live::supervisor::{Opener, Request, Surroundings};
-use crate::monitor::{Notice, Record};
+use crate::monitor::{Monitor, Notice, Record};
 use crate::report::jsonl::restart_name;
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::{Apart, Dwell};
 use crate::story;
 use crate::time::Timestamp;
 use sd_notify::NotifyState;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::io;
 use std::path::Path;
@@ -54,10 +56,17 @@ pub struct PreparedGateway {
     pub site: SitePlan,
     /// Real-time settings, used only at the gateway's start.
     pub realtime: Realtime,
-    /// State that outlives the gateway.
-    pub kept: Kept,
-    /// Event store, if anything is kept.
+    pub keeping: Keeping,
+}
+
+/// What is kept of what a gateway finds.
+pub struct Keeping {
+    /// The history of the stops.
+    pub history: Kept,
+    /// Event store; `None`: no events are kept.
     pub store: Option<StorePlan>,
+    /// Recordings of incidents; `None`: nothing is recorded.
+    pub flight: Option<FlightPlan>,
 }
 
 type Prepare = Box<dyn FnMut() -> Result<PreparedGateway, Failure>>;
@@ -76,6 +85,7 @@ pub struct Appliance {
     quota: Quota,
     keeper: Keeper,
     clerk: Clerk,
+    flight: FlightRecorder,
 }
 
 impl Appliance {
@@ -101,6 +111,8 @@ impl Appliance {
             (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
         let keeper = Keeper::new(recorder.telemetry());
         let clerk = Clerk::new(recorder.telemetry());
+        let flight = FlightRecorder::new(recorder.telemetry());
+        flag::register(SIGUSR1, flight.demand())?;
         Ok(Self {
             stop,
             reload,
@@ -114,6 +126,7 @@ impl Appliance {
             quota,
             keeper,
             clerk,
+            flight,
         })
     }
 
@@ -142,10 +155,18 @@ impl Appliance {
         }
     }
 
-    /// Restores in `gateway` what was kept, and begins to keep what it finds.
-    pub fn restore(&mut self, gateway: &mut Gateway, kept: Kept, store: Option<StorePlan>) {
-        gateway.restore(self.keeper.open(kept, None));
-        self.clerk.begin(store, Cause::Start, false);
+    /// Restores in `gateway` what was kept, and keeps and records what it finds from now on.
+    pub fn restore(&mut self, gateway: &mut Gateway, keeping: Keeping) {
+        self.keep(gateway, keeping, None);
+    }
+
+    /// Keeps what `gateway` finds from now on, which follows on `before`, if on any.
+    fn keep(&mut self, gateway: &mut Gateway, keeping: Keeping, before: Option<&Monitor>) {
+        let Keeping { history, store, flight } = keeping;
+        gateway.restore(self.keeper.open(history, before));
+        let cause = if before.is_some() { Cause::Reload } else { Cause::Start };
+        self.clerk.begin(store, cause, false);
+        self.flight.follow(flight, gateway.monitor());
     }
 
     /// Finishes after `gateway` has stopped.
@@ -153,11 +174,16 @@ impl Appliance {
         tell(&[NotifyState::Stopping]);
         self.keeper.finish(gateway.monitor());
         self.clerk.finish();
+        self.flight.finish();
         info!("stopped");
     }
 }
 
 impl Journal for Appliance {
+    fn frame(&mut self, frame: &Frame) {
+        self.flight.frame(frame);
+    }
+
     fn record(&mut self, record: &Record) {
         self.recorder.record(record);
         self.clerk.record(record);
@@ -173,6 +199,7 @@ impl Journal for Appliance {
         self.recorder.incident(incident);
         self.warnings.tell(incident);
         self.clerk.incident(incident);
+        self.flight.incident(incident);
     }
 
     fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
@@ -263,8 +290,9 @@ impl Journal for Appliance {
         }
     }
 
-    fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {
+    fn sent(&mut self, frame: &OwnFrame, at: Timestamp) {
         self.recorder.sent(frame);
+        self.flight.sent(frame, at);
     }
 }
 
@@ -323,6 +351,7 @@ impl Surroundings for Appliance {
         self.recorder.turned(gateway, port);
         self.keeper.turned(gateway.monitor());
         self.clerk.turned();
+        self.flight.turned(gateway);
         self.activity.look(gateway, port);
     }
 
@@ -330,17 +359,9 @@ impl Surroundings for Appliance {
         match (self.prepare)() {
             Ok(prepared) => {
                 let PreparedGateway {
-                    mut gateway,
-                    opener,
-                    interface,
-                    site,
-                    facts,
-                    kept,
-                    store,
-                    ..
+                    mut gateway, opener, interface, site, facts, keeping, ..
                 } = prepared;
-                gateway.restore(self.keeper.open(kept, Some(before.monitor())));
-                self.clerk.begin(store, Cause::Reload, false);
+                self.keep(&mut gateway, keeping, Some(before.monitor()));
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.describe(facts);

@@ -22,6 +22,7 @@ mod plant;
 mod player;
 mod progress;
 mod proxy;
+mod recorded;
 mod replay;
 mod run;
 mod simulate;

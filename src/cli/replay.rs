@@ -6,6 +6,7 @@ use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
 use super::progress::Bar;
+use super::recorded::RecordedInputs;
 use super::recordings;
 use super::state::{self, StateFile};
 use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
@@ -23,13 +24,15 @@ use std::path::{Path, PathBuf};
 
 /// Runs recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
-#[command(after_help = "Example:\n  tertius replay field.log.zst --config config/e-type.toml")]
+#[command(after_help = "Examples:
+  tertius replay field.log.zst --config config/e-type.toml
+  tertius replay /var/lib/tertius/recordings/20260314T120000Z-cylinder-2-incident-1")]
 pub struct Replay {
     #[arg(required = true, value_name = "LOG", help = recordings(" or .zst, - for standard input"))]
     logs: Vec<PathBuf>,
-    /// The machine's configuration
+    /// The machine's configuration; the folder of a recorded incident has its own
     #[arg(long, value_name = "FILE")]
-    config: PathBuf,
+    config: Option<PathBuf>,
     /// A page for people, or lines of JSON for scripts
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -113,12 +116,14 @@ impl Replay {
     ///
     /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config)?;
+        let inputs = RecordedInputs::of(&self.logs, self.config.as_deref())?;
+        let machine = Machine::load(&inputs.config)?;
         let interfaces = machine.interfaces(self.interface.as_deref());
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
-        let mut recording = Recording::open(&self.logs, options)?;
-        let Claims { residuals, estimates, frames, report, state } = self.claim(&machine)?;
+        let mut recording = Recording::open(&inputs.logs, options)?;
+        let Claims { residuals, estimates, frames, report, state } =
+            self.claim(&machine, &inputs)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
@@ -127,14 +132,15 @@ impl Replay {
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
-        let (mut monitor, mut kept) = self.monitor(&machine, state, history.as_ref())?;
-        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut())?;
+        let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
+        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
         if output.failed() {
             return broken_off(output);
         }
         let judgement = judgement(&machine, &interfaces, &recording, &monitor);
         let replayed = Replayed {
             machine: &machine,
+            inputs: &inputs,
             recording: &recording,
             monitor: &monitor,
             judgement: &judgement,
@@ -158,11 +164,12 @@ impl Replay {
     }
 
     /// The monitor of `machine`, and the file of its state, from which it goes on where there is one; otherwise from
-    /// the `history` of the stops.
+    /// the state that was recorded with the `inputs`, or from the `history` of the stops.
     fn monitor(
         &self,
         machine: &Machine,
         state: Option<Claimed>,
+        inputs: &RecordedInputs,
         history: Option<&History>,
     ) -> Result<(Monitor, Option<StateFile>), Failure> {
         let mut design = machine.design.clone();
@@ -172,25 +179,30 @@ impl Replay {
         let open = |(path, claimed)| StateFile::open(path, claimed, &design);
         let opened = self.state.as_deref().zip(state).map(open).transpose()?;
         let (kept, resumed) = opened.map_or((None, None), |(kept, it)| (Some(kept), it));
-        let monitor = resumed.unwrap_or_else(|| {
-            let mut monitor = Monitor::new(design);
-            if let Some(history) = history {
-                monitor.restore(history.archive());
+        let recorded = inputs.state.as_deref().filter(|_| self.state.is_none());
+        let monitor = match (resumed, recorded) {
+            (Some(resumed), _) => resumed,
+            (None, Some(path)) => state::recorded(path, design)?,
+            (None, None) => {
+                let mut monitor = Monitor::new(design);
+                if let Some(history) = history {
+                    monitor.restore(history.archive());
+                }
+                monitor
             }
-            monitor
-        });
+        };
         Ok((monitor, kept))
     }
 
     /// Claims the files that are written.
-    fn claim(&self, machine: &Machine) -> Result<Claims, Failure> {
-        let logs = self.logs.iter().map(PathBuf::as_path);
+    fn claim(&self, machine: &Machine, inputs: &RecordedInputs) -> Result<Claims, Failure> {
+        let logs = inputs.logs.iter().chain(&inputs.state).map(PathBuf::as_path);
         // The history that is gone on with may be the gateway's own.
         let real = |path: &Path| fs::canonicalize(path).ok();
         let kept = self.history.as_deref().and_then(real);
         let own = machine.loaded.history_path.as_deref();
         let is_kept = |path: &Path| Some(path) == own && kept.is_some() && real(path) == kept;
-        let files = machine.files(&self.config).filter(|path| !is_kept(path));
+        let files = machine.files(&inputs.config).filter(|path| !is_kept(path));
         let header = |columns: &str| format!("{columns}\n");
         let (residuals, estimates) = (header(residuals::HEADER), header(estimates::HEADER));
         let wanted = [
@@ -214,7 +226,7 @@ impl Replay {
         report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
-        let Replayed { machine, recording, monitor, judgement, duration } = *replayed;
+        let Replayed { machine, inputs, recording, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
@@ -237,12 +249,12 @@ impl Replay {
             episodes: &episodes,
             incidents: &incidents,
         };
-        let inputs = self.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let logs = inputs.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let zone = Zone::new(self.time_zone.clone(), output.first, duration.as_seconds());
         let heading = Heading {
-            inputs: &inputs.join(", "),
+            inputs: &logs.join(", "),
             machine: &machine.loaded.settings.machine.name,
-            config: &self.config.display().to_string(),
+            config: &inputs.config.display().to_string(),
             zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };
@@ -276,6 +288,7 @@ struct Claims {
 #[derive(Clone, Copy)]
 struct Replayed<'a> {
     machine: &'a Machine,
+    inputs: &'a RecordedInputs,
     recording: &'a Recording,
     monitor: &'a Monitor,
     judgement: &'a Judgement,
@@ -310,12 +323,14 @@ fn broken_off(output: Output) -> Result<(), Failure> {
 }
 
 /// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
-/// from its first frame to its last. Where the state is `kept`, the machine goes on after the end.
+/// from its first frame to its last. Where the state is `kept`, or was recorded with the
+/// `inputs`, the machine goes on after the end.
 fn feed(
     recording: &mut Recording,
     monitor: &mut Monitor,
     output: &mut Output,
     mut kept: Option<&mut StateFile>,
+    inputs: &RecordedInputs,
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut last = output.first;
@@ -334,9 +349,10 @@ fn feed(
             bar.show(recording.progress());
         }
     }
-    match kept {
-        Some(_) => monitor.standing().for_each(|incident| output.incidents.take(&incident)),
-        None => monitor.finish(output),
+    if kept.is_some() || inputs.state.is_some() {
+        monitor.standing().for_each(|incident| output.incidents.take(&incident));
+    } else {
+        monitor.finish(output);
     }
     bar.finish();
     Ok(last.since(output.first))

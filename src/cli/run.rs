@@ -5,12 +5,13 @@ use super::machine::Machine;
 use super::node;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
+use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
-use crate::appliance::surroundings::{Appliance, PreparedGateway, SitePlan};
+use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
 use crate::appliance::telemetry::Facts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
@@ -53,7 +54,7 @@ impl Run {
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
         let stage = self.play.stage(&self.config)?;
         let prepared = prepare(&self.config, stage.as_ref())?;
-        let PreparedGateway { mut gateway, opener, site, interface, realtime, facts, kept, store } =
+        let PreparedGateway { mut gateway, opener, site, interface, realtime, facts, keeping } =
             prepared;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
@@ -62,7 +63,7 @@ impl Run {
             .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
         appliance.describe(facts);
         appliance.starting(&self.config, site, interface.as_deref());
-        appliance.restore(&mut gateway, kept, store);
+        appliance.restore(&mut gateway, keeping);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
         }
@@ -107,7 +108,12 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
 fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path)?;
     let settings = &machine.loaded.settings;
-    let identifiers = identifiers(&machine);
+    let identifiers = if settings.recorder.records_all() {
+        // The monitor ignores the frames of others.
+        Identifiers::All
+    } else {
+        Identifiers::Only(identifiers(&machine))
+    };
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
         Some(stage) => (stage.opener(identifiers), None),
@@ -118,7 +124,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
     };
     let realtime = settings.realtime;
-    let kept = Kept {
+    let history = Kept {
         machine: settings.machine.name.clone(),
         cylinders: settings.machine.cylinders,
         limits: settings.drift_limits(),
@@ -130,7 +136,9 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         identity: identity::of(&machine.loaded),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
     };
-    let store = store_plan(&machine);
+    let (store, flight) =
+        (store_plan(&machine), FlightPlan::new(path, &machine.loaded, &machine.design));
+    let keeping = Keeping { history, store, flight };
     Ok(PreparedGateway {
         gateway: gateway(machine),
         opener,
@@ -138,8 +146,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         interface,
         realtime,
         facts,
-        kept,
-        store,
+        keeping,
     })
 }
 
@@ -160,13 +167,13 @@ fn store_plan(machine: &Machine) -> Option<StorePlan> {
 #[derive(Debug)]
 struct Interface {
     name: String,
-    identifiers: Vec<Id>,
+    identifiers: Identifiers,
 }
 
 impl Opener for Interface {
     fn open(&mut self) -> Result<Box<dyn Port>, String> {
         let options = Options {
-            identifiers: Identifiers::Only(self.identifiers.clone()),
+            identifiers: self.identifiers.clone(),
             few_under_way: true,
             ..Options::default()
         };

@@ -8,7 +8,7 @@ use crate::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
 use crate::bus::{
     Identifiers, LogWriter, Port, PortCounts, PortError, Received, Recording, Sent, Source, Stamps,
 };
-use crate::frame::{Frame, Id};
+use crate::frame::Frame;
 use crate::live::outbox::OutboxLimits;
 use crate::live::supervisor::Opener;
 use crate::time::{Span, Timestamp};
@@ -58,8 +58,8 @@ impl<S: Source + 'static> Stage<S> {
     }
 
     /// An opener of the bus for a gateway that receives `identifiers`.
-    pub fn opener(&self, identifiers: Vec<Id>) -> Box<dyn Opener> {
-        Box::new(Seat { stage: self.clone(), identifiers: Identifiers::Only(identifiers) })
+    pub fn opener(&self, identifiers: Identifiers) -> Box<dyn Opener> {
+        Box::new(Seat { stage: self.clone(), identifiers })
     }
 
     /// An endpoint that receives all frames.

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::files::Claimed;
+use crate::config::MACHINE_FILE;
 use crate::monitor::{DesignChecksum, MAX_STATE, Monitor, MonitorDesign, SavedState, StateRefusal};
 use crate::time::{Span, Timestamp};
 use std::fs::File;
@@ -100,6 +101,25 @@ pub fn take_up(
         let advice = if refusal == StateRefusal::Design { SAME } else { ANEW };
         refuse(refusal.to_string(), advice)
     })
+}
+
+/// A monitor of `design` that goes on from the state which was recorded in the file `path`, and counts anew.
+///
+/// # Errors The file cannot be read, or is not the state of such a monitor.
+pub fn recorded(path: &Path, design: MonitorDesign) -> Result<Monitor, Failure> {
+    let refuse = |why: String| {
+        let path = path.display();
+        Failure::Wrong(format!(
+            "{path}: {why}. To replay the recording without what the monitor knew at its begin, give its \
+             configuration: --config FOLDER/{MACHINE_FILE}"
+        ))
+    };
+    let bytes = read(path).map_err(|it| refuse(format!("it cannot be read: {it}")))?;
+    let saved = SavedState::from_bytes(&bytes.unwrap_or_default());
+    let resumed = saved.and_then(|saved| saved.resume(design));
+    let mut monitor = resumed.map_err(|refusal| refuse(refusal.to_string()))?;
+    monitor.count_anew();
+    Ok(monitor)
 }
 
 /// The bytes of a file, at most one more than a state has; `None` if there is no such file.

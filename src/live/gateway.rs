@@ -17,6 +17,12 @@ use thiserror::Error;
 
 /// Receives the gateway's events, to log and count them. It must never wait.
 pub trait Journal {
+    /// Takes each frame that was received, before the monitor does.
+    #[inline]
+    fn frame(&mut self, frame: &Frame) {
+        _ = frame;
+    }
+
     /// Takes a cycle of one cylinder.
     fn record(&mut self, record: &Record) {
         _ = record;
@@ -124,6 +130,11 @@ impl Gateway {
         self.monitor.restore(archive);
     }
 
+    /// Time up to which it has got: that of the newest frame, or of the clock where no frame waits.
+    pub const fn now(&self) -> Timestamp {
+        self.now
+    }
+
     pub const fn outbox(&self) -> &Outbox {
         &self.outbox
     }
@@ -202,6 +213,7 @@ impl Gateway {
         let mut outlet = Outlet { outbox, node, journal };
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
+            outlet.journal.frame(frame);
             let changed = match ErrorFrame::read(frame) {
                 Some(error) => health.take(&error),
                 None => health.spoke(),

@@ -5,6 +5,7 @@ mod canopen;
 mod devices;
 mod embedded_bus;
 mod event_store;
+mod flight_recorder;
 mod inject_proxy;
 mod live_gateway;
 mod metrics;

@@ -12,6 +12,7 @@ mod document;
 pub mod edit;
 mod kinds;
 mod loader;
+mod portable;
 mod problem;
 pub mod reference;
 mod relations;
@@ -26,6 +27,7 @@ use toml::de::{DeTable, Deserializer};
 
 pub use document::Document;
 pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text};
+pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
 

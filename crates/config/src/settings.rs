@@ -10,6 +10,7 @@ mod gateway;
 mod judging;
 mod levels;
 mod machine;
+mod recorder;
 mod sequential;
 mod signals;
 
@@ -26,6 +27,8 @@ use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
 pub use machine::{Bus, Machine};
+use recorder::RECORDER;
+pub use recorder::Recorder;
 use sequential::SEQUENTIAL;
 pub use sequential::{CylinderSequential, Sequential};
 use signals::SIGNALS;
@@ -67,6 +70,8 @@ table! {
             "", "the gateway's own state over HTTP";
         store: Store = Store::default() => Kind::Table(&STORE),
             "", "what is kept of incidents and events";
+        recorder: Recorder = Recorder::default() => Kind::Table(&RECORDER),
+            "", "the flight recorder: the frames around each incident";
         realtime: Realtime = Realtime::default() => Kind::Table(&REALTIME),
             "", "what the gateway asks of the kernel";
         cylinder: Vec<Cylinder> = Vec::new() => Kind::Tables(&CYLINDER),

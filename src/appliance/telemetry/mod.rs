@@ -8,6 +8,7 @@
 mod cell;
 pub mod clock;
 pub mod exposition;
+mod flight;
 pub mod health;
 mod incidents;
 pub mod lamp;

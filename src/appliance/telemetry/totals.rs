@@ -46,6 +46,10 @@ pub(super) struct Totals {
     pub store_written: Total,
     pub store_lost: Total,
     pub store_failures: Total,
+    pub recorder_recordings: Total,
+    pub recorder_failures: Total,
+    pub recorder_left_out: Total,
+    pub recorder_lost: Total,
 }
 
 impl Totals {
@@ -90,7 +94,7 @@ type Described<'a> = (&'static str, &'static str, &'a Total);
 impl Totals {
     /// Totals that are one number each: name, help, total.
     #[rustfmt::skip]
-    pub fn described(&self) -> [Described<'_>; 33] {
+    pub fn described(&self) -> [Described<'_>; 37] {
         [
             ("frames_received", "Frames taken from the interface, error frames included.", &self.received),
             ("frames_used", "Frames that the monitor uses.", &self.used),
@@ -128,6 +132,11 @@ impl Totals {
             ("store_written", "Notes that the event store has written: incidents, warnings, events.", &self.store_written),
             ("store_lost", "Notes that the event store had no room for.", &self.store_lost),
             ("store_failures", "Times that the event store could not be written; it is tried again.", &self.store_failures),
+            ("recorder_recordings", "Recordings that were written.", &self.recorder_recordings),
+            ("recorder_failures", "Recordings that could not be written.", &self.recorder_failures),
+            ("recorder_left_out", "Incidents that were not recorded, because too many came at once.",
+                &self.recorder_left_out),
+            ("recorder_frames_lost", "Frames that are missing in the ring of the recorder.", &self.recorder_lost),
         ]
     }
 }

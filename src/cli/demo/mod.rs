@@ -16,6 +16,7 @@ use super::player::Pace;
 use super::run;
 use super::simulation::Simulation;
 use super::stage::Stage;
+use crate::bus::Identifiers;
 use crate::controller::State;
 use crate::inject::{Placed, place};
 use crate::live::supervisor;
@@ -75,7 +76,7 @@ impl Demo {
             if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
         let stage = self.stage(&machine)?;
         let mut audience = self.audience(&machine, &stage)?;
-        let opener = stage.opener(run::identifiers(&machine));
+        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine)));
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(run::gateway(machine), opener, &mut audience);

@@ -4,5 +4,6 @@ mod canopen;
 mod devices;
 mod doctor;
 mod life;
+mod recorder;
 mod simulated;
 mod wire;
