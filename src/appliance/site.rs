@@ -1,19 +1,20 @@
 //! The address at which the gateway's telemetry is served, and its log lines.
 
-use super::http::{Desk, Server, TokenDigest};
+use super::http::{Desk, DeskPlan, Server};
 use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
 use std::net::SocketAddr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use tracing::{info, warn};
 
 /// What the configuration asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SitePlan {
     /// Address to listen on; port 0 becomes another one. `None`: there is no server.
     pub listen: Option<SocketAddr>,
-    /// Digest of the token that acts need.
-    pub token: Option<TokenDigest>,
+    pub desk: DeskPlan,
 }
 
 /// The server, if there is one. The gateway also works without it.
@@ -26,11 +27,14 @@ pub(super) struct Site {
 }
 
 impl Site {
-    /// Serves what `recorder` writes and `store` keeps by `plan` from now on. Where that fails, the previous
-    /// server continues.
-    pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder, store: StoreHandle) {
-        self.desk.store = Some(store);
-        self.desk.admit(plan.token);
+    /// A site that serves what `store` keeps, and lets people ask for recordings by `demand`.
+    pub fn new(store: StoreHandle, demand: Arc<AtomicBool>) -> Self {
+        Self { desk: Desk::new(store, demand), ..Self::default() }
+    }
+
+    /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous server continues.
+    pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder) {
+        self.desk.follow(plan.desk);
         if self.listen == plan.listen && self.server.is_some() == plan.listen.is_some() {
             return;
         }

@@ -107,12 +107,12 @@ impl Appliance {
         });
         // Without it the error frames still tell of the controller.
         let links = links.ok();
-        let (warnings, site, quota) =
-            (WarningLog::new(), Site::default(), Quota::new(Instant::now()));
+        let (warnings, quota) = (WarningLog::new(), Quota::new(Instant::now()));
         let keeper = Keeper::new(recorder.telemetry());
         let clerk = Clerk::new(recorder.telemetry());
         let flight = FlightRecorder::new(recorder.telemetry());
         flag::register(SIGUSR1, flight.demand())?;
+        let site = Site::new(clerk.handle(), flight.demand());
         Ok(Self {
             stop,
             reload,
@@ -144,7 +144,7 @@ impl Appliance {
     /// HTTP by `site`.
     pub fn starting(&mut self, config: &Path, site: SitePlan, interface: Option<&str>) {
         info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
-        self.site.listen(site, &self.recorder, self.clerk.handle());
+        self.site.listen(site, &self.recorder);
         self.watch(interface);
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);
     }
@@ -365,7 +365,7 @@ impl Surroundings for Appliance {
                 info!("the configuration was read again; judging restarts");
                 self.recorder.reloaded();
                 self.describe(facts);
-                self.site.listen(site, &self.recorder, self.clerk.handle());
+                self.site.listen(site, &self.recorder);
                 self.watch(interface.as_deref());
                 Some((gateway, opener))
             }

@@ -7,6 +7,7 @@ use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
+use crate::appliance::http::DeskPlan;
 use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
@@ -119,10 +120,6 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         Some(stage) => (stage.opener(identifiers), None),
         None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
     };
-    let site = SitePlan {
-        listen: settings.http.address(),
-        token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
-    };
     let realtime = settings.realtime;
     let history = Kept {
         machine: settings.machine.name.clone(),
@@ -138,6 +135,13 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
     };
     let (store, flight) =
         (store_plan(&machine), FlightPlan::new(path, &machine.loaded, &machine.design));
+    let site = SitePlan {
+        listen: settings.http.address(),
+        desk: DeskPlan {
+            token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
+            recordings: flight.as_ref().map(|flight| flight.folder.clone()),
+        },
+    };
     let keeping = Keeping { history, store, flight };
     Ok(PreparedGateway {
         gateway: gateway(machine),

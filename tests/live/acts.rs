@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
-use tertius::appliance::http::{Desk, Server, TokenDigest};
+use tertius::appliance::http::{Desk, DeskPlan, Server, TokenDigest};
 use tertius::appliance::store::{Cause, Clerk, StorePlan};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
@@ -37,8 +37,8 @@ impl Office {
             sample_time: 0.02,
         };
         clerk.begin(Some(plan), Cause::Start, false);
-        let desk = Desk { store: Some(clerk.handle()), ..Desk::default() };
-        desk.admit(Some(TokenDigest::of(TOKEN)));
+        let desk = Desk::new(clerk.handle(), Arc::default());
+        desk.follow(DeskPlan { token: Some(TokenDigest::of(TOKEN)), recordings: None });
         let listen = "127.0.0.1:0".parse().expect("an address");
         let server = Server::start(listen, &recorder, desk.clone()).expect("there is a free port");
         Self { server, desk, _clerk: clerk, _folder: folder }
@@ -148,7 +148,7 @@ fn an_act_without_all_that_it_needs_is_refused() {
     // Nothing of all that was done.
     assert_eq!(office.alarms()[0]["state"], "returned_unacknowledged");
     // Without a token in the configuration nobody may.
-    office.desk.admit(None);
+    office.desk.follow(DeskPlan::default());
     assert_eq!(office.act(&path, &json!({"who": "Eva"})), 403);
 }
 

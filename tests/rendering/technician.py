@@ -1,23 +1,27 @@
 """A technician at the page of a running gateway, with a real browser.
 
-    technician.py URL TOKEN AXE [FOLDER]
+    technician.py URL TOKEN AXE PROGRAM [FOLDER]
 
-Chromium is that of the environment's CHROMIUM; AXE is the script of axe-core; FOLDER gets a picture of each
+Chromium is that of the environment's CHROMIUM; AXE is the script of axe-core, PROGRAM
+is tertius; FOLDER gets a picture of each
 view. A fault has to arrive on cylinder 3's C1 while this runs. Writes what was found as JSON, and fails with
 what a technician would complain about.
 """
 
 import json
 import os
+import subprocess
 import sys
+import tarfile
+import tempfile
 import threading
 import time
 import urllib.request
 
 from playwright.sync_api import sync_playwright
 
-URL, TOKEN, AXE = sys.argv[1:4]
-FOLDER = sys.argv[4] if len(sys.argv) > 4 else None
+URL, TOKEN, AXE, PROGRAM = sys.argv[1:5]
+FOLDER = sys.argv[5] if len(sys.argv) > 5 else None
 SEEN = {}
 
 
@@ -73,6 +77,21 @@ def fill_by_keyboard(page, texts):
         page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     page.wait_for_selector("dialog", state="detached", timeout=8000)
+
+
+def replayed(archive):
+    """The incident that a replay of the downloaded recording tells, and that it was told live."""
+    with tempfile.TemporaryDirectory() as folder, tarfile.open(archive) as tar:
+        tar.extractall(folder, filter="data")
+        (name,) = os.listdir(folder)
+        recording = os.path.join(folder, name)
+        replay = subprocess.run([PROGRAM, "replay", recording, "--format", "jsonl"], stdout=subprocess.PIPE, check=True)
+        with open(os.path.join(recording, "recording.json"), encoding="utf-8") as file:
+            live = json.load(file)["lines"]
+        told = [json.loads(line) for line in replay.stdout.splitlines()]
+        told = [line for line in told if line["type"] == "incident"]
+        assert live and told[: len(live)] == live, f"live {live}, replayed {told}"
+        return live[0]["summary"]
 
 
 def look(page, view, name, findings):
@@ -134,6 +153,17 @@ def main():
         result["incident"] = page.locator("#view-incidents article h3").first.inner_text()
         number = page.url.rsplit("/", 1)[1]
 
+        # The frames around it, which the gateway writes 5 s after it opened.
+        deadline = time.monotonic() + 40
+        while page.locator("article a[download]").count() == 0:
+            assert time.monotonic() < deadline, "there is no recording of the incident"
+            page.wait_for_timeout(500)
+            page.reload()
+            page.wait_for_selector("#view-incidents article h3")
+        with page.expect_download() as download:
+            page.locator("article a[download]").first.click()
+        result["archive"] = str(download.value.path())
+
         views = ["overview", "trends/3", "alarms", "incidents", f"incidents/{number}", "maintenance"]
         phone = new_page(browser, 390, 844, "dark", complaints)
         phone.goto(URL)
@@ -155,6 +185,7 @@ def main():
             "() => document.querySelectorAll('.card .lamp').length === document.querySelectorAll('.card .lamp.unknown').length",
             timeout=10_000)
         assert "No connection" in page.locator("#condition").inner_text()
+        result["replayed"] = replayed(result.pop("archive"))
         browser.close()
     print(json.dumps(result), flush=True)
 

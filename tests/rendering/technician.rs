@@ -44,7 +44,8 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
         .replace("interface = \"can0\"", "interface = \"virtual\"")
         .replace("../../dbc/e-type.dbc", &dbc)
         + &format!(
-            "\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n"
+            "\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n\
+             [recorder]\nfolder = \"recordings\"\nbefore = 10.0\nafter = 5.0\n"
         );
     let config = scratch.write("machine.toml", config);
     let log = scratch.path("machine.log");
@@ -64,6 +65,7 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
     };
     let mut technician = Command::new(of("oracle-python"));
     technician.arg(here.join("tests/rendering/technician.py")).args([&url, TOKEN, &of("axe-core")]);
+    technician.arg(env!("CARGO_BIN_EXE_tertius"));
     // Where pictures are wanted, they go here.
     technician.args(std::env::var("TERTIUS_PICTURES"));
     technician.stdin(Stdio::piped()).stdout(Stdio::piped());

@@ -11,6 +11,7 @@ use axum::http::header::{CONTENT_TYPE, WWW_AUTHENTICATE};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// Most bytes of an act.
@@ -69,6 +70,19 @@ pub(super) async fn act(
     }
 }
 
+/// `POST /api/record`: a recording of the last frames, as SIGUSR1 asks for it.
+pub(super) async fn record(State(shared): State<Shared>, headers: HeaderMap) -> Response {
+    if let Err(refusal) = admit(&shared, &headers) {
+        return refusal;
+    }
+    if shared.desk.plan().recordings.is_none() {
+        let told = "nothing is recorded: `folder` in [recorder] of the configuration says where to\n";
+        return (StatusCode::NOT_FOUND, told).into_response();
+    }
+    shared.desk.demand.store(true, Ordering::Relaxed);
+    StatusCode::ACCEPTED.into_response()
+}
+
 fn answer(error: &ActError) -> Response {
     let code = match error {
         ActError::Name | ActError::Reason | ActError::Note => StatusCode::BAD_REQUEST,
@@ -92,7 +106,7 @@ fn admit(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
             (StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n").into_response()
         );
     }
-    let Some(token) = shared.desk.token() else {
+    let Some(token) = shared.desk.plan().token else {
         let told = "acts are off: `tertius token` makes a token, whose digest belongs into [http] of the \
                     configuration\n";
         return Err((StatusCode::FORBIDDEN, told).into_response());

@@ -21,6 +21,9 @@ const CONNECTIONS: usize = 16;
 /// Time limit from the opening of a connection to the last byte of its answer, unless it is a stream.
 const TIME_LIMIT: Duration = Duration::from_secs(5);
 
+/// Time limit of an answer that takes long, such as a recording over a slow link.
+const LONG_LIMIT: Duration = Duration::from_secs(120);
+
 /// Most bytes of request line and headers together; the least that the parser works with.
 const HEAD_SIZE: usize = 8192;
 const HEADERS: usize = 64;
@@ -33,6 +36,8 @@ const PAUSE: Duration = Duration::from_millis(100);
 pub(super) struct Connection {
     /// Whether its answer is a stream, which lasts.
     streams: AtomicBool,
+    /// Whether its answer takes long.
+    takes_long: AtomicBool,
     /// Ends it.
     abort: OnceLock<AbortHandle>,
 }
@@ -41,6 +46,11 @@ impl Connection {
     /// Notes that the answer is a stream; whoever feeds it ends the connection.
     pub fn becomes_stream(&self) {
         self.streams.store(true, Ordering::Relaxed);
+    }
+
+    /// Notes that the answer takes long.
+    pub fn takes_long(&self) {
+        self.takes_long.store(true, Ordering::Relaxed);
     }
 
     /// Ends the connection at once, whatever it still has to send.
@@ -98,7 +108,12 @@ async fn answer(stream: TcpStream, router: Router, connection: Arc<Connection>) 
         .serve_connection(TokioIo::new(stream), service);
     let mut served = std::pin::pin!(served);
     let in_time = tokio::time::timeout(TIME_LIMIT, served.as_mut()).await;
-    if in_time.is_err() && connection.is_stream() {
+    if in_time.is_ok() {
+        return;
+    }
+    if connection.is_stream() {
         _ = served.await;
+    } else if connection.takes_long.load(Ordering::Relaxed) {
+        _ = tokio::time::timeout(LONG_LIMIT - TIME_LIMIT, served).await;
     }
 }

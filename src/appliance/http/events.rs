@@ -31,7 +31,7 @@ struct Alarms {
 pub(super) async fn alarms(State(shared): State<Shared>) -> Response {
     let now = shared.clock.system();
     let gated = shared.telemetry.is_in(Mode::Gated);
-    let (store, acts) = (shared.store_state(), shared.desk.token().is_some());
+    let (store, acts) = (shared.store_state(), shared.desk.plan().token.is_some());
     if store.path.is_none() {
         return json(&Alarms { store, acts, overview: None });
     }

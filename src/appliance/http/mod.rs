@@ -8,6 +8,7 @@ mod connections;
 mod events;
 mod guard;
 mod page;
+mod recordings;
 mod stream;
 mod token;
 
@@ -25,6 +26,8 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use std::io;
 use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, PoisonError, RwLock};
 use stream::Audience;
 pub use token::TokenDigest;
@@ -41,19 +44,34 @@ const READERS: usize = 2;
 #[derive(Clone, Debug, Default)]
 pub struct Desk {
     /// The event store.
-    pub store: Option<StoreHandle>,
-    /// Digest of the token that acts need; `None`: there are no acts. A reload may change it.
-    pub token: Arc<RwLock<Option<TokenDigest>>>,
+    store: Option<StoreHandle>,
+    /// Asks the flight recorder for a recording of now.
+    demand: Arc<AtomicBool>,
+    plan: Arc<RwLock<DeskPlan>>,
+}
+
+/// What a configuration says of the desk; a reload may change it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeskPlan {
+    /// Digest of the token that acts need; `None`: there are no acts.
+    pub token: Option<TokenDigest>,
+    /// Folder of the flight recorder; `None`: nothing is recorded.
+    pub recordings: Option<PathBuf>,
 }
 
 impl Desk {
-    /// Lets only those act who have the token of `digest` from now on.
-    pub fn admit(&self, digest: Option<TokenDigest>) {
-        *self.token.write().unwrap_or_else(PoisonError::into_inner) = digest;
+    /// A desk with what `store` keeps, where people may ask for a recording by `demand`.
+    pub fn new(store: StoreHandle, demand: Arc<AtomicBool>) -> Self {
+        Self { store: Some(store), demand, ..Self::default() }
     }
 
-    fn token(&self) -> Option<TokenDigest> {
-        *self.token.read().unwrap_or_else(PoisonError::into_inner)
+    /// Goes by `plan` from now on.
+    pub fn follow(&self, plan: DeskPlan) {
+        *self.plan.write().unwrap_or_else(PoisonError::into_inner) = plan;
+    }
+
+    fn plan(&self) -> DeskPlan {
+        self.plan.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
@@ -126,6 +144,7 @@ impl Shared {
 fn router(shared: Shared) -> Router {
     let acts = Router::new()
         .route("/api/alarms/{incident}/{act}", post(acts::act))
+        .route("/api/record", post(acts::record))
         .layer(DefaultBodyLimit::max(acts::LONGEST_ACT));
     let people = Router::new()
         .route("/", get(page::index))
@@ -139,6 +158,8 @@ fn router(shared: Shared) -> Router {
         .route("/api/export/{name}", get(events::file))
         .route("/api/incidents/{id}", get(events::incident))
         .route("/api/stops/{cylinder}", get(events::stops))
+        .route("/api/recordings", get(recordings::list))
+        .route("/api/recordings/{name}", get(recordings::archive))
         .layer(from_fn(guard::without_body))
         .merge(acts)
         .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))

@@ -72,10 +72,10 @@ impl Audience {
     }
 }
 
-/// The events that wait for one watcher, as the body of an answer.
-struct Events(Receiver<Bytes>);
+/// What waits for one client, as the body of an answer.
+pub(super) struct Pieces(pub Receiver<Bytes>);
 
-impl HttpBody for Events {
+impl HttpBody for Pieces {
     type Data = Bytes;
     type Error = Infallible;
 
@@ -83,7 +83,7 @@ impl HttpBody for Events {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        self.0.poll_recv(context).map(|event| event.map(|event| Ok(Frame::data(event))))
+        self.0.poll_recv(context).map(|piece| piece.map(|piece| Ok(Frame::data(piece))))
     }
 }
 
@@ -96,7 +96,7 @@ pub(super) async fn stream(
         return (StatusCode::SERVICE_UNAVAILABLE, told).into_response();
     };
     let headers = [(CONTENT_TYPE, "text/event-stream"), (CACHE_CONTROL, "no-store")];
-    (headers, Body::new(Events(events))).into_response()
+    (headers, Body::new(Pieces(events))).into_response()
 }
 
 /// Tells the audience, again and again, what is new.

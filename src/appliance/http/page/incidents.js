@@ -1,5 +1,6 @@
 // Incidents and events: searched, exported, and each incident by itself.
 
+import { recording, recordingOf, recordings } from "./recordings.js";
 import { element, number, say, sentence, utc } from "./words.js";
 
 const KINDS = ["incident", "act", "start", "stop", "reload", "refused", "bus_opened", "bus_lost", "controller", "nmt", "timing", "device", "clock", "lost"];
@@ -46,8 +47,8 @@ export class Incidents {
     this.found.hidden = id != null;
     this.single.hidden = id == null;
     if (id == null) return this.search();
-    const answer = await fetch(`/api/incidents/${id}`);
-    this.single.replaceChildren(...(answer.ok ? page(await answer.json())
+    const [answer, recorded] = await Promise.all([fetch(`/api/incidents/${id}`), recordings()]);
+    this.single.replaceChildren(...(answer.ok ? page(await answer.json(), recorded)
       : [element("p", {}, await answer.text()), element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"))]));
   }
 
@@ -92,7 +93,7 @@ function row(entry) {
 }
 
 /** The page of one incident. */
-function page(it) {
+function page(it, { folder, recordings: all }) {
   const mm = (value) => (value == null ? "–" : `${number(value * 1e3, 2)} mm`);
   const facts = [
     ["Cylinder", String(it.cylinder)], ["Suspect", SUSPECTS[it.suspect] ?? it.suspect], ["Level reached", it.level],
@@ -101,13 +102,18 @@ function page(it) {
     ["Size", mm(it.size_m)], ["Largest", it.quantity ? `${QUANTITIES[it.quantity] ?? it.quantity} ${mm(it.peak_m)} of ${mm(it.limit_m)}` : "–"],
     ["Detectors", it.detectors],
   ];
+  const own = recordingOf(it, all);
+  const frames = own ? recording(own)
+    : folder === null ? "not recorded: [recorder] of the configuration has no folder"
+    : "there is no recording yet, or it gave way to newer ones";
   const list = (title, rows) => (rows.length ? [element("h3", {}, title), element("ul", {}, ...rows.map((text) => element("li", {}, text)))] : []);
   return [
     element("p", {}, element("a", { href: "#incidents" }, "All incidents and events"), " · ",
       element("a", { href: `#trends/${it.cylinder}` }, `Trends of cylinder ${it.cylinder}`)),
     element("h3", {}, it.text),
     element("p", {}, sentence(it.evidence)), element("p", {}, sentence(it.course)), element("p", {}, element("strong", {}, it.advice)),
-    element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)])),
+    element("dl", { class: "facts" }, ...facts.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]),
+      element("dt", {}, "Frames"), element("dd", {}, frames)),
     ...list("Acts", it.acts.map((act) => `${utc(act.at_s)} ${act.kind} by ${act.who}${act.note ? `: ${act.note}` : ""}${act.until_s == null ? "" : `, until ${utc(act.until_s)}`}`)),
     ...list("Course", it.revisions.map((revision) => `${utc(revision.at_s)} ${revision.progress}: ${revision.text}`)),
     ...list("Warnings", it.warnings.map((warning) => `${utc(warning.at_s)} ${warning.detector} ${warning.state}`)),

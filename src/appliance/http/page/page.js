@@ -3,6 +3,7 @@
 import { Alarms } from "./alarms.js";
 import { Incidents } from "./incidents.js";
 import { Overview, incident } from "./overview.js";
+import { Recordings } from "./recordings.js";
 import { Trends } from "./trends.js";
 import { ago, element, left, number, plural, say, sentence, symbol, utc } from "./words.js";
 
@@ -16,6 +17,8 @@ const overview = new Overview(at("view-overview"));
 const trends = new Trends(at("view-trends"));
 const alarms = new Alarms(at("view-alarms"), at("spoken"));
 const incidents = new Incidents(at("view-incidents"));
+const recorded = new Recordings();
+const state = element("div");
 let machine = null;
 let newest = null;
 let heard = 0;
@@ -36,6 +39,7 @@ function route() {
     showAlarms.read = 0;
     showAlarms(newest);
   }
+  if (view === "maintenance") recorded.refresh();
   if (view === "incidents") incidents.open(detail ? Number(detail) : null);
 }
 
@@ -86,7 +90,7 @@ async function showAlarms(now) {
 }
 
 function maintenance(now) {
-  const place = at("view-maintenance");
+  const place = state;
   const rows = now.cylinders.flatMap((cylinder) => cylinder.transducers.map((it, which) => [
     `Cylinder ${cylinder.number}, C${which + 1}`, it.words, number(cylinder.dwells, 0),
     it.drift_mm_per_month == null ? "–" : `${number(it.drift_mm_per_month, 3)} ± ${number(it.error_mm_per_month, 3)}`,
@@ -156,6 +160,7 @@ async function start() {
   overview.build(machine.limits_m);
   trends.build(machine.limits_m);
   incidents.build(machine.limits_m);
+  at("view-maintenance").replaceChildren(state, recorded.node);
   addEventListener("hashchange", route);
   route();
   heard = Date.now();
