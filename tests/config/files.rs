@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use tertius::config::{ConfigError, MAX_SIZE, load};
+use tertius::config::{ConfigError, MACHINE_FILE, MAX_SIZE, load};
+use tertius_testing::top;
 
 const EXAMPLE: &str = include_str!("example.toml");
 
@@ -82,7 +83,7 @@ fn a_file_that_cannot_be_a_configuration_is_not_read_to_its_end() {
 #[test]
 fn a_machine_in_one_folder_is_the_same_machine() {
     let path = top().join("config/e-type-canopen.toml");
-    let there = config::load(&path).expect("it ships");
+    let there = load(&path).expect("it ships");
     let sheets = there.sheets.len();
     assert!(sheets > 1, "it has EDS files");
     let taken = "encoder.eds";
@@ -91,9 +92,9 @@ fn a_machine_in_one_folder_is_the_same_machine() {
     assert!(files.iter().any(|file| file.name == "2-encoder.eds"));
     let folder = tempfile::tempdir().expect("there is room");
     for file in &files {
-        std::fs::write(folder.path().join(&file.name), &file.bytes).expect("the folder is ours");
+        fs::write(folder.path().join(&file.name), &file.bytes).expect("the folder is ours");
     }
-    let here = config::load(&folder.path().join(config::MACHINE_FILE)).expect("it is whole");
+    let here = load(&folder.path().join(MACHINE_FILE)).expect("it is whole");
     assert_eq!(here.layout(), there.layout());
     let line = |text: &str| text.lines().count();
     assert_eq!(line(here.document.text()), line(there.document.text()), "comments stay");
