@@ -29,8 +29,9 @@
 //! - [`canopen`]: the gateway as a CANopen node, which watches the monitor and answers the network.
 //! - [`live`]: the monitor on a port: frames that wait to be sent, the state of the bus, and recovery;
 //!   the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the computer
-//!   around it: signals, the service manager, the log, the history of the stops on disk, its health
-//!   and metrics over HTTP, the event store. [`alarm_list`]: incidents as alarms that people acknowledge.
+//!   around it: signals, the service manager, the log, the history of the stops on disk, the flight
+//!   recorder, the event store, a page for people, its health and metrics over HTTP. [`alarm_list`]: incidents as
+//!   alarms that people acknowledge.
 //! - [`inject`]: puts faults into frames, to test whether they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for learning. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use tertius::config::{ConfigError, MAX_SIZE, load};
+use tertius::config::{ConfigError, MACHINE_FILE, MAX_SIZE, load};
+use tertius_testing::top;
 
 const EXAMPLE: &str = include_str!("example.toml");
 
@@ -77,4 +78,29 @@ fn a_file_that_cannot_be_a_configuration_is_not_read_to_its_end() {
     assert!(line.starts_with("F/config/machine.toml: longer than 1048576 bytes ("), "{line}");
     let endless = load(Path::new("/dev/zero")).expect_err("it has no end");
     assert!(endless.to_string().contains("it is a pipe or a device, expected a file"), "{endless}");
+}
+
+#[test]
+fn a_machine_in_one_folder_is_the_same_machine() {
+    let path = top().join("config/e-type-canopen.toml");
+    let there = load(&path).expect("it ships");
+    let sheets = there.sheets.len();
+    assert!(sheets > 1, "it has EDS files");
+    let taken = "encoder.eds";
+    let files = there.portable(&[taken]).expect("it is TOML");
+    assert!(files.iter().all(|file| !file.name.contains('/') && file.name != taken));
+    assert!(files.iter().any(|file| file.name == "2-encoder.eds"));
+    let folder = tempfile::tempdir().expect("there is room");
+    for file in &files {
+        fs::write(folder.path().join(&file.name), &file.bytes).expect("the folder is ours");
+    }
+    let here = load(&folder.path().join(MACHINE_FILE)).expect("it is whole");
+    assert_eq!(here.layout(), there.layout());
+    let line = |text: &str| text.lines().count();
+    assert_eq!(line(here.document.text()), line(there.document.text()), "comments stay");
+    // Nothing but paths is another.
+    let mut settings = here.settings.clone();
+    settings.bus.dbc.clone_from(&there.settings.bus.dbc);
+    settings.canopen.device.clone_from(&there.settings.canopen.device);
+    assert_eq!(settings, there.settings);
 }

@@ -2,7 +2,6 @@
 
 use super::loader::Loaded;
 use std::collections::BTreeMap;
-use std::path::Path;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, TableLike, TomlError};
 
 /// Name of the configuration among the files.
@@ -67,7 +66,7 @@ struct Names(Vec<String>);
 impl Names {
     /// The name of the file `path`, with a number before it if another one has it.
     fn of(&mut self, path: &str) -> String {
-        let own = Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or("file");
+        let own = path.rsplit('/').next().unwrap_or(path);
         let numbered = (2..).map(|n| format!("{n}-{own}"));
         let mut names = std::iter::once(own.to_owned()).chain(numbered);
         let free = names.find(|name| !self.0.contains(name)).unwrap_or_default();

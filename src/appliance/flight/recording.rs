@@ -101,7 +101,7 @@ impl Recording {
         let mut ends = self.pieces.iter().filter_map(|piece| piece.ends);
         let Some([first, last]) = ends.next() else { return Ok(None) };
         let extent = Extent {
-            ends: [first, ends.last().map_or(last, |[_, last]| last)],
+            ends: [first, ends.next_back().map_or(last, |[_, last]| last)],
             frames: self.pieces.iter().map(|piece| piece.frames).sum(),
             lost: self.pieces.iter().map(|piece| piece.lost).sum(),
             complete: !self.is_full && now >= self.end,
