@@ -69,10 +69,8 @@ impl Backlog {
     }
 
     fn give_way(&mut self) {
-        let light = |note: &Note| {
-            matches!(note, Note::Warning(_) | Note::Notice(_) | Note::Dwell(..) | Note::Event(_))
-        };
-        let place = self.notes.iter().position(light).or_else(|| self.superseded());
+        let light = self.notes.iter().position(Note::is_light);
+        let place = light.or_else(|| self.superseded());
         if self.notes.remove(place.unwrap_or(0)).is_some() {
             self.lost += 1;
         }

@@ -6,14 +6,16 @@ use super::plan::{Cause, Plan, StorePlan};
 use super::shared::{Shared, StoreHandle};
 use super::writer;
 use crate::alarm::Warning;
+use crate::alarm::status::MAX_CYLINDERS;
 use crate::appliance::telemetry::Telemetry;
 use crate::appliance::telemetry::clock::{Clock, SystemClock};
 use crate::incident::Incident;
 use crate::monitor::{Notice, Record};
 use crate::sequential::Dwell;
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tracing::warn;
@@ -21,8 +23,8 @@ use tracing::warn;
 /// Most notes on their way to the writer, which takes them within milliseconds, whatever the disk does; about 1 MB.
 const ON_THEIR_WAY: usize = 512;
 
-/// Most notes of a turn. More of them are handed over at once.
-const OF_A_TURN: usize = 64;
+/// Most notes that wait for the end of a turn. Usually it is none.
+const OF_A_TURN: usize = 128;
 
 /// Longest wait for the writer at the end.
 const LAST: Duration = Duration::from_millis(1500);
@@ -32,7 +34,7 @@ const LAST: Duration = Duration::from_millis(1500);
 pub struct Clerk {
     /// Whether anything is kept.
     keeps: bool,
-    turn: Vec<Note>,
+    turn: VecDeque<Note>,
     hours: Hours,
     notes: SyncSender<Note>,
     shared: Arc<Shared>,
@@ -49,7 +51,7 @@ impl Clerk {
         let builder = std::thread::Builder::new().name("store".to_owned());
         let writer = builder.spawn(move || writer::work(&noted, &known, &told));
         let writer = writer.map_err(|error| warn!("no thread for the event store: {error}")).ok();
-        let turn = Vec::with_capacity(OF_A_TURN);
+        let turn = VecDeque::with_capacity(OF_A_TURN + MAX_CYLINDERS);
         let (hours, clock) = (Hours::new(), SystemClock::new());
         Self { keeps: false, turn, hours, notes, shared, writer, clock }
     }
@@ -63,19 +65,19 @@ impl Clerk {
     /// on with the incidents of the one before.
     pub fn begin(&mut self, plan: Option<StorePlan>, cause: Cause, continues: bool) {
         self.finish_part();
-        self.turned();
         self.keeps = plan.is_some();
         self.hours.begin(plan.as_ref().map_or(0.0, |plan| plan.sample_time));
         let at = self.clock.system();
         let plan = plan.map(|store| Box::new(Plan { store, cause, at, continues }));
-        self.send(Note::Begin(plan));
+        self.push(Note::Begin(plan));
+        self.turned();
     }
 
     /// Takes a cycle of one cylinder.
     pub fn record(&mut self, record: &Record) {
         if self.keeps {
             let turn = &mut self.turn;
-            self.hours.take(record, |part| turn.push(Note::Hour(part)));
+            self.hours.take(record, |part| turn.push_back(Note::Hour(part)));
         }
     }
 
@@ -104,33 +106,47 @@ impl Clerk {
     }
 
     fn note(&mut self, note: Note) {
-        if !self.keeps {
-            return;
+        if self.keeps {
+            self.push(note);
         }
-        if self.turn.len() >= OF_A_TURN {
-            self.turned();
-        }
-        self.turn.push(note);
     }
 
-    /// Hands over the notes of a turn, after its frames were sent. Without any it does nothing.
+    /// Hands over the notes of a turn, after its frames were sent. Without any it does nothing. Those that the writer
+    /// has no room for wait for the next turn.
     pub fn turned(&mut self) {
-        for note in self.turn.drain(..) {
-            if self.notes.try_send(note).is_err() {
-                self.shared.dropped.fetch_add(1, Ordering::Relaxed);
+        while let Some(note) = self.turn.pop_front() {
+            match self.notes.try_send(note) {
+                Ok(()) => {}
+                Err(TrySendError::Full(note)) => {
+                    self.turn.push_front(note);
+                    return;
+                }
+                Err(TrySendError::Disconnected(_)) => self.drop_one(),
             }
         }
     }
 
-    fn send(&self, note: Note) {
-        if self.notes.try_send(note).is_err() {
-            self.shared.dropped.fetch_add(1, Ordering::Relaxed);
+    fn drop_one(&self) {
+        self.shared.dropped.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Adds a note to those of this turn. Where there is no room, because the disk has stood still for long, a warning
+    /// or an event gives way.
+    fn push(&mut self, note: Note) {
+        if self.turn.len() >= OF_A_TURN {
+            self.turned();
         }
+        if self.turn.len() >= OF_A_TURN {
+            let light = self.turn.iter().position(Note::is_light);
+            self.turn.remove(light.unwrap_or(0));
+            self.drop_one();
+        }
+        self.turn.push_back(note);
     }
 
     fn finish_part(&mut self) {
         let turn = &mut self.turn;
-        self.hours.finish(|part| turn.push(Note::Hour(part)));
+        self.hours.finish(|part| turn.push_back(Note::Hour(part)));
     }
 
     /// Waits, not for long, until everything is written, after the gateway has stopped.
@@ -144,7 +160,7 @@ impl Clerk {
         let Some(writer) = self.writer.take() else { return };
         let started = Instant::now();
         let mut end = Note::End(self.clock.system());
-        while let Err(std::sync::mpsc::TrySendError::Full(back)) = self.notes.try_send(end) {
+        while let Err(TrySendError::Full(back)) = self.notes.try_send(end) {
             if started.elapsed() > LAST {
                 return;
             }
@@ -160,5 +176,49 @@ impl Clerk {
 impl Drop for Clerk {
     fn drop(&mut self) {
         self.end();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::samples::{incident, warning};
+    use super::*;
+
+    /// A clerk whose writer takes nothing, and what would come to it.
+    fn stalled() -> (Clerk, std::sync::mpsc::Receiver<Note>) {
+        let (notes, noted) = sync_channel(2);
+        let clerk = Clerk {
+            keeps: true,
+            turn: VecDeque::new(),
+            hours: Hours::new(),
+            notes,
+            shared: Arc::default(),
+            writer: None,
+            clock: SystemClock::new(),
+        };
+        (clerk, noted)
+    }
+
+    #[test]
+    fn a_writer_that_stands_still_costs_warnings_and_no_incident() {
+        let (mut clerk, noted) = stalled();
+        for number in 1..=20 {
+            clerk.incident(&incident(number));
+            (0..50).for_each(|_| clerk.warning(&warning()));
+            clerk.turned();
+        }
+        assert_eq!(clerk.turn.len(), OF_A_TURN, "bounded");
+        let lost = clerk.shared.dropped.load(Ordering::Relaxed);
+        assert_eq!(lost, 20 * 51 - OF_A_TURN as u64 - 2);
+        let mut numbers = Vec::new();
+        while !clerk.turn.is_empty() || numbers.len() < 20 {
+            for note in noted.try_iter() {
+                if let Note::Incident(incident) = note {
+                    numbers.push(incident.number);
+                }
+            }
+            clerk.turned();
+        }
+        assert_eq!(numbers, Vec::from_iter(1..=20), "each, in their order");
     }
 }

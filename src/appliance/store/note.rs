@@ -106,3 +106,10 @@ pub(super) enum Note {
     /// The program stops.
     End(Timestamp),
 }
+
+impl Note {
+    /// Whether it gives way to others where there is no room.
+    pub fn is_light(&self) -> bool {
+        matches!(self, Self::Warning(_) | Self::Notice(_) | Self::Dwell(..) | Self::Event(_))
+    }
+}

@@ -4,11 +4,14 @@ use super::trouble::Trouble;
 use crate::time::{Span, Timestamp};
 use rusqlite::{Connection, TransactionBehavior, params};
 
-/// Share of the size from which rows give way, and share at which that ends, percent.
-const SHARES: [u64; 2] = [92, 85];
+/// Share of the size from which rows give way, percent.
+const SHARE: u64 = 90;
 
-/// Rows that give way in a step, each of which is short, so that notes are written in between.
+/// Events that give way in one transaction.
 const ROWS: u32 = 256;
+
+/// Most such pieces in a step.
+const PIECES: usize = 8;
 
 /// Most events other than incidents and acts: those of a bus that comes and goes for months.
 const EVENTS: u32 = 50_000;
@@ -70,36 +73,39 @@ pub(super) fn step(
         let day = Span::from_seconds(86_400.0).as_nanos();
         let age = day.saturating_mul(i64::from(limits.days));
         let before = now.after(Span::from_nanos(-age));
-        while delete(database, Some(before))? == ROWS {}
+        for _ in 0..PIECES {
+            if delete(database, Some(before))? < ROWS {
+                break;
+            }
+        }
         crowd_out(database)?;
     }
     let mut left = Left::Nothing;
-    let [from, to] = SHARES.map(|share| limits.size / 100 * share);
-    if used(database)? > from {
-        while used(database)? > to {
-            if delete(database, None)? == 0 && delete_hours(database)? == 0 {
-                break;
-            }
+    let most = limits.size / 100 * SHARE;
+    for _ in 0..PIECES {
+        if used(database)? <= most || delete(database, None)? == 0 && delete_hours(database)? == 0 {
+            break;
         }
         left = Left::More;
     }
     // What is free is used again; more of it than that goes back to the disk.
     let free: i64 = pragma(database, "freelist_count")?;
-    if size(database)? > from || free > 16 * i64::from(PAGES) {
+    if size(database)? > most && free > 0 || free > 16 * i64::from(PAGES) {
         give_back(database)?;
         left = Left::More;
     }
     Ok(left)
 }
 
-/// Makes room now, because nothing can be written any more.
+/// Makes room now, because nothing can be written any more, if that is for the size of the database; where the disk
+/// is full for something else, nothing is given up. Returns whether there is room now.
 ///
 /// # Errors The database cannot be written.
-pub(super) fn make_room(database: &mut Connection) -> Result<(), Trouble> {
-    if delete(database, None)? == 0 {
-        delete_hours(database)?;
+pub(super) fn make_room(database: &mut Connection, limits: Limits) -> Result<bool, Trouble> {
+    if used(database)? < limits.size / 100 * (SHARE - 10) {
+        return Ok(false);
     }
-    Ok(())
+    Ok(delete(database, None)? > 0 || delete_hours(database)? > 0)
 }
 
 /// Size of the database, bytes.

@@ -156,8 +156,7 @@ impl<'a> Writer<'a> {
         let now = self.clock.system();
         self.tidy_at = Instant::now() + TIDY;
         let (Some(vault), Some(plan)) = (&mut self.vault, &self.plan) else { return };
-        let limits = Limits { size: plan.store.size, days: plan.store.days };
-        match retention::step(&mut vault.database, limits, &mut self.aging, now) {
+        match retention::step(&mut vault.database, limits(plan), &mut self.aging, now) {
             Ok(Left::More) => self.tidy_at = Instant::now() + GATHER,
             Ok(Left::Nothing) => {}
             Err(trouble) => self.fail(&trouble),
@@ -243,9 +242,9 @@ impl<'a> Writer<'a> {
         let locked = matches!(trouble, Trouble::Locked);
         self.not_before = Some(Instant::now() + AGAIN[usize::from(!locked)]);
         match (trouble, &mut self.vault, &self.plan) {
-            (Trouble::Full, Some(vault), _) => {
-                let room = retention::make_room(&mut vault.database);
-                if room.is_ok() {
+            (Trouble::Full, Some(vault), Some(plan)) => {
+                let made = retention::make_room(&mut vault.database, limits(plan));
+                if matches!(made, Ok(true)) {
                     self.not_before = Some(Instant::now() + AGAIN[0]);
                 }
             }
@@ -301,6 +300,10 @@ impl<'a> Writer<'a> {
         // Who asked may have gone.
         _ = request.answer.send(answer);
     }
+}
+
+fn limits(plan: &Plan) -> Limits {
+    Limits { size: plan.store.size, days: plan.store.days }
 }
 
 /// Writes all notes or none, and returns the run and the answers to the acts.

@@ -1,5 +1,7 @@
 //! What the store does with what befalls its file.
 
+use super::super::hours::{Moments, Part};
+use super::super::retention::{Aging, Limits, step};
 use super::*;
 use rusqlite::Connection;
 use std::path::Path;
@@ -123,6 +125,36 @@ fn a_full_store_loses_the_oldest_and_stays_within_its_size() {
     );
     let oldest = bench.reader().incident(4, BEGIN).expect("read");
     assert_eq!(oldest, None, "the oldest closed ones went");
+}
+
+#[test]
+fn what_is_too_old_gives_way_but_for_what_is_open_and_the_hours() {
+    let bench = Bench::new();
+    let moments = Moments { count: 2, mean: 1e-4, squares: 0.0, least: 1e-4, most: 1e-4 };
+    let (hour, sample_time) = (1_699_999_200, 0.02);
+    let part = Part { hour, cylinder: 2, moments: [moments; 3], sample_time };
+    let notes = [incident(1), closed(2), closed(3)].map(Note::Incident);
+    let notes = notes.into_iter().chain([Note::Hour(part), Note::Hour(part)]);
+    drop(written(bench.writer(), notes));
+    let mut database = Connection::open(bench.path()).expect("it is there");
+    let limits = Limits { size: 8 * MB, days: 10 };
+    let (mut aging, day) = (Aging::default(), 86_400.0);
+    // Two looks, since a clock that leaps ahead ages nothing.
+    for now in [9.9 * day, 9.9 * day + 3600.0] {
+        step(&mut database, limits, &mut aging, later(now)).expect("it is free");
+    }
+    assert_eq!(bench.texts_and_ids().len(), 3);
+    step(&mut database, limits, &mut aging, later(10.1 * day)).expect("it is free");
+    assert_eq!(bench.texts_and_ids().len(), 3, "nothing ages faster than the gateway runs");
+    let mut aging = Aging::default();
+    for now in [10.1 * day, 10.2 * day] {
+        step(&mut database, limits, &mut aging, later(now)).expect("it is free");
+    }
+    assert_eq!(bench.texts_and_ids().len(), 1);
+    assert_eq!(bench.overview().counts.unacknowledged, 1, "what is open stays");
+    let of_hour = |seconds| Timestamp::from_nanos(seconds * 1_000_000_000);
+    let hours = bench.reader().hours(2, of_hour(hour), of_hour(hour + 1)).expect("read");
+    assert_eq!((hours.len(), hours[0].count, hours[0].judged_s), (3, 4, 0.08));
 }
 
 #[test]
