@@ -193,7 +193,8 @@ impl StoreReader {
             &format!(
                 "SELECT at_ns, detector, state, fault, suspect, level, residual_m, threshold_m,
                      evidence_nats, device FROM warnings
-                 WHERE run = ? AND cylinder = ? AND at_ns BETWEEN ? AND ? ORDER BY id LIMIT {ROWS}"
+                 WHERE run = ? AND cylinder = ? AND at_ns BETWEEN ? AND ?
+                 ORDER BY at_ns, id LIMIT {ROWS}"
             ),
             params![run, page.alarm.cylinder, begin, end.unwrap_or(i64::MAX)],
             warning_entry,

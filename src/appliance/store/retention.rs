@@ -1,14 +1,18 @@
 //! What gives way, so that the database keeps to its size and its age.
 
+use super::schema;
 use super::trouble::Trouble;
 use crate::time::{Span, Timestamp};
 use rusqlite::{Connection, TransactionBehavior, params};
 
-/// Share of the size from which rows give way, percent.
+/// Share of the size, less [`RESERVE`], from which rows give way, percent.
 const SHARE: u64 = 90;
 
 /// Events that give way in one transaction.
 const ROWS: u32 = 256;
+
+/// Part of the size that is left for the log, and that only deleting may use, bytes.
+pub(super) const RESERVE: u64 = 3 << 19;
 
 /// Most such pieces in a step.
 const PIECES: usize = 8;
@@ -30,9 +34,23 @@ pub(super) struct Limits {
     pub days: u32,
 }
 
+impl Limits {
+    /// Size from which rows give way, bytes.
+    const fn most(self) -> u64 {
+        self.size.saturating_sub(RESERVE) / 100 * SHARE
+    }
+}
+
 /// The clock by which rows age.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Aging(Option<Timestamp>);
+
+/// Whether rows have to give way now.
+///
+/// # Errors The database cannot be read.
+pub(super) fn is_due(database: &Connection, limits: Limits) -> Result<bool, Trouble> {
+    Ok(used(database)? > limits.most())
+}
 
 /// What a step has left to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +99,7 @@ pub(super) fn step(
         crowd_out(database)?;
     }
     let mut left = Left::Nothing;
-    let most = limits.size / 100 * SHARE;
+    let most = limits.most();
     for _ in 0..PIECES {
         if used(database)? <= most || delete(database, None)? == 0 && delete_hours(database)? == 0 {
             break;
@@ -102,10 +120,17 @@ pub(super) fn step(
 ///
 /// # Errors The database cannot be written.
 pub(super) fn make_room(database: &mut Connection, limits: Limits) -> Result<bool, Trouble> {
-    if used(database)? < limits.size / 100 * (SHARE - 10) {
+    if !is_due(database, limits)? {
         return Ok(false);
     }
-    Ok(delete(database, None)? > 0 || delete_hours(database)? > 0)
+    // The index notes what is deleted, for which it needs pages before any are free.
+    schema::limit(database, limits.size, RESERVE)?;
+    let made = delete(database, None).and_then(|events| {
+        let hours = if events == 0 { delete_hours(database)? } else { 0 };
+        Ok(events > 0 || hours > 0)
+    });
+    schema::limit(database, limits.size, 0)?;
+    made
 }
 
 /// Size of the database, bytes.
@@ -157,12 +182,13 @@ fn delete(database: &mut Connection, before: Option<Timestamp>) -> Result<u32, T
         "DELETE FROM warnings WHERE at_ns <= (SELECT at_ns FROM events WHERE id = {newest})
              AND at_ns < coalesce(
                  (SELECT min(begin_ns) FROM incidents WHERE active = 1), {max});
+         INSERT OR IGNORE INTO gone SELECT id FROM events WHERE incident IN gone;
          DELETE FROM revisions WHERE incident IN gone;
-         DELETE FROM acts WHERE incident IN gone OR event IN gone;
+         DELETE FROM acts WHERE event IN gone;
          DELETE FROM words WHERE rowid IN gone;
          DELETE FROM incidents WHERE id IN gone;
-         DELETE FROM events WHERE id IN gone OR incident IN gone;
-         DELETE FROM runs WHERE id < (SELECT min(run) FROM events);",
+         DELETE FROM events WHERE id IN gone;
+         DELETE FROM runs WHERE id < (SELECT run FROM events ORDER BY id LIMIT 1);",
         max = i64::MAX
     ))?;
     step.commit()?;

@@ -1,5 +1,6 @@
 //! The database: its tables, version by version, and opening it.
 
+use super::retention::RESERVE;
 use super::trouble::Trouble;
 use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use std::path::Path;
@@ -66,7 +67,7 @@ CREATE TABLE warnings (
     detector TEXT NOT NULL, state TEXT NOT NULL, fault TEXT NOT NULL, suspect TEXT NOT NULL,
     level INTEGER NOT NULL, residual_m REAL, threshold_m REAL, evidence_nats REAL, device TEXT
 ) STRICT;
-CREATE INDEX warnings_of_cylinder ON warnings (run, cylinder, at_ns);
+CREATE INDEX warnings_at ON warnings (at_ns, cylinder);
 CREATE TABLE acts (
     event INTEGER PRIMARY KEY, incident INTEGER NOT NULL, at_ns INTEGER NOT NULL, kind TEXT NOT NULL,
     who TEXT NOT NULL, note TEXT NOT NULL, until_ns INTEGER
@@ -100,14 +101,15 @@ pub(super) fn open(path: &Path, size: u64) -> Result<Connection, Trouble> {
     database.query_row("PRAGMA journal_mode = WAL", [], |_| Ok(()))?;
     database.execute_batch(SETTINGS)?;
     migrate(&mut database, &MIGRATIONS)?;
-    limit(&database, size)?;
+    limit(&database, size, 0)?;
     Ok(database)
 }
 
-/// Makes the database refuse to grow beyond `size` bytes.
+/// Makes the database refuse to grow beyond `size` bytes, less the [`RESERVE`] of which `reserve` bytes may be used.
 ///
 /// # Errors It cannot be read.
-pub(super) fn limit(database: &Connection, size: u64) -> Result<(), Trouble> {
+pub(super) fn limit(database: &Connection, size: u64, reserve: u64) -> Result<(), Trouble> {
+    let size = size.saturating_sub(RESERVE).saturating_add(reserve);
     let page: i64 = database.query_row("PRAGMA page_size", [], |row| row.get(0))?;
     let pages = size.cast_signed() / page.max(512);
     Ok(database.query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))?)

@@ -41,7 +41,7 @@ impl Vault {
     /// Changes the size that it keeps to, bytes.
     pub fn limit(&mut self, size: u64) {
         // Where it fails, the old one holds until the next start.
-        _ = schema::limit(&self.database, size);
+        _ = schema::limit(&self.database, size, 0);
     }
 
     /// Renames a database that cannot be used, with its log, and returns the new name.

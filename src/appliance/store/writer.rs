@@ -98,7 +98,8 @@ impl<'a> Writer<'a> {
     fn patience(&self) -> Duration {
         let due = self.since.map(|since| since + GATHER);
         let due = due.map(|due| self.not_before.map_or(due, |time| due.max(time)));
-        let next = due.unwrap_or(self.tidy_at).min(self.tidy_at);
+        let tidy = self.not_before.map_or(self.tidy_at, |time| self.tidy_at.max(time));
+        let next = due.unwrap_or(tidy).min(tidy);
         next.saturating_duration_since(Instant::now()).max(Duration::from_millis(1))
     }
 
@@ -230,6 +231,11 @@ impl<'a> Writer<'a> {
         self.not_before = None;
         self.tell(None);
         self.measure();
+        if let (Some(vault), Some(plan)) = (&self.vault, &self.plan)
+            && retention::is_due(&vault.database, limits(plan)).unwrap_or(false)
+        {
+            self.tidy_at = Instant::now();
+        }
     }
 
     /// Notes what hinders, tells it once, and does what helps.
