@@ -11,7 +11,7 @@ pub use super::entries::{
 use super::query::Filter;
 use super::schema;
 use super::trouble::Trouble;
-use crate::alarm_list::LONGEST_SHELVING;
+use crate::alarm_list::{AlarmCondition, LONGEST_SHELVING};
 use crate::time::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
 use serde::Serialize;
@@ -111,30 +111,27 @@ impl StoreReader {
         Ok(Overview { alarms, counts, run: run.optional()? })
     }
 
-    /// Counts in one pass over the index of listed alarms.
+    /// Counts that the database keeps, less those that are shelved.
     fn counts(&self, now: Timestamp) -> Result<Counts, Trouble> {
-        let sql = "SELECT sum(NOT shelved AND active AND NOT acknowledged),
-                 sum(NOT shelved AND active AND acknowledged),
-                 sum(NOT shelved AND condition = 'returned'),
-                 sum(NOT shelved AND condition = 'interrupted'), sum(shelved)
-             FROM (SELECT active, acknowledged, condition,
-                 coalesce(shelved_until_ns > ?1 AND shelved_until_ns <= ?1 + ?2, 0) AS shelved
-                 FROM incidents INDEXED BY incidents_listed WHERE listed = 1)";
-        let now = params![now.as_nanos(), LONGEST_SHELVING.as_nanos()];
-        Ok(self.0.query_row(sql, now, |row| {
-            let count = |at| {
-                Ok::<_, rusqlite::Error>(
-                    row.get::<_, Option<i64>>(at)?.unwrap_or(0).cast_unsigned(),
-                )
-            };
-            Ok(Counts {
-                unacknowledged: count(0)?,
-                acknowledged: count(1)?,
-                returned: count(2)?,
-                interrupted: count(3)?,
-                shelved: count(4)?,
-            })
-        })?)
+        let kept = "SELECT condition, acknowledged, count FROM tallies";
+        let shelved = "SELECT condition, acknowledged, count(*) FROM incidents
+             WHERE shelved_until_ns > ?1 AND shelved_until_ns <= ?1 + ?2 AND listed = 1 GROUP BY 1, 2";
+        let tally = |row: &Row<'_>| Ok((row.get(0)?, row.get(1)?, row.get(2)?));
+        let kept: Vec<(String, bool, i64)> = self.list(kept, [], tally)?;
+        let until = params![now.as_nanos(), LONGEST_SHELVING.as_nanos()];
+        let shelved: Vec<(String, bool, i64)> = self.list(shelved, until, tally)?;
+        let of = |condition: AlarmCondition, acknowledged| {
+            let is = |it: &&(String, bool, i64)| it.0 == condition.name() && it.1 == acknowledged;
+            let sum = |all: &[(String, bool, i64)]| all.iter().find(is).map_or(0, |it| it.2);
+            (sum(&kept) - sum(&shelved)).max(0).cast_unsigned()
+        };
+        Ok(Counts {
+            unacknowledged: of(AlarmCondition::Active, false),
+            acknowledged: of(AlarmCondition::Active, true),
+            returned: of(AlarmCondition::Returned, false),
+            interrupted: of(AlarmCondition::Interrupted, false),
+            shelved: shelved.iter().map(|it| it.2.max(0).cast_unsigned()).sum(),
+        })
     }
 
     /// Incidents and events for which `filter` holds, the newest first; states as they are at `now`.

@@ -53,9 +53,26 @@ CREATE TABLE incidents (
     shelved_by TEXT, shelved_reason TEXT
 ) STRICT;
 CREATE UNIQUE INDEX incidents_of_run ON incidents (run, number);
-CREATE INDEX incidents_listed ON incidents (
-    active, level, id, condition, acknowledged, shelved_until_ns
-) WHERE listed = 1;
+CREATE INDEX incidents_listed ON incidents (active, level, id) WHERE listed = 1;
+CREATE INDEX incidents_shelved ON incidents (shelved_until_ns) WHERE shelved_until_ns IS NOT NULL;
+CREATE TABLE tallies (
+    condition TEXT NOT NULL, acknowledged INTEGER NOT NULL, count INTEGER NOT NULL,
+    PRIMARY KEY (condition, acknowledged)
+) STRICT, WITHOUT ROWID;
+CREATE TRIGGER tally_new AFTER INSERT ON incidents BEGIN
+    INSERT INTO tallies VALUES (new.condition, new.acknowledged, 1)
+        ON CONFLICT DO UPDATE SET count = count + 1;
+END;
+CREATE TRIGGER tally_changed AFTER UPDATE OF condition, acknowledged ON incidents BEGIN
+    UPDATE tallies SET count = count - 1
+        WHERE condition = old.condition AND acknowledged = old.acknowledged;
+    INSERT INTO tallies VALUES (new.condition, new.acknowledged, 1)
+        ON CONFLICT DO UPDATE SET count = count + 1;
+END;
+CREATE TRIGGER tally_gone AFTER DELETE ON incidents BEGIN
+    UPDATE tallies SET count = count - 1
+        WHERE condition = old.condition AND acknowledged = old.acknowledged;
+END;
 CREATE INDEX incidents_active ON incidents (cylinder) WHERE active = 1;
 CREATE TABLE revisions (
     id INTEGER PRIMARY KEY, incident INTEGER NOT NULL, at_ns INTEGER NOT NULL, progress TEXT NOT NULL,

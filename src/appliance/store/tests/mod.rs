@@ -4,7 +4,7 @@ use super::act::{ActError, ActRequest, AlarmAct};
 use super::note::{Event, EventKind, Note};
 use super::plan::{Cause, Plan, StorePlan};
 use super::query::Filter;
-use super::reader::{Overview, StoreReader};
+use super::reader::{Counts, Overview, StoreReader};
 use super::samples::{BEGIN, closed, incident, warning};
 use super::shared::Shared;
 use super::writer::Writer;
@@ -68,8 +68,19 @@ impl Bench {
         StoreReader::open(&self.path()).expect("it was written")
     }
 
+    /// The alarm list, whose counts are those of its alarms.
     fn overview(&self) -> Overview {
-        self.reader().overview(later(100.0), false).expect("it can be read")
+        let overview = self.reader().overview(later(100.0), false).expect("it can be read");
+        let count = |state| overview.alarms.iter().filter(|it| it.state == state).count() as u64;
+        let listed = Counts {
+            unacknowledged: count("unacknowledged"),
+            acknowledged: count("acknowledged"),
+            returned: count("returned_unacknowledged"),
+            interrupted: count("interrupted_unacknowledged"),
+            shelved: count("shelved"),
+        };
+        assert!(overview.counts == listed || overview.alarms.len() == 200, "{overview:?}");
+        overview
     }
 
     /// Texts of the entries that `filter` finds, the newest first.
