@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use std::io;
 
 /// Name of the file in the folder of a recording.
-pub const MANIFEST: &str = "recording.json";
+pub const MANIFEST: &str = "incident.json";
 
 /// The fields of a [`MANIFEST`].
 #[derive(Serialize)]

@@ -211,7 +211,7 @@ mod tests {
         let lost = clerk.shared.dropped.load(Ordering::Relaxed);
         assert_eq!(lost, 20 * 51 - OF_A_TURN as u64 - 2);
         let mut numbers = Vec::new();
-        while clerk.turn.len() > 0 || numbers.len() < 20 {
+        while !clerk.turn.is_empty() || numbers.len() < 20 {
             for note in noted.try_iter() {
                 if let Note::Incident(incident) = note {
                     numbers.push(incident.number);

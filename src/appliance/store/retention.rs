@@ -11,7 +11,7 @@ const SHARE: u64 = 90;
 /// Events that give way in one transaction.
 const ROWS: u32 = 256;
 
-/// Part of the size that is left for the log, and that only deleting may use, bytes.
+/// Part of the size that is left for the log, bytes.
 pub(super) const RESERVE: u64 = 3 << 19;
 
 /// Most such pieces in a step.
@@ -123,14 +123,24 @@ pub(super) fn make_room(database: &mut Connection, limits: Limits) -> Result<boo
     if !is_due(database, limits)? {
         return Ok(false);
     }
-    // The index notes what is deleted, for which it needs pages before any are free.
-    schema::limit(database, limits.size, RESERVE)?;
-    let made = delete(database, None).and_then(|events| {
-        let hours = if events == 0 { delete_hours(database)? } else { 0 };
-        Ok(events > 0 || hours > 0)
-    });
+    // The index notes what is deleted, for which it needs pages before any are free: for so long it may grow.
+    schema::limit(database, limits.size, limits.size)?;
+    let made = clear_out(database);
     schema::limit(database, limits.size, 0)?;
     made
+}
+
+/// Deletes the oldest, and gives the pages back. Returns whether anything was deleted.
+fn clear_out(database: &mut Connection) -> Result<bool, Trouble> {
+    let mut made = false;
+    for _ in 0..PIECES {
+        if delete(database, None)? == 0 && delete_hours(database)? == 0 {
+            break;
+        }
+        made = true;
+    }
+    give_back(database)?;
+    Ok(made)
 }
 
 /// Size of the database, bytes.

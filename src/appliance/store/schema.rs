@@ -122,11 +122,11 @@ pub(super) fn open(path: &Path, size: u64) -> Result<Connection, Trouble> {
     Ok(database)
 }
 
-/// Makes the database refuse to grow beyond `size` bytes, less the [`RESERVE`] of which `reserve` bytes may be used.
+/// Makes the database refuse to grow beyond `size` bytes, less the [`RESERVE`], but for `more` bytes.
 ///
 /// # Errors It cannot be read.
-pub(super) fn limit(database: &Connection, size: u64, reserve: u64) -> Result<(), Trouble> {
-    let size = size.saturating_sub(RESERVE).saturating_add(reserve);
+pub(super) fn limit(database: &Connection, size: u64, more: u64) -> Result<(), Trouble> {
+    let size = size.saturating_sub(RESERVE).saturating_add(more);
     let page: i64 = database.query_row("PRAGMA page_size", [], |row| row.get(0))?;
     let pages = size.cast_signed() / page.max(512);
     Ok(database.query_row(&format!("PRAGMA max_page_count = {pages}"), [], |_| Ok(()))?)
