@@ -41,7 +41,11 @@ impl Office {
         desk.follow(DeskPlan { token: Some(TokenDigest::of(TOKEN)), recordings: None });
         let listen = "127.0.0.1:0".parse().expect("an address");
         let server = Server::start(listen, &recorder, desk.clone()).expect("there is a free port");
-        Self { server, desk, _clerk: clerk, _folder: folder }
+        let office = Self { server, desk, _clerk: clerk, _folder: folder };
+        // Its thread opens the store meanwhile.
+        let opened = || !office.get("/api/alarms").body.contains("\"path\":null");
+        assert!((0..100_000).any(|_| opened()), "the store is not opened");
+        office
     }
 
     fn get(&self, path: &str) -> Answer {

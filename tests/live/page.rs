@@ -223,12 +223,10 @@ fn those_who_watch_are_told_what_is_new() {
     let trend = json(&bench.ask("/api/trend/3"));
     let times = trend["time"].as_array().expect("times");
     let mut told: Vec<Value> = Vec::new();
-    while told
-        .iter()
-        .filter(|row| row[0] == 3)
-        .next_back()
-        .is_none_or(|row| &row[1] != times.last().expect("a bin"))
-    {
+    let has_newest = |told: &[Value]| {
+        told.iter().rfind(|row| row[0] == 3).is_some_and(|row| Some(&row[1]) == times.last())
+    };
+    while !has_newest(&told) {
         told.extend(watcher.event("bins").as_array().expect("rows").iter().cloned());
     }
     for cylinder in 1..=6 {

@@ -86,7 +86,7 @@ def replayed(archive):
         (name,) = os.listdir(folder)
         recording = os.path.join(folder, name)
         replay = subprocess.run([PROGRAM, "replay", recording, "--format", "jsonl"], stdout=subprocess.PIPE, check=True)
-        with open(os.path.join(recording, "recording.json"), encoding="utf-8") as file:
+        with open(os.path.join(recording, "incident.json"), encoding="utf-8") as file:
             live = json.load(file)["lines"]
         told = [json.loads(line) for line in replay.stdout.splitlines()]
         told = [line for line in told if line["type"] == "incident"]

@@ -8,7 +8,7 @@ use crate::time::Span;
 use axum::body::Bytes;
 use axum::extract::{Path, State};
 use axum::http::header::{CONTENT_TYPE, WWW_AUTHENTICATE};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use std::sync::atomic::Ordering;
@@ -39,8 +39,8 @@ pub(super) async fn act(
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
-    if let Err(refusal) = admit(&shared, &headers) {
-        return refusal;
+    if let Some(refusal) = refusal(&shared, &headers) {
+        return refused(refusal);
     }
     let told: Told = match serde_json::from_slice(&body) {
         Ok(told) => told,
@@ -72,11 +72,12 @@ pub(super) async fn act(
 
 /// `POST /api/record`: a recording of the last frames, as SIGUSR1 asks for it.
 pub(super) async fn record(State(shared): State<Shared>, headers: HeaderMap) -> Response {
-    if let Err(refusal) = admit(&shared, &headers) {
-        return refusal;
+    if let Some(refusal) = refusal(&shared, &headers) {
+        return refused(refusal);
     }
     if shared.desk.plan().recordings.is_none() {
-        let told = "nothing is recorded: `folder` in [recorder] of the configuration says where to\n";
+        let told =
+            "nothing is recorded: `folder` in [recorder] of the configuration says where to\n";
         return (StatusCode::NOT_FOUND, told).into_response();
     }
     shared.desk.demand.store(true, Ordering::Relaxed);
@@ -93,27 +94,32 @@ fn answer(error: &ActError) -> Response {
     (code, format!("{error}\n")).into_response()
 }
 
-/// Admits requests of this page by those who have the token. A page from elsewhere has neither: it can send no
-/// header of its own, and no JSON, without asking first, and nothing here answers that question.
-fn admit(shared: &Shared, headers: &HeaderMap) -> Result<(), Response> {
+/// A code, and words for it.
+type Refusal = (StatusCode, &'static str);
+
+/// Why a request is not admitted: only those of this page are, by people who have the token. A page from elsewhere has
+/// neither: it can send no header of its own, and no JSON, without asking first, and nothing here answers that question.
+fn refusal(shared: &Shared, headers: &HeaderMap) -> Option<Refusal> {
     if !is_from_here(headers) {
-        return Err((StatusCode::FORBIDDEN, "this did not come from the gateway's own page\n")
-            .into_response());
+        return Some((StatusCode::FORBIDDEN, "this did not come from the gateway's own page\n"));
     }
     let json = headers.get(CONTENT_TYPE).is_some_and(|kind| kind.as_bytes() == b"application/json");
     if !json {
-        return Err(
-            (StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n").into_response()
-        );
+        return Some((StatusCode::UNSUPPORTED_MEDIA_TYPE, "an act is application/json\n"));
     }
-    let Some(token) = shared.desk.plan().token else {
+    let Some(token) = &shared.desk.plan().token else {
         let told = "acts are off: `tertius token` makes a token, whose digest belongs into [http] of the \
                     configuration\n";
-        return Err((StatusCode::FORBIDDEN, told).into_response());
+        return Some((StatusCode::FORBIDDEN, told));
     };
-    if token.admits(headers) {
-        return Ok(());
-    }
     let told = "the token is missing or wrong\n";
-    Err((StatusCode::UNAUTHORIZED, [(WWW_AUTHENTICATE, "Bearer")], told).into_response())
+    (!token.admits(headers)).then_some((StatusCode::UNAUTHORIZED, told))
+}
+
+fn refused((code, told): Refusal) -> Response {
+    let mut response = (code, told).into_response();
+    if code == StatusCode::UNAUTHORIZED {
+        response.headers_mut().insert(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+    }
+    response
 }

@@ -52,7 +52,7 @@ pub(super) async fn only_known_hosts(
         return (StatusCode::FORBIDDEN, FAR).into_response();
     }
     let host = request.headers().get(HOST).and_then(|host| host.to_str().ok());
-    if host.is_some_and(|host| is_own(host)) {
+    if host.is_some_and(is_own) {
         return next.run(request).await;
     }
     let told =

@@ -85,7 +85,9 @@ pub(super) async fn archive(
     Path(file): Path<String>,
 ) -> Response {
     let absent = || (StatusCode::NOT_FOUND, "there is no such recording\n").into_response();
-    let Some(name) = file.strip_suffix(".tar").filter(|name| is_name(name)) else { return absent() };
+    let Some(name) = file.strip_suffix(".tar").filter(|name| is_name(name)) else {
+        return absent();
+    };
     let Some(path) = shared.desk.plan().recordings.map(|folder| folder.join(name)) else {
         return absent();
     };

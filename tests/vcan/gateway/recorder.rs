@@ -40,7 +40,7 @@ fn an_incident_and_a_demand_leave_folders_with_what_candump_saw() {
     let folder = &recordings(&bench, "incident-1")[0];
     let output = Command::new(program()).args(["replay", "--format", "jsonl"]).arg(folder).output();
     let text = String::from_utf8(output.expect("it runs").stdout).expect("UTF-8");
-    let manifest = fs::read_to_string(folder.join("recording.json")).expect("it is there");
+    let manifest = fs::read_to_string(folder.join("incident.json")).expect("it is there");
     let told = manifest.lines().map(|line| line.trim().trim_end_matches(','));
     let told: Vec<&str> = told.filter(|line| line.starts_with(r#"{"type":"incident""#)).collect();
     assert!(!told.is_empty() && told.iter().all(|told| text.lines().any(|line| line == *told)));
