@@ -9,7 +9,7 @@ use super::site::Site;
 pub use super::site::SitePlan;
 use super::store::{Cause, Clerk, EventKind, StorePlan};
 use super::telemetry::clock::SystemClock;
-use super::telemetry::{Facts, Recorder};
+use super::telemetry::{MachineFacts, Recorder};
 use super::warning_log::WarningLog;
 use super::watchdog::{Watchdog, tell};
 use crate::alarm::{OwnFrame, Warning};
@@ -51,7 +51,7 @@ pub struct PreparedGateway {
     /// Name of the interface; `None` for the embedded bus.
     pub interface: Option<String>,
     /// What is monitored, for people.
-    pub facts: Facts,
+    pub facts: MachineFacts,
     /// The HTTP server.
     pub site: SitePlan,
     /// Real-time settings, used only at the gateway's start.
@@ -136,7 +136,7 @@ impl Appliance {
     }
 
     /// Takes what is monitored from now on.
-    pub fn describe(&self, facts: Facts) {
+    pub fn describe(&self, facts: MachineFacts) {
         self.recorder.telemetry().describe(facts);
     }
 

@@ -13,7 +13,7 @@ use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
-use crate::appliance::telemetry::Facts;
+use crate::appliance::telemetry::MachineFacts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::canopen::node::Node;
@@ -127,7 +127,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    let facts = Facts {
+    let facts = MachineFacts {
         name: settings.machine.name.clone(),
         configuration: path.display().to_string(),
         identity: identity::of(&machine.loaded),

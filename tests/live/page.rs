@@ -7,7 +7,7 @@ use std::net::TcpStream;
 use std::sync::Arc;
 use std::time::Duration;
 use tertius::appliance::http::{Desk, Server};
-use tertius::appliance::telemetry::{Facts, Recorder};
+use tertius::appliance::telemetry::{MachineFacts, Recorder};
 use tertius::frame::Frame;
 use tertius::time::Span;
 use tertius_testing::machine::Cycle;
@@ -21,7 +21,7 @@ fn bench() -> Bench {
     let limits_m = vec![[1e-3, 1e-3, 1.5e-3, 0.05]; 6];
     let configuration = "e-type.toml".to_owned();
     let name = "<b>Ampelmann</b>".to_owned();
-    telemetry.describe(Facts { name, configuration, limits_m, ..Facts::default() });
+    telemetry.describe(MachineFacts { name, configuration, limits_m, ..MachineFacts::default() });
     bench.witness.recorder.opened();
     let frames: Vec<Frame> = (0..200)
         .flat_map(|k| Cycle { offset: if k >= 190 { 30 } else { 0 }, ..Cycle::new(k) }.frames())

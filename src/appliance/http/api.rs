@@ -1,7 +1,7 @@
 //! What the page asks for, as JSON.
 
 use super::{Shared, json};
-use crate::appliance::telemetry::Facts;
+use crate::appliance::telemetry::MachineFacts;
 use crate::appliance::telemetry::trend::{Bin, QUANTITIES, merged};
 use crate::time::{Span, Timestamp};
 use axum::extract::{Path, Query, State};
@@ -20,7 +20,7 @@ const LONGEST: u32 = 3600;
 struct Machine<'a> {
     version: &'static str,
     #[serde(flatten)]
-    facts: &'a Facts,
+    facts: &'a MachineFacts,
 }
 
 pub(super) async fn machine(State(shared): State<Shared>) -> Response {

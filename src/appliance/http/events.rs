@@ -4,7 +4,7 @@ use super::{Shared, json};
 use crate::alarm::Level;
 use crate::alarm::status::Mode;
 use crate::appliance::store::{
-    EventKind, ExportFormat, Filter, Overview, StoreReader, StoreState, Trouble, export,
+    AlarmOverview, EventKind, ExportFormat, Filter, StoreReader, StoreState, Trouble, export,
 };
 use crate::time::Timestamp;
 use crate::verdict::Suspect;
@@ -25,7 +25,7 @@ struct Alarms {
     /// Whether acts are allowed to those who have the token.
     acts: bool,
     #[serde(flatten)]
-    overview: Option<Overview>,
+    overview: Option<AlarmOverview>,
 }
 
 pub(super) async fn alarms(State(shared): State<Shared>) -> Response {

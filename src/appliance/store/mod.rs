@@ -40,8 +40,8 @@ pub use note::{Event, EventKind};
 pub use plan::{Cause, StorePlan};
 pub use query::{Filter, MOST_FOUND};
 pub use reader::{
-    ActEntry, AlarmEntry, Counts, EventEntry, EventPage, HourEntry, IncidentFields, IncidentPage,
-    Overview, Revision, RunEntry, StopEntry, StoreReader, WarningEntry,
+    ActEntry, AlarmEntry, AlarmOverview, Counts, EventEntry, EventPage, HourEntry, IncidentFields,
+    IncidentPage, Revision, RunEntry, StopEntry, StoreReader, WarningEntry,
 };
 pub use shared::{StoreHandle, StoreState};
 pub use trouble::Trouble;

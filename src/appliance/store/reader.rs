@@ -33,7 +33,7 @@ pub struct StoreReader(Connection);
 
 /// The alarm list and what led to it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Overview {
+pub struct AlarmOverview {
     /// Alarms that a person has to deal with: active ones first, then by level, then the newest.
     pub alarms: Vec<AlarmEntry>,
     pub counts: Counts,
@@ -86,7 +86,7 @@ impl StoreReader {
     /// The alarm list at `now`; `gated`: the monitor does not judge by design.
     ///
     /// # Errors The store cannot be read.
-    pub fn overview(&self, now: Timestamp, gated: bool) -> Result<Overview, Trouble> {
+    pub fn overview(&self, now: Timestamp, gated: bool) -> Result<AlarmOverview, Trouble> {
         let sql = format!(
             "SELECT {ALARM_COLUMNS} FROM incidents i JOIN events e ON e.id = i.id
              WHERE listed = 1 ORDER BY i.active DESC, i.level DESC, i.id DESC LIMIT {ALARMS}"
@@ -108,7 +108,7 @@ impl StoreReader {
                 })
             },
         );
-        Ok(Overview { alarms, counts, run: run.optional()? })
+        Ok(AlarmOverview { alarms, counts, run: run.optional()? })
     }
 
     /// Counts that the database keeps, less those that are shelved.

@@ -102,7 +102,7 @@ struct Link {
 
 /// What a gateway monitors: facts of its configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Facts {
+pub struct MachineFacts {
     /// Name of the machine.
     pub name: String,
     /// File of the configuration.
@@ -136,7 +136,7 @@ pub struct Telemetry {
     heard: AtomicU64,
     link: Link,
     /// What is monitored; written at the start and by a reload.
-    facts: RwLock<Arc<Facts>>,
+    facts: RwLock<Arc<MachineFacts>>,
     /// Size of the event store, bytes.
     store_size: Gauge,
 }
@@ -163,12 +163,12 @@ impl Telemetry {
     }
 
     /// Takes what is monitored from now on.
-    pub fn describe(&self, facts: Facts) {
+    pub fn describe(&self, facts: MachineFacts) {
         *self.facts.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(facts);
     }
 
     /// What is monitored.
-    pub fn facts(&self) -> Arc<Facts> {
+    pub fn facts(&self) -> Arc<MachineFacts> {
         self.facts.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 

@@ -28,7 +28,7 @@ table! {
             "\"127.0.0.1:9481\"", "where the page, /health and /metrics are served, ADDRESS:PORT; or off";
         token: Option<String> = None => text(TextRule::Digest),
             "\"8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19\"",
-            "SHA-256 of the token that acts on alarms need, as `tertius token` prints it; absent: no acts";
+            "SHA-256 of the token for acts on alarms (`tertius token`); absent: no acts";
     }
 }
 

@@ -4,7 +4,7 @@ use super::act::{ActError, ActRequest, AlarmAct};
 use super::note::{Event, EventKind, Note};
 use super::plan::{Cause, Plan, StorePlan};
 use super::query::Filter;
-use super::reader::{Counts, Overview, StoreReader};
+use super::reader::{AlarmOverview, Counts, StoreReader};
 use super::samples::{BEGIN, closed, incident, warning};
 use super::shared::Shared;
 use super::writer::Writer;
@@ -69,7 +69,7 @@ impl Bench {
     }
 
     /// The alarm list, whose counts are those of its alarms.
-    fn overview(&self) -> Overview {
+    fn overview(&self) -> AlarmOverview {
         let overview = self.reader().overview(later(100.0), false).expect("it can be read");
         let count = |state| overview.alarms.iter().filter(|it| it.state == state).count() as u64;
         let listed = Counts {
