@@ -8,11 +8,11 @@
 //!          └───── empty block ───────┘
 //! ```
 //!
-//! The data path only copies a frame into a block that it already has ([`tap`]). Whatever takes time is the
-//! worker's: it packs blocks ([`packer`]), keeps the last ones ([`ring`]), and writes a recording ([`recording`])
-//! once all of its frames have come ([`folder`]). Every ten seconds a copy of the monitor goes the same way, so that a
-//! recording begins with what the monitor knew, and its replay says the same to the byte. If the worker falls behind, frames are left out of the recording and
-//! counted, and nobody waits.
+//! The data path only copies a frame into a block that it already has (`tap`). Whatever takes time is the
+//! worker's: it packs blocks (`packer`), keeps the last ones (`ring`), and writes a recording (`recording`)
+//! once all of its frames have come (`folder`). Every ten seconds a copy of the monitor goes the same way, so that a
+//! recording begins with what the monitor knew, and its replay says the same to the byte. If the worker falls behind,
+//! frames are left out of the recording and counted, and nobody waits.
 
 mod block;
 mod folder;
