@@ -6,6 +6,7 @@ use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
 use clap::{Args, ValueEnum};
+use console::style;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -67,7 +68,7 @@ impl Doctor {
         let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
         let (warned, failed) = (count(Verdict::Warn), count(Verdict::Fail));
         let text = match self.format {
-            Format::Human => findings.iter().map(|finding| format!("{finding}\n")).collect(),
+            Format::Human => findings.iter().map(|finding| line(finding) + "\n").collect(),
             Format::Json => {
                 let report = Report { findings: &findings, warned, failed };
                 serde_json::to_string(&report)
@@ -114,5 +115,16 @@ fn wanted(machine: &Machine, config: &Path) -> Wanted {
         status: machine.design.encoder.status_id(),
         messages: messages.collect(),
         realtime: settings.realtime,
+    }
+}
+
+/// The finding in a line, its verdict in colour where the terminal has colours.
+fn line(finding: &Finding) -> String {
+    let text = finding.to_string();
+    let (word, rest) = text.split_at(text.find(' ').unwrap_or(text.len()));
+    match finding.verdict {
+        Verdict::Ok => text,
+        Verdict::Warn => format!("{}{rest}", style(word).yellow()),
+        Verdict::Fail => format!("{}{rest}", style(word).red().bold()),
     }
 }
