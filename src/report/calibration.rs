@@ -127,6 +127,22 @@ pub fn bound(result: &Calibration) -> String {
     }
 }
 
+/// The result in a sentence, and whether it is whole: of all cylinders, with a bound of R3.
+pub fn verdict(result: &Calibration) -> (bool, String) {
+    let all = result.cylinders.len();
+    let corrected = result.cylinders.iter().filter(|it| it.result.is_ok()).count();
+    let taught = result.cylinders.iter().filter(|it| it.sequential.is_some()).count();
+    let bound = result.bound.as_ref().map_or_else(
+        || "no bound of R3 is proposed".to_owned(),
+        |bound| format!("R3 may be bounded at {:.2} mm", bound.level * 1e3),
+    );
+    let text = format!(
+        "C2 is corrected on {corrected} of {all} cylinders, and the sequential detectors of {taught} are calibrated; \
+         {bound}."
+    );
+    (corrected == all && taught == all && result.bound.is_some(), text)
+}
+
 /// Remarks, one line each.
 pub fn remarks(result: &Calibration) -> String {
     let mut text = String::new();

@@ -207,6 +207,25 @@ fn tests_of(number: u8, name: &str, whiteness: &Whiteness) -> [String; 8] {
     ]
 }
 
+/// The result in a sentence, and whether it is whole: a model of every cylinder, tried on data held back.
+pub fn verdict(outcome: &Outcome) -> (bool, String) {
+    let all = outcome.cylinders.len();
+    let numbers = || outcome.cylinders.iter().map(|cylinder| cylinder.number);
+    let identified = numbers().filter(|number| outcome.identified(*number).is_some()).count();
+    let own = numbers().filter_map(|number| outcome.simulated(number, number));
+    let worst = own.map(|fit| fit.position.vaf()).reduce(f64::min);
+    let fit = worst.map_or_else(
+        || "none was tried on data held back".to_owned(),
+        |vaf| {
+            format!("each explains at least {vaf:.1} % of its own motion in the data held back (VAF, open loop)")
+        },
+    );
+    (
+        identified == all && worst.is_some(),
+        format!("{identified} of {all} cylinders have a model; {fit}."),
+    )
+}
+
 /// Remarks, one line each.
 pub fn remarks(outcome: &Outcome) -> String {
     let mut text = String::new();

@@ -149,6 +149,19 @@ pub fn thresholds(result: &Tuning) -> String {
     )
 }
 
+/// The result in a sentence, and whether it is within what was recorded: a threshold at the thesis's own.
+pub fn verdict(result: &Tuning) -> (bool, String) {
+    let Thresholds { low, high, .. } = result.thresholds;
+    let steps = || result.detectors.iter().map(|detector| detector.step);
+    let largest = steps().flatten().reduce(f64::max).filter(|_| steps().all(|step| step.is_some()));
+    let step = largest.map_or_else(
+        || "not every transducer has a step that is surely found".to_owned(),
+        |step| format!("steps from {} on are found on every transducer", length(step)),
+    );
+    let [low, high] = [low, high].map(|it| length(four_digits(it)));
+    (largest.is_some(), format!("R1 and R2 raise at {high} and clear below {low}: {step}."))
+}
+
 /// Smallest faults that are found.
 pub fn sensitivity(result: &Tuning) -> Section {
     let mut table = Sheet::new(&["cylinder", "", "smallest step", "smallest noise", "n of n·σ"]);

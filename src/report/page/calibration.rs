@@ -20,6 +20,8 @@ const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
     page.paragraph(&result.inputs);
+    page.verdict(&text::verdict(result));
+    page.contents();
     add(&mut page, result, differences, configured);
     page.finish()
 }

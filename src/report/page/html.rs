@@ -181,6 +181,11 @@ impl Page {
         self.body += "</div>\n";
     }
 
+    /// Adds a verdict: whether all is well, and the sentence that says it.
+    pub fn verdict(&mut self, (good, text): &(bool, String)) {
+        if *good { self.good(text) } else { self.alarm(text) }
+    }
+
     /// Adds each line of `text` on a line of its own, without empty ones.
     pub fn lines(&mut self, text: &str) {
         let lines: Vec<&str> =

@@ -21,6 +21,8 @@ type Captioned = (Figure, String);
 pub fn page(outcome: &Outcome) -> String {
     let mut page = Page::new("identify", &format!("Identification: {}", outcome.machine));
     page.paragraph(&outcome.inputs);
+    page.verdict(&text::verdict(outcome));
+    page.contents();
     add(&mut page, outcome);
     page.finish()
 }

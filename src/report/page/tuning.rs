@@ -27,6 +27,8 @@ const HOUR: f64 = 3600.0;
 pub fn page(result: &Tuning) -> String {
     let mut page = Page::new("tune", &format!("Tuning: {}", result.machine));
     page.paragraph(&result.inputs);
+    page.verdict(&text::verdict(result));
+    page.contents();
     add(&mut page, result);
     page.finish()
 }
