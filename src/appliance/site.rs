@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use tracing::{info, warn};
 
 /// What the configuration asks for.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct SitePlan {
     /// Address to listen on; port 0 becomes another one. `None`: there is no server.
     pub listen: Option<SocketAddr>,

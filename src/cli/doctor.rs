@@ -86,7 +86,8 @@ impl Doctor {
     }
 }
 
-fn wanted(machine: &Machine, config: &Path) -> Wanted {
+/// What the doctor has to know of `machine`, whose configuration is the file `config`.
+pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
     let settings = &machine.loaded.settings;
     let messages = machine.design.subscriptions.all().iter().map(|line| {
         let message = machine.database.message_by_id(line.id);

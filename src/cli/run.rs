@@ -1,6 +1,7 @@
 //! `tertius run`: the live gateway.
 
 use super::Failure;
+use super::doctor;
 use super::machine::Machine;
 use super::node;
 use super::stage::Stage;
@@ -140,6 +141,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         desk: DeskPlan {
             token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
             recordings: flight.as_ref().map(|flight| flight.folder.clone()),
+            patient: Some(doctor::wanted(&machine, path)),
         },
     };
     let keeping = Keeping { history, store, flight };

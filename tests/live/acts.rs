@@ -5,10 +5,13 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
 use tempfile::TempDir;
+use tertius::appliance::doctor::facts::Wanted;
 use tertius::appliance::http::{Desk, DeskPlan, Server, TokenDigest};
 use tertius::appliance::store::{Cause, Clerk, StorePlan};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::config::settings::Realtime;
+use tertius::frame::Id;
 use tertius_testing::process::{configuration, excerpt, write};
 use tertius_testing::support::tertius;
 
@@ -38,7 +41,7 @@ impl Office {
         };
         clerk.begin(Some(plan), Cause::Start, false);
         let desk = Desk::new(clerk.handle(), Arc::default());
-        desk.follow(DeskPlan { token: Some(TokenDigest::of(TOKEN)), recordings: None });
+        desk.follow(DeskPlan { token: Some(TokenDigest::of(TOKEN)), ..DeskPlan::default() });
         let listen = "127.0.0.1:0".parse().expect("an address");
         let server = Server::start(listen, &recorder, desk.clone()).expect("there is a free port");
         let office = Self { server, desk, _clerk: clerk, _folder: folder };
@@ -175,4 +178,37 @@ fn what_is_searched_for_is_found_or_refused_in_words() {
     assert_eq!(office.get("/api/incidents/999999").code, 404);
     assert_eq!(office.get("/api/export/..%2fkept.events").code, 404);
     assert_eq!(office.get("/api/export/events.db").code, 404);
+}
+
+/// What `tertius doctor` finds belongs to the machine that is being watched, and is not looked for at every request.
+#[test]
+fn the_doctor_examines_this_computer_when_somebody_asks() {
+    let office = Office::new();
+    assert_eq!(office.get("/api/doctor").code, 404, "nothing is known of a configuration");
+    let patient = Wanted {
+        config: "here.toml".into(),
+        dbc: "here.dbc".to_owned(),
+        dbc_findings: 2,
+        interface: "none-such".to_owned(),
+        bit_rate: 500_000,
+        sample_time: 0.02,
+        node: 81,
+        own: vec![],
+        status: Id::standard(0x1D1).expect("eleven bits"),
+        messages: vec![],
+        realtime: Realtime::default(),
+    };
+    office.desk.follow(DeskPlan { patient: Some(patient.clone()), ..DeskPlan::default() });
+    let answer = office.get("/api/doctor");
+    let report: Value = serde_json::from_str(&answer.body).expect("JSON");
+    let verdict = |subject: &str| {
+        let findings = report["findings"].as_array().expect("findings");
+        findings.iter().find(|it| it["subject"] == subject).map(|it| it["verdict"].clone())
+    };
+    assert_eq!(verdict("dbc"), Some("warn".into()), "{report}");
+    assert_eq!(verdict("interface"), Some("fail".into()), "{report}");
+    // Within a minute it is the same examination.
+    let patient = Some(Wanted { interface: "virtual".to_owned(), ..patient });
+    office.desk.follow(DeskPlan { patient, ..DeskPlan::default() });
+    assert_eq!(office.get("/api/doctor").body, answer.body);
 }

@@ -6,12 +6,14 @@ mod acts;
 mod api;
 mod connections;
 mod events;
+mod examination;
 mod guard;
 mod page;
 mod recordings;
 mod stream;
 mod token;
 
+use super::doctor::facts::Wanted;
 use super::realtime;
 use super::store::{StoreHandle, StoreState};
 use super::telemetry::clock::Clock;
@@ -24,6 +26,7 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use examination::Examined;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -51,12 +54,14 @@ pub struct Desk {
 }
 
 /// What a configuration says of the desk; a reload may change it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default)]
 pub struct DeskPlan {
     /// Digest of the token that acts need; `None`: there are no acts.
     pub token: Option<TokenDigest>,
     /// Folder of the flight recorder; `None`: nothing is recorded.
     pub recordings: Option<PathBuf>,
+    /// What the doctor has to know of the configuration; `None`: nothing is examined.
+    pub patient: Option<Wanted>,
 }
 
 impl Desk {
@@ -96,6 +101,7 @@ impl Server {
             audience: Arc::default(),
             address,
             desk,
+            examined: Arc::default(),
         };
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
@@ -133,6 +139,7 @@ struct Shared {
     audience: Arc<Audience>,
     address: SocketAddr,
     desk: Desk,
+    examined: Arc<Examined>,
 }
 
 impl Shared {
@@ -158,6 +165,7 @@ fn router(shared: Shared) -> Router {
         .route("/api/export/{name}", get(events::file))
         .route("/api/incidents/{id}", get(events::incident))
         .route("/api/stops/{cylinder}", get(events::stops))
+        .route("/api/doctor", get(examination::doctor))
         .route("/api/recordings", get(recordings::list))
         .route("/api/recordings/{name}", get(recordings::archive))
         .layer(from_fn(guard::without_body))

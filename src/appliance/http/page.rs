@@ -16,7 +16,7 @@ const PICTURE: &str = "image/svg+xml";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 /// Names, types and contents; the first one is the page itself.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 14] = [
     ("index.html", HTML, include_str!("page/index.html")),
     ("page.css", STYLE, include_str!("page/page.css")),
     ("page.js", SCRIPT, include_str!("page/page.js")),
@@ -24,6 +24,7 @@ const FILES: [(&str, &str, &str); 13] = [
     ("trends.js", SCRIPT, include_str!("page/trends.js")),
     ("alarms.js", SCRIPT, include_str!("page/alarms.js")),
     ("incidents.js", SCRIPT, include_str!("page/incidents.js")),
+    ("maintenance.js", SCRIPT, include_str!("page/maintenance.js")),
     ("recordings.js", SCRIPT, include_str!("page/recordings.js")),
     ("words.js", SCRIPT, include_str!("page/words.js")),
     ("icon.svg", PICTURE, include_str!("page/icon.svg")),

@@ -2,10 +2,10 @@
 
 import { Alarms } from "./alarms.js";
 import { Incidents } from "./incidents.js";
+import { Maintenance } from "./maintenance.js";
 import { Overview, incident } from "./overview.js";
-import { Recordings } from "./recordings.js";
 import { Trends } from "./trends.js";
-import { ago, element, left, number, plural, say, sentence, symbol, utc } from "./words.js";
+import { ago, plural, say, sentence, symbol, utc } from "./words.js";
 
 const VIEWS = ["overview", "trends", "alarms", "incidents", "maintenance"];
 const CONDITIONS = { ok: "good", unknown: "unknown", degraded: "out_of_specification", down: "failure" };
@@ -17,8 +17,7 @@ const overview = new Overview(at("view-overview"));
 const trends = new Trends(at("view-trends"));
 const alarms = new Alarms(at("view-alarms"), at("spoken"));
 const incidents = new Incidents(at("view-incidents"));
-const recorded = new Recordings();
-const state = element("div");
+const maintenance = new Maintenance(at("view-maintenance"));
 let machine = null;
 let newest = null;
 let heard = 0;
@@ -39,7 +38,7 @@ function route() {
     showAlarms.read = 0;
     showAlarms(newest);
   }
-  if (view === "maintenance") recorded.refresh();
+  if (view === "maintenance") maintenance.open();
   if (view === "incidents") incidents.open(detail ? Number(detail) : null);
 }
 
@@ -62,7 +61,7 @@ function show(now) {
   condition(now.status, `${sentence(now.reason)} ${sentence(`${bus}, ${now.mode ?? "not monitoring"}`)}`);
   say(at("clock"), utc(now.time));
   showAlarms(now);
-  maintenance(now);
+  maintenance.show(now);
   const said = `${now.level}/${now.incidents.map((it) => it.number).join()}`;
   if (levelSaid !== null && said !== levelSaid) {
     say(at("spoken"), now.incidents.length ? `${plural(now.incidents.length, "incident")}. ${now.incidents[0].summary}` : "No incident stands.");
@@ -87,36 +86,6 @@ async function showAlarms(now) {
   } finally {
     showAlarms.busy = false;
   }
-}
-
-function maintenance(now) {
-  const place = state;
-  const rows = now.cylinders.flatMap((cylinder) => cylinder.transducers.map((it, which) => [
-    `Cylinder ${cylinder.number}, C${which + 1}`, it.words, number(cylinder.dwells, 0),
-    it.drift_mm_per_month == null ? "–" : `${number(it.drift_mm_per_month, 3)} ± ${number(it.error_mm_per_month, 3)}`,
-    left(it.months_left) || "–",
-  ]));
-  const key = JSON.stringify(rows);
-  if (place.dataset.key === key) return;
-  place.dataset.key = key;
-  const header = ["Transducer", "State", "Readings on the stop", "Drift, mm a month", "Time left"];
-  place.replaceChildren(
-    element("h2", {}, "Transducers"),
-    table("Transducers and their drift on the stops", header, rows),
-    element("h2", {}, "Gateway"),
-    table("The gateway", ["What", "Value"], [
-      ["Program", `tertius ${machine.version}`], ["Machine", machine.name], ["Configuration", machine.configuration],
-      ["Its identity", machine.identity]]),
-    element("h2", {}, "Limits, mm"),
-    table("Limits", ["Cylinder", "R1", "R2", "R3", "C1 − C2"],
-      machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => number(limit * 1e3, 2))])));
-}
-
-function table(name, header, rows) {
-  return element("div", { class: "scroll", tabindex: "0", role: "group", "aria-label": name },
-    element("table", {},
-      element("thead", {}, element("tr", {}, ...header.map((cell) => element("th", { scope: "col" }, cell)))),
-      element("tbody", {}, ...rows.map((row) => element("tr", {}, ...row.map((cell) => element("td", {}, cell)))))));
 }
 
 /** Without events nothing is known, whatever was shown last. */
@@ -160,7 +129,7 @@ async function start() {
   overview.build(machine.limits_m);
   trends.build(machine.limits_m);
   incidents.build(machine.limits_m);
-  at("view-maintenance").replaceChildren(state, recorded.node);
+  maintenance.build(machine);
   addEventListener("hashchange", route);
   route();
   heard = Date.now();

@@ -1,0 +1,52 @@
+//! What `tertius doctor` says of this computer, without listening to the bus.
+
+use super::{Shared, json};
+use crate::appliance::doctor::gather::gather;
+use crate::appliance::doctor::{Finding, examine};
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use std::time::Duration;
+use tokio::sync::Mutex;
+
+/// Examinations are at least so far apart, however many ask.
+const APART: Duration = Duration::from_secs(60);
+
+/// The last examination, and its uptime; one is made at a time.
+pub(super) type Examined = Mutex<Option<(Duration, Report)>>;
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Report {
+    /// When, s since 1970.
+    at_s: f64,
+    findings: Vec<Finding>,
+}
+
+pub(super) async fn doctor(State(shared): State<Shared>) -> Response {
+    let Some(patient) = shared.desk.plan().patient else {
+        return (StatusCode::NOT_FOUND, "nothing is known of this computer\n").into_response();
+    };
+    let mut examined = shared.examined.lock().await;
+    let uptime = shared.clock.uptime();
+    if let Some((at, report)) = &*examined
+        && uptime.saturating_sub(*at) < APART
+    {
+        return json(report);
+    }
+    let examination = tokio::task::spawn_blocking(move || {
+        let embedded = patient.interface == "virtual";
+        let mut findings = examine(&gather(patient, embedded, None, Duration::ZERO));
+        // Whoever reads this knows that the page is served, and its address is in use by it.
+        findings.retain(|finding| finding.subject != "http");
+        findings
+    });
+    let Ok(findings) = examination.await else {
+        return StatusCode::INTERNAL_SERVER_ERROR.into_response();
+    };
+    let report = Report { at_s: shared.clock.system().as_seconds(), findings };
+    let answer = json(&report);
+    *examined = Some((uptime, report));
+    answer
+}
