@@ -334,15 +334,12 @@ fn feed(
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut last = output.first;
-    let mut frames = 0_u64;
-    while let Some(frame) = recording.next_frame()? {
-        last = frame.timestamp;
-        if frames == 0 {
-            begin(last, monitor, output, kept.as_deref_mut())?;
-        }
-        monitor.take(frame, output);
-        frames += 1;
-        if frames.is_multiple_of(STRIDE) {
+    if let Some(first) = recording.next_frame()?.cloned() {
+        last = first.timestamp;
+        begin(last, monitor, output, kept.as_deref_mut())?;
+        monitor.take(&first, output);
+        while let Some(newest) = stride(recording, monitor, output)? {
+            last = newest;
             if output.failed() {
                 break;
             }
@@ -356,6 +353,23 @@ fn feed(
     }
     bar.finish();
     Ok(last.since(output.first))
+}
+
+/// Feeds the next frames to the monitor, and returns the time stamp of the last of them; `None` at the end. By
+/// itself, so that nothing but these three takes part in the loop.
+#[inline(never)]
+fn stride(
+    recording: &mut Recording,
+    monitor: &mut Monitor,
+    output: &mut Output,
+) -> Result<Option<Timestamp>, Failure> {
+    let mut newest = None;
+    for _ in 0..STRIDE {
+        let Some(frame) = recording.next_frame()? else { break };
+        newest = Some(frame.timestamp);
+        monitor.take(frame, output);
+    }
+    Ok(newest)
 }
 
 /// Begins the outputs of a recording whose first frame is stamped `first`.

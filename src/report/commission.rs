@@ -50,7 +50,7 @@ pub fn origin(result: &Commissioned) -> String {
 
 /// Tables of the resulting configuration.
 pub fn tables(result: &Commissioned) -> Section {
-    let mut table = Sheet::new(&["", "learnt", "of"]);
+    let mut table = Sheet::new(&["what", "learnt", "of"]);
     let taught = &result.taught;
     let mut add = |name: &str, learnt: String, of: String| {
         table.add_row([name.to_owned(), learnt, of]);

@@ -146,7 +146,7 @@ fn percent(score: &SignalScore) -> String {
 /// Results of the chosen model on each cylinder.
 pub fn own_scores(outcome: &Outcome) -> Section {
     let Some(choice) = outcome.choice else { return Section::default() };
-    let header = ["cylinder", "", "VAF l", "RMS l", "worst l", "VAF l̇", "RMS l̇", "worst l̇"];
+    let header = ["cylinder", "by", "VAF l", "RMS l", "worst l", "VAF l̇", "RMS l̇", "worst l̇"];
     let mut table = Sheet::new(&header);
     for cylinder in &outcome.cylinders {
         let Some(tried) = outcome.tried(choice.of, cylinder.number) else { continue };
@@ -178,7 +178,7 @@ pub fn own_scores(outcome: &Outcome) -> Section {
 pub fn residual_tests(outcome: &Outcome) -> Section {
     let Some(choice) = outcome.choice else { return Section::default() };
     let header =
-        ["cylinder", "residual", "r(1)", "auto beyond", "with u beyond", "Ljung-Box Q", "p", ""];
+        ["cylinder", "residual", "r(1)", "auto beyond", "with u beyond", "Ljung-Box Q", "p", "verdict"];
     let mut table = Sheet::new(&header);
     for cylinder in &outcome.cylinders {
         let Some(tried) = outcome.tried(choice.of, cylinder.number) else { continue };

@@ -3,8 +3,8 @@
     technician.py URL TOKEN AXE PROGRAM [FOLDER]
 
 Chromium is that of the environment's CHROMIUM; AXE is the script of axe-core, PROGRAM
-is tertius; FOLDER gets a picture of each
-view. A fault has to arrive on cylinder 3's C1 while this runs. Writes what was found as JSON, and fails with
+is tertius; FOLDER gets a picture of each view. LAMP_WITHIN of the environment is how soon the lamp has to turn, s, 1
+unless set. A fault has to arrive on cylinder 3's C1 while this runs. Writes what was found as JSON, and fails with
 what a technician would complain about.
 """
 
@@ -22,6 +22,7 @@ from playwright.sync_api import sync_playwright
 
 URL, TOKEN, AXE, PROGRAM = sys.argv[1:5]
 FOLDER = sys.argv[5] if len(sys.argv) > 5 else None
+LAMP_WITHIN = float(os.environ.get("LAMP_WITHIN", "1"))
 SEEN = {}
 
 
@@ -125,7 +126,7 @@ def main():
         lit = time.monotonic()
         watcher.join(5)
         result["lamp_after_s"] = round(lit - SEEN["warned"], 3)
-        assert result["lamp_after_s"] <= 1.0, result
+        assert result["lamp_after_s"] <= LAMP_WITHIN, result
         assert page.locator("#view-overview .incidents a").first.inner_text().startswith("cylinder 3, C1")
 
         # By the keyboard alone: acknowledged, then shelved.
