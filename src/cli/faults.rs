@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::machine::Machine;
-use crate::inject::{Fault, MAX_FAULTS, Placed, Tally, place, table};
+use crate::inject::{Fault, MAX_FAULTS, PlaceError, Placed, Tally, place, table};
 use crate::report::counted;
 use clap::Args;
 use std::fs::File;
@@ -66,6 +66,17 @@ pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Fai
             .map_err(|error| Failure::Wrong(format!("{}: {error}", named.name)))
     });
     placed.collect()
+}
+
+/// Checks that the machine has the cylinders of faults that are its own.
+///
+/// # Errors The first fault of a cylinder that it does not have.
+pub fn on_the_machine(faults: &[Named], cylinders: u8) -> Result<(), Failure> {
+    let stranger = faults.iter().find(|named| !(1..=cylinders).contains(&named.fault.cylinder));
+    stranger.map_or(Ok(()), |named| {
+        let error = PlaceError::Cylinder { given: named.fault.cylinder, cylinders };
+        Err(Failure::Wrong(format!("{}: {error}", named.name)))
+    })
 }
 
 /// Reports what became of each fault, on standard error, since a recording may be on standard

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::broadcast::Broadcast;
-use super::faults::{self, FaultOptions};
+use super::faults::{self, FaultOptions, Named};
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::plant;
@@ -10,7 +10,7 @@ use super::player::Pace;
 use super::simulation::Simulation;
 use crate::bus::{Source, append_log_line};
 use crate::controller::State;
-use crate::inject::{Fault, grammar};
+use crate::inject::{Fault, Wanted, grammar, machine_grammar};
 use crate::simulator::{Options, Simulator, truth};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -21,8 +21,13 @@ const EXAMPLE: &str = "Examples:
   tertius simulate --config config/e-type.toml --duration 600 --interface vcan0
 
 The machine begins engaged, its cylinders following a sea; with --start safe it goes through all
-platform states first. The same call gives the same bytes, in a file and on an interface. A fault is
+platform states first, and with --states 0:engaged,60:safe,70:engaged it is released after a minute and
+engages again. The same call gives the same bytes, in a file and on an interface. A fault is
 KIND,key=value,… as in `tertius inject`, sensor c1 by default:
+";
+
+const MACHINE: &str = "
+A fault of the machine itself is written in the same way, without a sensor, and moves the cylinder:
 ";
 
 const LOOP: &str = "
@@ -43,7 +48,7 @@ const LONGEST: f64 = 366.0 * 86_400.0;
 /// Simulates a machine and writes its frames in the format of candump -l, or sends them on an
 /// interface.
 #[derive(Args, Debug)]
-#[command(after_help = format!("{EXAMPLE}{}{LOOP}", grammar()))]
+#[command(after_help = format!("{EXAMPLE}{}{MACHINE}{}{LOOP}", grammar(), machine_grammar()))]
 pub struct Simulate {
     /// The machine's configuration: its signals, and the DBC that places them
     #[arg(long, value_name = "FILE")]
@@ -63,6 +68,10 @@ pub struct Simulate {
     /// State of the platform at the beginning; it then goes to engaged
     #[arg(long, value_enum, default_value_t = Start::Engaged)]
     start: Start,
+    /// States that the platform is asked for, and when, s; those in between it passes through, but safe is
+    /// reached at once [default: 0:engaged]
+    #[arg(long, value_name = "S:STATE,…", value_delimiter = ',', value_parser = Request::parse)]
+    states: Vec<Request>,
     #[command(flatten)]
     faults: FaultOptions,
     /// The controller reads C1 with its faults
@@ -96,6 +105,28 @@ enum Start {
     Engaged,
 }
 
+/// A state that the platform is asked for at a time.
+#[derive(Clone, Copy, Debug)]
+struct Request {
+    /// s since the first cycle.
+    at: f64,
+    state: State,
+}
+
+impl Request {
+    fn parse(text: &str) -> Result<Self, String> {
+        let expected = || {
+            format!(
+                "{text:?}, expected seconds and a state, safe, settled, neutral or engaged, such as 60:safe"
+            )
+        };
+        let (at, state) = text.split_once(':').ok_or_else(expected)?;
+        let at = at.trim().parse().ok().filter(|at| (0.0..=LONGEST).contains(at));
+        let state = Start::from_str(state.trim(), true).ok();
+        at.zip(state).map(|(at, state)| Self { at, state: state.into() }).ok_or_else(expected)
+    }
+}
+
 impl From<Start> for State {
     fn from(start: Start) -> Self {
         match start {
@@ -118,27 +149,35 @@ impl Simulate {
         let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load_unjudging(&self.config)?;
         let settings = &machine.loaded.settings;
-        let placed = faults::place_all(&faults, &machine)?;
+        let of_the_machine = |named: &Named| matches!(named.fault.wanted, Wanted::Machine(_));
+        let (ailments, readings): (Vec<Named>, Vec<Named>) =
+            faults.iter().cloned().partition(of_the_machine);
+        let placed = faults::place_all(&readings, &machine)?;
+        faults::on_the_machine(&ailments, settings.machine.cylinders)?;
         let options = Options {
             seed: self.seed,
             sea,
             start: self.start.into(),
             in_loop: self.in_loop,
             faults: placed,
+            ailments: ailments.iter().map(|named| named.fault).collect(),
             ..Options::default()
         };
         let mut simulator = Simulator::new(&tables, settings, &machine.database, &options)
             .map_err(|error| Failure::Wrong(error.to_string()))?;
-        simulator.request(State::Engaged);
+        let requests = self.requests(settings.machine.sample_time);
+        if requests.is_empty() {
+            simulator.request(State::Engaged);
+        }
         let cycles = (cycles_for / settings.machine.sample_time).round() as u64;
         let table = truth::table(&faults.iter().map(|named| named.fault).collect::<Vec<Fault>>());
         let [output, truth] = self.outputs(&machine, &table)?;
-        let simulation = Simulation::new(simulator, cycles);
+        let simulation = Simulation::new(simulator, cycles).asked_for(requests);
         let simulation = self.go(simulation, &settings.bus.interface, output)?;
         if let Some(truth) = truth {
             truth.write(&table)?;
         }
-        faults::report(&faults, simulation.tallies());
+        faults::report(&readings, simulation.tallies());
         Ok(())
     }
 
@@ -187,6 +226,14 @@ impl Simulate {
             broadcast.report();
         }
         Ok(simulation)
+    }
+
+    /// Cycles at which states are asked for, in order.
+    fn requests(&self, sample_time: f64) -> Vec<(u64, State)> {
+        let cycle = |request: &Request| ((request.at / sample_time).round() as u64, request.state);
+        let mut requests: Vec<_> = self.states.iter().map(cycle).collect();
+        requests.sort_by_key(|(cycle, _)| *cycle);
+        requests
     }
 
     fn duration(&self) -> Result<f64, Failure> {

@@ -603,6 +603,9 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     run(&["--interface", "vcan0", "--speed", "0"]).failed(2, &["or max"]);
     run(&["--faults", "no/such.csv"]).failed(2, &["no/such.csv: cannot be read"]);
     run(&["--faults", "Cargo.toml"]).failed(2, &["Cargo.toml: line 1", "expected the header"]);
+    run(&["--states", "60:save"]).failed(2, &["\"60:save\"", "such as 60:safe"]);
+    run(&["--states=-1:safe"]).failed(2, &["expected seconds and a state"]);
+    run(&["--fault", "leakage,cylinder=7,rate=1"]).failed(2, &["there is no cylinder 7"]);
     let help = support::tertius(&["simulate", "--help"], b"").ok();
     assert!(help.stdout.contains("Examples:"), "{}", help.stdout);
 }
@@ -631,4 +634,33 @@ fn a_harsher_machine_is_simulated_as_its_table_says() {
     };
     let (harsh, kind) = (worst(&output), worst(&kind));
     assert!(harsh > kind + 1e-4, "{harsh} m against {kind} m");
+}
+
+/// The platform is released at once, and engages again by way of all states.
+#[test]
+fn the_platform_goes_through_the_states_that_it_is_asked_for() {
+    let run = |arguments: &[&str]| {
+        let call = ["simulate", "--config", CONFIG, "--duration", "90", "--output", "-"];
+        support::tertius(&[&call[..], arguments].concat(), b"").ok().stdout
+    };
+    // The first byte of Plc_State.
+    let states = |log: &str| {
+        let mut states: Vec<(f64, u8)> = Vec::new();
+        for line in log.lines() {
+            let Some((_, payload)) = line.split_once(" 1C1#") else { continue };
+            let stamp = line[1..].split(')').next().expect("a stamp").parse::<f64>().expect("s");
+            let state = u8::from_str_radix(&payload[..2], 16).expect("a byte");
+            if states.last().is_none_or(|last| last.1 != state) {
+                states.push((stamp - 1_700_000_000.0, state));
+            }
+        }
+        states
+    };
+    let asked = run(&["--states", "0:engaged,40:engaged,10:safe"]);
+    let states = states(&asked);
+    let order: Vec<u8> = states.iter().map(|it| it.1).collect();
+    assert_eq!(order, [3, 0, 1, 2, 3], "{states:?}");
+    assert!((states[1].0 - 10.0).abs() < 0.05 && states[2].0 > 40.0, "{states:?}");
+    let first = |log: &str| log.lines().take(1000).collect::<Vec<_>>().join("\n");
+    assert_eq!(first(&run(&["--states", "0:engaged"])), first(&run(&[])));
 }

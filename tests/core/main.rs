@@ -1,6 +1,7 @@
 //! The library: recordings and DBCs, the monitor with its detectors, and the machine in software. Only `detection`
 //! also runs the program, to replay recordings.
 
+mod ailments;
 mod arrival_healthy;
 mod candump;
 mod candump_inputs;

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use tertius::controller::LookUp;
 use tertius::plant::{
     Cylinder, CylinderState, Drive, Friction, Inputs, PASCAL, Parameters, Plant, Supply, Valve,
+    Wear,
 };
 use tertius::simulator::{SUB_STEPS, Tables};
 
@@ -21,7 +22,7 @@ fn balanced(parameters: &Parameters, sub_steps: u32) -> (Plant, Inputs) {
         spools: [0.0; 6],
         loads: parameters.spread.load,
         accelerations: [GRAVITY; 6],
-        pump_lost: 0.0,
+        ..Inputs::default()
     };
     for leg in 0..6 {
         let pressure = plant.cylinders()[leg].balance(0.0, inputs.loads[leg], GRAVITY);
@@ -113,7 +114,8 @@ fn pushed(cylinder: &Cylinder, force: f64) -> CylinderState {
         pressure: force / (parameters().cylinder.piston_area * PASCAL),
         ..CylinderState::default()
     };
-    let drive = Drive { spool: 0.0, load: 1.0, acceleration: 0.0, supply: 240.0 };
+    let drive =
+        Drive { spool: 0.0, load: 1.0, acceleration: 0.0, supply: 240.0, wear: Wear::default() };
     for _ in 0..10 {
         cylinder.step(&mut state, &drive);
     }
@@ -142,7 +144,8 @@ fn a_moving_piston_comes_to_rest_and_stays() {
         parameters.cylinder.pressure_rise = 1.0;
     });
     let mut state = CylinderState { speed: 0.05, ..CylinderState::default() };
-    let drive = Drive { spool: 0.0, load: 1.0, acceleration: 0.0, supply: 240.0 };
+    let drive =
+        Drive { spool: 0.0, load: 1.0, acceleration: 0.0, supply: 240.0, wear: Wear::default() };
     let mut rest = None;
     for step in 0..2000 {
         cylinder.step(&mut state, &drive);
@@ -167,7 +170,8 @@ fn a_load_on_locked_oil_swings_at_its_natural_frequency() {
         let table = parameters().cylinder;
         let expected =
             (table.piston_area * PASCAL * table.pressure_rise / (table.load_mass * load)).sqrt();
-        let drive = Drive { spool: 0.0, load, acceleration: 0.0, supply: 240.0 };
+        let drive =
+            Drive { spool: 0.0, load, acceleration: 0.0, supply: 240.0, wear: Wear::default() };
         let mut state = CylinderState { speed: 0.1, ..CylinderState::default() };
         let (mut crossings, mut last, mut first) = (0, 0.0, None);
         for step in 1..5000 {
@@ -212,7 +216,7 @@ fn the_supply_sags_under_flow_and_recovers() {
     let sag = |gas_volume: f64| {
         let mut supply = Supply::new(&tertius::plant::SupplyTable { gas_volume, ..table });
         // Twice what the pump can give, for two seconds.
-        (0..1000).for_each(|_| supply.step(2.0 * table.pump_flow, 0.0, 2e-3));
+        (0..1000).for_each(|_| supply.step(2.0 * table.pump_flow, [0.0; 2], 2e-3));
         supply
     };
     let mut supply = sag(table.gas_volume);
@@ -221,13 +225,13 @@ fn the_supply_sags_under_flow_and_recovers() {
     assert!(sag(4.0 * table.gas_volume).pressure() > low, "more gas holds it up");
     // The gas of an accumulator without a pump: P V is constant, so 1/P grows with what is taken.
     let mut alone = Supply::new(&tertius::plant::SupplyTable { pump_gain: 0.0, ..table });
-    (0..1000).for_each(|_| alone.step(0.03, 0.0, 2e-3));
+    (0..1000).for_each(|_| alone.step(0.03, [0.0; 2], 2e-3));
     let mut failed = Supply::new(&table);
-    (0..1000).for_each(|_| failed.step(0.03, 1.0, 2e-3));
+    (0..1000).for_each(|_| failed.step(0.03, [1.0, 0.0], 2e-3));
     assert_eq!(failed.pressure(), alone.pressure(), "a pump that is lost is none");
     let expected = table.pressure * table.gas_volume / (table.gas_volume + 0.03 * 2.0);
     assert!((alone.pressure() - expected).abs() < 0.1, "{} of {expected} bar", alone.pressure());
-    (0..30_000).for_each(|_| supply.step(0.0, 0.0, 2e-3));
+    (0..30_000).for_each(|_| supply.step(0.0, [0.0; 2], 2e-3));
     assert!((supply.pressure() - table.pressure).abs() < 0.5, "{} bar", supply.pressure());
 }
 

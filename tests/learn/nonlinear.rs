@@ -25,7 +25,7 @@ fn balanced() -> (Plant, Inputs) {
     for (leg, load) in loads.into_iter().enumerate() {
         plant.states_mut()[leg].pressure = plant.cylinders()[leg].balance(0.0, load, GRAVITY);
     }
-    (plant, Inputs { spools: [0.0; 6], loads, accelerations: [GRAVITY; 6], pump_lost: 0.0 })
+    (plant, Inputs { loads, accelerations: [GRAVITY; 6], ..Inputs::default() })
 }
 
 /// Cylinder `leg` + 1 of `plant`, as faultless transducers have it.

@@ -206,6 +206,7 @@ impl Row {
             Some(Wanted::OutOfRange(_)) => "out_of_range",
             Some(Wanted::BrokenWire(_)) => "broken_wire",
             Some(Wanted::Shape(shape)) => name(shape),
+            Some(Wanted::Machine(ailment)) => ailment.name(),
         }
     }
 
@@ -236,7 +237,7 @@ impl Row {
     /// The name that warnings should give the fault; `None` where Table 5-1 has none.
     pub const fn kind(&self) -> Option<Fault> {
         match self.wanted {
-            None => None,
+            None | Some(Wanted::Machine(_)) => None,
             Some(Wanted::OutOfRange(_)) => Some(Fault::OutOfRange),
             Some(Wanted::BrokenWire(_)) => Some(Fault::BrokenWire),
             Some(Wanted::Shape(shape)) => match shape {

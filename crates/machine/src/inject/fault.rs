@@ -1,7 +1,8 @@
 //! A fault as a person writes it: `step,cylinder=3,sensor=c1,at=60,size=0.00175,until=65`.
 
-use super::kind::{Key, Kind, Rule, nearest};
+use super::kind::{AILMENTS, Key, Kind, Rule, nearest};
 use super::shape::{Code, Shape, Window};
+use crate::plant::{Ailment, MOST_LATE};
 use tertius_core::time::Span;
 
 /// The signals of a cylinder that can have a fault: the keys of `[signals.cylinder]`.
@@ -30,6 +31,9 @@ pub const SERVICES: [&str; 6] = [
     "valve_emergency",
 ];
 
+/// The sensor of a fault of the machine itself, which has none.
+pub const MACHINE: &str = "machine";
+
 /// All sensors that can have a fault.
 fn sensors() -> impl Iterator<Item = &'static str> {
     SENSORS.into_iter().chain(SERVICES)
@@ -40,7 +44,7 @@ fn sensors() -> impl Iterator<Item = &'static str> {
 pub struct Fault {
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
-    /// Sensor with the fault, one of [`SENSORS`] or [`SERVICES`].
+    /// Sensor with the fault, one of [`SENSORS`] or [`SERVICES`], or [`MACHINE`].
     pub sensor: &'static str,
     pub wanted: Wanted,
     pub window: Window,
@@ -54,6 +58,8 @@ pub enum Wanted {
     OutOfRange(Option<Code>),
     /// A broken wire's raw code; `None`: the one that is configured.
     BrokenWire(Option<i64>),
+    /// A fault of the machine itself.
+    Machine(Ailment),
 }
 
 /// What is wrong with the text of a fault: what was found, and what was expected.
@@ -62,7 +68,7 @@ pub enum SpecError {
     #[error(
         "no fault is called {given:?}{}; there are {}",
         hint(*.nearest),
-        names(super::kind::KINDS.iter().map(|kind| kind.name))
+        names(super::kind::names())
     )]
     Kind { given: String, nearest: Option<&'static str> },
     #[error("{given:?} is not of the form key=value, such as size=0.00175")]
@@ -122,7 +128,7 @@ impl Fault {
 pub(super) fn find_kind(given: &str) -> Result<&'static Kind, SpecError> {
     Kind::find(given).ok_or_else(|| SpecError::Kind {
         given: given.to_owned(),
-        nearest: nearest(given, super::kind::KINDS.iter().map(|kind| kind.name)),
+        nearest: nearest(given, super::kind::names()),
     })
 }
 
@@ -180,12 +186,27 @@ impl<'a> KeyValues<'a> {
     }
 
     fn sensor(&self) -> Result<&'static str, SpecError> {
+        if AILMENTS.contains(self.kind) {
+            return self.machine();
+        }
         let given = self.text("sensor").unwrap_or("c1");
         let known = sensors().find(|sensor| sensor.eq_ignore_ascii_case(given));
         known.ok_or_else(|| SpecError::Sensor {
             given: given.to_owned(),
             nearest: nearest(given, sensors()),
         })
+    }
+
+    /// The machine, for a fault that is no sensor's.
+    fn machine(&self) -> Result<&'static str, SpecError> {
+        match self.text("sensor") {
+            Some(given) if !given.eq_ignore_ascii_case(MACHINE) => Err(SpecError::Value {
+                key: "sensor",
+                given: given.to_owned(),
+                expected: "none: it is a fault of the machine, and no sensor's",
+            }),
+            _ => Ok(MACHINE),
+        }
     }
 
     fn window(&self) -> Result<Window, SpecError> {
@@ -224,9 +245,28 @@ impl<'a> KeyValues<'a> {
             "stale" => Shape::Stale,
             "loss" => Shape::Loss { probability: self.number("probability")? },
             "broken_wire" => return Ok(Wanted::BrokenWire(self.whole("code")?)),
-            // "out_of_range": the kinds are those of the table, and a test asks for each.
-            _ => return self.out_of_range(),
+            "out_of_range" => return self.out_of_range(),
+            // The kinds are those of the table, and a test asks for each.
+            _ => return Ok(Wanted::Machine(self.ailment()?)),
         }))
+    }
+
+    fn ailment(&self) -> Result<Ailment, SpecError> {
+        // Each has one key.
+        let size = self.number(self.kind.keys[0].name)?;
+        Ok(match self.kind.name {
+            "leakage" => Ailment::Leakage { rate: size },
+            "valve_leakage" => Ailment::ValveLeakage { speed: size },
+            "sticking" => Ailment::Sticking { band: size },
+            "dead_band" => Ailment::DeadBand { size },
+            "spool_offset" => Ailment::SpoolOffset { size },
+            "null_shift" => Ailment::NullShift { size },
+            "supply_loss" => Ailment::SupplyLoss { part: size },
+            "friction" => Ailment::Friction { factor: size },
+            "late_command" => Ailment::LateCommand { cycles: size as usize },
+            // "wrong_command".
+            _ => Ailment::WrongCommand { gain: size },
+        })
     }
 
     fn out_of_range(&self) -> Result<Wanted, SpecError> {
@@ -250,6 +290,8 @@ impl<'a> KeyValues<'a> {
             Rule::Finite | Rule::Whole => number.is_finite(),
             Rule::Positive => number.is_finite() && *number > 0.0,
             Rule::Probability => *number > 0.0 && *number <= 1.0,
+            Rule::Part => number.abs() <= 1.0,
+            Rule::Cycles => number.fract() == 0.0 && (1.0..=MOST_LATE as f64).contains(number),
         };
         given.parse().ok().filter(sound).map(Some).ok_or_else(|| self.refused(name, given))
     }

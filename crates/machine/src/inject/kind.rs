@@ -19,6 +19,10 @@ pub(super) enum Rule {
     /// Above 0 and at most 1.
     Probability,
     Whole,
+    /// 1 to [`MOST_LATE`].
+    Cycles,
+    /// Within ±1.
+    Part,
 }
 
 impl Rule {
@@ -29,6 +33,8 @@ impl Rule {
             Self::Positive => "a number above 0",
             Self::Probability => "a number above 0 and at most 1",
             Self::Whole => "a whole number",
+            Self::Cycles => "a number of cycles, 1 to 15",
+            Self::Part => "a part of the whole, -1 to 1",
         }
     }
 }
@@ -125,11 +131,81 @@ pub(super) const KINDS: [Kind; 11] = [
 /// Keys that every kind has.
 pub(super) const COMMON: [&str; 4] = ["cylinder", "sensor", "at", "until"];
 
+const fn of_the_machine(name: &'static str, what: &'static str, keys: &'static [Key]) -> Kind {
+    Kind { name, alias: None, what, keys }
+}
+
+/// Faults of the machine itself; each has one key, its size.
+pub(super) const AILMENTS: [Kind; 10] = [
+    of_the_machine(
+        "leakage",
+        "the piston leaks: adds rate to β of (3-8)",
+        &[key(
+            "rate",
+            "1/s; 1 is 3.4 mm/s at 24 bar on the built-in machine",
+            Rule::Positive,
+            None,
+        )],
+    ),
+    of_the_machine(
+        "valve_leakage",
+        "worn edges: the valve leaks in its middle",
+        &[key("speed", "m/s of the piston at 24 bar", Rule::Positive, None)],
+    ),
+    of_the_machine(
+        "sticking",
+        "the spool stays until its command is so far away",
+        &[key("band", SPOOL, Rule::Probability, None)],
+    ),
+    of_the_machine(
+        "dead_band",
+        "the ports open later",
+        &[key("size", SPOOL, Rule::Probability, None)],
+    ),
+    of_the_machine(
+        "spool_offset",
+        "the spool stands beside its command",
+        &[key("size", SPOOL, Rule::Part, None)],
+    ),
+    of_the_machine(
+        "null_shift",
+        "the spool's null is elsewhere",
+        &[key("size", SPOOL, Rule::Part, None)],
+    ),
+    of_the_machine(
+        "supply_loss",
+        "the pump's set point falls, for all cylinders",
+        &[key("part", "of the supply pressure; 1 is a pump that stands", Rule::Probability, None)],
+    ),
+    of_the_machine(
+        "friction",
+        "all friction is factor times the usual",
+        &[key("factor", "1", Rule::Positive, None)],
+    ),
+    of_the_machine(
+        "late_command",
+        "the valve gets its command late",
+        &[key("cycles", "1 to 15", Rule::Cycles, Some(1.0))],
+    ),
+    of_the_machine(
+        "wrong_command",
+        "the valve does 1 + gain times its command",
+        &[key("gain", "1", Rule::Part, None)],
+    ),
+];
+
+const SPOOL: &str = "part of the spool's stroke";
+
+/// All kinds that have a name.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().chain(&AILMENTS).map(|kind| kind.name)
+}
+
 impl Kind {
     /// The kind of that name, letter case and hyphens ignored.
     pub fn find(name: &str) -> Option<&'static Self> {
         let name = name.to_ascii_lowercase().replace('-', "_");
-        KINDS.iter().find(|kind| kind.name == name || kind.alias == Some(&name))
+        KINDS.iter().chain(&AILMENTS).find(|kind| kind.name == name || kind.alias == Some(&name))
     }
 
     pub fn key(&self, name: &str) -> Option<&'static Key> {
@@ -142,10 +218,19 @@ impl Kind {
     }
 }
 
-/// All kinds with their keys and units, one line each, for a person.
+/// All kinds of faults of readings with their keys and units, one line each, for a person.
 pub fn grammar() -> String {
+    lines(&KINDS)
+}
+
+/// The same for faults of the machine itself.
+pub fn machine_grammar() -> String {
+    lines(&AILMENTS)
+}
+
+fn lines(kinds: &[Kind]) -> String {
     let mut text = String::new();
-    for kind in &KINDS {
+    for kind in kinds {
         let keys: Vec<String> = kind
             .keys
             .iter()

@@ -9,6 +9,9 @@
 //! a fault, and no time stamp. It is pure: time comes with the frames and randomness from a seed,
 //! so that the same seed gives the same bytes.
 //!
+//! The same words name faults of the machine itself ([`Wanted::Machine`]), which only a simulated machine can
+//! have.
+//!
 //! A fault is added after the event: the machine's controller did not see it, so the motion in the
 //! recording does not answer to it. On a simulated machine, where the exact lengths are known, a
 //! fault of a transducer is added to the length before it is rounded to counts.
@@ -22,9 +25,9 @@ mod shape;
 pub mod table;
 mod tally;
 
-pub use fault::{Fault, SENSORS, SERVICES, SpecError, Wanted};
+pub use fault::{Fault, MACHINE, SENSORS, SERVICES, SpecError, Wanted};
 pub use injector::Injector;
-pub use kind::grammar;
+pub use kind::{grammar, machine_grammar};
 pub use place::{PlaceError, Placed, place};
 pub use shape::{Code, Shape, Unrounded, Window};
 pub use tally::Tally;

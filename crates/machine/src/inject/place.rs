@@ -41,6 +41,10 @@ pub enum PlaceError {
     Service { sensor: &'static str, cylinder: u8 },
     #[error("{signal} is in a frame of the gateway itself (0x{id}), which is never changed")]
     OwnFrame { signal: String, id: Id },
+    #[error(
+        "it is a fault of the machine itself, which only a simulated machine can have; `tertius simulate` takes it"
+    )]
+    Machine,
     #[error("{signal} has no valid range; give the value out of range as value=… or raw=…")]
     NoRange { signal: String },
     #[error("{signal} would read {reading}, which is within its valid range {valid}")]
@@ -62,6 +66,9 @@ pub fn place(
     if !(1..=cylinders).contains(&fault.cylinder) {
         return Err(PlaceError::Cylinder { given: fault.cylinder, cylinders });
     }
+    if let Wanted::Machine(_) = fault.wanted {
+        return Err(PlaceError::Machine);
+    }
     let sensor = fault.sensor;
     if let Some(placed) = service::place(fault, settings, database) {
         return placed;
@@ -80,6 +87,7 @@ pub fn place(
     let is_position = matches!(sensor, "c1" | "c2");
     let shape = match fault.wanted {
         Wanted::Shape(shape) => shape,
+        Wanted::Machine(_) => return Err(PlaceError::Machine),
         Wanted::BrokenWire(code) => {
             let configured = settings.broken_wire_codes(signal).first().copied();
             Shape::Constant(Code::Raw(code.or(configured).unwrap_or(BROKEN_WIRE)))

@@ -36,6 +36,7 @@ pub(super) fn place(
     let Ok(field) = BitField::new(0, bits, false, false) else { return Some(Err(missing)) };
     let shape = match fault.wanted {
         Wanted::Shape(shape) => shape,
+        Wanted::Machine(_) => return None,
         Wanted::OutOfRange(code) => Shape::Constant(code.unwrap_or(Code::Raw(PRE_OPERATIONAL))),
         Wanted::BrokenWire(code) => Shape::Constant(Code::Raw(code.unwrap_or(HARDWARE))),
     };

@@ -1,8 +1,9 @@
 //! One cylinder with its valve and its load.
 
 use super::PASCAL;
+use super::ailment::Wear;
 use super::friction::Friction;
-use super::parameters::Parameters;
+use super::parameters::{Chambers, Parameters};
 use super::valve::Valve;
 
 /// State of a cylinder (3-14), and the spool, which lags its command.
@@ -16,6 +17,8 @@ pub struct CylinderState {
     pub pressure: f64,
     /// Position of the main spool, −1 to 1.
     pub spool: f64,
+    /// P_bot + P_rod − P_S, bar; 0 with ideal chambers.
+    pub imbalance: f64,
 }
 
 /// Inputs of a cylinder over a sub-step.
@@ -29,6 +32,8 @@ pub struct Drive {
     pub acceleration: f64,
     /// Supply pressure, bar.
     pub supply: f64,
+    /// What differs from the tables.
+    pub wear: Wear,
 }
 
 /// Parameters of (3-15) for one cylinder.
@@ -53,6 +58,7 @@ pub struct Cylinder {
     sub_step: f64,
     /// Part of the spool's error that remains after half a sub-step.
     spool_decay: f64,
+    chambers: Option<Chambers>,
 }
 
 impl Cylinder {
@@ -74,6 +80,7 @@ impl Cylinder {
             ends: table.ends,
             sub_step,
             spool_decay: (-0.5 * sub_step / parameters.valve.lag).exp(),
+            chambers: parameters.chambers,
         }
     }
 
@@ -99,8 +106,9 @@ impl Cylinder {
     /// P_bot and P_rod, bar. A valve whose ports match the areas loses the same pressure on both
     /// sides: P_bot + P_rod = P_S, with (3-4).
     pub fn chamber_pressures(&self, state: &CylinderState, supply: f64) -> [f64; 2] {
-        let rod = ((supply - state.pressure) / (1.0 + self.area_ratio)).clamp(0.0, supply);
-        [supply - rod, rod]
+        let sum = supply + state.imbalance;
+        let rod = ((sum - state.pressure) / (1.0 + self.area_ratio)).clamp(0.0, supply);
+        [sum - rod, rod]
     }
 
     /// Advances by one sub-step and returns the oil taken from the supply, m³/s.
@@ -108,22 +116,23 @@ impl Cylinder {
         let mass = self.mass * drive.load;
         let (weight, mobility) = (mass * drive.acceleration, 1.0 / mass);
         let before = *state;
+        let friction = self.friction.worn(&drive.wear);
         let push = |length: f64, pressure: f64| {
             self.force_per_bar * pressure - self.stiffness * length - weight
         };
         let force = push(before.length, before.pressure);
-        let sticks = before.speed == 0.0 && self.friction.holds(force);
+        let sticks = before.speed == 0.0 && friction.holds(force);
         let direction = if before.speed == 0.0 { force } else { before.speed };
         // Dry friction keeps its direction for the sub-step.
         let acceleration = |direction: f64, speed: f64, force: f64| {
-            let dry = self.friction.dry((speed * direction.signum()).max(0.0));
-            (force - self.friction.viscous * speed - dry.copysign(direction)) * mobility
+            let dry = friction.dry((speed * direction.signum()).max(0.0));
+            (force - friction.viscous * speed - dry.copysign(direction)) * mobility
         };
         let half = 0.5 * self.sub_step;
         let spool = drive.spool + (before.spool - drive.spool) * self.spool_decay;
         state.spool = drive.spool + (spool - drive.spool) * self.spool_decay;
 
-        let flow = self.valve.flow(before.spool, before.pressure, drive.supply);
+        let flow = self.flow(before.spool, before.pressure, drive);
         let middle = CylinderState {
             length: before.length + half * before.speed,
             speed: if sticks {
@@ -131,11 +140,12 @@ impl Cylinder {
             } else {
                 before.speed + half * acceleration(direction, before.speed, force)
             },
-            pressure: before.pressure + half * self.pressure_rise(&before, flow),
+            pressure: before.pressure + half * self.pressure_rise(&before, flow, drive),
             spool,
+            imbalance: before.imbalance,
         };
-        let flow = self.valve.flow(spool, middle.pressure, drive.supply);
-        let pressure = before.pressure + self.sub_step * self.pressure_rise(&middle, flow);
+        let flow = self.flow(spool, middle.pressure, drive);
+        let pressure = before.pressure + self.sub_step * self.pressure_rise(&middle, flow, drive);
         // Below, the oil of one chamber boils; above, its relief valve opens.
         state.pressure = pressure.clamp(-self.area_ratio * drive.supply, drive.supply);
         if !sticks {
@@ -148,17 +158,29 @@ impl Cylinder {
                 let left = self.sub_step * state.speed / change;
                 let back = -direction;
                 let start = acceleration(back, 0.0, force);
-                let goes = !self.friction.holds(force) && start * back > 0.0;
+                let goes = !friction.holds(force) && start * back > 0.0;
                 state.speed = if goes { left * start } else { 0.0 };
             }
             self.stop_at_ends(state);
         }
+        if let Some(it) = self.chambers {
+            let target = it.leakage * state.pressure + it.mismatch * state.speed;
+            state.imbalance += (target - state.imbalance) * (self.sub_step / it.time).min(1.0);
+        }
         if flow >= 0.0 { self.areas[0] * flow } else { -self.areas[1] * flow }
     }
 
+    /// Flow through the valve as it is worn (3-7), m/s of the piston.
+    fn flow(&self, spool: f64, pressure: f64, drive: &Drive) -> f64 {
+        let wear = &drive.wear;
+        let flow = self.valve.flow(wear.effective(spool), pressure, drive.supply);
+        (1.0 + wear.flow) * flow - wear.lost(spool, pressure)
+    }
+
     /// Rate of change of the load pressure (3-8), bar/s.
-    fn pressure_rise(&self, state: &CylinderState, flow: f64) -> f64 {
-        self.stiffening * (flow - state.speed) - self.leakage * state.pressure
+    fn pressure_rise(&self, state: &CylinderState, flow: f64, drive: &Drive) -> f64 {
+        let leakage = self.leakage + drive.wear.leakage;
+        self.stiffening * (flow - state.speed) - leakage * state.pressure
     }
 
     /// Stops the piston at the cylinder's end without a rebound.

@@ -1,5 +1,6 @@
 //! Friction of piston and rod: the Stribeck curve, and sticking.
 
+use super::ailment::Wear;
 use serde::Deserialize;
 
 /// Friction (3-13): μ_v v + sign(v) (F_c0 + F_s0 exp(−|v| / c_s)); at rest (3-10).
@@ -20,6 +21,17 @@ pub struct Friction {
 const FAST: f64 = 16.0;
 
 impl Friction {
+    /// The friction of a cylinder with this wear.
+    pub(super) fn worn(&self, wear: &Wear) -> Self {
+        let dry = 1.0 + wear.friction;
+        Self {
+            viscous: self.viscous * (dry + wear.viscosity),
+            coulomb: self.coulomb * dry,
+            stiction: self.stiction * dry,
+            ..*self
+        }
+    }
+
     /// The force, N, against a motion at `speed` ≥ 0, m/s, without its viscous part.
     pub fn dry(&self, speed: f64) -> f64 {
         let relative = speed / self.stribeck_speed;

@@ -8,15 +8,17 @@
 //! The plant is integrated in fixed sub-steps by the midpoint rule. When the piston comes to rest
 //! within a sub-step, the stop is placed at its end.
 
+mod ailment;
 mod cylinder;
 mod friction;
 mod parameters;
 mod supply;
 mod valve;
 
+pub use ailment::{Ailment, MOST_LATE, Wear};
 pub use cylinder::{Cylinder, CylinderState, Drive};
 pub use friction::Friction;
-pub use parameters::{CylinderTable, Parameters, Spread, SupplyTable, ValveTable};
+pub use parameters::{Chambers, CylinderTable, Parameters, Spread, SupplyTable, ValveTable};
 pub use supply::Supply;
 pub use valve::Valve;
 
@@ -37,6 +39,10 @@ pub struct Inputs {
     pub accelerations: [f64; CYLINDERS],
     /// Part of the pump's flow that is missing, 0 to 1.
     pub pump_lost: f64,
+    /// Part by which the pump's set point is lower, 0 to 1.
+    pub supply_lost: f64,
+    /// What differs in each cylinder from its tables.
+    pub wear: [Wear; CYLINDERS],
 }
 
 /// Six cylinders and their supply.
@@ -95,10 +101,11 @@ impl Plant {
                     load: inputs.loads[index],
                     acceleration: inputs.accelerations[index],
                     supply,
+                    wear: inputs.wear[index],
                 };
                 flow += cylinder.step(&mut self.states[index], &drive);
             }
-            self.supply.step(flow, inputs.pump_lost, self.sub_step);
+            self.supply.step(flow, [inputs.pump_lost, inputs.supply_lost], self.sub_step);
         }
     }
 }

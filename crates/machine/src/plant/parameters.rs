@@ -13,6 +13,21 @@ pub struct Parameters {
     pub valve: ValveTable,
     pub supply: SupplyTable,
     pub spread: Spread,
+    /// `None`: P_bot + P_rod = P_S.
+    #[serde(default)]
+    pub chambers: Option<Chambers>,
+}
+
+/// Chambers whose pressures do not add up to P_S: P_bot + P_rod − P_S follows P_L and the speed with a lag.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chambers {
+    /// By unequal leakage of the valve's edges, bar per bar of P_L.
+    pub leakage: f64,
+    /// By ports that do not match the areas, bar per m/s.
+    pub mismatch: f64,
+    /// Time constant by which the oil is compressed, s.
+    pub time: f64,
 }
 
 /// Piston and load.

@@ -31,11 +31,13 @@ impl Supply {
     }
 
     /// Takes out `flow`, m³/s, for `time` seconds. The pump gives more the further the pressure is
-    /// below its set point, up to its limit, less the part that is `lost`. The accumulator gives
+    /// below its set point, up to its limit. `lost` are the parts of its flow and of its set point that are
+    /// missing. The accumulator gives
     /// the rest while its gas expands: Ṗ = P²/(P V)₀ · (Q_pump − Q).
-    pub fn step(&mut self, flow: f64, lost: f64, time: f64) {
-        let whole = (self.pump_gain * (self.set_point - self.pressure)).clamp(0.0, self.pump_flow);
-        let pump = (1.0 - lost) * whole;
+    pub fn step(&mut self, flow: f64, lost: [f64; 2], time: f64) {
+        let set_point = (1.0 - lost[1]) * self.set_point;
+        let whole = (self.pump_gain * (set_point - self.pressure)).clamp(0.0, self.pump_flow);
+        let pump = (1.0 - lost[0]) * whole;
         let rise = self.pressure * self.pressure / self.gas * (pump - flow);
         self.pressure = (self.pressure + rise * time).max(1.0);
     }

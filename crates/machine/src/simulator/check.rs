@@ -105,6 +105,17 @@ fn plant(tables: &Tables) -> Result<(), TableError> {
         ("supply.gas_volume", supply.gas_volume, [0.01, 1000.0]),
     ])?;
     valve("valve", &tables.valve)?;
+    if let Some(chambers) = &tables.chambers {
+        within("chambers.leakage", chambers.leakage, [-1.0, 1.0])?;
+        within("chambers.mismatch", chambers.mismatch, [-100.0, 100.0])?;
+        within("chambers.time", chambers.time, [1e-3, 10.0])?;
+    }
+    if let Some(thermal) = &tables.thermal {
+        within("thermal.viscosity", thermal.viscosity, [0.0, 0.9])?;
+        within("thermal.leakage", thermal.leakage, [0.0, 0.9])?;
+        within("thermal.flow", thermal.flow, [0.0, 0.5])?;
+        within("thermal.period", thermal.period, [60.0, MUCH])?;
+    }
     each_within("spread.extend", &spread.extend, [0.1, 10.0])?;
     each_within("spread.retract", &spread.retract, [0.1, 10.0])?;
     each_within("spread.load", &spread.load, [0.1, 10.0])
@@ -176,7 +187,9 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("transducer.counts", it.counts, [2.0, MUCH]),
         ("sensors.pressure", tables.sensors.pressure, [0.0, 100.0]),
         ("sensors.supply", tables.sensors.supply, [0.0, 100.0]),
+        ("sensors.spool", tables.sensors.spool, [0.0, 0.1]),
     ])?;
+    each_within("sensors.valve_age", &tables.sensors.valve_age, [0.0, 0.02])?;
     errors("c1", &tables.c1)?;
     errors("c2", &tables.c2)
 }

@@ -1,7 +1,6 @@
 //! Disturbances of the process and of the wiring of all transducers, which are no fault of a single
 //! one.
 
-use crate::controller::Commands;
 use crate::plant::{CYLINDERS, ValveTable};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -92,17 +91,19 @@ impl Disturbance {
         1.0 - part(self.pump, time)
     }
 
-    /// Spool positions at `time`, s, that follow from those `before` and the commands.
+    /// Spool positions at `time`, s, that follow from those `before` and the `wanted` ones, where each spool
+    /// has a fault that makes it stick in a band of its own, too.
     pub fn spools(
         &self,
         time: f64,
         before: &[f64; CYLINDERS],
-        commands: &Commands,
+        wanted: &[f64; CYLINDERS],
+        bands: &[f64; CYLINDERS],
     ) -> [f64; CYLINDERS] {
         let band = self.sticking.filter(|it| is_in(it.time, time)).map_or(0.0, |it| it.band);
         std::array::from_fn(|leg| {
-            let (before, wanted) = (before[leg], commands.spools[leg]);
-            if (wanted - before).abs() < band { before } else { wanted }
+            let (before, wanted) = (before[leg], wanted[leg]);
+            if (wanted - before).abs() < band.max(bands[leg]) { before } else { wanted }
         })
     }
 
@@ -139,7 +140,6 @@ mod tests {
     fn a_sticking_spool_goes_only_where_it_is_far_from() {
         let sticking = Some(Sticking { time: [1.0, 2.0], band: 0.02 });
         let disturbance = Disturbance { sticking, ..Disturbance::default() };
-        let commands = |spool: f64| Commands { spools: [spool; CYLINDERS], ..Commands::default() };
         for (time, before, wanted, expected) in [
             (0.5, 0.1, 0.105, 0.105),
             (1.5, 0.1, 0.119, 0.1),
@@ -147,7 +147,12 @@ mod tests {
             (1.5, 0.1, 0.121, 0.121),
             (2.5, 0.1, 0.105, 0.105),
         ] {
-            let spools = disturbance.spools(time, &[before; CYLINDERS], &commands(wanted));
+            let spools = disturbance.spools(
+                time,
+                &[before; CYLINDERS],
+                &[wanted; CYLINDERS],
+                &[0.0; CYLINDERS],
+            );
             assert_eq!(spools, [expected; CYLINDERS], "{time} {wanted}");
         }
     }

@@ -1,11 +1,13 @@
 //! The machine without its bus.
 
 use super::Options;
+use super::ailing::Ailing;
 use super::disturbance::{Disturbance, Misread};
-use super::tables::{Gangway, SensorTable, Tables};
+use super::tables::{Gangway, SensorTable, Tables, Thermal};
+use super::trail::Trail;
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
 use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, Rate};
-use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant};
+use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant, Wear};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
 use nalgebra::Vector3;
@@ -32,6 +34,8 @@ const SEA_STREAM: u64 = u64::MAX;
 const SENSOR_STREAM: u64 = u64::MAX - 1;
 /// Stream of the seed for the timers of transducers, separate for the same reason.
 const TIMER_STREAM: u64 = u64::MAX - 4;
+/// Stream of the seed for the noise of the spools' positions.
+const SPOOL_STREAM: u64 = u64::MAX - 5;
 /// Stream of the seed for disturbances of readings, separate so that they change nothing else.
 const MISREAD_STREAM: u64 = u64::MAX - 3;
 
@@ -66,6 +70,11 @@ pub struct Machine {
     loads: [f64; CYLINDERS],
     gangway: Gangway,
     disturbance: Disturbance,
+    ailing: Ailing,
+    thermal: Option<Thermal>,
+    /// β of (3-8), 1/s.
+    leakage: f64,
+    trail: Trail,
     motion: Motion,
     /// Spool positions of the previous cycle and of this one.
     spools: [[f64; CYLINDERS]; 2],
@@ -73,6 +82,7 @@ pub struct Machine {
     sub_steps: [u32; 2],
     rng: ChaCha8Rng,
     misreads: ChaCha8Rng,
+    spool_noise: ChaCha8Rng,
     /// Times between the readings of the transducers that send by timers of their own, s; 0 for others.
     timers: [[f64; 2]; CYLINDERS],
     ages: ChaCha8Rng,
@@ -136,10 +146,15 @@ impl Machine {
             loads,
             gangway: tables.gangway,
             disturbance: tables.disturbance,
+            ailing: Ailing::new(&options.ailments),
+            thermal: tables.thermal,
+            leakage: parameters.cylinder.leakage,
+            trail: Trail::new(tables.sensors.valve_age.into_iter().fold(0.0, f64::max), sub_step),
             spools: [[0.0; CYLINDERS]; 2],
             sub_steps: [late, sub_steps - late],
             rng: random(SENSOR_STREAM),
             misreads: random(MISREAD_STREAM),
+            spool_noise: random(SPOOL_STREAM),
             timers: [[0.0; 2]; CYLINDERS],
             ages: random(TIMER_STREAM),
             sample: 0,
@@ -172,7 +187,8 @@ impl Machine {
             let pressure =
                 self.plant.cylinders()[leg].balance(lengths[leg], inputs.loads[leg], acceleration);
             let (length, speed, spool) = (lengths[leg], speeds[leg], spools[leg]);
-            self.plant.states_mut()[leg] = CylinderState { length, speed, pressure, spool };
+            self.plant.states_mut()[leg] =
+                CylinderState { length, speed, pressure, spool, imbalance: 0.0 };
         }
         self.spools = [spools; 2];
     }
@@ -230,14 +246,19 @@ impl Machine {
                     &mut self.rng,
                 );
             }
-            let chambers = self.plant.chamber_pressures(leg);
+            let (valve, supply) = self.trail.at(&self.plant, leg, self.sensors.valve_age[leg]);
+            let chambers = self.plant.cylinders()[leg].chamber_pressures(&valve, supply);
             let [bottom, rod] = chambers.map(|pressure| {
                 let noise: f64 = StandardNormal.sample(&mut self.rng);
                 (pressure + self.sensors.pressure * noise).max(0.0)
             });
             sample.chambers[leg] = [bottom, rod];
             sample.load_pressures[leg] = bottom - self.area_ratio * rod;
-            sample.spools[leg] = state.spool;
+            sample.spools[leg] = valve.spool;
+            if self.sensors.spool > 0.0 {
+                let noise: f64 = StandardNormal.sample(&mut self.spool_noise);
+                sample.spools[leg] += self.sensors.spool * noise;
+            }
         }
         let noise: f64 = StandardNormal.sample(&mut self.rng);
         sample.supply = self.plant.supply_pressure() + self.sensors.supply * noise;
@@ -248,16 +269,18 @@ impl Machine {
     pub fn command(&mut self, readings: &Readings) -> Commands {
         let commands = self.controller.step(readings);
         let before = self.spools[1];
-        self.spools = [before, self.disturbance.spools(self.time(), &before, &commands)];
+        let time = self.time();
+        let [told, bands] = self.ailing.told(time, &commands.spools);
+        self.spools = [before, self.disturbance.spools(time, &before, &told, &bands)];
         commands
     }
 
     /// Advances to the next Sync.
     pub fn advance(&mut self) {
         let mut inputs = self.inputs(self.spools[0]);
-        self.plant.run(&inputs, self.sub_steps[0]);
+        self.trail.run(&mut self.plant, &inputs, self.sub_steps[0]);
         inputs.spools = self.spools[1];
-        self.plant.run(&inputs, self.sub_steps[1]);
+        self.trail.run(&mut self.plant, &inputs, self.sub_steps[1]);
         self.sea.advance();
         self.motion = self.sea.motion();
         self.sample += 1;
@@ -287,6 +310,20 @@ impl Machine {
                 legs.directions[leg].dot(&(lift + turn.cross(&legs.base_arms[leg])))
             }),
             pump_lost: self.disturbance.pump_lost(self.time()),
+            supply_lost: self.ailing.supply_lost(self.time()),
+            wear: self.ailing.wear(self.time(), self.usual_wear()),
+        }
+    }
+
+    /// What the temperature of the oil changes at the present time.
+    fn usual_wear(&self) -> Wear {
+        let Some(thermal) = self.thermal else { return Wear::default() };
+        let part = thermal.part(self.time());
+        Wear {
+            viscosity: -part * thermal.viscosity,
+            leakage: part * thermal.leakage * self.leakage,
+            flow: part * thermal.flow,
+            ..Wear::default()
         }
     }
 }

@@ -12,6 +12,7 @@
 //! seed, so that the same seed gives the same bytes. The simulator uses the program's configuration
 //! and DBC readers, but nothing of the monitor.
 
+mod ailing;
 mod arrivals;
 mod check;
 mod disturbance;
@@ -19,16 +20,17 @@ mod layout;
 mod machine;
 mod services;
 mod tables;
+mod trail;
 pub mod truth;
 mod values;
 
 pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
 pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
-pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables};
+pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables, Thermal};
 
 use crate::controller::{Readings, State};
-use crate::inject::{Injector, Placed, Tally};
+use crate::inject::{Fault, Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
 use layout::{Layout, SendPhase};
@@ -54,7 +56,10 @@ pub struct Options {
     pub sub_steps: u32,
     /// Whether the controller reads C1 with its faults.
     pub in_loop: bool,
+    /// Faults of readings.
     pub faults: Vec<Placed>,
+    /// Faults of the machine itself; others among them do nothing.
+    pub ailments: Vec<Fault>,
     /// Opening of the first cycle.
     pub epoch: Timestamp,
 }
@@ -86,6 +91,7 @@ impl Default for Options {
             sub_steps: SUB_STEPS,
             in_loop: false,
             faults: Vec::new(),
+            ailments: Vec::new(),
             epoch: EPOCH,
         }
     }

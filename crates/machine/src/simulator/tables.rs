@@ -4,7 +4,9 @@ use super::check;
 use super::disturbance::Disturbance;
 use crate::controller::ControllerTable;
 use crate::hexapod::Geometry;
-use crate::plant::{CylinderTable, Friction, Parameters, Spread, SupplyTable, ValveTable};
+use crate::plant::{
+    CYLINDERS, Chambers, CylinderTable, Friction, Parameters, Spread, SupplyTable, ValveTable,
+};
 use crate::sea::Vessel;
 use crate::transducer::{Common, Errors};
 use serde::Deserialize;
@@ -27,6 +29,10 @@ pub struct Tables {
     pub valve: ValveTable,
     pub supply: SupplyTable,
     pub spread: Spread,
+    #[serde(default)]
+    pub chambers: Option<Chambers>,
+    #[serde(default)]
+    pub thermal: Option<Thermal>,
     pub gangway: Gangway,
     pub controller: ControllerTable,
     pub transducer: Common,
@@ -67,6 +73,33 @@ pub struct SensorTable {
     pub pressure: f64,
     /// Standard deviation of the supply pressure, bar.
     pub supply: f64,
+    /// Standard deviation of a spool's position, part of its stroke.
+    #[serde(default)]
+    pub spool: f64,
+    /// How long before the Sync each valve samples its spool and pressures, s; by default at the Sync.
+    #[serde(default)]
+    pub valve_age: [f64; CYLINDERS],
+}
+
+/// Oil that warms up and cools down again: each value is the largest change, as a part of the usual.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Thermal {
+    /// Viscous friction.
+    pub viscosity: f64,
+    /// β of (3-8).
+    pub leakage: f64,
+    /// Flow of the valves.
+    pub flow: f64,
+    /// Time from warm to warm, s.
+    pub period: f64,
+}
+
+impl Thermal {
+    /// The present part, −1 to 1, of each change at `time`, s: 0 at first, when tables are learnt.
+    pub fn part(&self, time: f64) -> f64 {
+        (time * std::f64::consts::TAU / self.period).sin()
+    }
 }
 
 /// Why tables are refused.
@@ -85,8 +118,8 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key is required except `[disturbance]`, ripple, warming and
-    /// speed_lag.
+    /// Reads tables from TOML; every key is required except `[chambers]`, `[thermal]`, `[disturbance]`,
+    /// ripple, warming, speed_lag, and of the sensors spool and valve_age.
     ///
     /// # Errors
     /// The first thing wrong with them.
@@ -108,6 +141,7 @@ impl Tables {
             valve: self.valve,
             supply: self.supply,
             spread: self.spread,
+            chambers: self.chambers,
         }
     }
 }

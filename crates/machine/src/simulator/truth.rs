@@ -35,6 +35,7 @@ fn row(fault: &Fault) -> String {
 fn columns(wanted: Wanted) -> (&'static str, Option<f64>, Option<f64>) {
     let shape = match wanted {
         Wanted::Shape(shape) => shape,
+        Wanted::Machine(ailment) => return (ailment.name(), Some(ailment.size()), None),
         Wanted::OutOfRange(_) => return ("out_of_range", None, None),
         Wanted::BrokenWire(_) => return ("broken_wire", None, None),
     };
