@@ -4,8 +4,8 @@
 //! `.zst`, standard input, in any of the formats of [`format_names`]. [`LogWriter`] writes the format of `candump -l`.
 //!
 //! A [`Port`] is a live CAN interface: [`socket`] uses SocketCAN, [`embedded`] is a bus inside the
-//! program. It sends only the gateway's own frames; an [`UnrestrictedPort`] is for stand-ins of the
-//! machine.
+//! program. It sends only the gateway's own frames; a [`ListeningPort`] sends none, and an [`UnrestrictedPort`] is for
+//! stand-ins of the machine.
 
 #![forbid(unsafe_code)]
 
@@ -15,6 +15,7 @@ pub mod embedded;
 mod format;
 mod formats;
 mod input;
+mod listening;
 mod order;
 mod port;
 mod reason;
@@ -29,6 +30,7 @@ mod writer;
 pub use barren::{Barren, Seems};
 pub use format::{MAX_LINE, TimeStamps};
 pub use formats::names as format_names;
+pub use listening::ListeningPort;
 pub use order::sorted as in_order;
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
 pub use reason::{Found, Reason};

@@ -16,6 +16,7 @@ mod identify;
 mod inject;
 mod learnt_file;
 mod machine;
+mod monitor;
 mod node;
 mod output;
 mod plant;
@@ -55,6 +56,7 @@ enum Command {
     Replay(replay::Replay),
     Check(check::Check),
     Doctor(doctor::Doctor),
+    Monitor(monitor::Monitor),
     Eds(eds::Eds),
     Events(events::Events),
     Inject(inject::Inject),
@@ -78,6 +80,7 @@ impl Arguments {
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
             Command::Doctor(doctor) => doctor.run(),
+            Command::Monitor(monitor) => monitor.run(),
             Command::Eds(eds) => eds.run(),
             Command::Events(events) => events.run(),
             Command::Inject(inject) => inject.run(),

@@ -105,6 +105,16 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
     inputs.chain(node.into_iter().flatten()).collect()
 }
 
+/// What is monitored by the configuration `path` of `machine`.
+pub fn facts(path: &Path, machine: &Machine) -> MachineFacts {
+    MachineFacts {
+        name: machine.loaded.settings.machine.name.clone(),
+        configuration: path.display().to_string(),
+        identity: identity::of(&machine.loaded),
+        limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
+    }
+}
+
 /// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus
 /// of `stage`.
 fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
@@ -128,12 +138,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    let facts = MachineFacts {
-        name: settings.machine.name.clone(),
-        configuration: path.display().to_string(),
-        identity: identity::of(&machine.loaded),
-        limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
-    };
+    let facts = facts(path, &machine);
     let (store, flight) =
         (store_plan(&machine), FlightPlan::new(path, &machine.loaded, &machine.design));
     let site = SitePlan {
@@ -178,20 +183,22 @@ struct Interface {
 
 impl Opener for Interface {
     fn open(&mut self) -> Result<Box<dyn Port>, String> {
-        let options = Options {
-            identifiers: self.identifiers.clone(),
-            few_under_way: true,
-            ..Options::default()
-        };
-        let port = SocketPort::open(&self.name, &options).map_err(|error| error.to_string())?;
-        // Error frames tell of what befalls the controller from now on, not of what has before.
-        match LinkState::read(&self.name).ok().and_then(|link| link.state) {
-            Some(ControllerState::BusOff) => Err(format!(
-                "the controller of {} is bus-off: it receives and sends nothing until it is \
-                 restarted",
-                self.name
-            )),
-            _ => Ok(Box::new(port)),
-        }
+        Ok(Box::new(open(&self.name, &self.identifiers)?))
+    }
+}
+
+/// The interface `name`, which receives `identifiers`.
+///
+/// # Errors It is not there or not up, or its controller takes no part in the bus.
+pub fn open(name: &str, identifiers: &Identifiers) -> Result<SocketPort, String> {
+    let identifiers = identifiers.clone();
+    let options = Options { identifiers, few_under_way: true, ..Options::default() };
+    let port = SocketPort::open(name, &options).map_err(|error| error.to_string())?;
+    // Error frames tell of what befalls the controller from now on, not of what has before.
+    match LinkState::read(name).ok().and_then(|link| link.state) {
+        Some(ControllerState::BusOff) => Err(format!(
+            "the controller of {name} is bus-off: it receives and sends nothing until it is restarted"
+        )),
+        _ => Ok(port),
     }
 }

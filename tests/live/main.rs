@@ -11,6 +11,7 @@ mod live_gateway;
 mod metrics;
 mod metrics_command;
 mod metrics_support;
+mod monitor_command;
 mod page;
 mod realtime;
 mod run_virtual;

@@ -2,6 +2,7 @@
 
 use super::{Shared, json};
 use crate::appliance::telemetry::MachineFacts;
+use crate::appliance::telemetry::feed::number;
 use crate::appliance::telemetry::trend::{Bin, QUANTITIES, merged};
 use crate::time::{Span, Timestamp};
 use axum::extract::{Path, Query, State};
@@ -83,9 +84,4 @@ fn columns(bins: &[Bin]) -> Trend {
         time: bins.iter().map(|bin| bin.begin.as_seconds()).collect(),
         quantities: QUANTITIES.into_iter().enumerate().map(column).collect(),
     }
-}
-
-/// `value` to the micrometre, which is finer than any transducer.
-pub(super) fn number(value: f32) -> Option<f64> {
-    value.is_finite().then(|| (f64::from(value) * 1e6).round() / 1e6)
 }

@@ -1,10 +1,8 @@
 //! Server-sent events: the overview and the newest bins of the trends, to everybody who watches.
 
 use super::Shared;
-use super::api::number;
 use super::connections::Connection;
-use crate::appliance::telemetry::trend::{Bin, STEP};
-use crate::time::Timestamp;
+use crate::appliance::telemetry::feed::{PERIOD, TrendFeed, TrendRow};
 use axum::Extension;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::State;
@@ -16,7 +14,6 @@ use std::convert::Infallible;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll};
-use std::time::Duration;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 
 /// Most who watch at once; a further one is refused.
@@ -24,12 +21,6 @@ const MOST_WATCHERS: usize = 64;
 
 /// Events that wait for a watcher, 4 s of them. Whoever does not read them by then is dropped, not waited for.
 const WAITING: usize = 8;
-
-/// Most bins of a cylinder in one event: those of 4 s, should the thread have waited for so long.
-const MOST_BINS: usize = 8;
-
-/// Time between two events.
-const PERIOD: Duration = Duration::from_nanos(STEP.as_nanos() as u64);
 
 /// Those who watch.
 #[derive(Debug, Default)]
@@ -102,42 +93,19 @@ pub(super) async fn stream(
 /// Tells the audience, again and again, what is new.
 pub(super) async fn tell(shared: Shared) {
     let mut period = tokio::time::interval(PERIOD);
-    let mut since = Vec::new();
+    let mut feed = TrendFeed::default();
     loop {
         period.tick().await;
-        let bins = newest(&shared, &mut since);
+        let bins = feed.newest(&shared.telemetry);
         shared.audience.tell(|| event(&shared, &bins));
     }
 }
 
-/// The bins of each cylinder since the last event; of more than [`MOST_BINS`] the newest.
-fn newest(shared: &Shared, since: &mut Vec<Timestamp>) -> Vec<(usize, Bin)> {
-    let cylinders = shared.telemetry.facts().limits_m.len();
-    since.resize(cylinders, Timestamp::from_nanos(i64::MIN));
-    let mut new = Vec::new();
-    for (number, since) in (1..).zip(since) {
-        let Some(trend) = shared.telemetry.trend(number) else { continue };
-        let Some(newest) = trend.newest() else { continue };
-        // Before that the clock was set back.
-        *since = (*since).min(newest.begin);
-        let bins = trend.after(*since);
-        let skipped = bins.len().saturating_sub(MOST_BINS);
-        new.extend(bins.into_iter().skip(skipped).map(|bin| (number, bin)));
-        *since = newest.begin;
-    }
-    new
-}
-
 /// One event of each kind: `overview`, and `bins` with `[[cylinder, time, [least, largest, …]], …]`.
-fn event(shared: &Shared, bins: &[(usize, Bin)]) -> Bytes {
+fn event(shared: &Shared, rows: &[TrendRow]) -> Bytes {
     let overview = shared.telemetry.overview(shared.clock.uptime(), shared.clock.system());
-    let row = |(cylinder, bin): &(usize, Bin)| {
-        let values = bin.ranges.iter().flatten().map(|value| number(*value));
-        (*cylinder, bin.begin.as_seconds(), values.collect::<Vec<_>>())
-    };
-    let rows: Vec<_> = bins.iter().map(row).collect();
     let json = |value: serde_json::Result<String>| value.unwrap_or_else(|_| "null".to_owned());
     let overview = json(serde_json::to_string(&overview));
-    let rows = json(serde_json::to_string(&rows));
+    let rows = json(serde_json::to_string(rows));
     Bytes::from(format!("event: overview\ndata: {overview}\n\nevent: bins\ndata: {rows}\n\n"))
 }

@@ -1,10 +1,10 @@
 //! The state of a transducer as a lamp, in the categories of NAMUR NE 107, which people in the field know.
 
 use crate::alarm::status::Health;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A category of NE 107. *Unknown* is a state of its own: it is never shown as good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lamp {
     /// A warning stands that blames the transducer.
@@ -16,7 +16,8 @@ pub enum Lamp {
     /// Its readings on the stops drift.
     MaintenanceRequired,
     Good,
-    /// There is no evidence either way.
+    /// There is no evidence either way, or a category that this version does not know.
+    #[serde(other)]
     Unknown,
 }
 

@@ -8,6 +8,7 @@
 mod cell;
 pub mod clock;
 pub mod exposition;
+pub mod feed;
 mod flight;
 pub mod health;
 mod incidents;

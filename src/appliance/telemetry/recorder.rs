@@ -10,7 +10,7 @@ use crate::estimate::Estimate;
 use crate::incident::Incident;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{OutboxCounts, OutboxLimits};
-use crate::monitor::{Counts, Notice, Record};
+use crate::monitor::{Counts, Monitor, Notice, Record};
 use crate::sample::device::{DeviceNews, DeviceRole, DeviceState};
 use crate::time::Timestamp;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub struct Recorder {
     outbox: OutboxCounts,
     monitor: Counts,
     /// Whether a port was lost and none has been opened since.
-    lost: bool,
+    is_lost: bool,
     /// Time of the newest status that was taken over.
     status_at: Option<Timestamp>,
     /// Times of the newest warnings, by which their frames are recognised.
@@ -46,7 +46,7 @@ impl Recorder {
             port: PortCounts::default(),
             outbox: OutboxCounts::default(),
             monitor: Counts::default(),
-            lost: false,
+            is_lost: false,
             status_at: None,
             warned: [None; ON_THEIR_WAY],
             next: 0,
@@ -140,26 +140,44 @@ impl Recorder {
     pub fn opened(&mut self) {
         let telemetry = &self.telemetry;
         telemetry.totals.opens.add(1);
-        telemetry.totals.reconnects.add(u64::from(self.lost));
+        telemetry.totals.reconnects.add(u64::from(self.is_lost));
         telemetry.open.store(true, Ordering::Relaxed);
-        self.lost = false;
+        self.is_lost = false;
         self.port = PortCounts::default();
     }
 
     /// Notes that `port` is lost.
     pub fn closed(&mut self, gateway: &Gateway, port: &dyn Port) {
         self.catch_up(gateway, port);
+        self.lost();
+    }
+
+    /// Notes that the port is lost, of which everything was counted.
+    pub fn lost(&mut self) {
         self.telemetry.totals.losses.add(1);
         self.telemetry.open.store(false, Ordering::Relaxed);
         self.telemetry.forget_evidence();
-        self.lost = true;
+        self.is_lost = true;
     }
 
     /// Notes a turn of the data path.
     pub fn turned(&mut self, gateway: &Gateway, port: &dyn Port) {
-        let now = self.clock.uptime();
-        let heard = gateway.monitor().counts().used != self.monitor.used;
+        let used = self.monitor.used;
         self.catch_up(gateway, port);
+        self.look(gateway.monitor(), used);
+    }
+
+    /// Notes a turn of a monitor that only listens.
+    pub fn listened(&mut self, monitor: &Monitor, port: PortCounts) {
+        let used = self.monitor.used;
+        self.count(monitor, port);
+        self.look(monitor, used);
+    }
+
+    /// Takes over the state of `monitor`, which had used so many frames before this turn.
+    fn look(&mut self, monitor: &Monitor, used: u64) {
+        let now = self.clock.uptime();
+        let heard = monitor.counts().used != used;
         let telemetry = &self.telemetry;
         telemetry.totals.turns.add(1);
         mark(&telemetry.turned, now);
@@ -167,7 +185,7 @@ impl Recorder {
             mark(&telemetry.heard, now);
         }
         // One from before a loss says nothing of now: only a new one is taken over.
-        if let Some((at, status)) = gateway.monitor().last_status()
+        if let Some((at, status)) = monitor.last_status()
             && self.status_at != Some(*at)
         {
             self.status_at = Some(*at);
@@ -194,14 +212,18 @@ impl Recorder {
     }
 
     fn catch_up(&mut self, gateway: &Gateway, port: &dyn Port) {
-        let telemetry = &self.telemetry;
-        let (port, outbox) = (port.counts(), *gateway.outbox().counts());
-        let monitor = *gateway.monitor().counts();
+        let outbox = *gateway.outbox().counts();
+        self.telemetry.totals.outbox(&self.outbox, &outbox);
+        self.outbox = outbox;
+        self.count(gateway.monitor(), port.counts());
+    }
+
+    fn count(&mut self, monitor: &Monitor, port: PortCounts) {
+        let (telemetry, counts) = (&self.telemetry, *monitor.counts());
         telemetry.totals.port(&self.port, &port);
-        telemetry.totals.outbox(&self.outbox, &outbox);
-        telemetry.totals.monitor(&self.monitor, &monitor);
-        (self.port, self.outbox, self.monitor) = (port, outbox, monitor);
-        let cylinders = gateway.monitor().tallies().count().min(MAX_CYLINDERS) as u8;
+        telemetry.totals.monitor(&self.monitor, &counts);
+        (self.port, self.monitor) = (port, counts);
+        let cylinders = monitor.tallies().count().min(MAX_CYLINDERS) as u8;
         telemetry.used.store(cylinders, Ordering::Relaxed);
     }
 }
