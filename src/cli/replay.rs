@@ -334,17 +334,13 @@ fn feed(
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut last = output.first;
-    if let Some(first) = recording.next_frame()?.cloned() {
-        last = first.timestamp;
-        begin(last, monitor, output, kept.as_deref_mut())?;
-        monitor.take(&first, output);
-        while let Some(newest) = stride(recording, monitor, output)? {
-            last = newest;
-            if output.failed() {
-                break;
-            }
-            bar.show(recording.progress());
+    let mut start = Start { is_over: false, kept: kept.as_deref_mut() };
+    while let Some(newest) = stride(recording, monitor, output, &mut start)? {
+        last = newest;
+        if output.failed() {
+            break;
         }
+        bar.show(recording.progress());
     }
     if kept.is_some() || inputs.state.is_some() {
         monitor.standing().for_each(|incident| output.incidents.take(&incident));
@@ -356,33 +352,47 @@ fn feed(
 }
 
 /// Feeds the next frames to the monitor, and returns the time stamp of the last of them; `None` at the end. By
-/// itself, so that nothing but these three takes part in the loop.
+/// itself, so that little takes part in the loop.
 #[inline(never)]
 fn stride(
     recording: &mut Recording,
     monitor: &mut Monitor,
     output: &mut Output,
+    start: &mut Start<'_>,
 ) -> Result<Option<Timestamp>, Failure> {
     let mut newest = None;
     for _ in 0..STRIDE {
         let Some(frame) = recording.next_frame()? else { break };
         newest = Some(frame.timestamp);
+        if !start.is_over {
+            start.begin(frame.timestamp, monitor, output)?;
+        }
         monitor.take(frame, output);
     }
     Ok(newest)
 }
 
-/// Begins the outputs of a recording whose first frame is stamped `first`.
-#[cold]
-fn begin(
-    first: Timestamp,
-    monitor: &Monitor,
-    output: &mut Output,
-    kept: Option<&mut StateFile>,
-) -> Result<(), Failure> {
-    output.first = first;
-    output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
-    Ok(())
+/// The start of a recording: its first frame.
+struct Start<'a> {
+    is_over: bool,
+    kept: Option<&'a mut StateFile>,
+}
+
+impl Start<'_> {
+    /// Begins the outputs of a recording whose first frame is stamped `first`.
+    #[cold]
+    fn begin(
+        &mut self,
+        first: Timestamp,
+        monitor: &Monitor,
+        output: &mut Output,
+    ) -> Result<(), Failure> {
+        self.is_over = true;
+        output.first = first;
+        let kept = self.kept.as_mut();
+        output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
+        Ok(())
+    }
 }
 
 /// Fails if a part of an input could not be read, although the rest was replayed.

@@ -177,8 +177,16 @@ pub fn own_scores(outcome: &Outcome) -> Section {
 /// Figure 4-9 as a table.
 pub fn residual_tests(outcome: &Outcome) -> Section {
     let Some(choice) = outcome.choice else { return Section::default() };
-    let header =
-        ["cylinder", "residual", "r(1)", "auto beyond", "with u beyond", "Ljung-Box Q", "p", "verdict"];
+    let header = [
+        "cylinder",
+        "residual",
+        "r(1)",
+        "auto beyond",
+        "with u beyond",
+        "Ljung-Box Q",
+        "p",
+        "verdict",
+    ];
     let mut table = Sheet::new(&header);
     for cylinder in &outcome.cylinders {
         let Some(tried) = outcome.tried(choice.of, cylinder.number) else { continue };

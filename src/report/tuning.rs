@@ -29,7 +29,8 @@ pub fn part(result: &Tuning) -> String {
 
 /// The weights before and after.
 pub fn search(search: &Search) -> Section {
-    let header = ["weights", "q", "r", "threshold", "of 1 mm", "of (5-18)", "over after", "criterion"];
+    let header =
+        ["weights", "q", "r", "threshold", "of 1 mm", "of (5-18)", "over after", "criterion"];
     let mut table = Sheet::new(&header);
     for (name, weights, score) in
         [("configured", &search.begun, &search.before), ("taken", &search.weights, &search.score)]
@@ -164,7 +165,8 @@ pub fn verdict(result: &Tuning) -> (bool, String) {
 
 /// Smallest faults that are found.
 pub fn sensitivity(result: &Tuning) -> Section {
-    let mut table = Sheet::new(&["cylinder", "transducer", "smallest step", "smallest noise", "n of n·σ"]);
+    let mut table =
+        Sheet::new(&["cylinder", "transducer", "smallest step", "smallest noise", "n of n·σ"]);
     for detector in &result.detectors {
         let [number, _] = name(detector);
         let amplitude = detector.noise.map_or("–".to_owned(), length);

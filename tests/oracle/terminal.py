@@ -190,6 +190,12 @@ def gateway(program, url, pid):
     ascii_only.press("\x03")
     ascii_only.end(0)
     refusals(program, url)
+    broken = Terminal([program, "monitor", url])
+    broken.wait("failure", lambda text: "⊗ failure" in row(text, 3))
+    # The line breaks, as that of ssh does.
+    os.close(broken.fd)
+    os.close(broken.tty)
+    broken.process.wait(timeout=10)
 
     lonely = Terminal([program, "monitor", url])
     lonely.wait("failure", lambda text: "⊗ failure" in row(text, 3))

@@ -4,12 +4,14 @@ use super::news::News;
 use super::view::{self, Marks};
 use super::viewer::{Viewer, Wish};
 use crate::cli::Failure;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::env;
 use std::io::{self, IsTerminal};
+use std::os::fd::AsFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
@@ -90,7 +92,7 @@ impl Show {
     fn run(mut self, mut terminal: DefaultTerminal) -> Result<(), Failure> {
         let mut due = Instant::now();
         let mut drawn: Option<Second> = None;
-        while !self.stop.load(Ordering::Relaxed) {
+        while !self.stop.load(Ordering::Relaxed) && !has_hung_up() {
             let heard = self.listen()?;
             let now = self.start.elapsed();
             let is_new = heard || drawn != Some(now.as_secs());
@@ -151,6 +153,16 @@ impl Show {
             None => Told::Nothing,
         }
     }
+}
+
+/// Whether the terminal is gone, as after a line broke, whose SIGHUP reaches only its own session. Reading it then
+/// gives nothing, at once and for ever.
+fn has_hung_up() -> bool {
+    let stdin = io::stdin();
+    let mut input = [PollFd::new(stdin.as_fd(), PollFlags::empty())];
+    let gone = PollFlags::POLLHUP | PollFlags::POLLERR | PollFlags::POLLNVAL;
+    let told = poll(&mut input, PollTimeout::ZERO).is_ok_and(|count| count > 0);
+    told && input[0].revents().is_some_and(|events| events.intersects(gone))
 }
 
 /// What an event has led to.
