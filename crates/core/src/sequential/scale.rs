@@ -168,6 +168,28 @@ mod tests {
         }
     }
 
+    /// What the gain does counts over the stroke that was travelled, wherever on the stroke that was.
+    #[test]
+    fn a_gain_that_does_next_to_nothing_where_the_rod_moves_is_not_told() {
+        let around = |middle: f64, amplitude: f64| {
+            let mut rng = ChaCha8Rng::seed_from_u64(1);
+            let parameters = &SequentialParameters::DEFAULT;
+            let (fine, gain) = (2e-5, 1.8e-2);
+            let mut proportion =
+                Proportion::new(fine, 1e-4, &parameters.scale, &parameters.cycles(0.02));
+            for age in 0..1000 {
+                let travelled = amplitude * (0.785 * 0.02 * f64::from(age)).sin();
+                let healthy: f64 = StandardNormal.sample(&mut rng);
+                proportion.push(age, middle + travelled, fine * healthy + gain * travelled);
+            }
+            proportion.scale(false)
+        };
+        for middle in [-1.2, 0.0, 1.2] {
+            assert_eq!(around(middle, 7e-3), None, "0.09 mm, at {middle} m");
+            assert!(around(middle, 12e-3).is_some(), "0.15 mm, at {middle} m");
+        }
+    }
+
     #[test]
     fn before_the_rod_has_turned_nothing_is_said() {
         assert_eq!(after(1.5, |_, length, _| 5e-3 * length), None);
