@@ -229,6 +229,9 @@ fn files_that_cannot_be_used_are_refused_in_words() {
     let lost = folder.path().join("lost");
     refused(&TlsFiles { key: lost.clone(), ..good.clone() }, &["lost cannot be read"]);
     refused(&TlsFiles { certificate: lost, ..good.clone() }, &["lost cannot be read"]);
+    // Nor is a pipe, which would be waited for.
+    let folder_itself = folder.path().to_owned();
+    refused(&TlsFiles { key: folder_itself, ..good.clone() }, &["it is no file"]);
     refused(&TlsFiles { key: good.certificate.clone(), ..good.clone() }, &["mode 644"]);
     allow(&good.certificate, 0o640);
     refused(

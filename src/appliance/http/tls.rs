@@ -1,7 +1,7 @@
 //! The identity of the server: its certificate and key, as files of PEM.
 
 use crate::time::Timestamp;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -111,6 +111,10 @@ fn unusable(certificate: &Path, reason: String) -> IdentityError {
 /// The bytes of the file `path`, which must have none of these permissions.
 fn read(path: &Path, forbidden: u32) -> Result<Vec<u8>, IdentityError> {
     let unreadable = |error| IdentityError::Unreadable { path: path.to_owned(), error };
+    // To open a pipe would wait for somebody who writes into it.
+    if !fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(unreadable(io::Error::other("it is no file")));
+    }
     let file = File::open(path).map_err(unreadable)?;
     let mode = file.metadata().map_err(unreadable)?.permissions().mode() & 0o777;
     if mode & forbidden != 0 {
