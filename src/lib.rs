@@ -27,7 +27,8 @@
 //! - [`monitor`]: the modules above, from `decode` to `alarm`, as one machine: frames in, records,
 //!   warnings and frames out.
 //! - [`canopen`]: the gateway as a CANopen node, which watches the monitor and answers the network.
-//! - [`live`]: the monitor on a port: frames that wait to be sent, the state of the bus, and recovery;
+//! - [`live`]: the monitor on a port: frames that wait to be sent, the state of the bus, and recovery; on a port that
+//!   only listens;
 //!   the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the computer
 //!   around it: signals, the service manager, the log, the history of the stops on disk, the flight
 //!   recorder, the event store, a page for people, its health and metrics over HTTP. [`alarm_list`]: incidents as

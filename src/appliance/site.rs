@@ -1,6 +1,6 @@
 //! The address at which the gateway's telemetry is served, and its log lines.
 
-use super::http::{Desk, DeskPlan, Server};
+use super::http::{Desk, DeskPlan, Identity, Server, TlsFiles};
 use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
@@ -14,6 +14,8 @@ use tracing::{info, warn};
 pub struct SitePlan {
     /// Address to listen on; port 0 becomes another one. `None`: there is no server.
     pub listen: Option<SocketAddr>,
+    /// Files of the certificate; `None`: what is sent is not encrypted.
+    pub tls: Option<TlsFiles>,
     pub desk: DeskPlan,
 }
 
@@ -35,25 +37,31 @@ impl Site {
     /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous server continues.
     pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder) {
         self.desk.follow(plan.desk);
-        if self.listen == plan.listen && self.server.is_some() == plan.listen.is_some() {
-            return;
-        }
         let Some(wanted) = plan.listen else {
-            (self.listen, self.server) = (None, None);
-            info!("telemetry over HTTP is now off");
+            if self.server.take().is_some() {
+                info!("telemetry over HTTP is now off");
+            }
+            self.listen = None;
             return;
         };
-        match Server::start(wanted, recorder, self.desk.clone()) {
+        let Ok(identity) = self.identity(plan.tls.as_ref(), recorder, wanted) else { return };
+        if let Some(server) = self.server.as_ref().filter(|_| self.listen == plan.listen) {
+            server.identify(identity);
+            return;
+        }
+        let scheme = if identity.is_some() { "https" } else { "http" };
+        match Server::start(wanted, recorder, self.desk.clone(), identity) {
             Ok(server) => {
                 let address = server.address();
                 info!(
-                    "page: http://{address}/, telemetry: http://{address}/health and http://{address}/metrics"
+                    "page: {scheme}://{address}/, telemetry: {scheme}://{address}/health and \
+                     {scheme}://{address}/metrics"
                 );
                 if !address.ip().is_loopback() {
                     warn!(
-                        "{address} can be reached from other machines, where everything can be \
-                         read; a loopback address restricts it to this one. Under systemd \
-                        IPAddressAllow= of the unit also applies"
+                        "{address} can be reached from other machines, where /health and /metrics can be read \
+                         without a login; a loopback address restricts it to this one. Under systemd IPAddressAllow= \
+                         of the unit also applies"
                     );
                 }
                 (self.listen, self.server) = (plan.listen, Some(server));
@@ -69,6 +77,28 @@ impl Site {
                 }
             }
         }
+    }
+
+    /// The identity in `files`, or that there is none. One that cannot be used is told, and so is one whose time is
+    /// over; then nothing changes on `wanted`.
+    fn identity(
+        &self,
+        files: Option<&TlsFiles>,
+        recorder: &Recorder,
+        wanted: SocketAddr,
+    ) -> Result<Option<Identity>, ()> {
+        let Some(files) = files else { return Ok(None) };
+        let identity = Identity::read(files).map_err(|error| {
+            let then = match &self.server {
+                None => "nothing is served over HTTP",
+                Some(_) => "what was served before still is",
+            };
+            warn!("no TLS on {wanted}: {error}. Until a reload finds it right, {then}");
+        })?;
+        if let Some(lapse) = identity.lapse(recorder.clock().system()) {
+            warn!("the certificate in {} {lapse}", files.certificate.display());
+        }
+        Ok(Some(identity))
     }
 }
 

@@ -334,13 +334,20 @@ fn feed(
 ) -> Result<Span, Failure> {
     let bar = Bar::new(recording.progress());
     let mut last = output.first;
-    let mut start = Start { is_over: false, kept: kept.as_deref_mut() };
-    while let Some(newest) = stride(recording, monitor, output, &mut start)? {
-        last = newest;
-        if output.failed() {
-            break;
+    let mut frames = 0_u64;
+    while let Some(frame) = recording.next_frame()? {
+        last = frame.timestamp;
+        if frames == 0 {
+            begin(last, monitor, output, kept.as_deref_mut())?;
         }
-        bar.show(recording.progress());
+        monitor.take(frame, output);
+        frames += 1;
+        if frames.is_multiple_of(STRIDE) {
+            if output.failed() {
+                break;
+            }
+            bar.show(recording.progress());
+        }
     }
     if kept.is_some() || inputs.state.is_some() {
         monitor.standing().for_each(|incident| output.incidents.take(&incident));
@@ -351,48 +358,17 @@ fn feed(
     Ok(last.since(output.first))
 }
 
-/// Feeds the next frames to the monitor, and returns the time stamp of the last of them; `None` at the end. By
-/// itself, so that little takes part in the loop.
-#[inline(never)]
-fn stride(
-    recording: &mut Recording,
-    monitor: &mut Monitor,
+/// Begins the outputs of a recording whose first frame is stamped `first`.
+#[cold]
+fn begin(
+    first: Timestamp,
+    monitor: &Monitor,
     output: &mut Output,
-    start: &mut Start<'_>,
-) -> Result<Option<Timestamp>, Failure> {
-    let mut newest = None;
-    for _ in 0..STRIDE {
-        let Some(frame) = recording.next_frame()? else { break };
-        newest = Some(frame.timestamp);
-        if !start.is_over {
-            start.begin(frame.timestamp, monitor, output)?;
-        }
-        monitor.take(frame, output);
-    }
-    Ok(newest)
-}
-
-/// The start of a recording: its first frame.
-struct Start<'a> {
-    is_over: bool,
-    kept: Option<&'a mut StateFile>,
-}
-
-impl Start<'_> {
-    /// Begins the outputs of a recording whose first frame is stamped `first`.
-    #[cold]
-    fn begin(
-        &mut self,
-        first: Timestamp,
-        monitor: &Monitor,
-        output: &mut Output,
-    ) -> Result<(), Failure> {
-        self.is_over = true;
-        output.first = first;
-        let kept = self.kept.as_mut();
-        output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
-        Ok(())
-    }
+    kept: Option<&mut StateFile>,
+) -> Result<(), Failure> {
+    output.first = first;
+    output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
+    Ok(())
 }
 
 /// Fails if a part of an input could not be read, although the rest was replayed.

@@ -8,7 +8,7 @@ use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
-use crate::appliance::http::DeskPlan;
+use crate::appliance::http::{DeskPlan, TlsFiles};
 use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
@@ -143,6 +143,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         (store_plan(&machine), FlightPlan::new(path, &machine.loaded, &machine.design));
     let site = SitePlan {
         listen: settings.http.address(),
+        tls: tls_files(path, &machine),
         desk: DeskPlan {
             token: settings.http.token.as_ref().and_then(|digest| digest.parse().ok()),
             recordings: flight.as_ref().map(|flight| flight.folder.clone()),
@@ -159,6 +160,14 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         facts,
         keeping,
     })
+}
+
+/// Certificate and key of the page, relative to the configuration `path`.
+fn tls_files(path: &Path, machine: &Machine) -> Option<TlsFiles> {
+    let http = &machine.loaded.settings.http;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (certificate, key) = http.certificate.as_ref().zip(http.key.as_ref())?;
+    Some(TlsFiles { certificate: folder.join(certificate), key: folder.join(key) })
 }
 
 /// The event store of a machine, if it has one.

@@ -410,6 +410,18 @@ fn the_share_of_the_bus_carries_at_least_the_statuses() {
 }
 
 #[test]
+fn a_certificate_needs_its_key_and_a_key_its_certificate() {
+    let with = |table: &str| format!("{}\n[http]\n{table}\n", common::EXAMPLE);
+    for (table, key) in [("certificate = \"a.crt\"", "certificate"), ("key = \"a.key\"", "key")] {
+        let lines = refusal(&with(table));
+        assert_eq!(lines.len(), 1, "{lines:#?}");
+        assert!(lines[0].contains("belong together") && lines[0].contains(key), "{}", lines[0]);
+    }
+    let both = with("certificate = \"a.crt\"\nkey = \"a.key\"");
+    assert!(tertius::config::parse("machine.toml", &both).is_ok());
+}
+
+#[test]
 fn estimates_need_their_share_of_the_bus_and_room_for_their_deviation() {
     let with = |table: &str| format!("{}\n[estimate]\n{table}\n", common::EXAMPLE);
     let lines = refusal(&with("send = true"));

@@ -43,7 +43,8 @@ impl Office {
         let desk = Desk::new(clerk.handle(), Arc::default());
         desk.follow(DeskPlan { token: Some(TokenDigest::of(TOKEN)), ..DeskPlan::default() });
         let listen = "127.0.0.1:0".parse().expect("an address");
-        let server = Server::start(listen, &recorder, desk.clone()).expect("there is a free port");
+        let server =
+            Server::start(listen, &recorder, desk.clone(), None).expect("there is a free port");
         let office = Self { server, desk, _clerk: clerk, _folder: folder };
         // Its thread opens the store meanwhile.
         let opened = || !office.get("/api/alarms").body.contains("\"path\":null");

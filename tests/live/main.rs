@@ -15,3 +15,4 @@ mod monitor_command;
 mod page;
 mod realtime;
 mod run_virtual;
+mod tls;

@@ -395,7 +395,8 @@ fn only_what_there_is_is_answered_and_only_without_a_body() {
     let long = format!("GET / HTTP/1.1\r\nHost: localhost\r\nLong: {}\r\n\r\n", "x".repeat(9000));
     assert_eq!(request(&long), 431);
     // A port that is taken is an error with which the gateway goes on.
-    let taken = Server::start(bench.server.address(), &bench.witness.recorder, Desk::default());
+    let taken =
+        Server::start(bench.server.address(), &bench.witness.recorder, Desk::default(), None);
     assert_eq!(taken.expect_err("it is taken").kind(), std::io::ErrorKind::AddrInUse);
 }
 
@@ -409,7 +410,7 @@ fn a_server_ends_with_its_owner() {
         std::thread::yield_now();
         TcpStream::connect(address)
             .is_err()
-            .then(|| Server::start(address, &witness.recorder, Desk::default()))
+            .then(|| Server::start(address, &witness.recorder, Desk::default(), None))
     });
     again.expect("it ends").expect("its address is free");
 }

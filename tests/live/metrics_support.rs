@@ -112,8 +112,8 @@ impl Bench {
         let port = bus.open(&Identifiers::All, 4096).expect("the bus is up");
         let recorder = Recorder::new(Arc::new(hands.clone()));
         let listen = "127.0.0.1:0".parse().expect("an address");
-        let server =
-            Server::start(listen, &recorder, Desk::default()).expect("loopback has a free port");
+        let server = Server::start(listen, &recorder, Desk::default(), None)
+            .expect("loopback has a free port");
         let (records, raised) = (Vec::new(), Vec::new());
         let witness = Witness { recorder, records, raised, warnings: 0, warning_frames: 0 };
         Self { hands, bus, gateway: gateway(), port, witness, server }
@@ -178,9 +178,17 @@ pub fn ask(server: &Server, request: &str) -> Answer {
     stream.write_all(request.as_bytes()).expect("it reads");
     let mut text = String::new();
     stream.read_to_string(&mut text).expect("it answers and closes");
-    let (head, body) = text.split_once("\r\n\r\n").expect("a head and a body");
-    let code = head.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status code");
-    Answer { code, head: head.to_owned(), body: body.to_owned() }
+    Answer::new(&text)
+}
+
+impl Answer {
+    /// The answer in `text`.
+    pub fn new(text: &str) -> Self {
+        let (head, body) = text.split_once("\r\n\r\n").expect("a head and a body");
+        let code =
+            head.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status code");
+        Self { code, head: head.to_owned(), body: body.to_owned() }
+    }
 }
 
 /// Samples as Prometheus' own parser reads them.

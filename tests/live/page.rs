@@ -199,7 +199,7 @@ fn beyond_this_computer_only_machines_are_answered() {
         Recorder::new(Arc::new(tertius::appliance::telemetry::clock::SystemClock::new()));
     let everywhere = "0.0.0.0:0".parse().expect("an address");
     let server =
-        Server::start(everywhere, &recorder, Desk::default()).expect("there is a free port");
+        Server::start(everywhere, &recorder, Desk::default(), None).expect("there is a free port");
     let get = |path: &str| ask(&server, &format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n"));
     for path in ["/", "/api/overview", "/api/stream"] {
         let answer = get(path);

@@ -18,6 +18,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.thresholds(settings);
     relations.share(settings);
     relations.heartbeat(settings);
+    relations.tls(settings);
     relations.signals(settings);
     relations.cylinders(settings);
     relations.devices(settings);
@@ -40,6 +41,17 @@ impl Relations<'_> {
         let document = self.document;
         let key = keys.iter().find(|key| document.has(key)).or(keys.first()).copied();
         self.problems.push_with(|| document.problem(key.unwrap_or(""), message, help));
+    }
+
+    fn tls(&mut self, settings: &Settings) {
+        let http = &settings.http;
+        self.require(
+            http.certificate.is_some() == http.key.is_some(),
+            &["http.certificate", "http.key"],
+            "`http.certificate` and `http.key` belong together, but one of them is missing"
+                .to_owned(),
+            "give both for a page over https, or none of them",
+        );
     }
 
     fn machine(&mut self, settings: &Settings) {

@@ -1,5 +1,6 @@
 //! The connections of the server: how many there are, and how long each lasts.
 
+use super::tls::Identity;
 use axum::Router;
 use axum::body::Body;
 use axum::http::Request;
@@ -10,16 +11,21 @@ use hyper_util::rt::TokioIo;
 use hyper_util::service::TowerToHyperService;
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, PoisonError, RwLock};
 use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::task::AbortHandle;
+use tokio_rustls::TlsAcceptor;
 
 /// Most connections at once, those of streams apart; the oldest one gives way. An honest one lasts for milliseconds.
 const CONNECTIONS: usize = 16;
 
 /// Time limit from the opening of a connection to the last byte of its answer, unless it is a stream.
 const TIME_LIMIT: Duration = Duration::from_secs(5);
+
+/// Time limit of a handshake, before that.
+const HANDSHAKE_LIMIT: Duration = Duration::from_secs(3);
 
 /// Time limit of an answer that takes long, such as a recording over a slow link.
 const LONG_LIMIT: Duration = Duration::from_secs(120);
@@ -38,6 +44,8 @@ pub(super) struct Connection {
     streams: AtomicBool,
     /// Whether its answer takes long.
     takes_long: AtomicBool,
+    /// Whether what is sent on it is encrypted.
+    encrypted: AtomicBool,
     /// Ends it.
     abort: OnceLock<AbortHandle>,
 }
@@ -51,6 +59,11 @@ impl Connection {
     /// Notes that the answer takes long.
     pub fn takes_long(&self) {
         self.takes_long.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether what is sent on it is encrypted.
+    pub fn is_encrypted(&self) -> bool {
+        self.encrypted.load(Ordering::Relaxed)
     }
 
     /// Ends the connection at once, whatever it still has to send.
@@ -69,8 +82,11 @@ impl Connection {
     }
 }
 
+/// The identity of the server, which a reload may change; `None`: it does not encrypt.
+pub(super) type Identities = Arc<RwLock<Option<Identity>>>;
+
 /// Accepts connections until the task is dropped.
-pub(super) async fn accept(listener: TcpListener, router: Router) {
+pub(super) async fn accept(listener: TcpListener, router: Router, identities: Identities) {
     let mut connections: VecDeque<Arc<Connection>> = VecDeque::with_capacity(CONNECTIONS);
     loop {
         let Ok((stream, _)) = listener.accept().await else {
@@ -85,15 +101,36 @@ pub(super) async fn accept(listener: TcpListener, router: Router) {
             oldest.end();
         }
         let connection = Arc::new(Connection::default());
-        let task = tokio::spawn(answer(stream, router.clone(), Arc::clone(&connection)));
+        let identity = identities.read().unwrap_or_else(PoisonError::into_inner).clone();
+        let answer = answer(stream, identity, router.clone(), Arc::clone(&connection));
+        let task = tokio::spawn(answer);
         // The runtime has one thread: the task does not begin before this is set.
         _ = connection.abort.set(task.abort_handle());
         connections.push_back(connection);
     }
 }
 
-/// Serves one request. Errors concern the client alone.
-async fn answer(stream: TcpStream, router: Router, connection: Arc<Connection>) {
+/// Serves one request, after the handshake if there is an `identity`. Errors concern the client alone.
+async fn answer(
+    stream: TcpStream,
+    identity: Option<Identity>,
+    router: Router,
+    connection: Arc<Connection>,
+) {
+    let Some(identity) = identity else { return serve(stream, router, connection).await };
+    let handshake = TlsAcceptor::from(identity.config).accept(stream);
+    if let Ok(Ok(stream)) = tokio::time::timeout(HANDSHAKE_LIMIT, handshake).await {
+        connection.encrypted.store(true, Ordering::Relaxed);
+        serve(stream, router, connection).await;
+    }
+}
+
+/// Serves one request that comes by `stream`.
+async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
+    stream: S,
+    router: Router,
+    connection: Arc<Connection>,
+) {
     let own = Arc::clone(&connection);
     let service = service_fn(move |request: Request<Incoming>| {
         let mut request = request.map(Body::new);

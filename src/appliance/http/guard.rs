@@ -1,9 +1,11 @@
 //! What every request has to pass, and what every answer says to the browser.
 
 use super::Shared;
+use super::connections::Connection;
+use super::page::NO_TOKEN;
 use axum::extract::{Request, State};
 use axum::http::header::{
-    CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, ORIGIN, REFERRER_POLICY,
+    CONTENT_LENGTH, CONTENT_SECURITY_POLICY, HOST, HeaderName, LOCATION, ORIGIN, REFERRER_POLICY,
     TRANSFER_ENCODING, X_CONTENT_TYPE_OPTIONS, X_FRAME_OPTIONS,
 };
 use axum::http::uri::Authority;
@@ -11,6 +13,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use std::net::IpAddr;
+use std::sync::Arc;
 
 /// Nothing but what comes from the gateway itself, no frames, no inline script or style.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
@@ -28,8 +31,8 @@ const HEADERS: [(HeaderName, &str); 6] = [
 
 const FAR: &str = "the page is served on this computer only, because what is sent here is not encrypted.\n\
                    From another one:\n  ssh -L 9481:127.0.0.1:9481 BOX     and then open http://127.0.0.1:9481/\n\
-                   or let a proxy with a certificate (nginx, Caddy) pass it on to http.listen on a loopback \
-                   address.\n";
+                   or give the gateway a certificate (http.certificate, http.key), or let a proxy with one \
+                   (nginx, Caddy) pass it on to http.listen on a loopback address.\n";
 
 /// Refuses requests with a body, which nothing here takes.
 pub(super) async fn without_body(request: Request, next: Next) -> Response {
@@ -41,7 +44,7 @@ pub(super) async fn without_body(request: Request, next: Next) -> Response {
     (StatusCode::PAYLOAD_TOO_LARGE, "a request here has no body\n").into_response()
 }
 
-/// Refuses requests to a host that is not this one. A page from elsewhere whose name was made to point here
+/// Refuses requests that may not read. On an address of this computer alone these are those to another host: a page from elsewhere whose name was made to point here
 /// (DNS rebinding) would be of the same origin as ours, but its requests bear its own name.
 pub(super) async fn only_known_hosts(
     State(shared): State<Shared>,
@@ -49,7 +52,10 @@ pub(super) async fn only_known_hosts(
     next: Next,
 ) -> Response {
     if !shared.address.ip().is_loopback() {
-        return (StatusCode::FORBIDDEN, FAR).into_response();
+        return match is_encrypted(&request) {
+            true => only_known_people(&shared, request, next).await,
+            false => (StatusCode::FORBIDDEN, FAR).into_response(),
+        };
     }
     let host = request.headers().get(HOST).and_then(|host| host.to_str().ok());
     if host.is_some_and(is_own) {
@@ -58,6 +64,39 @@ pub(super) async fn only_known_hosts(
     let told =
         format!("this gateway is http://{}/; it does not answer to another name\n", shared.address);
     (StatusCode::MISDIRECTED_REQUEST, told).into_response()
+}
+
+/// Refuses a login on a connection that others can read.
+pub(super) async fn only_encrypted(request: Request, next: Next) -> Response {
+    if is_encrypted(&request) {
+        return next.run(request).await;
+    }
+    (StatusCode::FORBIDDEN, "there is a login over https only\n").into_response()
+}
+
+fn is_encrypted(request: &Request) -> bool {
+    let connection = request.extensions().get::<Arc<Connection>>();
+    connection.is_some_and(|connection| connection.is_encrypted())
+}
+
+/// Refuses requests of those who are not logged in and have no token. The cookie of a login is not given to a page of
+/// another name, so that the name need not be known here.
+async fn only_known_people(shared: &Shared, request: Request, next: Next) -> Response {
+    let (headers, path) = (request.headers(), request.uri().path());
+    // Files of the program, which are public.
+    if path.starts_with("/assets/") {
+        return next.run(request).await;
+    }
+    let Some(token) = shared.desk.plan().token else {
+        return (StatusCode::FORBIDDEN, NO_TOKEN).into_response();
+    };
+    if token.admits(headers) || shared.sessions.admit(headers, &token, shared.clock.uptime()) {
+        return next.run(request).await;
+    }
+    if path == "/" {
+        return (StatusCode::SEE_OTHER, [(LOCATION, "/login")]).into_response();
+    }
+    (StatusCode::UNAUTHORIZED, "log in at /login\n").into_response()
 }
 
 /// Whether a request comes from our own page, or from no page at all.
@@ -87,7 +126,7 @@ fn is_own(host: &str) -> bool {
 pub(super) async fn with_policy(request: Request, next: Next) -> Response {
     let mut response = next.run(request).await;
     for (name, value) in HEADERS {
-        response.headers_mut().insert(name, HeaderValue::from_static(value));
+        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }
     response
 }

@@ -8,9 +8,12 @@ mod connections;
 mod events;
 mod examination;
 mod guard;
+mod login;
 mod page;
 mod recordings;
+mod sessions;
 mod stream;
+mod tls;
 mod token;
 
 use super::doctor::facts::Wanted;
@@ -26,13 +29,16 @@ use axum::http::{HeaderMap, StatusCode};
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
+use connections::Identities;
 use examination::Examined;
+use sessions::Sessions;
 use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, PoisonError, RwLock};
 use stream::Audience;
+pub use tls::{Identity, IdentityError, TlsFiles};
 pub use token::TokenDigest;
 use tokio::net::TcpListener;
 use tokio::sync::oneshot;
@@ -84,14 +90,22 @@ impl Desk {
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
+    identities: Identities,
     _stop: oneshot::Sender<()>,
 }
 
 impl Server {
-    /// Serves what `recorder` writes, and `desk`, on `listen`, or on a free port if its port is 0.
+    /// Serves what `recorder` writes, and `desk`, on `listen`, or on a free port if its port is 0: encrypted with an
+    /// `identity`, in plain text without one.
     ///
     /// # Errors The address is in use or not available, or the system provides no thread.
-    pub fn start(listen: SocketAddr, recorder: &Recorder, desk: Desk) -> io::Result<Self> {
+    pub fn start(
+        listen: SocketAddr,
+        recorder: &Recorder,
+        desk: Desk,
+        identity: Option<Identity>,
+    ) -> io::Result<Self> {
+        let identities = Identities::new(RwLock::new(identity));
         let listener = std::net::TcpListener::bind(listen)?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
@@ -102,7 +116,9 @@ impl Server {
             address,
             desk,
             examined: Arc::default(),
+            sessions: Arc::default(),
         };
+        let accepting = Arc::clone(&identities);
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .max_blocking_threads(READERS)
@@ -114,7 +130,7 @@ impl Server {
             runtime.spawn(stream::tell(shared.clone()));
             runtime.spawn(async move {
                 match TcpListener::from_std(listener) {
-                    Ok(listener) => connections::accept(listener, router(shared)).await,
+                    Ok(listener) => connections::accept(listener, router(shared), accepting).await,
                     Err(error) => tracing::warn!("no telemetry over HTTP: {error}"),
                 }
             });
@@ -122,7 +138,12 @@ impl Server {
             _ = runtime.block_on(stopped);
         };
         std::thread::Builder::new().name("http".to_owned()).stack_size(STACK_SIZE).spawn(serve)?;
-        Ok(Self { address, _stop: stop })
+        Ok(Self { address, identities, _stop: stop })
+    }
+
+    /// Encrypts with `identity` from the next connection on, or not at all.
+    pub fn identify(&self, identity: Option<Identity>) {
+        *self.identities.write().unwrap_or_else(PoisonError::into_inner) = identity;
     }
 
     /// Address that the server listens on.
@@ -140,6 +161,8 @@ struct Shared {
     address: SocketAddr,
     desk: Desk,
     examined: Arc<Examined>,
+    /// Who has logged in.
+    sessions: Arc<Sessions>,
 }
 
 impl Shared {
@@ -153,6 +176,11 @@ fn router(shared: Shared) -> Router {
         .route("/api/alarms/{incident}/{act}", post(acts::act))
         .route("/api/record", post(acts::record))
         .layer(DefaultBodyLimit::max(acts::LONGEST_ACT));
+    let entrance = Router::new()
+        .route("/login", get(login::form).post(login::enter))
+        .route("/logout", post(login::leave))
+        .layer(DefaultBodyLimit::max(login::LONGEST_LOGIN))
+        .route_layer(from_fn(guard::only_encrypted));
     let people = Router::new()
         .route("/", get(page::index))
         .route("/assets/{name}", get(page::asset))
@@ -171,6 +199,7 @@ fn router(shared: Shared) -> Router {
         .layer(from_fn(guard::without_body))
         .merge(acts)
         .layer(from_fn_with_state(shared.clone(), guard::only_known_hosts))
+        .merge(entrance)
         .layer(from_fn(guard::with_policy));
     // What machines read: a monitoring system may know this computer by any name.
     Router::new()

@@ -63,6 +63,15 @@ pub(super) async fn asset(Path(name): Path<String>, headers: HeaderMap) -> Respo
     }
 }
 
+/// What is told where a login would need a token.
+pub(super) const NO_TOKEN: &str = "from another computer the page needs a login, and the configuration has no token: \
+                                   `tertius token` makes one, whose digest belongs into [http]\n";
+
+/// `text` as a page that no cache keeps.
+pub(super) fn html(text: String) -> Response {
+    ([(CONTENT_TYPE, HTML), (CACHE_CONTROL, "no-store")], text).into_response()
+}
+
 fn answer(asset: &'static Asset, headers: &HeaderMap) -> Response {
     let accepted = headers.get(ACCEPT_ENCODING).and_then(|value| value.to_str().ok());
     let compressed = !asset.compressed.is_empty()

@@ -16,15 +16,17 @@ impl TokenDigest {
         Self(Sha256::digest(token.as_bytes()).into())
     }
 
+    /// Whether it is that of `token`.
+    pub(super) fn is_of(&self, token: &str) -> bool {
+        // All bytes are compared, wherever the first difference is.
+        Self::of(token).0.iter().zip(&self.0).fold(0, |sum, (a, b)| sum | (a ^ b)) == 0
+    }
+
     /// Whether the request has the token, as `Authorization: Bearer TOKEN`.
     pub(super) fn admits(&self, headers: &HeaderMap) -> bool {
         let value = headers.get(AUTHORIZATION).and_then(|value| value.to_str().ok());
         let token = value.and_then(|value| value.strip_prefix("Bearer "));
-        // All bytes are compared, wherever the first difference is.
-        let differs = |token: &str| {
-            Self::of(token.trim()).0.iter().zip(&self.0).fold(0, |sum, (a, b)| sum | (a ^ b))
-        };
-        token.is_some_and(|token| differs(token) == 0)
+        token.is_some_and(|token| self.is_of(token.trim()))
     }
 }
 

@@ -4,6 +4,7 @@ mod canopen;
 mod devices;
 mod doctor;
 mod life;
+mod monitor;
 mod recorder;
 mod simulated;
 mod wire;

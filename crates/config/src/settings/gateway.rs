@@ -29,6 +29,11 @@ table! {
         token: Option<String> = None => text(TextRule::Digest),
             "\"8d1d2c4c9f6a1b1be0a6e4a77c6f9b0d5a0fbf2f5e0c4f4f7f0f4a3b2a7d6c19\"",
             "SHA-256 of the token for acts on alarms (`tertius token`); absent: no acts";
+        certificate: Option<String> = None => text(TextRule::Path),
+            "\"/etc/tertius/page.crt\"",
+            "the certificate (PEM, with its chain) by which the page is served over https, relative to this file";
+        key: Option<String> = None => text(TextRule::Path),
+            "\"/etc/tertius/page.key\"", "the private key of the certificate (PEM), which others must not be able to read";
     }
 }
 

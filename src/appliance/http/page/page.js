@@ -101,7 +101,24 @@ function listen() {
     });
     overview.show({ ...newest, mode: null, seconds_since_frame: null, cylinders: newest.cylinders.map(unknown) });
   }
+  if (document.body.dataset.lost !== "true") ask().catch(() => {});
   document.body.dataset.lost = "true";
+}
+
+/** Whoever is not logged in, or not any more, is asked to. */
+async function ask() {
+  const answer = await fetch("/api/machine");
+  if (answer.status === 401) location.assign("/login");
+  return answer;
+}
+
+/** Only who has logged in can leave: those at this computer have not. */
+function offerToLeave() {
+  at("leave").hidden = location.protocol !== "https:" || ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
+  at("leave").addEventListener("click", async () => {
+    await fetch("/logout", { method: "POST" });
+    location.assign("/login");
+  });
 }
 
 function watch() {
@@ -123,7 +140,7 @@ function restart() {
 }
 
 async function start() {
-  const answer = await fetch("/api/machine");
+  const answer = await ask();
   machine = await answer.json();
   say(at("machine"), machine.name || "Tertius");
   overview.build(machine.limits_m);
@@ -132,6 +149,7 @@ async function start() {
   maintenance.build(machine);
   addEventListener("hashchange", route);
   route();
+  offerToLeave();
   heard = Date.now();
   watch();
 }
