@@ -13,6 +13,7 @@ mod faults;
 mod files;
 mod history;
 mod identify;
+mod init;
 mod inject;
 mod learnt_file;
 mod machine;
@@ -51,6 +52,7 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Demo),
+    Init(init::Init),
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
@@ -74,6 +76,7 @@ impl Arguments {
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Demo(demo) => demo.run(),
+            Command::Init(init) => init.run(),
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
