@@ -4,6 +4,7 @@ mod broadcast;
 mod calibrate;
 mod check;
 mod commission;
+mod config;
 mod demo;
 mod doctor;
 mod eds;
@@ -56,6 +57,7 @@ enum Command {
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
+    Config(config::Config),
     Doctor(doctor::Doctor),
     Eds(eds::Eds),
     Events(events::Events),
@@ -80,6 +82,7 @@ impl Arguments {
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Config(config) => config.run(),
             Command::Doctor(doctor) => doctor.run(),
             Command::Eds(eds) => eds.run(),
             Command::Events(events) => events.run(),
