@@ -41,7 +41,7 @@
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
 //!   back, and a verdict on whether the result is fit for use. [`tables`]: what was learnt, as text that the
 //!   configuration reads. [`learnt`]: frames kept of healthy recordings, so that those of several days
-//!   add up.
+//!   add up. [`propose`]: a configuration from a DBC and a recording: which signals are what.
 //! - [`hexapod`], [`sea`], [`plant`], [`controller`], [`transducer`]: a machine in software, part by
 //!   part. [`simulator`]: the whole machine, which sends frames. The monitor uses none of these.
 //! - [`evaluate`]: assessment of the monitor by Monte Carlo on the simulator.
@@ -126,5 +126,5 @@ pub use tertius_core::{
     sequential, time, verdict,
 };
 pub use tertius_dbc as dbc;
-pub use tertius_learn::{calibrate, extremes, identify, learnt, survey, tables, tune};
+pub use tertius_learn::{calibrate, extremes, identify, learnt, propose, survey, tables, tune};
 pub use tertius_machine::{controller, hexapod, inject, plant, sea, simulator, transducer};

@@ -97,6 +97,7 @@ fn doubts(machine: &Machine) -> String {
     let mut doubts = broken_wire_doubts(machine);
     doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
     doubts.extend(fast_doubt(settings));
+    doubts.extend(model_doubt(machine));
     if doubts.is_empty() {
         return String::new();
     }
@@ -137,6 +138,18 @@ fn fast_doubt(settings: &Settings) -> Option<String> {
             "machine.sample_time: above 100 Hz the kind of a fault and whose it is are told from less time: \
              at {sample_time} s the newest {NEWEST} samples are {held:.2} s, not {wanted} s"
         )
+    })
+}
+
+/// A machine without a model of its own, which R1 and R2 judge by that of another one.
+fn model_doubt(machine: &Machine) -> Option<String> {
+    let own = |n: &usize| machine.loaded.document.has(&format!("cylinder[{n}].theta"));
+    let cylinders = machine.loaded.settings.cylinder.len();
+    let has = machine.loaded.document.has("model") || (0..cylinders).any(|n| own(&n));
+    (!has).then(|| {
+        "model: this file has none, so that R1 and R2 judge by the model of another machine (thesis, Table 4-1); \
+         `tertius commission` learns this machine's from a healthy recording"
+            .to_owned()
     })
 }
 

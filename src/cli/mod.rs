@@ -4,6 +4,7 @@ mod broadcast;
 mod calibrate;
 mod check;
 mod commission;
+mod config;
 mod demo;
 mod doctor;
 mod eds;
@@ -13,6 +14,7 @@ mod faults;
 mod files;
 mod history;
 mod identify;
+mod init;
 mod inject;
 mod learnt_file;
 mod machine;
@@ -52,9 +54,11 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Demo),
+    Init(init::Init),
     Run(run::Run),
     Replay(replay::Replay),
     Check(check::Check),
+    Config(config::Config),
     Doctor(doctor::Doctor),
     Monitor(monitor::Monitor),
     Eds(eds::Eds),
@@ -76,9 +80,11 @@ impl Arguments {
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Demo(demo) => demo.run(),
+            Command::Init(init) => init.run(),
             Command::Run(run) => run.run(),
             Command::Replay(replay) => replay.run(),
             Command::Check(check) => check.run(),
+            Command::Config(config) => config.run(),
             Command::Doctor(doctor) => doctor.run(),
             Command::Monitor(monitor) => monitor.run(),
             Command::Eds(eds) => eds.run(),

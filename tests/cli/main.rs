@@ -12,6 +12,7 @@ mod eds_command;
 mod gateway_frames;
 mod golden;
 mod incidents;
+mod init;
 mod inject_cli;
 mod inject_oracle;
 mod output_files;

@@ -66,6 +66,13 @@ fn the_documentation_lists_the_keys() {
     compare(path, &found, &format!("{before}{list}"));
 }
 
+#[test]
+fn the_schema_follows_from_the_keys() {
+    let path = "config/tertius.schema.json";
+    let found = fs::read_to_string(top().join(path)).unwrap_or_default();
+    compare(path, &found, &tertius::config::json_schema());
+}
+
 /// Where the lines of a table begin and end in the default configuration; commented ones count.
 fn lines_of<'a>(text: &'a str, table: &str) -> Vec<&'a str> {
     let header = |line: &str| line.trim_start_matches(['#', ' ']).starts_with('[');

@@ -1,6 +1,7 @@
 //! Values that are out of range or contradict each other.
 
 use crate::common::{self, broken, refusal, refused};
+use tertius::config::settings::CylinderSignals;
 
 #[test]
 fn values_out_of_range_say_why() {
@@ -438,4 +439,20 @@ fn estimates_need_their_share_of_the_bus_and_room_for_their_deviation() {
     assert_eq!(lines.len(), 1, "{lines:#?}");
     assert!(lines[0].contains("`estimate.bound` is 0.07, but must be above 0 and at most 0.065"));
     assert!(tertius::config::parse("machine.toml", &with("bound = 0.01")).is_ok());
+}
+
+/// Names without a number in common are a list in braces, one name for each cylinder.
+#[test]
+fn a_list_in_braces_has_a_name_for_each_cylinder() {
+    let of = |text: &str, n| CylinderSignals::of_cylinder(text, n);
+    assert_eq!(of("Wheel.{Port,Starboard}", 2), "Wheel.Starboard");
+    assert_eq!(of("{A.X,B.Y}", 1), "A.X");
+    assert_eq!(of("M{n}.{P,Q}_{n}", 2), "M2.Q_2");
+    refused(
+        r#"c1 = "Cyl{n}_C1.Position""#,
+        r#"c1 = "{A,B,C}.Position""#,
+        "",
+        "one name for each cylinder",
+    );
+    refused(r#"c1 = "Cyl{n}_C1.Position""#, r#"c1 = "{A,B.Position""#, "", "{Port,Starboard}");
 }

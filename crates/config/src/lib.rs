@@ -10,6 +10,7 @@ pub mod design;
 pub mod devices;
 mod document;
 pub mod edit;
+mod json_schema;
 mod kinds;
 mod loader;
 mod portable;
@@ -26,6 +27,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 
 pub use document::Document;
+pub use json_schema::json_schema;
 pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text};
 pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};

@@ -53,7 +53,7 @@ fn entry(table: &str, path: String, key: &Key) -> KeyEntry {
         name: key.name,
         is_table: key.example.is_empty(),
         values: values(&key.kind),
-        default: key.default.and_then(toml),
+        default: key.default.and_then(toml_default),
         is_required: key.is_required(),
         example: key.example,
         what: key.what,
@@ -61,7 +61,7 @@ fn entry(table: &str, path: String, key: &Key) -> KeyEntry {
 }
 
 /// A default as TOML, unless it is one that only Rust can say.
-fn toml(rust: &str) -> Option<String> {
+pub(super) fn toml_default(rust: &str) -> Option<String> {
     let text = rust.trim_end_matches(".to_owned()");
     let written = format!("value = {text}");
     written.parse::<toml::Table>().is_ok().then(|| text.to_owned())

@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 
 use super::document::Document;
 use super::problem::{Problems, table_of};
-use super::settings::{Canopen, CylinderSequential, PLACEHOLDER, Settings};
+use super::settings::{Canopen, CylinderSequential, Settings};
+use super::text::other_count;
 use tertius_core::alarm::own::FRAME_BITS;
 
 /// Adds a problem for each relation that does not hold. Relations with a table that already has a
@@ -215,13 +216,24 @@ impl Relations<'_> {
             // Readings that share a frame may share these; a frame of their own they have is told later.
             let shared = name.ends_with("_counter") || name.ends_with("_status");
             self.require(
-                !several || shared || signal.contains(PLACEHOLDER),
+                !several || shared || signal.contains('{'),
                 &[&key],
                 format!(
                     "`{key}` is \"{signal}\" for all {} cylinders: {{n}} is missing in it",
                     settings.machine.cylinders
                 ),
                 "{n} stands for the cylinder's number, for example Cyl{n}_C1.Position",
+            );
+            let cylinders = settings.machine.cylinders;
+            let other = other_count(signal, cylinders.into());
+            self.require(
+                other.is_none(),
+                &[&key],
+                format!(
+                    "`{key}` lists {} names, but the machine has {cylinders} cylinders",
+                    other.unwrap_or_default()
+                ),
+                "a list in braces has one name for each cylinder, in their order",
             );
         }
         for (first, second, key) in [

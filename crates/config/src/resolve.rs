@@ -1,8 +1,7 @@
 //! Settings as the monitor needs them: one cylinder at a time, with defaults filled in.
 
-use super::settings::{
-    Cylinder, CylinderSequential, CylinderSignals, Model, PLACEHOLDER, Settings,
-};
+use super::settings::{Cylinder, CylinderSequential, CylinderSignals, Model, Settings};
+use super::text;
 use tertius_core::decode::Raw;
 use tertius_core::sequential::{self, DriftLimits};
 use tertius_dbc::Signal;
@@ -147,8 +146,8 @@ impl CylinderSignals {
         .filter_map(|(key, signal)| signal.map(|signal| (key, signal.as_str())))
     }
 
-    /// Name of a signal for cylinder `n`.
+    /// Name of a signal for cylinder `n`, which replaces `{n}`; of a list, `{A,B,C}`, it is the name in its place.
     pub fn of_cylinder(signal: &str, n: u8) -> String {
-        signal.replace(PLACEHOLDER, &n.to_string())
+        text::of_cylinder(signal, n)
     }
 }

@@ -15,6 +15,8 @@ const LONGEST_INTERFACE: usize = 15;
 const LONGEST_TEXT: usize = 200;
 /// Longest path: PATH_MAX of Linux.
 const LONGEST_PATH: usize = 4096;
+/// Most commas of lists that are checked; a longer list is refused for its length.
+const MOST_LISTED: usize = 64;
 
 /// The rule for a text.
 #[derive(Clone, Copy)]
@@ -28,7 +30,8 @@ pub(super) enum TextRule {
     Message,
     /// `MESSAGE.SIGNAL` of the DBC.
     Signal,
-    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number, or `object 0x6020:01`.
+    /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number and `{A,B,C}` for the names of its place, or
+    /// `object 0x6020:01`.
     CylinderSignal,
     /// An address and a port, or "off".
     Listen,
@@ -44,7 +47,7 @@ pub(super) struct TextFault {
 
 const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState";
 const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.Position; {n} is \
-                             replaced by the cylinder's number";
+                             replaced by the cylinder's number, {Port,Starboard} by the name in its place";
 const OBJECT_HELP: &str = "index and sub-index are hexadecimal, for example object 0x6020:01; the \
                            device is a [[canopen.device]]";
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
@@ -81,7 +84,7 @@ impl TextRule {
                 fault("one signal for the whole machine, without {n}", SIGNAL_HELP)
             }
             Self::Signal => fault("of the form MESSAGE.SIGNAL", SIGNAL_HELP),
-            Self::CylinderSignal if is_signal(&text.replace(PLACEHOLDER, "1")) => Ok(()),
+            Self::CylinderSignal if are_signals(text) => Ok(()),
             Self::CylinderSignal if object_of(text).is_some() => Ok(()),
             Self::CylinderSignal if text.starts_with("object") => {
                 fault("of the form object 0xINDEX:SUB", OBJECT_HELP)
@@ -128,6 +131,44 @@ fn is_name(text: &str) -> bool {
     text.len() <= LONGEST_NAME
         && text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+/// The first list, `{A,B,C}`, of a text: what is before it, the list, and what is behind it.
+fn list_of(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = text.split_once('{')?;
+    let (list, after) = rest.split_once('}')?;
+    list.contains(',').then_some((before, list, after))
+}
+
+/// The name of a signal for cylinder `n`; of a list that is too short, the last one.
+pub(super) fn of_cylinder(signal: &str, n: u8) -> String {
+    let mut name = signal.replace(PLACEHOLDER, &n.to_string());
+    while let Some((before, list, after)) = list_of(&name) {
+        let place = usize::from(n).saturating_sub(1);
+        let chosen = list.split(',').nth(place).or(list.split(',').next_back());
+        name = format!("{before}{}{after}", chosen.unwrap_or_default().trim());
+    }
+    name
+}
+
+/// Number of names in the first list of a signal's name that is as long as `wanted` is not; `None` if all are.
+pub(super) fn other_count(signal: &str, wanted: usize) -> Option<usize> {
+    let numbered = signal.replace(PLACEHOLDER, "1");
+    let mut rest = numbered.as_str();
+    while let Some((_, list, after)) = list_of(rest) {
+        let count = list.split(',').count();
+        if count != wanted {
+            return Some(count);
+        }
+        rest = after;
+    }
+    None
+}
+
+/// Whether the name of each cylinder is a signal's.
+fn are_signals(text: &str) -> bool {
+    let listed = text.matches(',').count().min(MOST_LISTED) as u8;
+    (1..=listed + 1).all(|n| is_signal(&of_cylinder(text, n)))
 }
 
 fn is_signal(text: &str) -> bool {

@@ -5,6 +5,7 @@
 //! - [`extremes`]: extremes of healthy residuals, and how often they occur.
 //! - [`calibrate`]: a and b of (5-20), the band of R3, the tables of the sequential detectors.
 //! - [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and the smallest faults that follow.
+//! - [`propose`]: a configuration from a DBC and a recording: which signals are what.
 //! - [`tables`]: the results as text that the configuration reads.
 //! - [`learnt`]: frames kept of healthy recordings, so that those of several days add up.
 
@@ -12,6 +13,7 @@ pub mod calibrate;
 pub mod extremes;
 pub mod identify;
 pub mod learnt;
+pub mod propose;
 pub mod survey;
 pub mod tables;
 pub mod tune;

@@ -1,0 +1,98 @@
+//! The signals of a DBC in a row, and the frames that carry them.
+
+use std::collections::BTreeMap;
+use tertius_core::decode::{Decoded, Value};
+use tertius_core::frame::{Frame, Id};
+use tertius_dbc::{Database, Message, Signal};
+
+/// Beginning of the names of the gateway's own messages, which tell nothing of the machine.
+const OWN: &str = "Fd_";
+
+/// The signals of a DBC, numbered in the order of the file.
+#[derive(Clone, Debug)]
+pub struct Catalogue<'a> {
+    pub(super) messages: Vec<&'a Message>,
+    pub(super) signals: Vec<Listed<'a>>,
+    /// Number of each message's first signal.
+    first: Vec<usize>,
+    by_id: BTreeMap<Id, usize>,
+}
+
+/// A signal of a [`Catalogue`].
+#[derive(Clone, Debug)]
+pub(super) struct Listed<'a> {
+    /// Number of its message.
+    pub message: usize,
+    pub signal: &'a Signal,
+    /// `MESSAGE.SIGNAL`.
+    pub name: String,
+}
+
+impl<'a> Catalogue<'a> {
+    /// The signals of `database`.
+    pub fn new(database: &'a Database) -> Self {
+        let messages: Vec<&Message> =
+            database.messages().iter().filter(|it| !it.name.starts_with(OWN)).collect();
+        let (mut signals, mut first) = (Vec::new(), Vec::new());
+        for (place, message) in messages.iter().enumerate() {
+            first.push(signals.len());
+            signals.extend(message.signals.iter().map(|signal| Listed {
+                message: place,
+                signal,
+                name: format!("{}.{}", message.name, signal.name),
+            }));
+        }
+        let by_id = messages.iter().enumerate().map(|(place, it)| (it.id, place)).collect();
+        Self { messages, signals, first, by_id }
+    }
+
+    /// Number of messages.
+    pub fn messages(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// Number of signals.
+    pub fn signals(&self) -> usize {
+        self.signals.len()
+    }
+
+    /// The number of a frame's message; `None` if the DBC has none.
+    pub(super) fn message_of(&self, frame: &Frame) -> Option<usize> {
+        self.by_id.get(&frame.id).copied()
+    }
+
+    /// The numbers and values of the signals that a frame of this message carries.
+    pub(super) fn values(
+        &self,
+        message: usize,
+        frame: &Frame,
+    ) -> impl Iterator<Item = (usize, Value)> {
+        let first = self.first[message];
+        let signals = &self.messages[message].signals;
+        signals.iter().enumerate().filter_map(move |(place, signal)| {
+            match signal.plan.decode(frame) {
+                Decoded::Value(value) => Some((first + place, value)),
+                Decoded::Absent | Decoded::Short => None,
+            }
+        })
+    }
+
+    /// The signals of the same message, with their numbers.
+    pub(super) fn beside(&self, signal: usize) -> std::ops::Range<usize> {
+        let first = self.first[self.signals[signal].message];
+        first..first + self.messages[self.signals[signal].message].signals.len()
+    }
+
+    /// The number of the signal of that name.
+    pub(super) fn find(&self, name: &str) -> Option<usize> {
+        self.signals.iter().position(|listed| listed.name == name)
+    }
+
+    pub(super) fn name(&self, signal: usize) -> &str {
+        &self.signals[signal].name
+    }
+
+    pub(super) fn unit(&self, signal: usize) -> &str {
+        &self.signals[signal].signal.unit
+    }
+}
