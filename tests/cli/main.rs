@@ -14,6 +14,7 @@ mod golden;
 mod incidents;
 mod inject_cli;
 mod inject_oracle;
+mod manual;
 mod output_files;
 mod replay_bad_input;
 mod replay_identity;
