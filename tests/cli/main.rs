@@ -16,6 +16,7 @@ mod inject_cli;
 mod inject_oracle;
 mod manual;
 mod output_files;
+mod package;
 mod replay_bad_input;
 mod replay_identity;
 mod report;
