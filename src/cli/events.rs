@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// meanwhile.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:
-  tertius events --config /etc/tertius/config/e-type.toml
+  tertius events --config /etc/tertius/machine.toml
   tertius events --config machine.toml --search 'frozen C2' --cylinder 5
   tertius events --config machine.toml --format csv > events.csv")]
 pub struct Events {

@@ -128,7 +128,7 @@ fn service(service: &Service) -> Finding {
         return Finding::warn(
             subject,
             "there is no tertius.service",
-            "install config/systemd/tertius.service; its head says how",
+            "install the package, or config/systemd/tertius.service by hand: docs/INSTALL.md",
         );
     };
     match service.watchdog.as_deref() {
