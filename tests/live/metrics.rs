@@ -557,7 +557,13 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let dropping = later(&healthy, dropped, "\ntertius_frames_dropped_total 3\n");
     let opened = "\ntertius_incidents_opened_total{cylinder=\"2\"} 0\n";
     let again = later(&healthy, opened, &opened.replace("} 0", "} 4"));
+    let failures = "\ntertius_store_failures_total 0\n";
+    let locked = later(&healthy, failures, "\ntertius_store_failures_total 3\n");
+    let full = later(&healthy, failures, "\ntertius_store_failures_total 20\n");
+    let failures = "\ntertius_recorder_failures_total 0\n";
+    let unrecorded = later(&healthy, failures, "\ntertius_recorder_failures_total 1\n");
     let cases = serde_json::json!({
+        "locked": locked, "full": full, "unrecorded": unrecorded,
         "healthy": healthy, "faulty": faulty, "still": still, "quiet": quiet, "lost": lost,
         "gone": gone, "history": history, "drifting": drifting, "dropping": dropping,
         "again": again,
@@ -565,12 +571,21 @@ fn the_documented_alerts_fire_in_their_cases_and_are_silent_without() {
     let files = ["config/prometheus/tertius.rules.yml", "config/grafana/tertius.json"];
     let told = oracle::run("alerts.py", &files, &cases.to_string());
     let told: serde_json::Value = serde_json::from_str(&told).expect("the oracle writes JSON");
-    let rules =
-        ["Blind", "Warning", "IncidentsAgainAndAgain", "Drift", "HistoryLost", "FramesLost"];
+    let rules = [
+        "Blind",
+        "Warning",
+        "IncidentsAgainAndAgain",
+        "Drift",
+        "HistoryLost",
+        "FramesLost",
+        "EventsNotKept",
+        "IncidentsNotRecorded",
+    ];
     assert_eq!(told["rules"], serde_json::json!(rules));
     let expected = serde_json::json!({
         "healthy": [], "faulty": ["Warning"], "still": ["Blind"], "quiet": ["Blind"],
         "lost": ["Blind"], "gone": ["Blind"], "history": ["HistoryLost"], "drifting": ["Drift"],
+        "locked": [], "full": ["EventsNotKept"], "unrecorded": ["IncidentsNotRecorded"],
         "dropping": ["FramesLost"], "again": ["IncidentsAgainAndAgain"],
     });
     assert_eq!(told["firing"], expected);

@@ -44,8 +44,9 @@ pub(super) async fn without_body(request: Request, next: Next) -> Response {
     (StatusCode::PAYLOAD_TOO_LARGE, "a request here has no body\n").into_response()
 }
 
-/// Refuses requests that may not read. On an address of this computer alone these are those to another host: a page from elsewhere whose name was made to point here
-/// (DNS rebinding) would be of the same origin as ours, but its requests bear its own name.
+/// Refuses requests that may not read. On an address of this computer alone these are those to another host: a page
+/// from elsewhere whose name was made to point here (DNS rebinding) would be of the same origin as ours, but its
+/// requests bear its own name.
 pub(super) async fn only_known_hosts(
     State(shared): State<Shared>,
     request: Request,

@@ -22,7 +22,7 @@ pub struct TrendFeed {
 }
 
 impl TrendFeed {
-    /// The bins of each cylinder since the last look; of more than [`MOST_BINS`] the newest.
+    /// The bins of each cylinder since the last look; of too many the newest.
     pub fn newest(&mut self, telemetry: &Telemetry) -> Vec<TrendRow> {
         let cylinders = telemetry.facts().limits_m.len();
         self.since.resize(cylinders, Timestamp::from_nanos(i64::MIN));
