@@ -112,7 +112,15 @@ pub fn facts(path: &Path, machine: &Machine) -> MachineFacts {
         configuration: path.display().to_string(),
         identity: identity::of(&machine.loaded),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
+        platform_states: platform_states(machine),
     }
+}
+
+/// Numbers and names of the platform's states, as far as the DBC names them.
+fn platform_states(machine: &Machine) -> Vec<(i64, String)> {
+    let signal = machine.loaded.settings.signals.state.as_deref();
+    let found = signal.and_then(|name| machine.database.signal(name).ok());
+    found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
 }
 
 /// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus

@@ -21,7 +21,10 @@ fn bench() -> Bench {
     let limits_m = vec![[1e-3, 1e-3, 1.5e-3, 0.05]; 6];
     let configuration = "e-type.toml".to_owned();
     let name = "<b>Ampelmann</b>".to_owned();
-    telemetry.describe(MachineFacts { name, configuration, limits_m, ..MachineFacts::default() });
+    let platform_states = vec![(0, "safe".to_owned()), (3, "engaged".to_owned())];
+    let facts =
+        MachineFacts { name, configuration, limits_m, platform_states, ..MachineFacts::default() };
+    telemetry.describe(facts);
     bench.witness.recorder.opened();
     let frames: Vec<Frame> = (0..200)
         .flat_map(|k| Cycle { offset: if k >= 190 { 30 } else { 0 }, ..Cycle::new(k) }.frames())
@@ -85,6 +88,7 @@ fn the_overview_has_lamps_and_claims_nothing_without_evidence() {
     let size = overview["cylinders"][1]["residuals_mm"][2].as_f64().expect("it is judged");
     assert!(size > 1.5, "R3 in its newest half second: {size}");
     assert_eq!(overview["incidents"][0]["cylinder"], 2);
+    assert_eq!(overview["platform"], "engaged");
     // The bus falls quiet: what was good is unknown, and the incident stands.
     for _ in 0..20 {
         bench.hands.pass(Span::from_seconds(0.1));
@@ -95,6 +99,7 @@ fn the_overview_has_lamps_and_claims_nothing_without_evidence() {
         assert_eq!(lamp(&overview, cylinder, which), "unknown");
     }
     assert_eq!(overview["cylinders"][0]["residuals_mm"], serde_json::json!([null, null, null]));
+    assert_eq!(overview["platform"], Value::Null, "what it was is no news");
     assert_eq!(overview["incidents"][0]["cylinder"], 2);
 }
 

@@ -29,7 +29,7 @@ use incidents::Incidents;
 pub use incidents::OpenIncident;
 pub use recorder::Recorder;
 use serde::Serialize;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 use stops::Stop;
@@ -53,6 +53,9 @@ const LATENCY_BOUNDS: [f64; 16] = [
 
 /// Number of detectors in [`crate::alarm::Detector::ALL`].
 const DETECTORS: usize = crate::alarm::Detector::ALL.len();
+
+/// In place of the number of a platform's state.
+const NO_STATE: i64 = i64::MIN;
 
 /// Telemetry of one cylinder.
 #[derive(Debug)]
@@ -112,6 +115,8 @@ pub struct MachineFacts {
     pub identity: String,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
     pub limits_m: Vec<[f64; QUANTITIES]>,
+    /// Numbers and names of the platform's states.
+    pub platform_states: Vec<(i64, String)>,
 }
 
 /// All telemetry of a running gateway.
@@ -130,6 +135,8 @@ pub struct Telemetry {
     /// Highest level ([`crate::alarm::Level`]).
     level: AtomicU8,
     standing: AtomicU32,
+    /// Number of the platform's state; [`NO_STATE`] means that it is not known.
+    platform: AtomicI64,
     latency: Histogram,
     /// Uptime at the last turn, ns, plus one; zero means never.
     turned: AtomicU64,
@@ -154,6 +161,7 @@ impl Telemetry {
             mode: State::default(),
             level: AtomicU8::new(0),
             standing: AtomicU32::new(0),
+            platform: AtomicI64::new(NO_STATE),
             latency: Histogram::new(&LATENCY_BOUNDS),
             turned: AtomicU64::new(0),
             heard: AtomicU64::new(0),

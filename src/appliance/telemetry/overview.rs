@@ -5,7 +5,7 @@ use super::exposition::TRANSDUCERS;
 use super::health::HealthReport;
 use super::lamp::Lamp;
 use super::stops::Drifting;
-use super::{Cylinder, EVIDENCE, OpenIncident, Telemetry, trend};
+use super::{Cylinder, EVIDENCE, NO_STATE, OpenIncident, Telemetry, trend};
 use crate::alarm::status::Health;
 use crate::time::Timestamp;
 use serde::Serialize;
@@ -19,6 +19,8 @@ pub struct Overview {
     pub time: f64,
     #[serde(flatten)]
     pub health: HealthReport,
+    /// The platform's state: its name, or its number where the DBC has no names.
+    pub platform: Option<String>,
     pub cylinders: Vec<CylinderOverview>,
 }
 
@@ -60,7 +62,16 @@ impl Telemetry {
         let evidence = self.has_evidence(now);
         let view = |(number, cylinder)| self.cylinder(number, cylinder, evidence, &health);
         let cylinders = (1..).zip(self.cylinders()).map(view).collect();
-        Overview { time: time.as_seconds(), cylinders, health }
+        let platform = Some(self.platform.load(Ordering::Relaxed)).filter(|_| evidence);
+        let platform = platform.filter(|number| *number != NO_STATE).map(|it| self.platform(it));
+        Overview { time: time.as_seconds(), platform, cylinders, health }
+    }
+
+    /// Name of the platform's state of that number.
+    fn platform(&self, number: i64) -> String {
+        let facts = self.facts();
+        let named = facts.platform_states.iter().find(|(it, _)| *it == number);
+        named.map_or_else(|| number.to_string(), |(_, name)| name.clone())
     }
 
     fn cylinder(
@@ -126,9 +137,15 @@ fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthRepor
     };
     let reason = match lamp {
         Lamp::Failure => incident(&[transducer]).unwrap_or_default(),
-        Lamp::OutOfSpecification => {
-            incident(&["undecided"]).map_or("", |_| "it may be this one or the other")
-        }
+        // The evidence of an incident may name one when the newest warning names neither.
+        Lamp::OutOfSpecification => match incident(&[transducer]) {
+            Some(kind) => kind,
+            None if incident(&["undecided"]).is_some() => "it may be this one or the other",
+            None if incident(&["c1", "c2"]).is_some() => {
+                "the other one is suspected, but not it alone"
+            }
+            None => "",
+        },
         Lamp::MaintenanceRequired => "its readings on the stops drift",
         Lamp::CheckFunction => "its device is not operational",
         Lamp::Good => "",

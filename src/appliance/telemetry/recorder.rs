@@ -2,7 +2,7 @@
 
 use super::clock::Clock;
 use super::trend::Filling;
-use super::{DETECTORS, Telemetry, mark};
+use super::{DETECTORS, NO_STATE, Telemetry, mark};
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{OwnFrame, OwnMessage, State, Warning};
 use crate::bus::{Port, PortCounts};
@@ -184,6 +184,8 @@ impl Recorder {
         if heard {
             mark(&telemetry.heard, now);
         }
+        let platform = monitor.platform().unwrap_or(NO_STATE);
+        telemetry.platform.store(platform, Ordering::Relaxed);
         // One from before a loss says nothing of now: only a new one is taken over.
         if let Some((at, status)) = monitor.last_status()
             && self.status_at != Some(*at)

@@ -45,6 +45,9 @@ pub struct WatchedOverview {
     pub status: String,
     pub reason: String,
     pub mode: Option<String>,
+    /// The platform's state, where it is told.
+    #[serde(default)]
+    pub platform: Option<String>,
     pub bus: String,
     pub controller: Option<String>,
     pub level: String,

@@ -24,11 +24,12 @@ state! {
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     at: Timestamp,
+    number: i64,
     monitored: bool,
     stop: Option<i64>,
 }
 
-whole! { Seen { at, monitored, stop } }
+whole! { Seen { at, number, monitored, stop } }
 
 /// Opening of the gate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +52,7 @@ impl Gate {
     pub fn state(&mut self, at: Timestamp, state: i64) {
         let monitored = self.monitored.as_ref().is_none_or(|states| states.contains(&state));
         let stop = self.stops.contains(&state).then_some(state);
-        self.state = Some(Seen { at, monitored, stop });
+        self.state = Some(Seen { at, number: state, monitored, stop });
     }
 
     #[inline]
@@ -62,6 +63,11 @@ impl Gate {
             Some(_) => Opening::Closed,
             None => Opening::Unknown,
         }
+    }
+
+    /// Number of the present state.
+    pub fn number(&self, at: Timestamp) -> Option<i64> {
+        Some(self.known(at)?.number)
     }
 
     /// The present state, if the rods stand on their stops in it.

@@ -143,6 +143,11 @@ impl Monitor {
         self.last_status.as_ref()
     }
 
+    /// Number of the platform's state, if it is known at the time of the newest frame.
+    pub fn platform(&self) -> Option<i64> {
+        self.gate.number(self.last?)
+    }
+
     /// Takes a frame from the bus. A frame whose time stamp is earlier than that of a previous
     /// frame, by less than a cycle, is taken now, but classified by its time stamp.
     pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {

@@ -58,7 +58,7 @@ function show(now) {
   newest = now;
   overview.show(now);
   const bus = now.bus === "open" ? (now.controller ? `controller ${now.controller}` : "bus open") : "bus closed";
-  condition(now.status, `${sentence(now.reason)} ${sentence(`${bus}, ${now.mode ?? "not monitoring"}`)}`);
+  condition(now.status, `${sentence(now.reason)} ${sentence(`${bus}, ${now.mode ?? "not monitoring"}`)}${now.platform ? ` Platform ${now.platform}.` : ""}`);
   say(at("clock"), utc(now.time));
   showAlarms(now);
   maintenance.show(now);

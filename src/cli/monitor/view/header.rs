@@ -15,7 +15,7 @@ pub fn draw(sight: &Sight<'_>, area: Rect, buffer: &mut Buffer) {
     let machine = &sight.picture.machine.name;
     let name = if machine.is_empty() { &sight.viewer.source } else { machine };
     let lines = [
-        (Line::styled(name.clone(), strong()), time(sight)),
+        (Line::from(vec![Span::styled(name.clone(), strong()), platform(sight)]), time(sight)),
         (state(sight), age(sight)),
         (Line::raw(reason(sight)), Line::default()),
     ];
@@ -35,6 +35,13 @@ pub fn too_small(least: (u16, u16), area: Rect, rest: Rect, buffer: &mut Buffer)
     for (y, line) in (rest.y..rest.bottom()).zip(told) {
         buffer.set_stringn(rest.x, y, line, usize::from(rest.width), Style::new());
     }
+}
+
+/// The platform's state, as long as anything is known.
+fn platform<'a>(sight: &Sight<'_>) -> Span<'a> {
+    let known = sight.picture.overview().filter(|_| sight.picture.blindness(sight.of).is_none());
+    let state = known.and_then(|overview| overview.platform.as_ref());
+    Span::raw(state.map_or(String::new(), |state| format!(", {state}")))
 }
 
 /// The time that the picture is of.

@@ -62,6 +62,7 @@ pub fn overview() -> WatchedOverview {
         status: "degraded".to_owned(),
         reason: "cylinder 3, C1, red: step; and 1 more".to_owned(),
         mode: Some("monitoring".to_owned()),
+        platform: Some("engaged".to_owned()),
         bus: "open".to_owned(),
         controller: Some("error-active".to_owned()),
         level: "red".to_owned(),
