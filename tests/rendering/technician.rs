@@ -39,10 +39,12 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
     let scratch = Scratch::new();
     let digest = TokenDigest::of(TOKEN);
     let config = std::fs::read_to_string(E_TYPE).expect("the configuration is there");
+    // Beside it, so that a picture shows no path of this computer.
     let dbc = format!("{}/dbc/e-type.dbc", env!("CARGO_MANIFEST_DIR"));
+    scratch.write("e-type.dbc", std::fs::read(dbc).expect("the DBC is there"));
     let config = config
         .replace("interface = \"can0\"", "interface = \"virtual\"")
-        .replace("../../dbc/e-type.dbc", &dbc)
+        .replace("../../dbc/e-type.dbc", "e-type.dbc")
         + &format!(
             "\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n\
              [recorder]\nfolder = \"recordings\"\nbefore = 10.0\nafter = 5.0\n"
