@@ -7,7 +7,7 @@ use super::pattern;
 use super::tally::BusTally;
 use super::track::Tracks;
 use super::words::{Hint, Measure, measure, says};
-use super::{Certainty, shown};
+use super::{Certainty, MOST_CYLINDERS, shown};
 use std::collections::BTreeMap;
 
 /// The keys of a cylinder's signals, in the order of the configuration.
@@ -25,9 +25,6 @@ pub(super) const KEYS: [&str; 12] = [
     "pressure_rod",
     "spool",
 ];
-
-/// Most cylinders of a machine.
-const MOST: usize = tertius_core::alarm::status::MAX_CYLINDERS;
 
 /// A signal that was chosen for a key, and why.
 #[derive(Clone, Debug)]
@@ -54,9 +51,9 @@ pub(super) fn of_twins(
     twins: &[Twins],
 ) -> Assembled {
     let mut lacks = Vec::new();
-    if twins.len() > MOST {
+    if twins.len() > MOST_CYLINDERS {
         lacks.push(format!(
-            "{} pairs of transducers with a command were found; a gateway monitors {MOST} cylinders, so the \
+            "{} pairs of transducers with a command were found; a gateway monitors {MOST_CYLINDERS} cylinders, so the \
              others need one of their own",
             twins.len()
         ));
@@ -65,7 +62,7 @@ pub(super) fn of_twins(
     let mut cylinders: Vec<Picks> =
         twins.iter().map(|one| assembly.picks(one, &mut lacks)).collect();
     order(catalogue, &mut cylinders, &mut lacks);
-    cylinders.truncate(MOST);
+    cylinders.truncate(MOST_CYLINDERS);
     Assembled { cylinders, lacks }
 }
 
@@ -243,7 +240,7 @@ fn order(catalogue: &Catalogue<'_>, cylinders: &mut Vec<Picks>, lacks: &mut Vec<
         let has = |it: &String| catalogue.find(&it.replace(pattern::PLACE, &n.to_string()));
         patterns.iter().all(|pattern| has(pattern).is_some())
     };
-    let most = (1..=MOST as u32).take_while(|n| exists(*n)).count() as u32;
+    let most = (1..=MOST_CYLINDERS as u32).take_while(|n| exists(*n)).count() as u32;
     if numbers.iter().any(|n| *n > most) {
         cylinders.sort_by_key(|picks| picks.get("c1").map(|pick| pick.signal));
         return;

@@ -1,23 +1,19 @@
 //! Cylinders by names alone, where no recording shows them.
 
-use super::Certainty;
 use super::catalogue::Catalogue;
 use super::cylinders::{Assembled, KEYS, Pick, Picks, beside_positions, complete, pressures};
 use super::pattern;
 use super::tally::BusTally;
 use super::words::{Hint, Measure, measure, says, words};
-
-/// Most cylinders of a machine.
-const MOST: usize = tertius_core::alarm::status::MAX_CYLINDERS;
+use super::{Certainty, MOST_CYLINDERS};
 
 /// Words by which the names of two transducers of one length differ.
-const TWINS: [[&str; 2]; 6] = [
+const TWINS: [[&str; 2]; 5] = [
     ["a", "b"],
     ["main", "redundant"],
     ["primary", "secondary"],
     ["main", "backup"],
     ["haupt", "redundant"],
-    ["links", "rechts"],
 ];
 
 /// The cylinders whose two transducers and command are told by names and units; `None` if there are none.
@@ -90,7 +86,7 @@ fn sets(catalogue: &Catalogue<'_>, [first, second]: [usize; 2]) -> Vec<Vec<[usiz
                     catalogue.find(&pattern.replace(pattern::PLACE, &n.to_string()))
                 };
                 let of = |n: usize| Some([name(c1, n)?, name(c2, n)?, name(&command_pattern, n)?]);
-                let set: Vec<[usize; 3]> = (1..=MOST).map_while(of).collect();
+                let set: Vec<[usize; 3]> = (1..=MOST_CYLINDERS).map_while(of).collect();
                 let mut all: Vec<usize> = set.iter().flatten().copied().collect();
                 all.sort_unstable();
                 let distinct = all.windows(2).all(|two| two[0] != two[1]);

@@ -6,7 +6,7 @@ use super::likeness::ends;
 use super::pattern;
 use super::tally::BusTally;
 use super::track::Tracks;
-use super::words::{Hint, Measure, measure, says};
+use super::words::{Hint, says};
 use super::{Certainty, Proposal, ProposedLine, quoted};
 use std::collections::BTreeMap;
 use tertius_core::frame::Id;
@@ -275,9 +275,7 @@ impl Writer<'_> {
     fn supply(&mut self) {
         let catalogue = self.catalogue;
         let is_supply = |signal: &usize| {
-            let unit = catalogue.unit(*signal);
-            measure(unit) == Measure::Pressure
-                && unit == "bar"
+            catalogue.unit(*signal) == "bar"
                 && says(&catalogue.signals[*signal].signal.name, Hint::Supply)
         };
         if let Some(signal) = (0..catalogue.signals()).find(is_supply) {

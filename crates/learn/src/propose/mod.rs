@@ -28,6 +28,9 @@ pub use tally::BusTally;
 pub use text::Heading;
 pub use track::Tracks;
 
+/// Most cylinders of a machine.
+const MOST_CYLINDERS: usize = tertius_core::alarm::status::MAX_CYLINDERS;
+
 /// How sure a part of a proposal is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Certainty {

@@ -1,5 +1,7 @@
 //! The names of a machine's signals as patterns over its cylinders.
 
+use super::MOST_CYLINDERS;
+
 /// Stands for the cylinder's number.
 pub(super) const PLACE: &str = tertius_config::settings::PLACEHOLDER;
 
@@ -20,9 +22,6 @@ fn runs(name: &str) -> Vec<(std::ops::Range<usize>, u32)> {
     runs.into_iter().filter_map(number).take(MOST_RUNS).collect()
 }
 
-/// Most cylinders of a machine.
-const MOST: u32 = tertius_core::alarm::status::MAX_CYLINDERS as u32;
-
 /// Cylinder numbers that the names of one signal of each may say: `[2, 1]` if the first one is cylinder 2's. Each
 /// place of digits in the names may be the number.
 pub(super) fn numbers(names: &[&str]) -> Vec<Vec<u32>> {
@@ -34,7 +33,8 @@ pub(super) fn numbers(names: &[&str]) -> Vec<Vec<u32>> {
     let numbers = |place: usize| all.iter().map(|runs| runs[place].1).collect::<Vec<u32>>();
     let sound = |numbers: &Vec<u32>| {
         let distinct = |(place, n): (usize, &u32)| !numbers[..place].contains(n);
-        numbers.iter().all(|n| (1..=MOST).contains(n)) && numbers.iter().enumerate().all(distinct)
+        numbers.iter().all(|n| (1..=MOST_CYLINDERS as u32).contains(n))
+            && numbers.iter().enumerate().all(distinct)
     };
     (0..places).map(numbers).filter(sound).collect()
 }

@@ -9,7 +9,8 @@ pub(super) const MOST_CYCLES: usize = 60_000;
 /// Part of a period after the end of a cycle at which a lost opening is given up.
 const PATIENCE: f64 = 1.4;
 
-/// Deviations from the median, in half the distance of the quartiles, beyond which a value is no reading.
+/// Distance from the median, in half of that from the twentieth part to the last twentieth part of all values, beyond
+/// which a value is no reading.
 const WILD: f64 = 12.0;
 
 /// The values of chosen signals, one for each cycle.
