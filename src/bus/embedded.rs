@@ -17,6 +17,9 @@ use crate::alarm::OwnFrame;
 use crate::frame::{Frame, Kind};
 use crate::time::{Span, Timestamp};
 
+/// The name of the embedded bus in a configuration.
+pub const NAME: &str = "virtual";
+
 /// Most frames that one call of `receive` takes, as from a socket.
 const AT_ONCE: usize = 256;
 

@@ -61,9 +61,8 @@ impl Doctor {
     /// # Errors A wrong configuration, or a check that failed.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config)?;
-        let embedded = machine.loaded.settings.bus.interface == "virtual";
         let wanted = wanted(&machine, &self.config);
-        let facts = gather(wanted, embedded, machine.loaded.settings.http.address(), self.listen);
+        let facts = gather(wanted, machine.loaded.settings.http.address(), self.listen);
         let findings = examine(&facts);
         let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
         let (warned, failed) = (count(Verdict::Warn), count(Verdict::Fail));

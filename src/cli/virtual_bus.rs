@@ -5,13 +5,11 @@ use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::player::Pace;
 use super::stage::{Record, Stage};
+use crate::bus::embedded::NAME;
 use crate::bus::{LogWriter, Options, Recording};
 use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
-
-/// The name of the embedded bus in a configuration.
-pub const NAME: &str = "virtual";
 
 /// What is played on the embedded bus.
 #[derive(Args, Debug)]

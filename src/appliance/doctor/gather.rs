@@ -7,7 +7,7 @@ use super::hearing::Hearing;
 use super::load::Rates;
 use super::process::gateway_config;
 use crate::bus::socket::{LinkState, OpenError, Options, SocketPort};
-use crate::bus::{Identifiers, Port};
+use crate::bus::{Identifiers, Port, embedded};
 use crate::time::Span;
 use std::fs;
 use std::net::{SocketAddr, TcpListener};
@@ -31,12 +31,11 @@ const UNITS: [&str; 4] = [
 
 const UNIT: &str = "tertius.service";
 
-/// Gathers all facts, after listening on the bus for that long, if there is one; `embedded`: the
-/// bus is inside the program.
-pub fn gather(wanted: Wanted, embedded: bool, http: Option<SocketAddr>, listen: Duration) -> Facts {
+/// Gathers all facts, after listening on the bus for that long, if there is one.
+pub fn gather(wanted: Wanted, http: Option<SocketAddr>, listen: Duration) -> Facts {
     let (monotonic, system) = (Instant::now(), SystemTime::now());
     let rights = rights(&wanted.config);
-    let bus = match embedded {
+    let bus = match wanted.interface == embedded::NAME {
         true => Bus::Embedded,
         false => Bus::Socket(Box::new(interface(&wanted, listen))),
     };

@@ -7,14 +7,16 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::Mutex;
 
 /// Examinations are at least so far apart, however many ask.
 const APART: Duration = Duration::from_secs(60);
 
-/// The last examination, and its uptime; one is made at a time.
-pub(super) type Examined = Mutex<Option<(Duration, Report)>>;
+/// The last examination, and its uptime. It is locked while one is made, also for someone who no longer waits, so that
+/// one that takes long occupies one thread and not all.
+pub(super) type Examined = Arc<Mutex<Option<(Duration, Report)>>>;
 
 /// What was found.
 #[derive(Clone, Debug, Serialize)]
@@ -28,25 +30,22 @@ pub(super) async fn doctor(State(shared): State<Shared>) -> Response {
     let Some(patient) = shared.desk.plan().patient else {
         return (StatusCode::NOT_FOUND, "nothing is known of this computer\n").into_response();
     };
-    let mut examined = shared.examined.lock().await;
+    let mut examined = Arc::clone(&shared.examined).lock_owned().await;
     let uptime = shared.clock.uptime();
     if let Some((at, report)) = &*examined
         && uptime.saturating_sub(*at) < APART
     {
         return json(report);
     }
+    let clock = Arc::clone(&shared.clock);
     let examination = tokio::task::spawn_blocking(move || {
-        let embedded = patient.interface == "virtual";
-        let mut findings = examine(&gather(patient, embedded, None, Duration::ZERO));
+        let mut findings = examine(&gather(patient, None, Duration::ZERO));
         // Whoever reads this knows that the page is served, and its address is in use by it.
         findings.retain(|finding| finding.subject != "http");
-        findings
+        let report = Report { at_s: clock.system().as_seconds(), findings };
+        let answer = json(&report);
+        *examined = Some((uptime, report));
+        answer
     });
-    let Ok(findings) = examination.await else {
-        return StatusCode::INTERNAL_SERVER_ERROR.into_response();
-    };
-    let report = Report { at_s: shared.clock.system().as_seconds(), findings };
-    let answer = json(&report);
-    *examined = Some((uptime, report));
-    answer
+    examination.await.unwrap_or_else(|_| StatusCode::INTERNAL_SERVER_ERROR.into_response())
 }

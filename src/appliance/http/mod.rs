@@ -115,7 +115,7 @@ impl Server {
             audience: Arc::default(),
             address,
             desk,
-            examined: Arc::default(),
+            examined: Examined::default(),
             sessions: Arc::default(),
         };
         let accepting = Arc::clone(&identities);
@@ -160,7 +160,7 @@ struct Shared {
     audience: Arc<Audience>,
     address: SocketAddr,
     desk: Desk,
-    examined: Arc<Examined>,
+    examined: Examined,
     /// Who has logged in.
     sessions: Arc<Sessions>,
 }

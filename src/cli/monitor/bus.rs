@@ -6,7 +6,7 @@ use crate::appliance::link_watch::LinkWatch;
 use crate::appliance::telemetry::clock::SystemClock;
 use crate::appliance::telemetry::feed::{PERIOD, TrendFeed};
 use crate::appliance::telemetry::{MachineFacts, Recorder};
-use crate::bus::{Identifiers, ListeningPort};
+use crate::bus::{Identifiers, ListeningPort, embedded};
 use crate::cli::Failure;
 use crate::cli::machine::Machine;
 use crate::cli::run;
@@ -48,7 +48,7 @@ impl BusSource {
         let machine = Machine::load(path)?;
         let settings = &machine.loaded.settings;
         let interface = interface.unwrap_or_else(|| settings.bus.interface.clone());
-        if interface == super::super::virtual_bus::NAME {
+        if interface == embedded::NAME {
             return Err(Failure::Wrong(format!(
                 "bus.interface is {interface:?}, the bus inside another process, to which nobody else can listen; \
                  watch the gateway that runs on it instead: tertius monitor http://127.0.0.1:9481, or give a \
