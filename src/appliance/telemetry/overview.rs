@@ -142,7 +142,7 @@ fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthRepor
             Some(kind) => kind,
             None if incident(&["undecided"]).is_some() => "it may be this one or the other",
             None if incident(&["c1", "c2"]).is_some() => {
-                "the other one is suspected, but not it alone"
+                "the other one is suspected; this one is not cleared yet"
             }
             None => "",
         },
@@ -160,4 +160,39 @@ fn words(lamp: Lamp, (cylinder, transducer): (usize, &str), health: &HealthRepor
     };
     let separator = if reason.is_empty() { "" } else { ": " };
     format!("{}{separator}{reason}", lamp.words())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::clock::SystemClock;
+    use super::*;
+
+    /// What is said of C1 and C2 of cylinder 2 when both have this lamp, while an incident blames `suspect`.
+    fn said(lamp: Lamp, suspect: &'static str) -> [String; 2] {
+        let telemetry = Telemetry::new(&SystemClock::new());
+        let mut health = telemetry.health(Duration::ZERO);
+        health.incidents = vec![OpenIncident {
+            number: 1,
+            cylinder: 2,
+            suspect,
+            level: "yellow",
+            fault: "abrupt",
+            kind: "step",
+            begin: 0.0,
+            summary: String::new(),
+        }];
+        TRANSDUCERS.map(|transducer| words(lamp, (2, transducer), &health))
+    }
+
+    #[test]
+    fn whom_an_incident_suspects_has_its_kind_and_the_other_is_not_cleared() {
+        let [c1, c2] = said(Lamp::OutOfSpecification, "c1");
+        assert_eq!(c1, "out of specification: step");
+        assert!(c2.ends_with("the other one is suspected; this one is not cleared yet"), "{c2}");
+        let open = said(Lamp::OutOfSpecification, "undecided");
+        assert!(open.iter().all(|it| it.ends_with("it may be this one or the other")), "{open:?}");
+        assert_eq!(said(Lamp::Good, "c1")[1], "good");
+        let of_process = said(Lamp::OutOfSpecification, "process");
+        assert_eq!(of_process, ["out of specification", "out of specification"]);
+    }
 }

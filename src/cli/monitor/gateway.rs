@@ -77,10 +77,10 @@ impl GatewaySource {
 
     /// Follows the gateway until it is lost, for the reason returned; `Ok` if nobody wants to be told any more.
     async fn follow(&self, tell: &mut dyn FnMut(News) -> bool) -> Result<(), String> {
-        let mut machine = self.machine().await?;
+        let machine = self.machine().await?;
         let mut asked = Instant::now();
         let cylinders = machine.limits_m.len();
-        if !tell(News::Machine(machine.clone())) {
+        if !tell(News::Machine(machine)) {
             return Ok(());
         }
         for number in 1..=cylinders {
@@ -108,13 +108,11 @@ impl GatewaySource {
                     return Err("it monitors another machine now".to_owned());
                 }
                 asked = Instant::now();
-                if !tell(News::Machine(now.clone())) {
+                if !tell(News::Machine(now)) {
                     return Ok(());
                 }
-                machine = now;
             }
         }
-        _ = machine;
         Err("it has ended the stream".to_owned())
     }
 

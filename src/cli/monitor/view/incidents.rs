@@ -48,9 +48,9 @@ fn incident(incident: &WatchedIncident) -> Line<'_> {
 fn none(sight: &Sight<'_>) -> &'static str {
     let Some(overview) = sight.picture.overview() else { return "Nothing is known yet." };
     let silent = overview.seconds_since_frame.is_none_or(|time| time > 1.0);
-    match overview.mode.as_deref() {
+    match overview.status.as_str() {
         _ if sight.picture.blindness(sight.of).is_some() => "Nothing is known of now.",
-        Some("monitoring") => "None stands, and everything is judged.",
+        "ok" => "None stands, and everything is judged.",
         _ if silent => "None stands. There are no frames of the machine: nothing is judged.",
         _ => "None stands, but not everything is judged now.",
     }

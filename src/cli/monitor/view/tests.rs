@@ -2,7 +2,7 @@
 
 use super::samples::{self, viewer};
 use super::*;
-use crate::cli::monitor::news::News;
+use crate::cli::monitor::news::{News, WatchedOverview};
 use crate::cli::monitor::viewer::Wish;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -171,4 +171,24 @@ fn the_selected_row_is_marked() {
     let buffer = drawn(&viewer, NOW, COLOURED, (80, 24));
     let row = lines(&buffer).iter().position(|line| line.starts_with(">1 ")).expect("a row") as u16;
     assert!(buffer[(1, row)].modifier.contains(Modifier::BOLD));
+}
+
+/// Without an incident it is only said that all is judged where the gateway says so itself.
+#[test]
+fn no_incident_is_good_news_only_with_judgement() {
+    let told = |status: &str| {
+        let mut viewer = viewer(NOW);
+        let quiet = samples::overview();
+        let status = status.to_owned();
+        viewer.take(News::Overview(WatchedOverview { incidents: vec![], status, ..quiet }), NOW);
+        text(&viewer, NOW)
+    };
+    assert!(told("ok").contains("None stands, and everything is judged."), "{}", told("ok"));
+    // As when a transducer is unknown while the gateway monitors.
+    for status in ["unknown", "degraded"] {
+        assert!(
+            told(status).contains("None stands, but not everything is judged now."),
+            "{status}"
+        );
+    }
 }
