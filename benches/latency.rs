@@ -22,12 +22,10 @@ use tertius::config::{self, Loaded, design};
 use tertius::dbc::Database;
 use tertius::failure::Failure;
 use tertius::frame::{Frame, Id, Kind};
-use tertius::live::gateway::Gateway;
-use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::live::supervisor::{self, Opener};
 use tertius::monitor::{Monitor, MonitorDesign};
-use tertius::time::{Span, Timestamp};
-use tertius_testing::machine::Cycle;
+use tertius::time::Timestamp;
+use tertius_testing::machine::{Cycle, gateway_of};
 
 const CYCLE: Duration = Duration::from_millis(20);
 /// The last frame of a cycle comes so long after the others.
@@ -190,17 +188,8 @@ fn main() {
     let loaded = config::load(path).unwrap_or_else(|error| panic!("{error}"));
     let design = design(&loaded);
     let keeping = keeping(path, &loaded, &design);
-    let limits = OutboxLimits {
-        waiting: OutboxLimits::WAITING,
-        estimates: 6,
-        age: Span::from_seconds(0.2),
-        bitrate: 500_000.0,
-        share: 0.05,
-        burst: OutboxLimits::BURST,
-    };
-    let guard = Span::from_seconds(loaded.settings.gateway.guard);
     let limits_m = design.cylinders.iter().map(|cylinder| cylinder.limits()).collect();
-    let mut gateway = Gateway::new(Monitor::new(design), Outbox::new(limits), guard);
+    let mut gateway = gateway_of(Monitor::new(design), loaded.settings.gateway.bus_share);
     let reload = || Err(Failure::Failed("there is no other one".to_owned()));
     let mut appliance = Appliance::new(Box::new(reload)).expect("signals can be caught");
     appliance.describe(MachineFacts { limits_m, ..MachineFacts::default() });

@@ -14,11 +14,10 @@ use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use tertius::config::{self, design};
 use tertius::dbc::Database;
 use tertius::frame::Frame;
-use tertius::live::gateway::{Gateway, Journal, Silent};
-use tertius::live::outbox::{Outbox, OutboxLimits};
+use tertius::live::gateway::{Journal, Silent};
 use tertius::monitor::{Estimates, Monitor, Record};
 use tertius::time::{Span, Timestamp};
-use tertius_testing::machine::{Cycle, monitor};
+use tertius_testing::machine::{Cycle, gateway_of, monitor};
 
 /// As many as the recorder has blocks for, since no worker keeps up with frames that come without a pause.
 const CYCLES: i64 = 1_500;
@@ -87,18 +86,6 @@ impl Journal for Told {
     }
 }
 
-fn gateway() -> Gateway {
-    let limits = OutboxLimits {
-        waiting: OutboxLimits::WAITING,
-        estimates: 6,
-        age: Span::from_seconds(0.2),
-        bitrate: 500_000.0,
-        share: 0.05,
-        burst: OutboxLimits::BURST,
-    };
-    Gateway::new(monitor(), Outbox::new(limits), Span::from_seconds(0.01))
-}
-
 #[derive(Clone, Copy, PartialEq)]
 enum With {
     Nothing,
@@ -132,7 +119,7 @@ fn everything(loaded: &config::Loaded) -> tertius::monitor::MonitorDesign {
 /// Nanoseconds a frame.
 fn play(frames: &[Frame], batch: usize, with: With, plan: &FlightPlan) -> f64 {
     let mut port = Tape { frames, batch, counts: PortCounts::default() };
-    let mut gateway = gateway();
+    let mut gateway = gateway_of(monitor(), 0.05);
     let mut told = Told(Recorder::new(Arc::new(SystemClock::new())), None);
     told.0.opened();
     if with == With::Recorder {

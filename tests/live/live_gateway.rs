@@ -9,9 +9,10 @@ use tertius::canopen::node::NmtEvent;
 use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal, NotTold, Silent};
-use tertius::live::outbox::{Outbox, OutboxLimits};
-use tertius::monitor::{Monitor, Record};
+use tertius::live::outbox::OutboxLimits;
+use tertius::monitor::Record;
 use tertius::time::{Span, Timestamp};
+pub use tertius_testing::machine::gateway_of;
 use tertius_testing::machine::{self, Collected, Cycle, MS, estimating, monitor, play};
 
 /// Frames with a transducer that steps and comes back, lost frames and a lost stretch.
@@ -26,20 +27,6 @@ pub fn bus_traffic() -> Vec<Frame> {
 
 fn gateway() -> Gateway {
     gateway_of(monitor(), 0.05)
-}
-
-/// A gateway that may take `share` of the bus.
-pub fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
-    let limits = OutboxLimits {
-        waiting: OutboxLimits::WAITING,
-        estimates: 6,
-        age: Span::from_seconds(0.2),
-        bitrate: 500_000.0,
-        share,
-        burst: OutboxLimits::BURST,
-    };
-    let outbox = Outbox::new(limits);
-    Gateway::new(monitor, outbox, Span::from_seconds(0.01))
 }
 
 /// What a gateway told.

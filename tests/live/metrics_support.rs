@@ -15,10 +15,9 @@ use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
 use tertius::frame::Frame;
 use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal};
-use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::Record;
 use tertius::time::{Span, Timestamp};
-use tertius_testing::machine::{self, monitor};
+use tertius_testing::machine::{self, gateway_of, monitor};
 use tertius_testing::oracle;
 
 /// Both clocks stand until they are moved. The system's is that of the bus.
@@ -83,16 +82,7 @@ impl Journal for Witness {
 }
 
 pub fn gateway() -> Gateway {
-    let limits = OutboxLimits {
-        waiting: OutboxLimits::WAITING,
-        estimates: 6,
-        age: Span::from_seconds(0.2),
-        bitrate: 500_000.0,
-        share: 0.05,
-        burst: OutboxLimits::BURST,
-    };
-    let outbox = Outbox::new(limits);
-    Gateway::new(monitor(), outbox, Span::from_seconds(0.01))
+    gateway_of(monitor(), 0.05)
 }
 
 pub struct Bench {

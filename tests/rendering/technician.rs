@@ -3,36 +3,12 @@
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use tertius::appliance::http::TokenDigest;
-use tertius_testing::support::{E_TYPE, Scratch, command, tertius};
+use tertius_testing::process::Running;
+use tertius_testing::support::{E_TYPE, Scratch, tertius};
 
 const TOKEN: &str = "c8d1f0a3";
-
-/// A running gateway; it ends with this.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        _ = self.0.kill();
-        _ = self.0.wait();
-    }
-}
-
-/// Runs a gateway on the embedded bus, and returns it with the address of its page.
-fn start(config: &str, log: &str) -> (Running, String) {
-    let mut run = command(&["run", "--config", config, "--play", log, "--speed", "1"]);
-    let mut child = run.stderr(Stdio::piped()).stdin(Stdio::null()).spawn().expect("it starts");
-    let lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
-    let running = Running(child);
-    let mut lines = lines.map_while(Result::ok);
-    let page = lines.find_map(|line| Some(line.split_once("page: ")?.1.to_owned()));
-    let page = page.expect("it tells where its page is");
-    let url = page.split("/,").next().expect("an address").to_owned();
-    std::thread::spawn(move || lines.for_each(drop));
-    (running, url)
-}
 
 #[test]
 fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
@@ -57,7 +33,7 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
         b"",
     )
     .ok();
-    let (running, url) = start(&config, &log);
+    let (running, url) = Running::gateway(&config, &log);
 
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let of = |script: &str| {

@@ -6,6 +6,8 @@ use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
 use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
+use tertius::live::gateway::Gateway;
+use tertius::live::outbox::{Outbox, OutboxLimits};
 use tertius::monitor::{Estimates, Monitor, MonitorDesign, Notice, Record, Sink};
 use tertius::time::{Span, Timestamp};
 
@@ -134,6 +136,19 @@ pub fn surveying() -> Monitor {
 /// A monitor of the default machine.
 pub fn monitor() -> Monitor {
     Monitor::new(design_of_default())
+}
+
+/// A gateway of `monitor` that may take `share` of a bus with 500 kbit/s.
+pub fn gateway_of(monitor: Monitor, share: f64) -> Gateway {
+    let limits = OutboxLimits {
+        waiting: OutboxLimits::WAITING,
+        estimates: 6,
+        age: Span::from_seconds(0.2),
+        bitrate: 500_000.0,
+        share,
+        burst: OutboxLimits::BURST,
+    };
+    Gateway::new(monitor, Outbox::new(limits), Span::from_seconds(0.01))
 }
 
 /// What that is made from.

@@ -2,7 +2,9 @@
 
 pub use crate::top;
 
+use crate::program;
 use std::fs::File;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -29,6 +31,30 @@ impl Running {
             .stderr(file)
             .spawn();
         Self(child.unwrap_or_else(|error| panic!("{program}: {error}")))
+    }
+
+    /// Starts a gateway of the configuration `config` on the embedded bus, where it plays `log`, and returns it with
+    /// the address of its page.
+    pub fn gateway(config: &str, log: &str) -> (Self, String) {
+        let child = Command::new(program())
+            .args(["run", "--config", config, "--play", log])
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn();
+        let mut child = child.expect("it starts");
+        let lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
+        let running = Self(child);
+        let mut lines = lines.map_while(Result::ok);
+        let page = lines.find_map(|line| Some(line.split_once("page: ")?.1.to_owned()));
+        let page = page.expect("it tells where its page is");
+        let url = page.split("/,").next().expect("an address").to_owned();
+        // Whoever does not read it blocks it.
+        std::thread::spawn(move || lines.for_each(drop));
+        (running, url)
+    }
+
+    pub fn id(&self) -> u32 {
+        self.0.id()
     }
 
     pub fn signal(&self, name: &str) {
