@@ -183,7 +183,10 @@ fn pump(
         // The recording is asked about the frame's interface once it no longer lends the frame.
         let frame = frame.clone();
         let name = newest.interface(recording.statistics()).unwrap_or(fallback);
-        match selection.judge(name.as_bytes()).map_err(|_| recording.ambiguous(interfaces))? {
+        let Ok(selected) = selection.judge(name.as_bytes()) else {
+            return Err(recording.ambiguous(interfaces).into());
+        };
+        match selected {
             Selected::Undecided => held.push_back((name.to_owned(), frame)),
             selected => {
                 passage.pass_all(&mut held, false)?;

@@ -9,7 +9,7 @@ use super::progress::Bar;
 use super::recorded::RecordedInputs;
 use super::recordings;
 use super::state::{self, StateFile};
-use crate::bus::{Interfaces, Options, Recording, Source, TimeStamps};
+use crate::bus::{Interfaces, Options, Recording, Source, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
 use crate::report::judgement::RecordedFacts;
@@ -137,11 +137,12 @@ impl Replay {
         if output.failed() {
             return broken_off(output);
         }
-        let judgement = judgement(&machine, &interfaces, &recording, &monitor);
+        let statistics = recording.statistics();
+        let judgement = judgement(&machine, &interfaces, statistics, &monitor);
         let replayed = Replayed {
             machine: &machine,
             inputs: &inputs,
-            recording: &recording,
+            statistics,
             monitor: &monitor,
             judgement: &judgement,
             duration,
@@ -153,7 +154,7 @@ impl Replay {
         if let Some(kept) = kept {
             kept.write(&monitor)?;
         }
-        damage(&recording)?;
+        damage(statistics)?;
         match judgement.is_judged() {
             true => Ok(()),
             false => Err(Failure::Failed(format!(
@@ -226,7 +227,7 @@ impl Replay {
         report: Option<Claimed>,
         mut output: Output,
     ) -> Result<(), Failure> {
-        let Replayed { machine, inputs, recording, monitor, judgement, duration } = *replayed;
+        let Replayed { machine, inputs, statistics, monitor, judgement, duration } = *replayed;
         let tallies = monitor.tallies().copied().collect::<Vec<_>>();
         let counter_jumps = monitor.counter_jumps().collect::<Vec<_>>();
         let of_all = (1..).zip(monitor.blanks());
@@ -241,7 +242,7 @@ impl Replay {
             duration: duration.as_seconds(),
             sample_time: machine.loaded.settings.machine.sample_time,
             judgement,
-            statistics: recording.statistics(),
+            statistics,
             counts: monitor.counts(),
             tallies: &tallies,
             blanks: &blanks,
@@ -289,7 +290,7 @@ struct Claims {
 struct Replayed<'a> {
     machine: &'a Machine,
     inputs: &'a RecordedInputs,
-    recording: &'a Recording,
+    statistics: &'a Statistics,
     monitor: &'a Monitor,
     judgement: &'a Judgement,
     /// Duration from the first frame to the last.
@@ -300,10 +301,10 @@ struct Replayed<'a> {
 fn judgement(
     machine: &Machine,
     interfaces: &Interfaces,
-    recording: &Recording,
+    statistics: &Statistics,
     monitor: &Monitor,
 ) -> Judgement {
-    let (statistics, counts) = (recording.statistics(), monitor.counts());
+    let counts = monitor.counts();
     let (design, used) = (&machine.design, counts.used);
     let recorded = RecordedFacts { statistics, interfaces, design, used };
     let states = machine.loaded.settings.machine.monitored_states.as_deref();
@@ -372,8 +373,8 @@ fn begin(
 }
 
 /// Fails if a part of an input could not be read, although the rest was replayed.
-fn damage(recording: &Recording) -> Result<(), Failure> {
-    match recording.statistics().damage.first() {
+fn damage(statistics: &Statistics) -> Result<(), Failure> {
+    match statistics.damage.first() {
         Some(damage) => Err(Failure::Failed(damage.to_string())),
         None => Ok(()),
     }

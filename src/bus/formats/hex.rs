@@ -3,38 +3,55 @@
 const ONES: u64 = u64::MAX / 0xFF;
 const HIGH: u64 = ONES * 0x80;
 
-/// Bit that is set in a pair's value where one of its characters is no digit.
+/// Bit that is set in a value where one of its characters is no digit.
 const STRANGE: u16 = 1 << 15;
-/// Values by character: as the second digit of a byte, then as the first, in one table, so that one
-/// register points to both.
-static VALUES: [[u16; 256]; 2] = [values(0), values(4)];
+/// Values by character.
+static VALUES: [u16; 256] = values();
+/// Values of two digits by both characters, the first in the low byte. Of its 128 KiB the digits of
+/// a recording touch two kilobytes.
+static PAIRS: [u16; 1 << 16] = pairs();
 
-const fn values(shift: u32) -> [u16; 256] {
+const fn values() -> [u16; 256] {
     let mut table = [STRANGE; 256];
     let digits = b"0123456789abcdef";
     let mut value = 0;
     while value < digits.len() {
-        table[digits[value] as usize] = (value as u16) << shift;
-        table[digits[value].to_ascii_uppercase() as usize] = (value as u16) << shift;
+        table[digits[value] as usize] = value as u16;
+        table[digits[value].to_ascii_uppercase() as usize] = value as u16;
         value += 1;
     }
     table
 }
 
-/// The byte of two hexadecimal digits of either case; `None` if one of them is not a digit. Two
-/// table look-ups take fewer instructions than eight digits at a time in a word, since most
-/// payloads do not fill one.
+const fn pairs() -> [u16; 1 << 16] {
+    let values = values();
+    let mut table = [STRANGE; 1 << 16];
+    let mut pair = 0;
+    while pair < table.len() {
+        let (first, second) = (values[pair & 0xFF], values[pair >> 8]);
+        if (first | second) & STRANGE == 0 {
+            table[pair] = first << 4 | second;
+        }
+        pair += 1;
+    }
+    table
+}
+
+/// The byte of two hexadecimal digits of either case; `None` if one of them is not a digit. One
+/// look-up takes fewer instructions than one for each digit, or than eight digits at a time in a
+/// word, since most payloads do not fill one.
 #[inline(always)]
-pub fn byte(first: u8, second: u8) -> Option<u8> {
-    let value = VALUES[1][usize::from(first)] | VALUES[0][usize::from(second)];
+pub fn byte(digits: [u8; 2]) -> Option<u8> {
+    let value = PAIRS[usize::from(u16::from_le_bytes(digits))];
     (value & STRANGE == 0).then_some(value as u8)
 }
 
 /// The number of three hexadecimal digits.
 #[inline(always)]
 pub fn three(digits: [u8; 3]) -> Option<u16> {
-    let [first, second, third] = digits.map(usize::from);
-    let (high, low) = (VALUES[0][first], VALUES[1][second] | VALUES[0][third]);
+    let [first, second, third] = digits;
+    let pair = u16::from_le_bytes([second, third]);
+    let (high, low) = (VALUES[usize::from(first)], PAIRS[usize::from(pair)]);
     ((high | low) & STRANGE == 0).then_some(high << 8 | low)
 }
 
@@ -130,7 +147,7 @@ mod tests {
             let is_number = text.iter().all(u8::is_ascii_hexdigit);
             let text = std::str::from_utf8(&text).ok().filter(|_| is_number);
             let expected = text.and_then(|text| u8::from_str_radix(text, 16).ok());
-            assert_eq!(byte(first, second), expected, "{first} {second}");
+            assert_eq!(byte([first, second]), expected, "{first} {second}");
             let padded = expected.map(|value| 0x900 | u16::from(value));
             assert_eq!(three([b'9', first, second]), padded);
             let shifted = expected.map(|value| u16::from(value) << 4 | 0xB);
