@@ -3,7 +3,6 @@
 
 mod aside;
 pub mod http;
-pub mod identity;
 pub mod realtime;
 pub mod store;
 pub mod telemetry;

@@ -63,6 +63,7 @@ fn describe(machine: &Machine) -> String {
             None => "FDE1 and FDE2 always judge".to_owned(),
         }
     );
+    text += &format!("judged by {}\n", machine.loaded.fingerprints());
     for (n, cylinder) in (1_u8..).zip(&machine.design.cylinders) {
         let (theta, gamma) = settings.model_of(n);
         let model = Model::new(settings.machine.sample_time, theta, gamma);

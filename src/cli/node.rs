@@ -3,8 +3,8 @@
 use super::machine::Machine;
 use crate::alarm::frames::FRAME_BITS;
 use crate::canopen::node::{CylinderThresholds, NodeDesign, checksum};
-use crate::config::Settings;
 use crate::config::settings::Canopen;
+use crate::config::{Fingerprint, Settings};
 use crate::monitor::Estimates;
 
 /// The node that the configuration asks for; `None` if the gateway is none.
@@ -20,6 +20,7 @@ pub fn design(machine: &Machine) -> Option<NodeDesign> {
             critical: cylinder.critical,
         }
     });
+    let fingerprints = loaded.fingerprints();
     let calibrated = design.cylinders.iter().filter(|cylinder| cylinder.sequential.is_some());
     Some(NodeDesign {
         node: settings.gateway.node,
@@ -32,7 +33,8 @@ pub fn design(machine: &Machine) -> Option<NodeDesign> {
         cylinders: cylinders.collect(),
         sends_estimates: design.estimates == Estimates::Sent,
         calibrated: calibrated.fold(0, |bits, cylinder| bits | 1 << (cylinder.number - 1)),
-        configuration: checksum(loaded.document.text().as_bytes()),
+        configuration: fingerprints.configuration.number(),
+        calibration: fingerprints.calibration.map_or(0, Fingerprint::number),
         database: checksum(&loaded.layout()),
         bitrate: settings.bus.bitrate,
     })

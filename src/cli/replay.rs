@@ -241,6 +241,7 @@ impl Replay {
             stops: &stops,
             duration: duration.as_seconds(),
             sample_time: machine.loaded.settings.machine.sample_time,
+            fingerprints: &machine.loaded.fingerprints(),
             judgement,
             statistics,
             counts: monitor.counts(),

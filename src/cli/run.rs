@@ -9,7 +9,6 @@ use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::http::{DeskPlan, TlsFiles};
-use crate::appliance::identity;
 use crate::appliance::logging::{self, LogFormat};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
@@ -107,10 +106,13 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
 
 /// What is monitored by the configuration `path` of `machine`.
 pub fn facts(path: &Path, machine: &Machine) -> MachineFacts {
+    let fingerprints = machine.loaded.fingerprints();
     MachineFacts {
         name: machine.loaded.settings.machine.name.clone(),
         configuration: path.display().to_string(),
-        identity: identity::of(&machine.loaded),
+        identity: fingerprints.configuration.to_string(),
+        calibration: fingerprints.calibration.map(|it| it.to_string()),
+        calibration_recorded: fingerprints.recorded,
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
         platform_states: platform_states(machine),
     }
@@ -186,7 +188,7 @@ fn store_plan(machine: &Machine) -> Option<StorePlan> {
         size: u64::from(settings.store.size) * 1_000_000,
         days: settings.store.days,
         machine: settings.machine.name.clone(),
-        configuration: identity::of(&machine.loaded),
+        configuration: machine.loaded.fingerprints().configuration.to_string(),
         sample_time: settings.machine.sample_time,
     })
 }

@@ -65,7 +65,8 @@ pub struct Heading<'a> {
 pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> String {
     let mut page = String::new();
     // Writing to a string cannot fail.
-    _ = writeln!(page, "{}  with {} ({})\n", heading.inputs, heading.machine, heading.config);
+    let (inputs, machine, config) = (heading.inputs, heading.machine, heading.config);
+    _ = writeln!(page, "{inputs}  with {machine} ({config}: {})\n", summary.fingerprints);
     let headline = summary.judgement.headline();
     if !headline.is_empty() {
         let red = || style(&headline).red().force_styling(true).to_string();

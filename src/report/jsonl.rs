@@ -94,6 +94,10 @@ struct SummaryLine<'a> {
     /// Reasons why nothing was judged.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     reasons: &'a [String],
+    /// Identity of the configuration, and of the calibration in it.
+    configuration: String,
+    calibration: Option<String>,
+    calibration_recorded: Option<&'a str>,
     frames: u64,
     ignored_frames: u64,
     error_frames: u64,
@@ -254,12 +258,15 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
 ///
 /// # Errors Errors of `out`.
 pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
-    let Summary { statistics, counts, episodes, .. } = summary;
+    let Summary { statistics, counts, episodes, fingerprints, .. } = summary;
     let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();
     let line = SummaryLine {
         r#type: "summary",
         judged: summary.judgement.is_judged(),
         reasons: summary.judgement.reasons(),
+        configuration: fingerprints.configuration.to_string(),
+        calibration: fingerprints.calibration.map(|it| it.to_string()),
+        calibration_recorded: fingerprints.recorded.as_deref(),
         frames: statistics.frames,
         ignored_frames: summary.ignored_frames(),
         error_frames: statistics.error_frames,

@@ -34,6 +34,7 @@ pub use verdict::Blanks;
 pub use zone::Zone;
 
 use crate::bus::Statistics;
+use crate::config::Fingerprints;
 use crate::monitor::{Counts, cylinder::Tally};
 
 /// Everything that a summary is made from.
@@ -43,6 +44,8 @@ pub struct Summary<'a> {
     pub duration: f64,
     /// Sample time, s.
     pub sample_time: f64,
+    /// What it was judged by.
+    pub fingerprints: &'a Fingerprints,
     pub judgement: &'a Judgement,
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use tertius::config::{ConfigError, MACHINE_FILE, MAX_SIZE, load};
+use tertius::config::{ConfigError, Fingerprints, MACHINE_FILE, MAX_SIZE, load};
 use tertius_testing::top;
 
 const EXAMPLE: &str = include_str!("example.toml");
@@ -103,4 +103,81 @@ fn a_machine_in_one_folder_is_the_same_machine() {
     settings.bus.dbc.clone_from(&there.settings.bus.dbc);
     settings.canopen.device.clone_from(&there.settings.canopen.device);
     assert_eq!(settings, there.settings);
+}
+
+/// The identities of the machine with this configuration and DBC.
+fn fingerprints(config: &str, dbc: &[u8]) -> Fingerprints {
+    let folder = folder(config.as_bytes(), Some(dbc));
+    load(&folder.path().join("config/machine.toml")).expect("it is sound").fingerprints()
+}
+
+const CALIBRATED: &str =
+    "\n[calibration]\nrecorded = \"2026-03-14\"\n\n[[cylinder]]\nn = 2\nc2_gain = 1.001\n";
+
+/// Comments, blanks, the order of tables and the spelling of numbers are not what a machine is judged by.
+#[test]
+fn what_is_said_otherwise_has_the_same_identity() {
+    let calibrated = format!("{EXAMPLE}{CALIBRATED}");
+    let one = fingerprints(&calibrated, b"dbc");
+    assert_eq!(one.recorded.as_deref(), Some("2026-03-14"));
+    let digits = one.configuration.to_string();
+    assert!(digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_hexdigit()), "{digits}");
+
+    let table: toml::Table = calibrated.parse().expect("it is TOML");
+    let bare = toml::to_string(&table).expect("it was TOML");
+    assert!(!bare.contains('#') && bare != calibrated);
+    let spelt = bare.replace("c2_gain = 1.001", "c2_gain = 1.0010e0");
+    assert_ne!(spelt, bare);
+    for same in [bare, spelt] {
+        assert_eq!(fingerprints(&same, b"dbc"), one);
+    }
+
+    let found = folder(calibrated.as_bytes(), Some(b"dbc"));
+    let loaded = load(&found.path().join("config/machine.toml")).expect("it is sound");
+    let other = tempfile::tempdir().expect("a temporary folder");
+    for file in loaded.portable(&[]).expect("it is TOML") {
+        fs::write(other.path().join(file.name), file.bytes).expect("a file in it");
+    }
+    let moved = load(&other.path().join(MACHINE_FILE)).expect("it is sound");
+    assert_ne!(moved.document.text(), loaded.document.text(), "its DBC is elsewhere");
+    assert_eq!(moved.fingerprints(), one);
+}
+
+#[test]
+fn what_says_something_else_has_another_identity() {
+    let calibrated = format!("{EXAMPLE}{CALIBRATED}");
+    let one = fingerprints(&calibrated, b"dbc");
+    let with = |from: &str, to: &str| {
+        assert_eq!(calibrated.matches(from).count(), 1, "{from}");
+        fingerprints(&calibrated.replace(from, to), b"dbc")
+    };
+    let limit = with("low = 7.5e-4", "low = 7.6e-4");
+    assert_ne!(limit.configuration, one.configuration);
+    assert_eq!(limit.calibration, one.calibration, "a threshold is not measured");
+    for measured in [
+        with("c2_gain = 1.001", "c2_gain = 1.0010000000000001"),
+        with("c2_gain = 1.001", "c2_offset = 1.001"),
+        with("n = 2\nc2", "n = 3\nc2"),
+        with("03-14", "03-15"),
+    ] {
+        assert_ne!(measured.configuration, one.configuration);
+        assert_ne!(measured.calibration, one.calibration);
+    }
+    let dbc = fingerprints(&calibrated, b"DBC");
+    assert_ne!(dbc.configuration, one.configuration);
+    assert_eq!(dbc.calibration, one.calibration);
+    let (bare, _) = EXAMPLE.split_once("[[cylinder]]").expect("it has one");
+    assert_eq!(fingerprints(bare, b"dbc").calibration, None);
+}
+
+#[test]
+fn a_day_that_is_none_is_refused() {
+    for day in
+        ["", "14.3.2026", "2026-3-14", "2026-00-14", "2026-13-01", "2026-03-32", "2026-03-14Z"]
+    {
+        let config = format!("{EXAMPLE}\n[calibration]\nrecorded = \"{day}\"\n");
+        let folder = folder(config.as_bytes(), Some(b""));
+        let said = refusal(folder.path(), "config/machine.toml");
+        assert!(said.contains("a day as YYYY-MM-DD") && said.contains("2026-03-14"), "{said}");
+    }
 }

@@ -41,6 +41,7 @@ fn design() -> NodeDesign {
         sends_estimates: false,
         calibrated: 0,
         configuration: 1,
+        calibration: 2,
         database: 2,
         bitrate: 500_000,
     }

@@ -15,6 +15,7 @@ use tertius::appliance::telemetry::Telemetry;
 use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::embedded::{Clock, EmbeddedBus, ManualClock};
 use tertius::bus::{Identifiers, UnrestrictedPort};
+use tertius::config::Fingerprints;
 use tertius::frame::{Frame, Id, Kind};
 use tertius::incident::Incident;
 use tertius::live::gateway::Journal;
@@ -163,6 +164,7 @@ fn plan(folder: &Path) -> FlightPlan {
         after: Span::from_seconds(2.0),
         size: 10_000_000,
         machine: "made by hand".to_owned(),
+        fingerprints: Fingerprints::default(),
         interface: "can0".to_owned(),
         files: Vec::new(),
         design: design_of_default().checksum(),

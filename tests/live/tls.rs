@@ -1,7 +1,6 @@
 //! The page over https: certificates that are refused, logins that are needed, and clients that stand still.
 
 use crate::metrics_support::{Answer, ask};
-use rcgen::{CertificateParams, KeyPair, date_time_ymd};
 use std::fs::{self, Permissions};
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -13,6 +12,7 @@ use tempfile::TempDir;
 use tertius::appliance::http::{Desk, DeskPlan, Identity, Server, TlsFiles, TokenDigest};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::{Clock, SystemClock};
+use tertius_testing::certificates::{allow, certify};
 use tertius_testing::process::{Running, configuration, excerpt, said, wait_for, write};
 use tertius_testing::program;
 use tokio_rustls::rustls::crypto::ring;
@@ -21,27 +21,6 @@ use tokio_rustls::rustls::pki_types::pem::PemObject;
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
 
 const TOKEN: &str = "0123456789abcdef";
-
-/// Writes a certificate of `localhost` that ends with the year before `end`, and its key, as `name.crt` and `name.key`.
-fn certify(folder: &Path, name: &str, end: i32) -> TlsFiles {
-    let mut about = CertificateParams::new(vec!["localhost".to_owned()]).expect("a name");
-    about.not_before = date_time_ymd(2020, 1, 1);
-    about.not_after = date_time_ymd(end, 1, 1);
-    let pair = KeyPair::generate().expect("a key");
-    let certificate = about.self_signed(&pair).expect("it signs itself");
-    let files = TlsFiles {
-        certificate: folder.join(format!("{name}.crt")),
-        key: folder.join(format!("{name}.key")),
-    };
-    fs::write(&files.certificate, certificate.pem()).expect("the folder is ours");
-    fs::write(&files.key, pair.serialize_pem()).expect("the folder is ours");
-    allow(&files.key, 0o600);
-    files
-}
-
-fn allow(path: &Path, mode: u32) {
-    fs::set_permissions(path, Permissions::from_mode(mode)).expect("the file is ours");
-}
 
 /// The answer at `address` to who trusts `certificate` alone.
 fn ask_over_tls(address: SocketAddr, certificate: &Path, request: &str) -> io::Result<Answer> {

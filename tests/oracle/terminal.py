@@ -2,9 +2,11 @@
 
     terminal.py gateway PROGRAM URL PID
     terminal.py bus PROGRAM CONFIG
+    terminal.py words PROGRAM WORDS ARGUMENT...
 
 `gateway` watches the gateway at URL, on whose cylinder 3 a fault of C1 has to arrive while this runs; at the end it
-kills the gateway's process PID. `bus` listens to the bus of CONFIG until all is judged. Writes what was found as JSON,
+kills the gateway's process PID. `bus` listens to the bus of CONFIG until all is judged. `words` calls `monitor ARGUMENT...`
+until WORDS are on the screen. Writes what was found as JSON,
 and fails with what a person would complain about.
 """
 
@@ -220,9 +222,21 @@ def bus(program, config):
     return result
 
 
+def words(program, wanted, *arguments):
+    terminal = Terminal([program, "monitor", *arguments], columns=200)
+    terminal.wait(wanted, lambda text: wanted in text)
+    result = {"screen": terminal.text()}
+    terminal.press("q")
+    terminal.end(0)
+    return result
+
+
 def main():
     what, program, *rest = sys.argv[1:]
-    result = gateway(program, rest[0], int(rest[1])) if what == "gateway" else bus(program, rest[0])
+    if what == "gateway":
+        result = gateway(program, rest[0], int(rest[1]))
+    else:
+        result = {"bus": bus, "words": words}[what](program, *rest)
     print(json.dumps(result))
 
 

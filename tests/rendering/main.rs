@@ -4,6 +4,7 @@
 //! file: every figure has a size, no text is cut off, lies over another one or in a plot, and every
 //! curve can be seen.
 
+mod login;
 mod technician;
 
 use serde_json::Value;

@@ -88,8 +88,9 @@ def replayed(archive):
         recording = os.path.join(folder, name)
         replay = subprocess.run([PROGRAM, "replay", recording, "--format", "jsonl"], stdout=subprocess.PIPE, check=True)
         with open(os.path.join(recording, "incident.json"), encoding="utf-8") as file:
-            live = json.load(file)["lines"]
-        told = [json.loads(line) for line in replay.stdout.splitlines()]
+            manifest = json.load(file)
+        live, told = manifest["lines"], [json.loads(line) for line in replay.stdout.splitlines()]
+        assert told[-1]["type"] == "summary" and told[-1]["configuration"] == manifest["configuration"], manifest
         # Others may have begun in the same minute.
         told = [line for line in told if line["type"] == "incident" and line["incident"] == live[0]["incident"]]
         assert live and told[: len(live)] == live, f"live {live}, replayed {told}"

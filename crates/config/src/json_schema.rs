@@ -123,6 +123,7 @@ fn text(rule: TextRule) -> Value {
         }
         TextRule::Listen => r"^(off|.+:[0-9]+)$".to_owned(),
         TextRule::Digest => "^[0-9A-Fa-f]{64}$".to_owned(),
+        TextRule::Day => "^[0-9]{4}-[0-9]{2}-[0-9]{2}$".to_owned(),
     };
     json!({"type": "string", "pattern": pattern})
 }

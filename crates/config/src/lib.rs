@@ -10,6 +10,7 @@ pub mod design;
 pub mod devices;
 mod document;
 pub mod edit;
+mod identity;
 mod json_schema;
 mod kinds;
 mod loader;
@@ -27,6 +28,7 @@ use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 
 pub use document::Document;
+pub use identity::{Fingerprint, Fingerprints};
 pub use json_schema::json_schema;
 pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text};
 pub use portable::{MACHINE_FILE, PortableFile};

@@ -2,6 +2,7 @@
 //! metres, times seconds, speeds metres per second. A key that is absent in the file has the default of its
 //! row.
 
+mod calibration;
 mod canopen;
 mod cylinder;
 mod device;
@@ -14,6 +15,8 @@ mod recorder;
 mod sequential;
 mod signals;
 
+use calibration::CALIBRATION;
+pub use calibration::CalibrationOrigin;
 use canopen::CANOPEN;
 pub use canopen::Canopen;
 use cylinder::CYLINDER;
@@ -74,6 +77,8 @@ table! {
             "", "the flight recorder: the frames around each incident";
         realtime: Realtime = Realtime::default() => Kind::Table(&REALTIME),
             "", "what the gateway asks of the kernel";
+        calibration: CalibrationOrigin = CalibrationOrigin::default() => Kind::Table(&CALIBRATION),
+            "", "where the learnt tables come from";
         cylinder: Vec<Cylinder> = Vec::new() => Kind::Tables(&CYLINDER),
             "", "overrides for one cylinder";
     }

@@ -37,6 +37,8 @@ pub(super) enum TextRule {
     Listen,
     /// A SHA-256 in hexadecimal digits.
     Digest,
+    /// A day of the calendar.
+    Day,
 }
 
 /// What a text has to be, and why or how.
@@ -56,6 +58,7 @@ const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 
                            off, for no HTTP";
 const DIGEST_HELP: &str =
     "the SHA-256 of the token and not the token itself; `tertius token` makes both";
+const DAY_HELP: &str = "for example 2026-03-14, in UTC";
 const INTERFACE_HELP: &str =
     "as `ip link` lists it, for example can0; or virtual, the embedded bus";
 
@@ -94,6 +97,8 @@ impl TextRule {
             Self::Digest if is_digest(text) => Ok(()),
             Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
+            Self::Day if is_day(text) => Ok(()),
+            Self::Day => fault("a day as YYYY-MM-DD", DAY_HELP),
         }
     }
 }
@@ -124,6 +129,19 @@ fn interface(text: &str) -> Result<(), TextFault> {
 
 fn is_digest(text: &str) -> bool {
     text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+/// Whether `text` is a day; of which there may be 31 in each month.
+fn is_day(text: &str) -> bool {
+    let part = |range| text.get(range).and_then(|digits: &str| digits.parse::<u16>().ok());
+    let digits = text.len() == 10
+        && text.bytes().enumerate().all(|(at, byte)| match at {
+            4 | 7 => byte == b'-',
+            _ => byte.is_ascii_digit(),
+        });
+    digits
+        && part(5..7).is_some_and(|month| (1..=12).contains(&month))
+        && part(8..10).is_some_and(|day| (1..=31).contains(&day))
 }
 
 /// Whether `text` is a C identifier, as names in DBC files are.

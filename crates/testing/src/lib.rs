@@ -8,6 +8,7 @@
 
 pub mod bench;
 pub mod candump;
+pub mod certificates;
 pub mod detection;
 pub mod machine;
 pub mod oracle;

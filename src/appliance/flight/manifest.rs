@@ -1,5 +1,6 @@
 //! The file that says what a recording is, and what the gateway said of it.
 
+use super::plan::FlightPlan;
 use crate::incident::Incident;
 use crate::report::jsonl;
 use crate::time::Timestamp;
@@ -17,6 +18,9 @@ pub(super) struct Manifest<'a> {
     cause: &'static str,
     machine: &'a str,
     version: &'static str,
+    /// Identity of the configuration beside it, and of the calibration in that.
+    configuration: String,
+    calibration: Option<String>,
     cylinder: Option<u8>,
     incident: Option<u32>,
     /// When the incident began, or the recording was asked for.
@@ -44,10 +48,10 @@ pub(super) struct Extent {
 }
 
 impl<'a> Manifest<'a> {
-    /// The manifest of a recording of the incident `told`, as it was told step by step; of one on demand where
+    /// The manifest of a recording by `plan` of the incident `told`, as it was told step by step; of one on demand where
     /// nothing was told.
     pub fn new(
-        machine: &'a str,
+        plan: &'a FlightPlan,
         at: Timestamp,
         extent: Extent,
         told: &[Incident],
@@ -58,8 +62,10 @@ impl<'a> Manifest<'a> {
         Ok(Self {
             r#type: "recording",
             cause: if incident.is_some() { "incident" } else { "on demand" },
-            machine,
+            machine: &plan.machine,
             version: env!("CARGO_PKG_VERSION"),
+            configuration: plan.fingerprints.configuration.to_string(),
+            calibration: plan.fingerprints.calibration.map(|it| it.to_string()),
             cylinder: incident.map(|it| it.cylinder),
             incident: incident.map(|it| it.number),
             time: utc(at).map_or_else(String::new, |at| at.to_string()),

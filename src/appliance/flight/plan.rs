@@ -1,6 +1,6 @@
 //! What is recorded, and where to.
 
-use crate::config::{Loaded, PortableFile};
+use crate::config::{Fingerprints, Loaded, PortableFile};
 use crate::monitor::{DesignChecksum, MonitorDesign};
 use crate::time::Span;
 use std::path::{Path, PathBuf};
@@ -23,6 +23,8 @@ pub struct FlightPlan {
     pub size: u64,
     /// Name of the machine, and of its bus.
     pub machine: String,
+    /// Which configuration the recordings are judged by.
+    pub fingerprints: Fingerprints,
     pub interface: String,
     /// The configuration and all that it names, as they were read.
     pub files: Vec<PortableFile>,
@@ -43,6 +45,7 @@ impl FlightPlan {
             after: Span::from_seconds(settings.after),
             size: u64::from(settings.size) * 1_000_000,
             machine: loaded.settings.machine.name.clone(),
+            fingerprints: loaded.fingerprints(),
             interface: loaded.settings.bus.interface.clone(),
             // It was loaded, so it is TOML.
             files: loaded.portable(&taken).unwrap_or_default(),

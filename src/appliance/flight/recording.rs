@@ -106,7 +106,7 @@ impl Recording {
             lost: self.pieces.iter().map(|piece| piece.lost).sum(),
             complete: !self.is_full && now >= self.end,
         };
-        Manifest::new(&plan.machine, self.at, extent, &self.told)?.to_bytes().map(Some)
+        Manifest::new(plan, self.at, extent, &self.told)?.to_bytes().map(Some)
     }
 
     /// Its files.

@@ -32,7 +32,7 @@ pub struct StorePlan {
     pub days: u32,
     /// Name of the machine.
     pub machine: String,
-    /// Identity of the configuration, see [`crate::appliance::identity`].
+    /// Identity of the configuration, see [`crate::config::Fingerprints`].
     pub configuration: String,
     /// Sample time, s.
     pub sample_time: f64,

@@ -298,6 +298,14 @@ impl View {
         let help = "What runs.";
         out.family("build", help, None, MetricType::Info)?
             .encode_info(&[("version", env!("CARGO_PKG_VERSION"))])?;
+        let facts = self.telemetry.facts();
+        let calibration = facts.calibration.as_deref().unwrap_or("");
+        let help = "By which configuration and calibration it judges.";
+        out.family("configuration", help, None, MetricType::Info)?.encode_info(&[
+            ("configuration", facts.identity.as_str()),
+            ("calibration", calibration),
+            ("calibration_recorded", facts.calibration_recorded.as_deref().unwrap_or("")),
+        ])?;
         let help = "When the gateway started, since 1970.";
         out.time("start_time", help, Some(telemetry.started))?;
         let help = "When the data path last turned, since 1970. Absent before the first turn.";

@@ -28,6 +28,9 @@ pub struct HealthReport {
     pub status: Condition,
     /// Reason, for people.
     pub reason: String,
+    /// Identity of the configuration, and of the calibration in it.
+    pub configuration: String,
+    pub calibration: Option<String>,
     /// Mode, as in Fd_Status.
     pub mode: Option<&'static str>,
     /// State of the bus, `open` or `closed`.
@@ -60,9 +63,12 @@ impl Telemetry {
     pub fn health(&self, now: Duration) -> HealthReport {
         let (status, reason) = self.judge(now);
         let mode = self.mode.get().filter(|_| self.lives(now));
+        let facts = self.facts();
         HealthReport {
             status,
             reason,
+            configuration: facts.identity.clone(),
+            calibration: facts.calibration.clone(),
             mode: mode.and_then(|mode| name(&MODES, mode)),
             bus: if self.is_open() { "open" } else { "closed" },
             controller: self.link.state.get().and_then(|state| name(&CONTROLLER_STATES, state)),

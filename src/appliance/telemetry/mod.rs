@@ -111,8 +111,12 @@ pub struct MachineFacts {
     pub name: String,
     /// File of the configuration.
     pub configuration: String,
-    /// Identity of the configuration: a digest of its files.
+    /// Identity of the configuration with its DBC ([`crate::config::Fingerprints`]).
     pub identity: String,
+    /// Identity of the calibration; `None` where no cylinder has one.
+    pub calibration: Option<String>,
+    /// The day (UTC) on which the newest recording ended that it was learnt from, if the configuration says it.
+    pub calibration_recorded: Option<String>,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
     pub limits_m: Vec<[f64; QUANTITIES]>,
     /// Numbers and names of the platform's states.

@@ -3,16 +3,19 @@
 use super::news::{News, NewsSource, WatchedMachine};
 use super::picture::MINUTES;
 use super::stream::EventLines;
+use super::trust::{self, Trust};
 use crate::cli::Failure;
 use axum::body::Body;
-use axum::http::header::{ACCEPT, HOST};
-use axum::http::{Request, Response, StatusCode, Uri};
+use axum::http::header::{ACCEPT, AUTHORIZATION, HOST};
+use axum::http::{HeaderValue, Request, Response, StatusCode, Uri};
 use hyper::body::{Body as _, Incoming};
 use hyper::client::conn::http1;
 use hyper_util::rt::TokioIo;
 use std::future::poll_fn;
+use std::path::Path;
 use std::pin::Pin;
 use std::time::{Duration, Instant};
+use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
 use tokio::time::timeout;
 
@@ -41,28 +44,38 @@ pub struct GatewaySource {
     port: u16,
     /// Host and port as the request names them.
     authority: String,
+    /// Whom it has to prove that it is the gateway; `None` over http.
+    trust: Option<Trust>,
+    /// The header that bears the token.
+    token: Option<HeaderValue>,
 }
 
 impl GatewaySource {
-    /// The gateway at `url`.
+    /// The gateway at `url`. Over https it is trusted by the certificates in `authorities`, else by those that this
+    /// computer trusts, and gets the `token`.
     ///
-    /// # Errors It is no address of a page.
-    pub fn new(url: &str) -> Result<Self, Failure> {
+    /// # Errors It is no address of a page, or `authorities` are no certificates.
+    pub fn new(
+        url: &str,
+        authorities: Option<&Path>,
+        token: Option<HeaderValue>,
+    ) -> Result<Self, Failure> {
         let wrong = |why: &str| {
             Failure::Wrong(format!(
                 "{url:?} is no address of a gateway's page: {why}; expected something like http://127.0.0.1:{PORT}"
             ))
         };
         let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
-        match uri.scheme_str() {
-            Some("http") => {}
-            Some("https") => {
+        let encrypted = match uri.scheme_str() {
+            Some("http") if authorities.is_some() => {
                 return Err(wrong(
-                    "https is not read; use a tunnel (ssh -L 9481:127.0.0.1:9481 BOX), and http://127.0.0.1:9481",
+                    "--ca is for https://, and over http nobody shows a certificate",
                 ));
             }
-            _ => return Err(wrong("it does not begin with http://")),
-        }
+            Some("http") => false,
+            Some("https") => true,
+            _ => return Err(wrong("it begins neither with http:// nor with https://")),
+        };
         if !matches!(uri.path(), "" | "/") || uri.query().is_some() {
             return Err(wrong("nothing may follow the port"));
         }
@@ -72,7 +85,10 @@ impl GatewaySource {
         }
         let host = authority.host().trim_start_matches('[').trim_end_matches(']').to_owned();
         let port = authority.port_u16().unwrap_or(PORT);
-        Ok(Self { host, port, authority: format!("{}:{port}", authority.host()) })
+        let trust = encrypted.then(|| Trust::new(&host, authorities)).transpose()?;
+        // Who listens to http would have the token.
+        let token = token.filter(|_| encrypted);
+        Ok(Self { port, authority: format!("{}:{port}", authority.host()), host, trust, token })
     }
 
     /// Follows the gateway until it is lost, for the reason returned; `Ok` if nobody wants to be told any more.
@@ -136,6 +152,9 @@ impl GatewaySource {
         if status == StatusCode::OK {
             return Ok(answer);
         }
+        if status == StatusCode::UNAUTHORIZED {
+            return Err(trust::unauthorized(self.token.is_some()));
+        }
         let told = read(answer.body_mut(), LARGEST_REFUSAL, path).await.unwrap_or_default();
         let told = String::from_utf8_lossy(&told);
         let line: String =
@@ -144,22 +163,25 @@ impl GatewaySource {
     }
 
     async fn send(&self, path: &str, kind: &str) -> Result<Response<Incoming>, String> {
-        let text = |error: &dyn std::fmt::Display| error.to_string();
-        let address = (self.host.as_str(), self.port);
-        let stream = TcpStream::connect(address).await.map_err(|error| text(&error))?;
-        let (mut sender, connection) =
-            http1::handshake(TokioIo::new(stream)).await.map_err(|error| text(&error))?;
-        // It ends with the answer.
-        tokio::spawn(connection);
         let request = Request::get(path).header(HOST, &self.authority).header(ACCEPT, kind);
-        let request = request.body(Body::empty()).map_err(|error| text(&error))?;
-        sender.send_request(request).await.map_err(|error| text(&error))
+        let request = match &self.token {
+            Some(token) => request.header(AUTHORIZATION, token),
+            None => request,
+        };
+        let request = request.body(Body::empty()).map_err(|error| error.to_string())?;
+        let address = (self.host.as_str(), self.port);
+        let stream = TcpStream::connect(address).await.map_err(|error| error.to_string())?;
+        match &self.trust {
+            Some(trust) => send(trust.connect(stream).await?, request).await,
+            None => send(stream, request).await,
+        }
     }
 }
 
 impl NewsSource for GatewaySource {
     fn name(&self) -> String {
-        format!("http://{}", self.authority)
+        let scheme = if self.trust.is_some() { "https" } else { "http" };
+        format!("{scheme}://{}", self.authority)
     }
 
     fn watch(&mut self, tell: &mut dyn FnMut(News) -> bool) {
@@ -178,6 +200,18 @@ impl NewsSource for GatewaySource {
             std::thread::sleep(PAUSE);
         }
     }
+}
+
+/// The answer to `request`, of which the body is not read yet.
+async fn send(
+    stream: impl AsyncRead + AsyncWrite + Send + Unpin + 'static,
+    request: Request<Body>,
+) -> Result<Response<Incoming>, String> {
+    let handshake = http1::handshake(TokioIo::new(stream)).await;
+    let (mut sender, connection) = handshake.map_err(|error| error.to_string())?;
+    // It ends with the answer.
+    tokio::spawn(connection);
+    sender.send_request(request).await.map_err(|error| error.to_string())
 }
 
 fn silent() -> String {
@@ -221,8 +255,9 @@ mod tests {
 
     #[test]
     fn only_the_address_of_a_page_is_taken() {
-        let taken =
-            |url: &str| GatewaySource::new(url).map(|it| (it.name(), it.host, it.port)).ok();
+        let taken = |url: &str| {
+            GatewaySource::new(url, None, None).map(|it| (it.name(), it.host, it.port)).ok()
+        };
         let own = |name: &str, host: &str, port| Some((name.to_owned(), host.to_owned(), port));
         let named = "http://127.0.0.1:9481";
         assert_eq!(taken(named), own(named, "127.0.0.1", 9481));
@@ -233,7 +268,7 @@ mod tests {
             "box",
             "box:9481",
             "ftp://box",
-            "https://box",
+            "https://",
             "http://box/health",
             "http://me@box",
             "http://",

@@ -6,6 +6,7 @@ mod news;
 mod picture;
 mod stream;
 mod terminal;
+mod trust;
 mod view;
 mod viewer;
 
@@ -29,6 +30,7 @@ const WAITING: usize = 16;
        tertius monitor --config <FILE> [--interface <NAME>]")]
 #[command(after_help = "Examples:
   tertius monitor http://127.0.0.1:9481
+  tertius monitor https://box:9481 --ca page.crt --token-file token
   tertius monitor --config config/e-type.toml --interface can0
 
 Keys: up and down select a cylinder, s sorts, space freezes, enter zooms, ? helps, q quits.
@@ -40,6 +42,13 @@ pub struct Monitor {
     /// The machine's configuration, to listen to its bus with a monitor of its own
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    /// Over https, trusts the certificates in this file (PEM), and no others: the gateway's own, or that of who
+    /// certified it [default: those that this computer trusts]
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    ca: Option<PathBuf>,
+    /// The file with the token that a gateway asks for from other computers [default: the environment's TERTIUS_TOKEN]
+    #[arg(long, value_name = "FILE", conflicts_with = "config")]
+    token_file: Option<PathBuf>,
     /// Listens to this interface [default: that of the configuration]
     #[arg(long, value_name = "NAME", requires = "config")]
     interface: Option<String>,
@@ -53,7 +62,10 @@ impl Monitor {
     pub fn run(self) -> Result<(), Failure> {
         terminal::check()?;
         let mut source: Box<dyn NewsSource> = match (self.url, self.config) {
-            (Some(url), _) => Box::new(GatewaySource::new(&url)?),
+            (Some(url), _) => {
+                let token = trust::token(self.token_file.as_deref())?;
+                Box::new(GatewaySource::new(&url, self.ca.as_deref(), token)?)
+            }
             (None, Some(config)) => Box::new(BusSource::new(&config, self.interface)?),
             (None, None) => return Err(Failure::Wrong("give a URL or --config".to_owned())),
         };

@@ -27,7 +27,8 @@ pub fn page(
     recorded: &Recorded,
 ) -> String {
     let mut page = Page::new("replay", &format!("Replay: {}", heading.machine));
-    page.paragraph(&format!("{} with {}", heading.inputs, heading.config));
+    let (inputs, config) = (heading.inputs, heading.config);
+    page.paragraph(&format!("{inputs} with {config}: {}", summary.fingerprints));
     page.alarm(&summary.judgement.headline());
     incidents::verdict(&mut page, &verdict::lines(summary, heading.zone), summary);
     page.lines(&human::overview(summary));

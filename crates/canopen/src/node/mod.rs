@@ -58,8 +58,10 @@ pub struct NodeDesign {
     pub sends_estimates: bool,
     /// Cylinders with a calibration of the sequential detector, bit 0 for cylinder 1.
     pub calibrated: u8,
-    /// CRC-32 of the configuration file, which includes the learnt tables, see [`checksum`].
+    /// Identity of the configuration with its DBC.
     pub configuration: u32,
+    /// Identity of the calibration; 0 where there is none.
+    pub calibration: u32,
     /// CRC-32 of the DBC, and of the EDS files of devices behind it.
     pub database: u32,
     /// Bit rate of the bus, bit/s.

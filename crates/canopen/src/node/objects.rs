@@ -213,13 +213,18 @@ fn machine(design: &NodeDesign) -> [NodeObject; 4] {
             0x2003,
             "Calibration",
             [
-                NodeEntry::number("CRC-32 of the configuration", Unsigned32, design.configuration),
+                NodeEntry::number(
+                    "Identity of the configuration",
+                    Unsigned32,
+                    design.configuration,
+                ),
                 NodeEntry::number(
                     "CRC-32 of the DBC and the EDS files",
                     Unsigned32,
                     design.database,
                 ),
                 NodeEntry::number("Calibrated cylinders", Unsigned8, design.calibrated.into()),
+                NodeEntry::number("Identity of the calibration", Unsigned32, design.calibration),
             ],
         ),
     ]

@@ -69,6 +69,10 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         }
         _ = writeln!(text, "[comparator]\nbound = {:?}", four_digits(bound.level));
     }
+    let end = timeline.at(result.fitted.to.max(result.tried.to));
+    if let Some(day) = provenance::day(end) {
+        _ = writeln!(text, "\n[calibration]\nrecorded = \"{day}\"");
+    }
     for cylinder in result.cylinders.iter().filter_map(CylinderCalibration::table) {
         let Cylinder { n, c2_gain, c2_offset, sequential, .. } = cylinder;
         _ = writeln!(

@@ -3,6 +3,9 @@
 use crate::survey::{Timeline, Window};
 use tertius_core::time::Timestamp;
 
+/// Seconds of a year.
+const YEAR: i64 = 365 * 86_400;
+
 /// First lines of a file of tables by `command`; `parts` of the recording and their names.
 pub fn heading(
     version: &str,
@@ -52,6 +55,13 @@ pub fn four_digits(value: f64) -> f64 {
     text.parse().unwrap_or(value)
 }
 
+/// The day of `at`, UTC, as YYYY-MM-DD; `None` for a recording that counts from zero, whose day nobody
+/// knows, and beyond the years of four digits.
+pub fn day(at: Timestamp) -> Option<String> {
+    let known = (YEAR..8000 * YEAR).contains(&at.as_nanos().div_euclid(1_000_000_000));
+    known.then(|| date(at).chars().take(10).collect())
+}
+
 /// Date and time of day, UTC. A recording that counts from zero begins in 1970.
 pub fn date(at: Timestamp) -> String {
     let seconds = at.as_nanos().div_euclid(1_000_000_000);
@@ -91,6 +101,14 @@ mod tests {
     fn a_name_stays_in_its_comment() {
         let named = heading("1", "tune", "a\n[fde]\nhigh = 1", "log\r", &Timeline::default(), &[]);
         assert!(named.lines().all(|line| line.starts_with('#')), "{named}");
+    }
+
+    #[test]
+    fn a_recording_that_counts_from_zero_has_no_day() {
+        let of = |seconds: i64| day(Timestamp::from_nanos(seconds * 1_000_000_000));
+        assert_eq!(of(86_400), None);
+        assert_eq!(of(-1), None);
+        assert_eq!(of(1_700_000_000).as_deref(), Some("2023-11-14"));
     }
 
     #[test]

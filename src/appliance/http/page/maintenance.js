@@ -23,7 +23,7 @@ export class Maintenance {
       element("h2", {}, "Gateway"),
       table("The gateway", ["What", "Value"], [
         ["Program", `tertius ${machine.version}`], ["Machine", machine.name], ["Configuration", machine.configuration],
-        ["Its identity", machine.identity]]),
+        ["Its identity", machine.identity], ["Calibration", calibration(machine)]]),
       element("h2", {}, "Limits, mm"),
       table("Limits", ["Cylinder", "R1", "R2", "R3", "C1 − C2"],
         machine.limits_m.map((limits, index) => [String(index + 1), ...limits.map((limit) => number(limit * 1e3, 2))])));
@@ -105,6 +105,15 @@ class Computer {
     say(this.note, `Examined at ${utc(at_s)}, without listening to the bus; tertius doctor does that, too.`);
     this.list.replaceChildren(...findings.map(finding));
   }
+}
+
+/** The calibration's identity and the age of what it was learnt from, or that there is none. */
+function calibration({ calibration: identity, calibration_recorded: recorded }) {
+  if (!identity) return "none: no cylinder has been calibrated";
+  if (!recorded) return `${identity}, of an unknown day`;
+  const days = Math.floor((Date.now() - Date.parse(`${recorded}T00:00:00Z`)) / 86_400_000);
+  const age = days < 0 ? "which is to come: is the clock right?" : days === 0 ? "today" : `${plural(days, "day")} ago`;
+  return `${identity}, from recordings until ${recorded}, ${age}`;
 }
 
 function finding({ verdict, subject, found, advice }) {

@@ -38,6 +38,7 @@ pub(super) fn design() -> NodeDesign {
         sends_estimates: false,
         calibrated: 0b101,
         configuration: 0x1234_5678,
+        calibration: 0x9ABC_DEF0,
         database: 0x9ABC_DEF0,
         bitrate: 500_000,
     }

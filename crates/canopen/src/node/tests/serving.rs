@@ -32,6 +32,7 @@ fn objects_have_what_the_node_knows() {
         (0x2002, 13, 13),
         (0x2003, 1, 0x1234_5678),
         (0x2003, 3, 0b101),
+        (0x2003, 4, 0x9ABC_DEF0),
     ] {
         assert_eq!(bench.number(index, sub), value, "{index:04X}:{sub}");
     }
