@@ -175,6 +175,11 @@ def main():
             for view in views:
                 name = "incident" if view == f"incidents/{number}" else view.split("/")[0]
                 look(one, view, f"{name}-{suffix}", findings)
+        page.goto(f"{URL}/#maintenance")
+        row = page.locator("#view-maintenance tr", has_text="Calibration").inner_text()
+        days = int((time.time() - 1_698_796_800) // 86_400)
+        assert row.endswith(f"from recordings until 2023-11-01, {days} days ago"), row
+
         result["axe"] = findings
         result["complaints"] = complaints
         assert not findings, result

@@ -22,7 +22,7 @@ fn a_technician_sees_a_fault_arrive_and_deals_with_it() {
         .replace("interface = \"can0\"", "interface = \"virtual\"")
         .replace("../../dbc/e-type.dbc", "e-type.dbc")
         + &format!(
-            "\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n\
+            "\n[calibration]\nrecorded = \"2023-11-01\"\n\n[http]\nlisten = \"127.0.0.1:0\"\ntoken = \"{digest}\"\n[store]\nfile = \"events.db\"\n\
              [recorder]\nfolder = \"recordings\"\nbefore = 10.0\nafter = 5.0\n"
         );
     let config = scratch.write("machine.toml", config);
