@@ -137,6 +137,12 @@ impl Appliance {
 
     /// Takes what is monitored from now on.
     pub fn describe(&self, facts: MachineFacts) {
+        if !facts.has_model {
+            warn!(
+                "the configuration has no [model]: R1 and R2 are judged by that of another machine (thesis, Table 4-1); \
+                 `tertius commission` learns this machine's"
+            );
+        }
         self.recorder.telemetry().describe(facts);
     }
 

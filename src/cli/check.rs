@@ -144,10 +144,7 @@ fn fast_doubt(settings: &Settings) -> Option<String> {
 
 /// A machine without a model of its own, which R1 and R2 judge by that of another one.
 fn model_doubt(machine: &Machine) -> Option<String> {
-    let own = |n: &usize| machine.loaded.document.has(&format!("cylinder[{n}].theta"));
-    let cylinders = machine.loaded.settings.cylinder.len();
-    let has = machine.loaded.document.has("model") || (0..cylinders).any(|n| own(&n));
-    (!has).then(|| {
+    (!machine.loaded.has_model()).then(|| {
         "model: this file has none, so that R1 and R2 judge by the model of another machine (thesis, Table 4-1); \
          `tertius commission` learns this machine's from a healthy recording"
             .to_owned()

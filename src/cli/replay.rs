@@ -242,6 +242,7 @@ impl Replay {
             duration: duration.as_seconds(),
             sample_time: machine.loaded.settings.machine.sample_time,
             fingerprints: &machine.loaded.fingerprints(),
+            has_model: machine.loaded.has_model(),
             judgement,
             statistics,
             counts: monitor.counts(),

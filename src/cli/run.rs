@@ -113,6 +113,7 @@ pub fn facts(path: &Path, machine: &Machine) -> MachineFacts {
         identity: fingerprints.configuration.to_string(),
         calibration: fingerprints.calibration.map(|it| it.to_string()),
         calibration_recorded: fingerprints.recorded,
+        has_model: machine.loaded.has_model(),
         limits_m: machine.design.cylinders.iter().map(|cylinder| cylinder.limits()).collect(),
         platform_states: platform_states(machine),
     }

@@ -66,7 +66,7 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
     let mut page = String::new();
     // Writing to a string cannot fail.
     let (inputs, machine, config) = (heading.inputs, heading.machine, heading.config);
-    _ = writeln!(page, "{inputs}  with {machine} ({config}: {})\n", summary.fingerprints);
+    _ = writeln!(page, "{inputs}  with {machine} ({config}: {})\n", summary.judged_by());
     let headline = summary.judgement.headline();
     if !headline.is_empty() {
         let red = || style(&headline).red().force_styling(true).to_string();

@@ -46,6 +46,8 @@ pub struct Summary<'a> {
     pub sample_time: f64,
     /// What it was judged by.
     pub fingerprints: &'a Fingerprints,
+    /// Whether the machine has a model of its own; otherwise R1 and R2 are those of the thesis's.
+    pub has_model: bool,
     pub judgement: &'a Judgement,
     pub statistics: &'a Statistics,
     pub counts: &'a Counts,
@@ -60,6 +62,12 @@ pub struct Summary<'a> {
 }
 
 impl Summary<'_> {
+    /// What it was judged by, in words.
+    pub fn judged_by(&self) -> String {
+        let foreign = "; no [model], so that R1 and R2 are by that of the thesis, Table 4-1";
+        format!("{}{}", self.fingerprints, if self.has_model { "" } else { foreign })
+    }
+
     /// Number of frames that the monitor does not use.
     pub fn ignored_frames(&self) -> u64 {
         self.statistics.frames.saturating_sub(self.counts.used)

@@ -132,3 +132,17 @@ fn a_quiet_recording_fits_one_screen_and_says_what_was_judged() {
     let refused = tertius(&nowhere, b"");
     assert!(refused.code != Some(0) && refused.stderr.contains("Europe/Amsterdam"), "{refused:?}");
 }
+
+/// The recording's own configuration has none, as that machine is the thesis's.
+#[test]
+fn a_machine_without_a_model_is_told_so() {
+    let told = |config: &str| {
+        let run =
+            tertius(&["replay", &recording("e-type-healthy.log.zst"), "--config", config], b"");
+        run.ok()
+            .stdout
+            .contains("no [model], so that R1 and R2 are by that of the thesis, Table 4-1")
+    };
+    assert!(told(E_TYPE));
+    assert!(!told("config/e-type-simulated.toml"));
+}

@@ -139,6 +139,12 @@ fn the_service_runs_the_packaged_program_and_waits_for_a_configuration_that_the_
     assert_eq!(call[at + 1], configuration);
     assert!(!installed(configuration), "a machine that nobody has configured would be monitored");
 
+    // A wrong configuration is exit code 2, which another start does not mend.
+    assert_eq!(
+        (of_unit(&unit, "Restart"), of_unit(&unit, "RestartPreventExitStatus")),
+        ("always", "2")
+    );
+
     let units = described()["systemd-units"].clone();
     assert_eq!(units["unit-scripts"].as_str(), Some("config/systemd"));
     for key in ["enable", "start", "restart-after-upgrade"] {

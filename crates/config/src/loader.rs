@@ -44,6 +44,12 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// Whether the file has a model of its machine, or of one of its cylinders; otherwise the thesis's is taken.
+    pub fn has_model(&self) -> bool {
+        let own = |n: usize| self.document.has(&format!("cylinder[{n}].theta"));
+        self.document.has("model") || (0..self.settings.cylinder.len()).any(own)
+    }
+
     /// Bytes of all files that say where signals are in frames: the DBC, and then each EDS or DCF.
     pub fn layout(&self) -> Vec<u8> {
         let sheets = self.sheets.iter().map(|sheet| sheet.text.as_slice());

@@ -117,6 +117,8 @@ pub struct MachineFacts {
     pub calibration: Option<String>,
     /// The day (UTC) on which the newest recording ended that it was learnt from, if the configuration says it.
     pub calibration_recorded: Option<String>,
+    /// Whether the configuration has a model of the machine.
+    pub has_model: bool,
     /// Of each cylinder, limits of R1, R2, R3 and of the measured difference, m.
     pub limits_m: Vec<[f64; QUANTITIES]>,
     /// Numbers and names of the platform's states.

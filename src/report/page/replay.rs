@@ -28,7 +28,7 @@ pub fn page(
 ) -> String {
     let mut page = Page::new("replay", &format!("Replay: {}", heading.machine));
     let (inputs, config) = (heading.inputs, heading.config);
-    page.paragraph(&format!("{inputs} with {config}: {}", summary.fingerprints));
+    page.paragraph(&format!("{inputs} with {config}: {}", summary.judged_by()));
     page.alarm(&summary.judgement.headline());
     incidents::verdict(&mut page, &verdict::lines(summary, heading.zone), summary);
     page.lines(&human::overview(summary));
