@@ -34,7 +34,6 @@ pub enum Numbered {
     /// Text, in lines counted from 1.
     Lines,
     /// Anything else, by the number of bytes before the place, after decompression.
-    #[cfg_attr(not(test), allow(dead_code, reason = "every format that is read so far has lines"))]
     Bytes,
 }
 

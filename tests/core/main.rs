@@ -3,6 +3,7 @@
 
 mod ailments;
 mod arrival_healthy;
+mod asc;
 mod candump;
 mod candump_inputs;
 mod candump_properties;
@@ -25,6 +26,7 @@ mod inject_spec;
 mod monitor_arrival;
 mod monitor_cycles;
 mod monitor_pages;
+mod pcap;
 mod pdo;
 mod plant;
 mod resume;

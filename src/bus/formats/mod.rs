@@ -1,14 +1,17 @@
 //! The recording formats: a file for each that is read, and its line in [`FORMATS`].
 
+mod asc;
 pub(super) mod candump;
+mod decimal;
 mod hex;
+mod pcap;
 mod token;
 mod trc;
 
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 2] = [&trc::FORMAT, &candump::FORMAT];
+pub static FORMATS: [&Format; 4] = [&pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &candump::FORMAT];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
@@ -36,46 +39,16 @@ struct Foreign {
     told: &'static str,
 }
 
-static FOREIGN: [Foreign; 5] = [
+static FOREIGN: [Foreign; 2] = [
     Foreign {
         begins: |head| head.starts_with(b"LOGG"),
         told: "a Vector log in BLF; can_logconvert (of python-can) converts it to a candump log",
     },
     Foreign {
-        begins: is_asc,
-        told: "a Vector log in ASC; can_logconvert (of python-can) converts it to a candump log",
-    },
-    Foreign {
         begins: |head| head.starts_with(b"MDF     ") || head.starts_with(b"UnFinMF "),
         told: "measurement data in MDF; can_logconvert (of python-can) converts it to a candump log",
     },
-    Foreign {
-        begins: |head| PCAP.iter().any(|magic| head.starts_with(magic)),
-        told: "a capture of Wireshark or tcpdump, in pcap; record with candump -l instead",
-    },
-    Foreign {
-        begins: |head| head.starts_with(&[0x0A, 0x0D, 0x0D, 0x0A]),
-        told: "a capture of Wireshark or tcpdump, in pcapng; record with candump -l instead",
-    },
 ];
-
-/// The first bytes of a capture, in microseconds or nanoseconds, of either byte order.
-const PCAP: [[u8; 4]; 4] = [
-    [0xD4, 0xC3, 0xB2, 0xA1],
-    [0xA1, 0xB2, 0xC3, 0xD4],
-    [0x4D, 0x3C, 0xB2, 0xA1],
-    [0xA1, 0xB2, 0x3C, 0x4D],
-];
-
-/// Whether `head` begins like an ASC file, with `date Sat Sep 30 15:06:13 2017` and `base hex
-/// timestamps absolute`.
-fn is_asc(head: &[u8]) -> bool {
-    let text = head.to_ascii_lowercase();
-    let mut lines = text.split(|byte| *byte == b'\n').map(|line| line.trim_ascii());
-    lines.by_ref().take(4).any(|line| {
-        line.starts_with(b"base hex ") || line.starts_with(b"base dec ") || line == b"base hex"
-    })
-}
 
 /// What to tell of an input that begins with `head` if it has a format that is not read.
 pub fn foreign(head: &[u8]) -> Option<&'static str> {

@@ -10,6 +10,7 @@ use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
+use super::decimal::number;
 use super::hex::digit;
 use super::token::token;
 
@@ -24,9 +25,6 @@ const NANOS_PER_DAY: i128 = 86_400_000_000_000;
 const NANOS_PER_MILLISECOND: i128 = 1_000_000;
 /// Days from 1899-12-30 to 1970-01-01.
 const DAYS_BEFORE_1970: i128 = 25_569;
-/// Most digits on either side of a point, so that no product is out of range. Further decimals, which are
-/// below anything that matters, are left out.
-const DIGITS: usize = 12;
 /// Most columns.
 const COLUMNS: usize = 12;
 /// Payload length of CAN FD's data length codes from 9 on, bytes.
@@ -361,21 +359,4 @@ fn announced(message: &Message<'_>, kind: Kind) -> Result<usize, Reason> {
         _ if number > 8 => Err(Reason::ClassicLength),
         _ => Ok(number),
     }
-}
-
-/// A number with decimals, in units of which it has `unit` to one, rounded.
-fn number(text: &[u8], unit: i128) -> Option<i128> {
-    let (sign, text) = text.strip_prefix(b"-").map_or((1, text), |text| (-1, text));
-    let point = memchr::memchr(b'.', text);
-    let (whole, decimals) = point.map_or((text, &b""[..]), |at| (&text[..at], &text[at + 1..]));
-    if whole.is_empty() || whole.len() > DIGITS || !decimals.iter().all(u8::is_ascii_digit) {
-        return None;
-    }
-    let decimals = &decimals[..decimals.len().min(DIGITS)];
-    let add = |value: i128, digit: &u8| {
-        digit.is_ascii_digit().then(|| 10 * value + i128::from(digit - b'0'))
-    };
-    let digits = whole.iter().chain(decimals).try_fold(0, add)?;
-    let parts = 10_i128.pow(decimals.len() as u32);
-    Some(sign * ((digits * unit + parts / 2) / parts))
 }

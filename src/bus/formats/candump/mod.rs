@@ -8,7 +8,7 @@ mod common;
 mod console;
 mod line;
 mod log;
-mod stamp;
+pub(super) mod stamp;
 
 pub(in crate::bus) use common::{Common, Known};
 use line::Line;
