@@ -4,6 +4,7 @@
 mod ailments;
 mod arrival_healthy;
 mod asc;
+mod blf;
 mod candump;
 mod candump_inputs;
 mod candump_properties;

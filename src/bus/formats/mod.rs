@@ -1,6 +1,7 @@
 //! The recording formats: a file for each that is read, and its line in [`FORMATS`].
 
 mod asc;
+mod blf;
 pub(super) mod candump;
 mod decimal;
 mod hex;
@@ -11,7 +12,8 @@ mod trc;
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 4] = [&pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &candump::FORMAT];
+pub static FORMATS: [&Format; 5] =
+    [&blf::FORMAT, &pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &candump::FORMAT];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
@@ -39,16 +41,10 @@ struct Foreign {
     told: &'static str,
 }
 
-static FOREIGN: [Foreign; 2] = [
-    Foreign {
-        begins: |head| head.starts_with(b"LOGG"),
-        told: "a Vector log in BLF; can_logconvert (of python-can) converts it to a candump log",
-    },
-    Foreign {
-        begins: |head| head.starts_with(b"MDF     ") || head.starts_with(b"UnFinMF "),
-        told: "measurement data in MDF; can_logconvert (of python-can) converts it to a candump log",
-    },
-];
+static FOREIGN: [Foreign; 1] = [Foreign {
+    begins: |head| head.starts_with(b"MDF     ") || head.starts_with(b"UnFinMF "),
+    told: "measurement data in MDF; can_logconvert (of python-can) converts it to a candump log",
+}];
 
 /// What to tell of an input that begins with `head` if it has a format that is not read.
 pub fn foreign(head: &[u8]) -> Option<&'static str> {

@@ -1,0 +1,151 @@
+//! Vector logs in BLF: written and read by python-can, and damaged.
+
+use std::fs;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use proptest::prelude::*;
+use proptest::sample::Index;
+use serde_json::{Value, json};
+use tertius::bus::{Interfaces, Options};
+use tertius::frame::{Frame, Kind};
+use tertius_testing::candump::{read, read_in_pieces, read_with};
+use tertius_testing::oracle;
+
+const LOG: &str = "tests/oracle/e-type-excerpt.log";
+
+fn written(call: &[&str], folder: &Path) -> Vec<u8> {
+    let path = folder.join("written.blf");
+    let name = path.display().to_string();
+    let call: Vec<&str> =
+        call.iter().map(|word| if *word == "BLF" { &name } else { *word }).collect();
+    oracle::run("blf.py", &call, "");
+    fs::read(path).expect("it was written")
+}
+
+/// A frame as the script prints it.
+fn printed(frame: &Frame, channel: u64) -> Value {
+    let hex: String = frame.data().iter().map(|byte| format!("{byte:02x}")).collect();
+    let (error, flags) = match frame.kind {
+        Kind::Error => (true, 0),
+        Kind::Fd { flags } => (false, flags),
+        _ => (false, 0),
+    };
+    let remote = matches!(frame.kind, Kind::Remote { .. });
+    let fd = matches!(frame.kind, Kind::Fd { .. });
+    let (id, extended) = (frame.id.value(), frame.id.is_extended());
+    let micros = frame.timestamp.as_nanos() / 1000;
+    json!([micros, id, extended, remote, error, fd, flags & 1 != 0, flags & 2 != 0, channel, hex])
+}
+
+#[test]
+fn every_kind_of_frame_is_read_as_python_can_reads_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let blf = written(&["made", "BLF"], folder.path());
+    let path = folder.path().join("written.blf").display().to_string();
+    let [theirs]: [Vec<Value>; 1] =
+        serde_json::from_str(&oracle::run("blf.py", &["read", &path], "")).expect("JSON");
+    let of = |channel: u64| {
+        let interfaces = Interfaces::Only(format!("channel{channel}"));
+        let (frames, statistics) = read_with(&blf, Options { interfaces, ..Options::default() });
+        assert_eq!(statistics.bad_lines, 0, "{:?}", statistics.first_bad_lines);
+        frames.into_iter().map(move |frame| printed(&frame, channel))
+    };
+    let mut ours: Vec<Value> = of(1).chain(of(2)).collect();
+    ours.sort_by_key(|frame| frame[0].as_i64());
+    assert_eq!(ours.len(), 7);
+    for (ours, theirs) in ours.iter().zip(&theirs) {
+        if theirs[4] == json!(true) {
+            assert_eq!((&ours[0], &ours[4], &ours[8]), (&theirs[0], &theirs[4], &theirs[8]));
+        } else {
+            assert_eq!(ours, theirs);
+        }
+    }
+}
+
+#[test]
+fn what_python_can_writes_is_the_candump_that_it_was_made_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (frames, _) = read(&fs::read(oracle::top().join(LOG)).expect("the excerpt"));
+    // Objects end within a container or in the next one.
+    for (size, level) in [("131072", "-1"), ("131072", "0"), ("1000", "-1"), ("200", "0")] {
+        let blf = written(&["write", LOG, "BLF", size, level], folder.path());
+        let (found, statistics) = read(&blf);
+        assert_eq!((found.len(), statistics.bad_lines), (frames.len(), 0), "{size} {level}");
+        assert_eq!(statistics.interfaces_found(), format!("channel1 ({} frames)", frames.len()));
+        for (one, other) in found.iter().zip(&frames) {
+            assert_eq!((one.id, one.kind, one.data()), (other.id, other.kind, other.data()));
+            // The start has milliseconds, and time stamps come by way of a double.
+            let apart = one.timestamp.as_nanos() - other.timestamp.as_nanos();
+            assert!(apart.abs() <= 501_000, "{apart} ns");
+        }
+        for sizes in [&[1][..], &[7, 0, 64]] {
+            let pieces = read_in_pieces(&blf, sizes, Options::default());
+            assert_eq!(pieces, (found.clone(), statistics.clone()), "{size} {level}");
+        }
+    }
+}
+
+#[test]
+fn a_log_that_was_never_finished_has_what_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (frames, _) = read(&fs::read(oracle::top().join(LOG)).expect("the excerpt"));
+    let blf = written(&["write", LOG, "BLF", "1000", "0"], folder.path());
+    let (found, _) = read(&blf[..blf.len() / 2]);
+    assert!((frames.len() / 3..frames.len()).contains(&found.len()), "{}", found.len());
+    assert!(found.iter().zip(&frames).all(|(one, other)| one.data() == other.data()));
+}
+
+#[test]
+fn an_object_without_a_length_ends_and_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let blf = written(&["write", LOG, "BLF", "131072", "0"], folder.path());
+    let container = 144;
+    assert_eq!(&blf[container..container + 4], b"LOBJ");
+    for (at, told) in [
+        // The container's own length, and that of the second object in it.
+        (container + 8, "an object, which begins with LOBJ and its length"),
+        (container + 32 + 48 + 8, "the length of an object, 16 or more"),
+    ] {
+        let mut damaged = blf.clone();
+        damaged[at..at + 4].fill(0);
+        let (_, statistics) = read(&damaged);
+        let said = statistics.first_bad_lines[0].reason.to_string();
+        assert!(said.contains(told), "{said}");
+    }
+    let mut unknown = blf.clone();
+    unknown[container + 16] = 9;
+    let (found, statistics) = read(&unknown);
+    assert_eq!((found.len(), statistics.bad_lines), (0, 1));
+    let said = statistics.first_bad_lines[0].reason.to_string();
+    assert!(said.contains("a container that is compressed by zlib, or not at all"), "{said}");
+}
+
+/// Logs with and without compression, in containers of which objects stick out.
+static LOGS: LazyLock<[Vec<u8>; 3]> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = |size, level| written(&["write", LOG, "BLF", size, level], folder.path());
+    [of("500", "0"), of("1000", "-1"), written(&["made", "BLF"], folder.path())]
+});
+
+proptest! {
+    /// Whatever becomes of some bytes, nothing breaks, every record is accounted for, and the sizes of the
+    /// reads make no difference.
+    #[test]
+    fn damaged_binary_logs_do_no_harm(
+        which in 0..3_usize,
+        damage in prop::collection::vec((any::<Index>(), any::<u8>()), 0..8),
+        sizes in prop::collection::vec(1..200_usize, 1..4),
+    ) {
+        let mut bytes = LOGS[which].clone();
+        for (place, byte) in &damage {
+            let place = place.index(bytes.len());
+            bytes[place] = *byte;
+        }
+        let (frames, statistics) = read(&bytes);
+        prop_assert!(statistics.frames + statistics.bad_lines <= statistics.lines);
+        prop_assert!(frames.len() as u64 <= statistics.frames);
+        let pieces = read_in_pieces(&bytes, &sizes, Options::default());
+        prop_assert_eq!(pieces, (frames, statistics));
+    }
+}
