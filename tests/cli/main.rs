@@ -9,6 +9,7 @@ mod demo;
 mod doctor;
 mod dwell_history;
 mod eds_command;
+mod formats;
 mod gateway_frames;
 mod golden;
 mod incidents;
