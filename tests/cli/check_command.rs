@@ -449,10 +449,17 @@ fn a_pipe_is_no_configuration_and_no_dbc() {
 fn a_file_that_is_no_configuration_is_one_problem() {
     let run = check("dbc/e-type.dbc").failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
     assert!(!run.stderr.contains("not TOML"), "{}", run.stderr);
+    // In the usual encoding of a DBC a degree sign is not UTF-8.
+    let latin = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("the DBC");
+    let mut latin = latin.replace(|letter: char| !letter.is_ascii(), "?").into_bytes();
+    latin.extend(b"\nCM_ \"\xB0\";\n");
+    let scratch = Scratch::new();
+    let latin = scratch.write("latin.dbc", latin);
+    let run = check(&latin).failed(2, &["1 problem", "this is a DBC", "bus.dbc"]);
+    assert!(!run.stderr.contains("UTF-8"), "{}", run.stderr);
     check("README.md").failed(2, &["1 problem", "this is not a configuration", "[machine]"]);
     check("tests/recordings/hanging-load.faults.csv").failed(2, &["1 problem"]);
     // Of a configuration the first places are told where it breaks.
-    let scratch = Scratch::new();
     let rubbish = "this is no line\n".repeat(50);
     let config = scratch.config(&[("[plausibility]", &format!("{rubbish}[plausibility]"))]);
     let run = check(&config).failed(2, &["not TOML"]);

@@ -99,21 +99,29 @@ fn not_toml(document: &Document, error: &toml::de::Error) -> Problem {
 /// The error for a file in which nothing is known: it is the wrong file, and its lines need no
 /// comment.
 fn no_configuration(document: &Document, errors: &[toml::de::Error]) -> ConfigError {
-    let is_dbc = |line: &str| line.starts_with("BO_ ") || line.starts_with("BU_:");
-    let problem = if document.text().lines().any(is_dbc) {
-        let help = "give the configuration (TOML) that names this file in `bus.dbc`, for example \
-                    config/e-type.toml; it is checked with its DBC";
-        Problem::of_file(document.name(), "this is a DBC, not a configuration".to_owned(), help)
-    } else {
-        let help = "a configuration is TOML: tables such as [machine] with lines of key = value, for \
-                    example config/e-type.toml; is this the right file?";
-        let first = errors.first().map(|error| not_toml(document, error));
-        let place = first.as_ref().and_then(Problem::place).cloned();
-        let reason = first.map_or_else(String::new, |first| format!(" ({})", first.message));
-        let message = format!("this is not a configuration{reason}");
-        Problem { place, ..Problem::of_file(document.name(), message, help) }
-    };
+    if is_dbc(document.text()) {
+        return a_dbc(document.name());
+    }
+    let help = "a configuration is TOML: tables such as [machine] with lines of key = value, for \
+                example config/e-type.toml; is this the right file?";
+    let first = errors.first().map(|error| not_toml(document, error));
+    let place = first.as_ref().and_then(Problem::place).cloned();
+    let reason = first.map_or_else(String::new, |first| format!(" ({})", first.message));
+    let message = format!("this is not a configuration{reason}");
+    let problem = Problem { place, ..Problem::of_file(document.name(), message, help) };
     document.refuse([problem]).expect("one problem is a refusal")
+}
+
+/// Whether a text is that of a DBC.
+fn is_dbc(text: &str) -> bool {
+    text.lines().any(|line| line.starts_with("BO_ ") || line.starts_with("BU_:"))
+}
+
+/// The error for a DBC that was given as a configuration.
+fn a_dbc(name: &str) -> ConfigError {
+    let help = "give the configuration (TOML) that names this file in `bus.dbc`, for example \
+                config/e-type.toml; it is checked with its DBC";
+    ConfigError::of_file(name, "this is a DBC, not a configuration".to_owned(), help)
 }
 
 fn too_long(name: &str) -> ConfigError {

@@ -6,7 +6,7 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 use super::settings::Settings;
-use super::{ConfigError, Document, MAX_SIZE, parse, too_long};
+use super::{ConfigError, Document, MAX_SIZE, a_dbc, is_dbc, parse, too_long};
 
 /// The longest DBC file, bytes.
 pub const MAX_DBC_SIZE: usize = 64 << 20;
@@ -179,6 +179,10 @@ fn read(path: &Path, longest: usize) -> io::Result<Option<Vec<u8>>> {
 fn not_utf8(name: &str, error: &std::string::FromUtf8Error) -> ConfigError {
     let sound = error.utf8_error().valid_up_to();
     let readable = String::from_utf8_lossy(error.as_bytes());
+    // DBC files are seldom UTF-8, and advice on letters would lead astray.
+    if is_dbc(&readable) {
+        return a_dbc(name);
+    }
     // What is sound is the same in both, so the place is, too.
     let document = Document::new(name, &readable);
     let message = format!("byte 0x{:02X} is not UTF-8", error.as_bytes()[sound]);

@@ -330,7 +330,7 @@ fn date(text: &[u8]) -> Result<i64, Reason> {
         _ => return Err(none()),
     };
     let is_month = |names: &&[&str]| names.iter().any(|name| month.starts_with(name));
-    let month = 1 + MONTHS.iter().position(|names| is_month(&names)).ok_or_else(none)?;
+    let month = 1 + MONTHS.iter().position(is_month).ok_or_else(none)?;
     let (hour, rest) = time.split_once(':').ok_or_else(none)?;
     let hour: u32 = hour.parse().map_err(|_| none())?;
     let hour = match half {
