@@ -96,15 +96,17 @@ enum With {
 /// A plan by which nothing is written, since nobody asks for it.
 fn plan() -> FlightPlan {
     let path = Path::new("tests/recordings/e-type-sequential.toml");
+    let loaded = config::load(path).expect("it ships");
     FlightPlan {
         folder: std::env::temp_dir().join("tertius-bench"),
         before: Span::from_seconds(30.0),
         after: Span::from_seconds(30.0),
         size: 1,
         machine: String::new(),
+        fingerprints: loaded.fingerprints(),
         interface: "can0".to_owned(),
         files: Vec::new(),
-        design: everything(&config::load(path).expect("it ships")).checksum(),
+        design: everything(&loaded).checksum(),
     }
 }
 

@@ -54,8 +54,8 @@ fn a_gateway_is_watched_over_https_by_who_trusts_it_and_has_its_token() {
     let port = told.rsplit_once(':').expect("a port").1;
     let (named, by_number) =
         (format!("https://localhost:{port}"), format!("https://127.0.0.1:{port}"));
-    let right = scratch.write("token", "0123456789abcdef\n".to_owned());
-    let wrong = scratch.write("wrong", "fedcba9876543210".to_owned());
+    let right = scratch.write("token", "0123456789abcdef\n");
+    let wrong = scratch.write("wrong", "fedcba9876543210");
     let other = certify(&folder, "other", 2100).certificate.display().to_string();
     let own = page.certificate.display().to_string();
     for (words, url, ca, token) in [

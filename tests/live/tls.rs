@@ -1,10 +1,9 @@
 //! The page over https: certificates that are refused, logins that are needed, and clients that stand still.
 
 use crate::metrics_support::{Answer, ask};
-use std::fs::{self, Permissions};
+use std::fs;
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpStream};
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
