@@ -126,8 +126,7 @@ mod tests {
         assert_eq!(of(b"\n\r\n"), Seems::Empty);
         assert_eq!(of("# Gangway\nüber\ttext".as_bytes()), Seems::Text);
         assert_eq!(of(b"\x7FELF\x02\x01"), Seems::Binary);
-        let asc = b"date Sat Sep 30 15:06:13.191 2017\r\nbase hex  timestamps absolute\r\n";
-        assert!(matches!(of(asc), Seems::Foreign(told) if told.contains("ASC")));
+        assert!(matches!(of(b"MDF     4.10    "), Seems::Foreign(told) if told.contains("MDF")));
         // Windows writes two bytes a character behind a mark.
         assert_eq!(of(b"\xFF\xFE(\0"), Seems::Utf16);
     }
