@@ -20,6 +20,7 @@
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
 //! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples together, which
 //!   transducer it is, and the end stop as a reference, whose history outlives the program.
+//! - [`process`]: faults of the cylinder itself: what spool and pressures say of each other.
 //! - [`estimate`]: the virtual third sensor: each cylinder's length with its standard deviation, from the
 //!   transducers that nobody blames and of the command.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
@@ -36,7 +37,7 @@
 //! - [`inject`]: puts faults into frames, to test whether they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for learning. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
-//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`extremes`]: extremes of healthy
+//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`relate`]: spool and pressures by what they follow. [`extremes`]: extremes of healthy
 //!   residuals. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
 //!   back, and a verdict on whether the result is fit for use. [`tables`]: what was learnt, as text that the
@@ -122,9 +123,11 @@ pub use tertius_assess::{commission, evaluate};
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
 pub use tertius_core::{
-    alarm, compare, decode, error_frame, estimate, frame, incident, monitor, observe, sample,
-    sequential, time, verdict,
+    alarm, compare, decode, error_frame, estimate, frame, incident, monitor, observe, process,
+    sample, sequential, time, verdict,
 };
 pub use tertius_dbc as dbc;
-pub use tertius_learn::{calibrate, extremes, identify, learnt, propose, survey, tables, tune};
+pub use tertius_learn::{
+    calibrate, extremes, identify, learnt, propose, relate, survey, tables, tune,
+};
 pub use tertius_machine::{controller, hexapod, inject, plant, sea, simulator, transducer};

@@ -38,8 +38,25 @@ pub fn kind(incident: &Incident) -> String {
     }
     match (incident.fault, incident.size) {
         (Fault::Abrupt, Some(size)) => format!("step of {}", millimetres(size.abs())),
-        (kind, _) => fault(kind).to_owned(),
+        (kind, _) => match process_size(incident) {
+            Some(size) => format!("{} ({size})", fault(kind)),
+            None => fault(kind).to_owned(),
+        },
     }
+}
+
+/// How large a fault of the process is, where that is known.
+fn process_size(incident: &Incident) -> Option<String> {
+    let finding = &incident.part(WarningPlace::Process)?.finding;
+    let size = finding.evidence?.size.filter(|_| finding.fault == incident.fault)?;
+    Some(match finding.fault {
+        Fault::ValveSticking => format!("within {size:.2} of the spool's unit"),
+        Fault::ValveOffset => format!("{size:+.2} of the spool's unit"),
+        Fault::Supply | Fault::PressureSensor => format!("{size:+.1} bar"),
+        Fault::Command if size == 1.0 => "1 cycle late".to_owned(),
+        Fault::Command => format!("{size:.0} cycles late"),
+        _ => return None,
+    })
 }
 
 /// A kind of fault.
@@ -52,6 +69,11 @@ pub const fn fault(fault: Fault) -> &'static str {
         Fault::BrokenWire => "no signal",
         Fault::Frozen => "frozen reading",
         Fault::Stale => "no readings",
+        Fault::ValveSticking => "sticking valve",
+        Fault::ValveOffset => "valve beside its command",
+        Fault::Supply => "supply pressure, or its sensor",
+        Fault::PressureSensor => "pressure sensor",
+        Fault::Command => "late or wrong command of the valve",
         Fault::Unclassified => "unclassified error",
     }
 }
@@ -85,8 +107,14 @@ pub fn line(incident: &Incident) -> String {
 pub fn evidence(incident: &Incident) -> String {
     let mut clauses = facts(incident);
     clauses.extend(risen(incident));
-    if let Some(part) = incident.part(WarningPlace::Sequential) {
-        clauses.push(sampled(incident, part));
+    let weighed = [
+        (WarningPlace::Sequential, "the evidence of many samples"),
+        (WarningPlace::Process, "what spool and pressures say of each other"),
+    ];
+    for (place, what) in weighed {
+        if let Some(part) = incident.part(place) {
+            clauses.push(sampled(incident, part, what));
+        }
     }
     clauses.extend(quiet(incident));
     let conclusion = match incident.suspect {
@@ -116,9 +144,7 @@ fn facts(incident: &Incident) -> Vec<String> {
             Fault::OutOfRange => "read a length that the cylinder cannot have",
             Fault::BrokenWire => "reported that it has no signal",
             Fault::Stale => "did not come",
-            Fault::Unclassified | Fault::Abrupt | Fault::Noise | Fault::Incipient => {
-                "was not plausible"
-            }
+            _ => "was not plausible",
         };
         Some(format!("{name} {what}{}", again(part)))
     };
@@ -150,8 +176,8 @@ fn risen(incident: &Incident) -> Vec<String> {
 }
 
 /// What many samples together say.
-fn sampled(incident: &Incident, part: &Part) -> String {
-    let mut clause = "the evidence of many samples".to_owned();
+fn sampled(incident: &Incident, part: &Part, what: &str) -> String {
+    let mut clause = what.to_owned();
     if let Some(evidence) = part.finding.evidence.filter(|it| it.fault >= 0.5) {
         clause += &format!(" ({:.0} nats", evidence.fault);
         if let Some(location) = evidence.location {
@@ -194,6 +220,23 @@ pub fn advice(incident: &Incident) -> String {
         return "Check the controller: without its command the observers cannot judge.".to_owned();
     }
     match (incident.suspect, incident.fault) {
+        (_, Fault::ValveSticking) => {
+            "Have the valve's spool and pilot looked at, and the oil's cleanliness; it may stick more.".to_owned()
+        }
+        (_, Fault::ValveOffset) => {
+            "Check the valve's null and the sensor of its spool's position.".to_owned()
+        }
+        (_, Fault::Supply) => {
+            "Check the sensor of the supply pressure against a gauge, then pump and accumulator.".to_owned()
+        }
+        (_, Fault::PressureSensor) => {
+            "Check both pressure sensors of the cylinder; which of them it is, their sum does not tell.".to_owned()
+        }
+        (_, Fault::Command) => {
+            "Compare the command on the bus with what reaches the valve: its electronics, its cable, the \
+            controller's timing."
+                .to_owned()
+        }
         (Suspect::Process, _) => {
             "Look at the cylinder, its valve and its supply. If nothing is wrong \
             there, the model no longer fits: identify it on a newer recording."

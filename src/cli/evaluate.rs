@@ -111,6 +111,8 @@ enum Studied {
     Estimate,
     /// Weights of the observers, each with its own thresholds
     Weights,
+    /// Faults of valves, pressures and commands, which are no transducer's
+    Process,
     /// False alarms
     Healthy,
 }
@@ -119,7 +121,7 @@ impl Studied {
     /// Whether it takes seconds with few faults; studies that learn first, or simulate long, do
     /// not.
     const fn is_quick(self) -> bool {
-        !matches!(self, Self::Contest | Self::Estimate | Self::Weights)
+        !matches!(self, Self::Contest | Self::Estimate | Self::Weights | Self::Process)
     }
 
     const fn study(self) -> Option<Study> {
@@ -135,6 +137,7 @@ impl Studied {
             Self::Contest => Study::Contest,
             Self::Estimate => Study::Estimate,
             Self::Weights => Study::Weights,
+            Self::Process => Study::Process,
             Self::Healthy => return None,
         })
     }
@@ -179,6 +182,10 @@ impl Evaluate {
         if let Some(contest) = &plan.contest {
             stand.monitors = learn(contest, &stand, plan.extent.lessons)?;
         }
+        if let Some(process) = &plan.process {
+            stand.taught =
+                process.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
         let evaluation = self.evaluate(&plan, &stand)?;
         let json = evaluation::json(&evaluation);
         if let Some(file) = output {
@@ -217,6 +224,7 @@ impl Evaluate {
             seas,
             weights_hours: if asked.contains(&Studied::Weights) { hours } else { 0.0 },
             weights: self.sets(settings)?,
+            process_hours: if asked.contains(&Studied::Process) { hours } else { 0.0 },
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },

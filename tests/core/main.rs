@@ -30,6 +30,7 @@ mod monitor_pages;
 mod pcap;
 mod pdo;
 mod plant;
+mod process;
 mod resume;
 mod riccati;
 mod sea;

@@ -57,6 +57,7 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
     let lessons = Lessons { calibration: 1.0 / 6.0, level: 1.0 / 6.0 };
     let studies = studies.to_vec();
     let extent = Extent {
+        process_hours: 0.0,
         trials,
         hours,
         seas: vec![SEA],

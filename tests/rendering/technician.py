@@ -61,6 +61,18 @@ def first_load(page):
     return sum(total)
 
 
+# The longest time by which a timer of the page came late, ms.
+HEARTBEAT = """() => {
+    window.withheld = 0;
+    let before = performance.now();
+    setInterval(() => {
+        const now = performance.now();
+        window.withheld = Math.max(window.withheld, now - before - 50);
+        before = now;
+    }, 50);
+}"""
+
+
 def tab_to(page, name):
     """Goes to what is called `name` by the keyboard alone."""
     for _ in range(80):
@@ -123,11 +135,14 @@ def main():
         lamp = page.locator(".card").nth(2).locator(".lamp").first
         assert "failure" not in lamp.get_attribute("class"), "the fault was there before anybody looked"
         page.wait_for_selector(".card:nth-child(3) .lamp.good", timeout=60_000)
+        page.evaluate(HEARTBEAT)
         page.wait_for_selector(".card:nth-child(3) .lamp.failure", timeout=60_000, state="visible")
         lit = time.monotonic()
         watcher.join(5)
         result["lamp_after_s"] = round(lit - SEEN["warned"], 3)
-        assert result["lamp_after_s"] <= LAMP_WITHIN, result
+        # What a busy computer withheld from the browser is not the page's.
+        result["withheld_s"] = round(page.evaluate("() => window.withheld") / 1e3, 3)
+        assert result["lamp_after_s"] <= LAMP_WITHIN + result["withheld_s"], result
         assert page.locator("#view-overview .incidents a").first.inner_text().startswith("cylinder 3, C1")
 
         # By the keyboard alone: acknowledged, then shelved.

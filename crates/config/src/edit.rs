@@ -94,6 +94,9 @@ fn put_cylinders(root: &mut Table, learnt: &ArrayOfTables) {
                     // Its keys belong together, and are of one a and b of (5-20).
                     old.remove("sequential");
                 }
+                if new.contains_key("process") {
+                    old.remove("process");
+                }
                 put_table(old, new);
             }
             None => cylinders.push(table_unplaced(new)),

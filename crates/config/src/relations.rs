@@ -272,6 +272,16 @@ impl Relations<'_> {
             if let Some(fitted) = &cylinder.sequential {
                 self.fitted(&format!("cylinder[{index}].sequential"), fitted);
             }
+            if let Some(spool) = cylinder.process.as_ref().and_then(|it| it.spool.as_ref()) {
+                let key = format!("cylinder[{index}].process.spool.samples");
+                let (count, pieces) = (spool.samples.len(), spool.curve.len() - 1);
+                self.require(
+                    count == pieces,
+                    &[&key],
+                    format!("`{key}` has {count} values, but `curve` has {pieces} pieces"),
+                    "take the table as `tertius calibrate` writes it",
+                );
+            }
         }
     }
 

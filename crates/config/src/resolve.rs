@@ -1,10 +1,15 @@
 //! Settings as the monitor needs them: one cylinder at a time, with defaults filled in.
 
-use super::settings::{Cylinder, CylinderSequential, CylinderSignals, Model, Settings};
+use super::settings::{
+    Cylinder, CylinderProcess, CylinderSequential, CylinderSignals, Model, Settings,
+};
 use super::text;
 use tertius_core::decode::Raw;
 use tertius_core::sequential::{self, DriftLimits};
 use tertius_dbc::Signal;
+
+/// Share of the false alarms that the process detectors may bring.
+const PROCESS_SHARE: f64 = 0.05;
 
 /// Least level, nats, however many false alarms are allowed: weaker evidence is never enough.
 const LEAST_LEVEL: f64 = 5.0;
@@ -109,6 +114,20 @@ impl Settings {
     pub fn sequential_level_of(&self, n: u8) -> f64 {
         let own = self.sequential_of(n).and_then(|fitted| fitted.level);
         own.filter(|_| self.sequential.level.is_none()).unwrap_or_else(|| self.sequential_level())
+    }
+
+    /// Tables of the process detector of cylinder `n`, if there are any.
+    pub fn process_of(&self, n: u8) -> Option<&CylinderProcess> {
+        self.own(n)?.process.as_ref()
+    }
+
+    /// Level of the process detectors, nats: where none is set, beyond that of the sequential ones, of whose budget
+    /// they take a twentieth.
+    pub fn process_level(&self) -> f64 {
+        let Self { machine, sequential: budget, .. } = self;
+        let rate = PROCESS_SHARE * budget.false_alarms_per_year;
+        let by_rate = sequential::level(rate, machine.cylinders, machine.sample_time);
+        self.process.level.unwrap_or(by_rate.max(LEAST_LEVEL))
     }
 
     /// Limits of how far a reading on the stop may move.

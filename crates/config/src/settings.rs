@@ -11,6 +11,7 @@ mod gateway;
 mod judging;
 mod levels;
 mod machine;
+mod process;
 mod recorder;
 mod sequential;
 mod signals;
@@ -30,6 +31,8 @@ use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
 pub use machine::{Bus, Machine};
+use process::PROCESS;
+pub use process::{ChambersTable, CylinderProcess, ProcessSettings, SpoolTable};
 use recorder::RECORDER;
 pub use recorder::Recorder;
 use sequential::SEQUENTIAL;
@@ -63,6 +66,8 @@ table! {
             "", "how warnings are raised and cleared";
         sequential: Sequential = Sequential::default() => Kind::Table(&SEQUENTIAL),
             "", "the sequential detectors, of cylinders that are calibrated for it";
+        process: ProcessSettings = ProcessSettings::default() => Kind::Table(&PROCESS),
+            "", "the process detectors, of cylinders that are calibrated for it";
         estimate: Estimate = Estimate::default() => Kind::Table(&ESTIMATE),
             "", "the virtual third sensor: each cylinder's length with its standard deviation";
         gateway: Gateway = Gateway::default() => Kind::Table(&GATEWAY),

@@ -16,6 +16,7 @@
 //! - [`verdict`]: thresholds with hysteresis, the kind of fault, the suspect (Figure 5-17).
 //! - [`sequential`]: the detectors beyond the thesis: the evidence of many samples together, which
 //!   transducer it is, and the end stop as a reference.
+//! - [`process`]: faults of the cylinder itself: what spool and pressures say of each other.
 //! - [`estimate`]: the virtual third sensor.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
@@ -44,6 +45,7 @@ pub mod frame;
 pub mod incident;
 pub mod monitor;
 pub mod observe;
+pub mod process;
 pub mod sample;
 pub mod sequential;
 pub mod state;

@@ -1,6 +1,7 @@
 //! An evaluation as text for a terminal and as JSON. The HTML page is made from the same tables.
 
 mod contest;
+mod process;
 mod weights;
 
 use super::sheet::{Section, Sheet};
@@ -50,6 +51,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend(contest::sections(&evaluation.contest));
     sections.push(estimates(&evaluation.estimates));
     sections.push(weights::section(&evaluation.weights));
+    sections.extend(evaluation.process.iter().flat_map(process::sections));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

@@ -8,6 +8,7 @@ use super::healthy::Healthy;
 use super::learning::Learnt;
 use super::outcome::Outcome;
 use super::plan::{Cell, Job, Plan, Product};
+use super::process::{ProcessGathering, ProcessResult};
 use super::proportion::Proportion;
 use super::rate::Rate;
 use super::row::Row;
@@ -30,6 +31,9 @@ pub struct Evaluation {
     /// Comparison of sets of weights for the observers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<weights::SetResult>,
+    /// Faults of the cylinders themselves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub process: Option<ProcessResult>,
 }
 
 /// A row with its figures.
@@ -82,6 +86,7 @@ pub struct Gathering<'a> {
     healthy: Vec<Healthy>,
     contest: Option<contest::ContestGathering<'a>>,
     weights: Option<weights::WeightsGathering<'a>>,
+    process: Option<ProcessGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -102,6 +107,7 @@ impl<'a> Gathering<'a> {
             healthy: vec![Healthy::default(); plan.cells.len()],
             contest: plan.contest.as_ref().map(contest::ContestGathering::new),
             weights: plan.weighing.as_ref().map(weights::WeightsGathering::new),
+            process: plan.process.as_ref().map(ProcessGathering::new),
             estimates: BTreeMap::new(),
         }
     }
@@ -129,6 +135,11 @@ impl<'a> Gathering<'a> {
                     weights.take(job, product);
                 }
             }
+            (Job::Process(job), Product::Process(product)) => {
+                if let Some(process) = &mut self.process {
+                    process.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -138,6 +149,7 @@ impl<'a> Gathering<'a> {
                 | Job::Healthy { .. }
                 | Job::Contest(_)
                 | Job::Weights(_)
+                | Job::Process(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -153,6 +165,7 @@ impl<'a> Gathering<'a> {
         Evaluation {
             contest: contest.unwrap_or_default(),
             weights: self.weights.map(|weights| weights.finish(block)).unwrap_or_default(),
+            process: self.process.as_ref().map(ProcessGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

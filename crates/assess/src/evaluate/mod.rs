@@ -13,7 +13,8 @@
 //! The sequential detectors are compared with the thesis's thresholds in a [`contest`]; they learn
 //! the machine first ([`Stand::learn`]).
 //!
-//! [`weights`] compares sets of the observers' weights, each with its threshold.
+//! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
+//! cylinders themselves.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
@@ -30,6 +31,7 @@ mod interval;
 mod learning;
 mod outcome;
 mod plan;
+pub mod process;
 mod proportion;
 mod rate;
 mod row;

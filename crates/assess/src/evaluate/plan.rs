@@ -6,6 +6,7 @@ use super::grade::Grade;
 use super::healthy::{Healthy, STRETCH};
 use super::learning::Lessons;
 use super::outcome::Outcome;
+use super::process::{ProcessJob, ProcessProduct, ProcessStudy};
 use super::row::{Row, Study, rows};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
@@ -43,6 +44,8 @@ pub struct Extent {
     pub weights_hours: f64,
     /// Sets of weights that are tried.
     pub weights: Vec<Weights>,
+    /// Hours of each healthy machine for the process detectors.
+    pub process_hours: f64,
 }
 
 /// Why there is no plan.
@@ -71,6 +74,8 @@ pub enum Job {
     Contest(contest::ContestJob),
     /// A job of the weights.
     Weights(weights::WeightsJob),
+    /// A job of the process detectors.
+    Process(ProcessJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -82,6 +87,7 @@ pub enum Product {
     Healthy(Box<Healthy>),
     Contest(contest::ContestProduct),
     Weights(weights::WeightsProduct),
+    Process(ProcessProduct),
     Estimate(Errors),
 }
 
@@ -96,6 +102,8 @@ pub struct Plan {
     pub contest: Option<Contest>,
     /// Comparison of the observers' weights, if requested.
     pub weighing: Option<Weighing>,
+    /// The process detectors, if requested.
+    pub process: Option<ProcessStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -116,7 +124,9 @@ impl Plan {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
         }
-        for given in [extent.hours, extent.contest_hours, extent.weights_hours] {
+        for given in
+            [extent.hours, extent.contest_hours, extent.weights_hours, extent.process_hours]
+        {
             if !(0.0..=MOST_HOURS).contains(&given) {
                 return Err(PlanError::Hours { given });
             }
@@ -137,7 +147,10 @@ impl Plan {
             hours: extent.weights_hours * extent.seas.len() as f64,
             seed,
         });
-        Ok(Self { seed, extent, rows, cells, contest, weighing })
+        let process = extent.studies.contains(&Study::Process).then(|| {
+            ProcessStudy::new(seed, extent.seas.clone(), extent.trials, extent.process_hours)
+        });
+        Ok(Self { seed, extent, rows, cells, contest, weighing, process })
     }
 
     /// The number of machines of a row.
@@ -167,7 +180,14 @@ impl Plan {
             })
         });
         let weights = self.weighing.iter().flat_map(Weighing::jobs).map(Job::Weights);
-        contest.chain(weights).chain(trials).chain(healthy).chain(estimates).collect()
+        let process = self.process.iter().flat_map(ProcessStudy::jobs).map(Job::Process);
+        contest
+            .chain(weights)
+            .chain(process)
+            .chain(trials)
+            .chain(healthy)
+            .chain(estimates)
+            .collect()
     }
 
     /// Does one job on `stand`.
@@ -190,6 +210,10 @@ impl Plan {
             Job::Weights(job) => {
                 let weighing = self.weighing.as_ref().expect("its jobs are of its own plan");
                 Product::Weights(weighing.run(stand, job)?)
+            }
+            Job::Process(job) => {
+                let process = self.process.as_ref().expect("its jobs are of its own plan");
+                Product::Process(process.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

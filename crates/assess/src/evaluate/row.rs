@@ -33,10 +33,12 @@ pub enum Study {
     Estimate,
     /// Comparison of the observers' weights.
     Weights,
+    /// Faults of the cylinders themselves, which have their own cases.
+    Process,
 }
 
 impl Study {
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -48,6 +50,7 @@ impl Study {
         Self::Contest,
         Self::Estimate,
         Self::Weights,
+        Self::Process,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -63,6 +66,7 @@ impl Study {
             Self::Contest => "contest",
             Self::Estimate => "estimate",
             Self::Weights => "weights",
+            Self::Process => "process",
         }
     }
 }

@@ -7,7 +7,7 @@ use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_dbc::Database;
 use tertius_machine::inject::PlaceError;
-use tertius_machine::simulator::{Options, Simulator, SimulatorError, Tables};
+use tertius_machine::simulator::{Change, Options, Simulator, SimulatorError, Tables};
 
 /// Why a trial could not be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -30,6 +30,8 @@ pub struct Stand<'a> {
     pub monitors: Vec<Learnt>,
     /// Monitors with the sets of weights that are compared.
     pub weighed: Vec<MonitorDesign>,
+    /// Monitors with the process detectors that were taught.
+    pub taught: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -54,6 +56,7 @@ impl<'a> Stand<'a> {
             design,
             monitors: Vec::new(),
             weighed: Vec::new(),
+            taught: Vec::new(),
             tables,
             steady,
         }
@@ -89,14 +92,41 @@ impl<'a> Stand<'a> {
         self.simulate(&self.steady, grade, options)
     }
 
+    /// The machine with transducers of `grade` and spools with the time constant `lag`, s, with another load and
+    /// friction if they are `changed`.
+    ///
+    /// # Errors See [`Self::simulator`].
+    pub fn with_lag(
+        &self,
+        grade: Grade,
+        lag: f64,
+        changed: Option<(Change, f64)>,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        let mut tables = *self.of_grade(&self.tables, grade);
+        tables.valve.lag = lag;
+        if let Some((load, friction)) = changed {
+            tables.disturbance.load = Some(load);
+            tables.friction.coulomb *= friction;
+            tables.friction.stiction *= friction;
+            tables.friction.viscous *= friction;
+        }
+        Ok(Simulator::new(&tables, self.settings, self.database, options)?)
+    }
+
+    fn of_grade<'b>(&self, tables: &'b [(Grade, Tables)], grade: Grade) -> &'b Tables {
+        let of_grade = tables.iter().find(|(known, _)| *known == grade);
+        let (_, tables) = of_grade.expect("there are tables for every grade");
+        tables
+    }
+
     fn simulate(
         &self,
         tables: &[(Grade, Tables)],
         grade: Grade,
         options: &Options,
     ) -> Result<Simulator, StandError> {
-        let of_grade = tables.iter().find(|(known, _)| *known == grade);
-        let (_, tables) = of_grade.expect("there are tables for every grade");
+        let tables = self.of_grade(tables, grade);
         Ok(Simulator::new(tables, self.settings, self.database, options)?)
     }
 

@@ -69,7 +69,9 @@ impl Errors {
         let register = self.register();
         let code = match warning.state {
             State::Raised => {
-                DEVICE_SPECIFIC | (warning.detector as u16) << 4 | fault_code(finding.fault) as u16
+                let (table, fault) = fault_code(finding.fault);
+                let fault = (table << 3 | fault) as u16;
+                DEVICE_SPECIFIC | (warning.detector as u16) << 4 | fault
             }
             State::Changed => return None,
             State::Cleared => NO_ERROR,

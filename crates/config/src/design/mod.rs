@@ -2,6 +2,7 @@
 
 mod devices;
 mod estimate;
+mod process;
 mod scale;
 mod sequential;
 mod state;
@@ -155,6 +156,7 @@ impl<'a> Connector<'a> {
         self.connect_surveyed(n, signals);
         let observers = self.observers(n);
         let sequential = self.sequential(n);
+        let process = self.process(n);
         let ([first, second], Some(observers)) = (limits, observers) else { return None };
         if self.flaws.len() > before {
             return None;
@@ -187,6 +189,7 @@ impl<'a> Connector<'a> {
             observers,
             estimate: self.estimate(n, sequential.as_ref(), first.lengths),
             sequential,
+            process,
             limits: [first, second],
             critical: settings.comparator.critical,
             levels: settings.alarm.levels.clone(),

@@ -1,4 +1,4 @@
-//! Signals that are not monitored, but read by commands that learn from a recording.
+//! Signals that only the process detectors monitor, and commands that learn from a recording read.
 
 use super::Connector;
 use crate::settings::CylinderSignals;
@@ -13,6 +13,11 @@ impl Connector<'_> {
         self.connect_spool(n, signals);
     }
 
+    /// Whether anybody reads pressures and spool of cylinder `n`.
+    fn reads_all_of(&self, n: u8) -> bool {
+        self.surveys || self.settings.process_of(n).is_some()
+    }
+
     fn connect_pressures(&mut self, n: u8, signals: &CylinderSignals) {
         for (key, name, pressure) in [
             ("pressure_bottom", &signals.pressure_bottom, Pressure::Bottom),
@@ -20,10 +25,10 @@ impl Connector<'_> {
             ("load_pressure", &signals.load_pressure, Pressure::Load),
         ] {
             let Some(name) = name else { continue };
-            if self.surveys {
+            if self.reads_all_of(n) {
                 self.connect(n, key, Some(name), Field::Pressure(pressure));
             } else {
-                // Not monitored; yet a name that leads nowhere is a mistake to tell at once.
+                // Not read; yet a name that leads nowhere is a mistake to tell at once.
                 let name = CylinderSignals::of_cylinder(name, n);
                 self.find(&format!("signals.cylinder.{key}"), &name);
             }
@@ -35,7 +40,7 @@ impl Connector<'_> {
         let Some(name) = self.settings.signals.supply.as_deref() else { return };
         let Some(found) = self.find("signals.supply", name) else { return };
         self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
-        if self.surveys {
+        if self.reads_all_of(n) {
             let subscription = self.subscriptions.subscribe(found.message.id);
             subscription.cyclic = true;
             let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));
@@ -45,7 +50,7 @@ impl Connector<'_> {
 
     fn connect_spool(&mut self, n: u8, signals: &CylinderSignals) {
         let Some(name) = &signals.spool else { return };
-        if self.surveys {
+        if self.reads_all_of(n) {
             self.connect(n, "spool", Some(name), Field::Spool);
         } else {
             self.find("signals.cylinder.spool", &CylinderSignals::of_cylinder(name, n));

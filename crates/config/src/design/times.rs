@@ -38,6 +38,14 @@ impl Connector<'_> {
                 "`tertius identify` takes this configuration as it is, and writes a model of the \
                  machine's own sample time",
             );
+            if let Some(fitted) = settings.process_of(n) {
+                self.refuse_time(
+                    &format!("{}.process.sample_time", table.as_deref().unwrap_or("cylinder")),
+                    Some(fitted.sample_time),
+                    &format!("the table [cylinder.process] of cylinder {n}"),
+                    "`tertius calibrate` takes this configuration as it is, and writes the table again",
+                );
+            }
             let Some(fitted) = settings.sequential_of(n) else { continue };
             let unsaid =
                 if fitted.sample_time.is_some() { "" } else { ", which has none of its own," };

@@ -1,5 +1,6 @@
 //! `[[cylinder]]`.
 
+use super::process::{CYLINDER_PROCESS, CylinderProcess};
 use super::sequential::{CYLINDER_SEQUENTIAL, CylinderSequential};
 use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, whole};
 use crate::schema::{Kind, Limits, table};
@@ -24,5 +25,24 @@ table! {
             "0.02", "the sample time of theta and gamma of this cylinder, s; absent: not known";
         sequential: Option<CylinderSequential> = None => Kind::Table(&CYLINDER_SEQUENTIAL),
             "", "what `calibrate` has fitted for the sequential detector";
+        process: Option<CylinderProcess> = None => Kind::Table(&CYLINDER_PROCESS),
+            "", "what `calibrate` has fitted for the process detector";
+    }
+}
+
+impl Cylinder {
+    /// Nothing of cylinder `n` differs from the machine.
+    pub const fn new(n: u8) -> Self {
+        Self {
+            n,
+            c2_gain: 1.0,
+            c2_offset: 0.0,
+            theta: None,
+            gamma: None,
+            command_offset: None,
+            sample_time: None,
+            sequential: None,
+            process: None,
+        }
     }
 }

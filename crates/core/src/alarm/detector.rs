@@ -68,6 +68,8 @@ detectors! {
     /// The lengths of all cylinders together. It is never raised, and waits for the platform's geometry in
     /// the configuration: until then Fd_Warning only keeps its number.
     Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [];
+    /// Valve, pressures and supply, by what spool and pressures say of each other.
+    Process = 7, "process", "process", Basis::Samples, [Process];
 }
 
 /// What a detector judges.

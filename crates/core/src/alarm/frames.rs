@@ -224,10 +224,12 @@ impl Payload {
         let mut payload = Self::default();
         payload.put(24, 3, u64::from(cylinder));
         payload.put(27, 3, detector as u64);
-        payload.put(30, 3, fault_code(finding.fault));
+        let (table, fault) = fault_code(finding.fault);
+        payload.put(30, 3, fault);
         payload.put(33, 2, suspect_code(finding.suspect));
         payload.put(35, 3, finding.level as u64);
         payload.put(38, 1, u64::from(raised));
+        payload.put(39, 1, table);
         payload.put(40, 16, residual_counts(finding.residual) as u16 as u64);
         payload.put(56, 8, threshold_counts(finding.threshold));
         payload
@@ -248,17 +250,23 @@ fn threshold_counts(threshold: Option<f64>) -> u64 {
     threshold.map_or(0, |t| (libm::round(t / THRESHOLD_UNIT) as u64).min(THRESHOLD_BEYOND))
 }
 
-/// Value of Fd_Warning.Fault.
-pub const fn fault_code(fault: Fault) -> u64 {
+/// Values of Fd_Warning.FaultTable and Fd_Warning.Fault. The second table has the faults of the process; a reader
+/// that does not know it sees a fault of the first one, beside a suspect that is the process.
+pub const fn fault_code(fault: Fault) -> (u64, u64) {
     match fault {
-        Fault::Unclassified => 0,
-        Fault::Abrupt => 1,
-        Fault::Noise => 2,
-        Fault::Incipient => 3,
-        Fault::OutOfRange => 4,
-        Fault::BrokenWire => 5,
-        Fault::Frozen => 6,
-        Fault::Stale => 7,
+        Fault::Unclassified => (0, 0),
+        Fault::Abrupt => (0, 1),
+        Fault::Noise => (0, 2),
+        Fault::Incipient => (0, 3),
+        Fault::OutOfRange => (0, 4),
+        Fault::BrokenWire => (0, 5),
+        Fault::Frozen => (0, 6),
+        Fault::Stale => (0, 7),
+        Fault::ValveSticking => (1, 2),
+        Fault::ValveOffset => (1, 3),
+        Fault::Supply => (1, 4),
+        Fault::PressureSensor => (1, 6),
+        Fault::Command => (1, 7),
     }
 }
 

@@ -58,9 +58,12 @@ pub struct Evidence {
     /// Gain error, where the fault is one: how much more C1 grows with the length than C2, m per m.
     /// Fd_Warning has no code for it, and the fault is unclassified.
     pub gain: Option<f64>,
+    /// Size of a fault of the process, where it is known: of a spool in the unit of its signal, of a command that is
+    /// late in cycles, of pressures in bar.
+    pub size: Option<f64>,
 }
 
-whole! { Evidence { fault, location, onset, gain } }
+whole! { Evidence { fault, location, onset, gain, size } }
 
 impl Finding {
     /// [`Evidence::gain`] of a fault that is a gain error.
@@ -102,7 +105,7 @@ mod tests {
             level: Level::Yellow,
             residual: Some(1e-3),
             threshold: Some(8e-4),
-            evidence: Some(Evidence { fault: 20.0, location: None, onset, gain }),
+            evidence: Some(Evidence { fault: 20.0, location: None, onset, gain, size: None }),
             device: None,
         }
     }

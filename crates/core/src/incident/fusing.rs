@@ -1,7 +1,7 @@
 //! What the detectors say together.
 //!
-//! Facts about a reading come first, then the evidence of many samples, then the difference, then the
-//! observers in the order in which they were raised. A detector that has not decided says nothing here.
+//! Facts about a reading come first, then the evidence of many samples, then the difference, then spool and pressures,
+//! then the observers in the order in which they were raised. A detector that has not decided says nothing here.
 
 use super::{Incident, Part};
 use crate::alarm::detector::WarningPlace;
@@ -16,7 +16,8 @@ const FACTS: [WarningPlace; 3] = [
 ];
 
 /// Places that follow on facts and precede the observers where the suspect is named.
-const BEFORE_OBSERVERS: [WarningPlace; 2] = [WarningPlace::Sequential, WarningPlace::Fde3];
+const BEFORE_OBSERVERS: [WarningPlace; 3] =
+    [WarningPlace::Sequential, WarningPlace::Fde3, WarningPlace::Process];
 
 const OBSERVERS: [WarningPlace; 2] = [WarningPlace::Fde1, WarningPlace::Fde2];
 
@@ -62,12 +63,17 @@ impl Incident {
         let own = match self.suspect {
             Suspect::C1 => self.part(WarningPlace::Fde1),
             Suspect::C2 => self.part(WarningPlace::Fde2),
-            Suspect::Undecided | Suspect::Process => None,
+            Suspect::Process => self.part(WarningPlace::Process),
+            Suspect::Undecided => None,
         };
         let others = [WarningPlace::Fde3, WarningPlace::Sequential].map(|place| self.part(place));
         let at_onset = |part: &&Part| part.raised.since(self.begin) <= ONSET;
         let named = |part: &&Part| part.finding.fault != Fault::Unclassified;
         let parts = || [own].into_iter().chain(others).chain(self.observers()).flatten();
+        // What is wrong with a cylinder takes as long to tell as it takes.
+        if let Some(part) = own.filter(|part| self.suspect == Suspect::Process && named(part)) {
+            return part.finding.fault;
+        }
         let by_onset = parts().filter(at_onset).find(named);
         by_onset.or_else(|| parts().find(named)).map_or(Fault::Unclassified, |it| it.finding.fault)
     }

@@ -285,7 +285,10 @@ fn facts_go_before_conclusions_and_the_worst_level_stays() {
 #[test]
 fn the_evidence_of_many_samples_dates_the_onset_and_may_take_back_a_side() {
     let mut story = Story::new();
-    let gain = |gain| Some(Evidence { fault: 20.0, location: Some(5.0), onset: at(50.0), gain });
+    let gain = |gain| {
+        let (fault, location, onset) = (20.0, Some(5.0), at(50.0));
+        Some(Evidence { fault, location, onset, gain, size: None })
+    };
     let drift = finding(Fault::Incipient, Suspect::C1, 0.6e-3);
     let drift = Finding { evidence: gain(None), threshold: None, ..drift };
     story.say(100.0, Sequential, State::Raised, drift);

@@ -20,6 +20,7 @@ use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
 use crate::incident::Quantities;
 use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
+use crate::process::Process;
 use crate::sample::device::DeviceWord;
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
@@ -76,6 +77,10 @@ pub struct Cylinder {
     observers: [Observer; 2],
     bank: Bank,
     sequential: Option<Box<Sequential>>,
+    /// `None` without tables of spool or pressures.
+    process: Option<Box<Process>>,
+    /// Whether the sums of the chambers' pressures are off in many cylinders.
+    pub supply_is_odd: bool,
     agreement: Agreement,
     precedence: Precedence,
     /// Virtual sensor; `None` where its estimates are not needed.
@@ -112,6 +117,8 @@ impl Cylinder {
             observers: design.observers.clone().map(Observer::new),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
+            process: design.process.clone().map(|design| Box::new(Process::new(design))),
+            supply_is_odd: false,
             agreement: Agreement::default(),
             precedence: Precedence::new(design.coincidence),
             sensor: None,
@@ -163,6 +170,11 @@ impl Cylinder {
     /// Cylinder number and sequential detector, if it has one.
     pub fn sequential(&self) -> Option<(u8, &Sequential)> {
         Some((self.design.number, self.sequential.as_deref()?))
+    }
+
+    /// Process detector, if the cylinder has one.
+    pub fn process(&self) -> Option<&Process> {
+        self.process.as_deref()
     }
 
     /// Restores the dwells of an earlier monitor, if the cylinder has a detector that reads them.
@@ -255,6 +267,9 @@ impl Cylinder {
         if self.sequential.is_some() {
             self.judge_sequentially(now, good, &residuals);
         }
+        if self.process.is_some() {
+            self.judge_process(now);
+        }
         self.judge_precedence();
         if self.sensor.is_some() {
             self.estimate(now, good);
@@ -303,6 +318,9 @@ impl Cylinder {
         self.bank.interrupt();
         if let Some(sequential) = &mut self.sequential {
             sequential.interrupt();
+        }
+        if let Some(process) = &mut self.process {
+            process.interrupt();
         }
         if let Some(sensor) = &mut self.sensor {
             sensor.interrupt();

@@ -21,6 +21,7 @@ mod sampling;
 mod saved;
 pub mod sink;
 pub mod subscriptions;
+mod supply;
 mod telling;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
@@ -73,6 +74,8 @@ pub struct Monitor {
     keeps: bool,
     /// Whether any device sends by a timer of its own.
     by_timers: bool,
+    /// Whether any cylinder has a process detector.
+    has_process: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -119,6 +122,7 @@ impl Monitor {
             gap_cycles: design.gap_cycles,
             gate: design.gate,
             register: Register::new(cylinders.len()),
+            has_process: cylinders.iter().any(|cylinder| cylinder.process().is_some()),
             incidents,
             cylinders,
             sampling: Sampling::default(),
@@ -314,6 +318,9 @@ impl Monitor {
         }
         self.counts.incomplete += u64::from(self.incomplete);
         self.follow_sampling(at, sink);
+        if self.has_process {
+            self.follow_supply();
+        }
         self.clock.close();
         self.live = false;
     }

@@ -32,7 +32,7 @@ state! {
         incidents, encoder, counts, last, next_status, last_status, next_due,
     }
     parts { stations, cylinders }
-    but { subscriptions, by_timers, gap_cycles, sends_estimates }
+    but { subscriptions, by_timers, has_process, gap_cycles, sends_estimates }
     sound |it| it.is_sound()
 }
 

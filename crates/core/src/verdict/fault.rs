@@ -15,7 +15,7 @@ pub const LONGEST_WINDOW: usize = 32;
 /// Residuals R3 that are kept: those of [`VerdictParameters::differences`] up to 100 Hz.
 pub const LONGEST_DIFFERENCES: usize = 128;
 
-/// Kinds of faults of Table 5-1 and of the plausibility checks.
+/// Kinds of faults of Table 5-1, of the plausibility checks and of the process detectors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fault {
     #[default]
@@ -30,15 +30,28 @@ pub enum Fault {
     BrokenWire,
     Frozen,
     Stale,
+    /// The valve's spool sticks.
+    ValveSticking,
+    /// The valve's spool stands beside its command.
+    ValveOffset,
+    /// The supply, or the sensor of its pressure.
+    Supply,
+    /// A sensor of a chamber's pressure.
+    PressureSensor,
+    /// The command comes late, or the valve follows another one.
+    Command,
 }
 
 choice! {
-    Fault { Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale }
+    Fault {
+        Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale,
+        ValveSticking, ValveOffset, Supply, PressureSensor, Command,
+    }
 }
 
 impl Fault {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 13] = [
         Self::Unclassified,
         Self::Abrupt,
         Self::Noise,
@@ -47,6 +60,11 @@ impl Fault {
         Self::BrokenWire,
         Self::Frozen,
         Self::Stale,
+        Self::ValveSticking,
+        Self::ValveOffset,
+        Self::Supply,
+        Self::PressureSensor,
+        Self::Command,
     ];
 
     /// Name in files and reports.
@@ -60,6 +78,11 @@ impl Fault {
             Self::BrokenWire => "broken_wire",
             Self::Frozen => "frozen",
             Self::Stale => "stale",
+            Self::ValveSticking => "valve_sticking",
+            Self::ValveOffset => "valve_offset",
+            Self::Supply => "supply",
+            Self::PressureSensor => "pressure_sensor",
+            Self::Command => "command",
         }
     }
 }

@@ -6,6 +6,7 @@ use super::{
     Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
     Halves, Profile, Profiling, Scatter, Scattering, Spreading, Trying,
 };
+use crate::relate::{LearntProcess, ProcessRows};
 use crate::survey::{Recording, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius_core::sequential;
@@ -46,11 +47,12 @@ struct Taught {
     trying: Trying,
     sequential: Vec<Option<(Profile, Scatter)>>,
     levels: Vec<Option<OwnLevel>>,
+    process: Vec<LearntProcess>,
 }
 
 impl CalibrationCourse<'_> {
     /// Reads `recording` six times: for a census, the line, the profile along the stroke, the
-    /// validation, the scatter, and the resulting detectors. If a few minutes of it contradict the
+    /// validation, the scatter, and the resulting detectors; and once more where spool or pressures are named. If a few minutes of it contradict the
     /// detectors, they are cut out and all readings are repeated.
     ///
     /// # Errors
@@ -59,8 +61,24 @@ impl CalibrationCourse<'_> {
         let none = Cuts::none(usize::from(self.settings.machine.cylinders));
         let taught = self.teach(recording, &none)?;
         let (cuts, cut) = self.cuts(&taught);
-        let taught = if cut { self.teach(recording, &cuts)? } else { taught };
+        let mut taught = if cut { self.teach(recording, &cuts)? } else { taught };
+        taught.process = self.process(recording, &cuts)?;
         Ok(self.conclude(taught, &cuts))
+    }
+
+    /// What spool and pressures of every cylinder say of each other; nothing where the configuration does not name
+    /// them.
+    fn process<R: Recording>(
+        &self,
+        recording: &R,
+        cuts: &Cuts,
+    ) -> Result<Vec<LearntProcess>, R::Error> {
+        if !ProcessRows::are_named(self.settings) {
+            return Ok(Vec::new());
+        }
+        let mut rows = ProcessRows::new(self.settings);
+        recording.read(self.whole(), cuts.around(&mut rows))?;
+        Ok(rows.learn(self.settings))
     }
 
     fn division(&self) -> Division {
@@ -109,6 +127,7 @@ impl CalibrationCourse<'_> {
             trying,
             sequential,
             levels: Vec::new(),
+            process: Vec::new(),
         };
         taught.levels = self.levels(recording, cuts, &taught)?;
         Ok(taught)
@@ -205,7 +224,8 @@ impl CalibrationCourse<'_> {
     }
 
     fn conclude(&self, taught: Taught, cuts: &Cuts) -> Calibrated {
-        let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
+        let Taught { gathering, results, scattering, trying, sequential, levels, process, .. } =
+            taught;
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
         // What contradicts is no measure for the others.
@@ -226,6 +246,7 @@ impl CalibrationCourse<'_> {
                 remarks.extend(scattering.remark(index));
                 remarks.extend(cuts.told(index));
                 remarks.extend(level.as_ref().and_then(OwnLevel::remark));
+                remarks.extend(process.get(index).into_iter().flat_map(LearntProcess::remarks));
             }
             CylinderCalibration {
                 sample_time,
@@ -235,6 +256,7 @@ impl CalibrationCourse<'_> {
                 sequential: sequential.filter(|_| contradiction.is_none()),
                 level: level.and_then(|level| level.nats()).filter(given),
                 contradiction,
+                process: process.get(index).cloned(),
                 left_out: cuts.of(index).to_vec(),
                 remarks,
             }
@@ -267,6 +289,7 @@ impl CylinderCalibration {
             gamma: None,
             command_offset: None,
             sample_time: None,
+            process: self.process.as_ref().and_then(|learnt| learnt.table(self.sample_time)),
             sequential: self.sequential.as_ref().map(|(profile, scatter)| {
                 let reference = &profile.reference;
                 CylinderSequential {

@@ -47,6 +47,7 @@ pub use scatter::{Scatter, Scattering};
 pub use spreading::{ResidualSpread, Spreading};
 pub use trying::{TriedBand, Trying};
 
+use crate::relate::LearntProcess;
 use crate::survey::{Timeline, Window};
 
 /// Result for a machine.
@@ -83,6 +84,8 @@ pub struct CylinderCalibration {
     pub level: Option<f64>,
     /// Why the detector has no tables although there were enough data.
     pub contradiction: Option<Contradiction>,
+    /// What spool and pressures say of each other; `None` where the configuration does not name them.
+    pub process: Option<LearntProcess>,
     /// Times that do not look healthy and from which nothing was learnt, s.
     pub left_out: Vec<[f64; 2]>,
     pub remarks: Vec<String>,

@@ -1,5 +1,6 @@
 //! A calibration as tables that the configuration reads.
 
+use super::process;
 use super::provenance::{self, four_digits, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
 use crate::extremes::HOURS_PER_YEAR;
@@ -74,7 +75,7 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         _ = writeln!(text, "\n[calibration]\nrecorded = \"{day}\"");
     }
     for cylinder in result.cylinders.iter().filter_map(CylinderCalibration::table) {
-        let Cylinder { n, c2_gain, c2_offset, sequential, .. } = cylinder;
+        let Cylinder { n, c2_gain, c2_offset, sequential, process, .. } = cylinder;
         _ = writeln!(
             text,
             "\n[[cylinder]]\nn = {n}\nc2_gain = {c2_gain:?}\nc2_offset = {c2_offset:?}"
@@ -82,8 +83,17 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
         if let Some(sequential) = &sequential {
             text += &sequential_table(sequential);
         }
+        if let Some(process) = &process {
+            text += &process::table(process);
+        }
     }
     Some(text)
+}
+
+/// A list of numbers with six decimals.
+pub(super) fn six(values: &[f64]) -> String {
+    let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
+    format!("[{}]", texts.join(", "))
 }
 
 fn sequential_table(table: &CylinderSequential) -> String {
@@ -111,10 +121,6 @@ fn sequential_table(table: &CylinderSequential) -> String {
         prediction,
         prediction_correlation,
     } = table;
-    let six = |values: &[f64]| {
-        let texts: Vec<String> = values.iter().map(|value| format!("{value:.6e}")).collect();
-        format!("[{}]", texts.join(", "))
-    };
     let mut text = "\n[cylinder.sequential]\n".to_owned();
     if let Some(seconds) = sample_time {
         _ = writeln!(text, "sample_time = {seconds:?}");

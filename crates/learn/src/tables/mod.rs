@@ -3,5 +3,6 @@
 
 pub mod calibration;
 pub mod model;
+mod process;
 pub mod provenance;
 pub mod tuning;

@@ -5,6 +5,7 @@ use crate::compare::Comparator;
 use crate::estimate;
 use crate::incident::QUANTITIES;
 use crate::observe::observer::ObserverDesign;
+use crate::process::ProcessDesign;
 use crate::sample::device::DeviceDesign;
 use crate::sample::plausibility::PlausibilityLimits;
 use crate::sequential;
@@ -36,6 +37,8 @@ pub struct CylinderDesign {
     pub bank: BankDesign,
     /// Sequential detector; `None` where no calibration for it is configured.
     pub sequential: Option<sequential::Design>,
+    /// Process detector; `None` where nothing of it is configured.
+    pub process: Option<ProcessDesign>,
     pub estimate: estimate::SensorDesign,
     /// Measured |C1 − C2| beyond which the machine itself trips, m.
     pub critical: f64,

@@ -4,6 +4,7 @@ use super::{Cylinder, Implausible, TRANSDUCERS};
 use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
+use crate::process::Malfunction;
 use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
 
 impl Cylinder {
@@ -14,6 +15,7 @@ impl Cylinder {
             || self.was_critical
             || self.implausible.iter().any(Implausible::raised)
             || self.sequential.as_ref().is_some_and(|sequential| sequential.alarm().is_some())
+            || self.process.as_ref().is_some_and(|process| process.alarm().is_some())
     }
 
     /// Present findings of the detectors, in the places of the [`crate::alarm::Register`].
@@ -32,6 +34,7 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
         put(WarningPlace::Sequential, self.sequential_finding());
+        put(WarningPlace::Process, self.process_finding());
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
             for finding in findings.iter_mut().flatten() {
@@ -91,6 +94,34 @@ impl Cylinder {
                 location: alarm.evidence,
                 onset: alarm.onset,
                 gain: alarm.scale.map(|scale| scale.gain),
+                size: None,
+            }),
+            device: None,
+        })
+    }
+
+    fn process_finding(&self) -> Option<Finding> {
+        let alarm = self.process.as_ref()?.alarm()?;
+        let fault = match alarm.malfunction {
+            Malfunction::Unclassified => Fault::Unclassified,
+            Malfunction::Sticking => Fault::ValveSticking,
+            Malfunction::Offset => Fault::ValveOffset,
+            Malfunction::Late | Malfunction::OtherCommand => Fault::Command,
+            Malfunction::Chambers if self.supply_is_odd => Fault::Supply,
+            Malfunction::Chambers => Fault::PressureSensor,
+        };
+        Some(Finding {
+            fault,
+            suspect: Suspect::Process,
+            level: self.level(Suspect::Process),
+            residual: None,
+            threshold: None,
+            evidence: Some(Evidence {
+                fault: alarm.nats,
+                location: None,
+                onset: alarm.onset,
+                gain: None,
+                size: alarm.size,
             }),
             device: None,
         })

@@ -5,10 +5,11 @@ use super::precedence::{DETECTORS, Standing};
 use super::{Cylinder, Evaluation};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
+use crate::process::ProcessInput;
 use crate::sample::{Quality, Reading};
 use crate::sequential;
 use crate::time::Timestamp;
-use crate::verdict::{Residuals, Verdict};
+use crate::verdict::{Residuals, Suspect, Verdict};
 
 impl Cylinder {
     /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
@@ -74,6 +75,23 @@ impl Cylinder {
             idle: self.plausibility[i].idle(),
         });
         self.precedence.judge(raised, standing);
+    }
+
+    #[inline(never)]
+    pub(super) fn judge_process(&mut self, now: Evaluation) {
+        let Some(process) = &mut self.process else { return };
+        let doubted = |suspect: Suspect| suspect != Suspect::Process;
+        let difference = self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
+        let sequential = self.sequential.as_ref().and_then(|it| it.alarm());
+        process.step(&ProcessInput {
+            command: self.inputs.command_value(),
+            spool: self.inputs.spool_value(),
+            chambers: [self.inputs.pressures()[0], self.inputs.pressures()[1]],
+            supply: self.inputs.supply_value(),
+            monitored: now.gate == Opening::Open,
+            held: difference || sequential.is_some_and(|it| doubted(it.suspect)),
+            at: now.opened,
+        });
     }
 
     #[inline(never)]

@@ -1,0 +1,124 @@
+//! The faults that are tried.
+
+use tertius_core::verdict::Fault;
+use tertius_machine::inject::{Shape, Wanted};
+use tertius_machine::plant::Ailment;
+
+/// A fault and what it should be called.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProcessCase {
+    pub label: &'static str,
+    /// Sensor with the fault; `machine` for the machine itself.
+    pub sensor: &'static str,
+    pub wanted: Wanted,
+    /// What the process detector should call it; `None`: nothing at all.
+    pub expected: Option<Fault>,
+    /// Size as a warning should give it, where it gives one; negative sizes are tried as often.
+    pub size: Option<f64>,
+    /// How long it is watched, s.
+    pub watch: f64,
+}
+
+/// How long a fault is watched, s.
+const WATCH: f64 = 25.0;
+
+const fn of_the_machine(
+    label: &'static str,
+    ailment: Ailment,
+    expected: Fault,
+    size: Option<f64>,
+) -> ProcessCase {
+    let wanted = Wanted::Machine(ailment);
+    ProcessCase { label, sensor: "machine", wanted, expected: Some(expected), size, watch: WATCH }
+}
+
+const fn of_pressure(label: &'static str, shape: Shape, size: Option<f64>) -> ProcessCase {
+    ProcessCase {
+        label,
+        sensor: "pressure_bottom",
+        wanted: Wanted::Shape(shape),
+        expected: Some(Fault::PressureSensor),
+        size,
+        watch: WATCH,
+    }
+}
+
+const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
+    let wanted = Wanted::Shape(shape);
+    ProcessCase { label, sensor: "c1", wanted, expected: None, size: None, watch: WATCH }
+}
+
+/// Sizes of spools are in the unit of the default machine's signal, %.
+pub const CASES: [ProcessCase; 21] = [
+    of_the_machine(
+        "sticking 0.5 %",
+        Ailment::Sticking { band: 0.005 },
+        Fault::ValveSticking,
+        Some(0.5),
+    ),
+    of_the_machine(
+        "sticking 1 %",
+        Ailment::Sticking { band: 0.01 },
+        Fault::ValveSticking,
+        Some(1.0),
+    ),
+    of_the_machine(
+        "sticking 2 %",
+        Ailment::Sticking { band: 0.02 },
+        Fault::ValveSticking,
+        Some(2.0),
+    ),
+    of_the_machine(
+        "sticking 5 %",
+        Ailment::Sticking { band: 0.05 },
+        Fault::ValveSticking,
+        Some(5.0),
+    ),
+    of_the_machine(
+        "spool offset 0.5 %",
+        Ailment::SpoolOffset { size: 0.005 },
+        Fault::ValveOffset,
+        Some(0.5),
+    ),
+    of_the_machine(
+        "spool offset 1 %",
+        Ailment::SpoolOffset { size: 0.01 },
+        Fault::ValveOffset,
+        Some(1.0),
+    ),
+    of_the_machine(
+        "spool offset 2 %",
+        Ailment::SpoolOffset { size: 0.02 },
+        Fault::ValveOffset,
+        Some(2.0),
+    ),
+    of_the_machine(
+        "command 1 cycle late",
+        Ailment::LateCommand { cycles: 1 },
+        Fault::Command,
+        Some(1.0),
+    ),
+    of_the_machine(
+        "command 3 cycles late",
+        Ailment::LateCommand { cycles: 3 },
+        Fault::Command,
+        Some(3.0),
+    ),
+    of_the_machine(
+        "command 10 % too large",
+        Ailment::WrongCommand { gain: 0.1 },
+        Fault::Command,
+        None,
+    ),
+    of_pressure("pressure 3 bar off", Shape::Step { size: 3.0 }, Some(3.0)),
+    of_pressure("pressure 10 bar off", Shape::Step { size: 10.0 }, Some(10.0)),
+    of_pressure("pressure drifts 0.2 bar/s", Shape::Drift { rate: 0.2 }, None),
+    of_pressure("pressure frozen", Shape::Freeze, None),
+    of_c1("C1 step 5 mm", Shape::Step { size: 5e-3 }),
+    of_c1("C1 step 60 mm", Shape::Step { size: 0.06 }),
+    of_c1("C1 drift 1 mm/s", Shape::Drift { rate: 1e-3 }),
+    of_c1("C1 drift 20 mm/s", Shape::Drift { rate: 0.02 }),
+    of_c1("C1 noise 4 σ", Shape::Noise { size: 4.0 * super::super::row::SIGMA }),
+    of_c1("C1 scale 1 %", Shape::Scale { gain: 0.01 }),
+    of_c1("C1 frozen", Shape::Freeze),
+];

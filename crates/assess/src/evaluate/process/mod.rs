@@ -1,0 +1,155 @@
+//! Faults of the cylinders themselves, and of transducers beside them: what the process detectors find, how soon, and
+//! what they call it.
+//!
+//! A monitor is taught by one healthy recording of each machine, of a valve with a slow spool and one with a fast one,
+//! and watches other machines of the same kind.
+
+mod cases;
+mod figures;
+mod trial;
+
+pub use cases::{CASES, ProcessCase};
+pub use figures::{ProcessFigures, ProcessGathering, ProcessHealthy, ProcessResult};
+pub use trial::{ProcessOutcome, ProcessQuiet};
+
+use super::grade::Grade;
+use super::stand::{Stand, StandError};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use tertius_core::monitor::MonitorDesign;
+use tertius_machine::plant::CYLINDERS;
+
+/// Transducers, and the time constant of the spools, s.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ProcessMachine {
+    pub grade: Grade,
+    pub lag: f64,
+}
+
+/// Time constants of the spools, s.
+const LAGS: [f64; 2] = [0.06, 0.01];
+
+/// Length of the recording that teaches, s.
+pub const LESSON: f64 = 1500.0;
+
+/// How long one healthy machine is watched, s.
+pub const STRETCH: f64 = 1800.0;
+
+/// First stream of random numbers, apart from those of all other jobs.
+const STREAMS: u64 = 7 << 40;
+const NUMBERS: u64 = 1 << 20;
+
+/// What is tried.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProcessStudy {
+    pub machines: Vec<ProcessMachine>,
+    /// Significant wave height, m, and peak period, s; the seas take turns. The first one teaches.
+    pub seas: Vec<[f64; 2]>,
+    /// Faults of each case, rounded up to whole machines.
+    pub trials: u32,
+    /// Hours of each healthy machine, rounded up to whole stretches.
+    pub hours: f64,
+    pub seed: u64,
+}
+
+/// One simulated machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProcessJob {
+    /// The machine of that index with the fault of that index of [`CASES`] on every cylinder.
+    Faulty {
+        machine: usize,
+        case: usize,
+        number: u32,
+    },
+    Quiet {
+        machine: usize,
+        number: u32,
+    },
+}
+
+/// Result of a job.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProcessProduct {
+    Faulty(Vec<ProcessOutcome>),
+    Quiet(ProcessQuiet),
+}
+
+impl ProcessStudy {
+    /// The study of all machines.
+    pub fn new(seed: u64, seas: Vec<[f64; 2]>, trials: u32, hours: f64) -> Self {
+        let of = |grade| LAGS.map(|lag| ProcessMachine { grade, lag });
+        let machines = Grade::ALL.into_iter().flat_map(of).collect();
+        Self { machines, seas, trials, hours, seed }
+    }
+
+    /// Number of machines with the same fault.
+    pub const fn repeats(&self) -> u32 {
+        self.trials.div_ceil(CYLINDERS as u32)
+    }
+
+    /// All jobs, the longest first.
+    pub fn jobs(&self) -> Vec<ProcessJob> {
+        let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
+        let machines = || 0..self.machines.len();
+        let quiet = machines().flat_map(|machine| {
+            (0..stretches).map(move |number| ProcessJob::Quiet { machine, number })
+        });
+        let faulty = machines().flat_map(|machine| {
+            (0..CASES.len()).flat_map(move |case| {
+                let numbers = 0..self.repeats();
+                numbers.map(move |number| ProcessJob::Faulty { machine, case, number })
+            })
+        });
+        quiet.chain(faulty).collect()
+    }
+
+    /// The monitors of all machines, each taught by a recording of its own.
+    ///
+    /// # Errors There is no such machine, or it teaches nothing.
+    pub fn designs(&self, stand: &Stand) -> Result<Vec<MonitorDesign>, StandError> {
+        let numbered = (0..).zip(&self.machines);
+        let taught = numbered.map(|(number, machine)| {
+            let seed = self.random(STREAMS + number).random();
+            stand.taught_process(*machine, self.seas[0], seed)
+        });
+        taught.collect()
+    }
+
+    /// Does one job on `stand`.
+    ///
+    /// # Errors There is no such machine, or no place for such a fault on it.
+    pub fn run(&self, stand: &Stand, job: ProcessJob) -> Result<ProcessProduct, StandError> {
+        Ok(match job {
+            ProcessJob::Faulty { machine, case, number } => {
+                // All cases are tried on the same machines at the same times.
+                let mut rng = self.random(STREAMS + NUMBERS + u64::from(number));
+                let sea = self.sea(number);
+                let case = &CASES[case];
+                ProcessProduct::Faulty(stand.ailing(
+                    self.machines[machine],
+                    machine,
+                    sea,
+                    case,
+                    &mut rng,
+                )?)
+            }
+            ProcessJob::Quiet { machine, number } => {
+                let stream = STREAMS + (2 + machine as u64) * NUMBERS + u64::from(number);
+                let mut rng = self.random(stream);
+                let sea = self.sea(number);
+                ProcessProduct::Quiet(stand.hale(self.machines[machine], machine, sea, &mut rng)?)
+            }
+        })
+    }
+
+    fn sea(&self, number: u32) -> [f64; 2] {
+        self.seas[number as usize % self.seas.len()]
+    }
+
+    fn random(&self, stream: u64) -> ChaCha8Rng {
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        rng.set_stream(stream);
+        rng
+    }
+}

@@ -1,0 +1,204 @@
+//! One machine with a fault, or without.
+
+use super::cases::ProcessCase;
+use super::{LESSON, ProcessMachine, STRETCH};
+use crate::evaluate::stand::{Stand, StandError};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use tertius_config::design;
+use tertius_config::settings::{Cylinder, Settings};
+use tertius_core::alarm::{Detector, State, Warning};
+use tertius_core::monitor::{Monitor, MonitorDesign, Sink};
+use tertius_core::process::ProcessParameters;
+use tertius_core::time::{Span, Timestamp};
+use tertius_core::verdict::{Fault as Kind, Suspect};
+use tertius_learn::relate::ProcessRows;
+use tertius_learn::survey::{Survey, Window};
+use tertius_machine::inject::{Fault, Placed, Shape, Wanted, place};
+use tertius_machine::plant::{Ailment, CYLINDERS};
+use tertius_machine::simulator::{Change, EPOCH, Options, Simulator};
+
+/// Time from when the detectors judge until the earliest fault, and within which the faults begin, s.
+const LEAD: f64 = 12.0;
+const SPREAD: f64 = 3.0;
+
+/// Loads and friction of healthy machines, as factors of the usual.
+const LOADS: [f64; 2] = [0.7, 1.3];
+const FRICTIONS: [f64; 2] = [1.0, 1.1];
+
+/// What was said of one fault.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProcessOutcome {
+    /// From the fault to the first warning of the process detector, s.
+    pub delay: Option<f64>,
+    /// What it was called at last.
+    pub kind: Option<Kind>,
+    /// Its size as told, over the true one; of the faults that have one.
+    pub size: Option<f64>,
+    /// Whether any warning named a transducer.
+    pub blamed: bool,
+    /// Whether the process detector had warned before.
+    pub spoilt: bool,
+}
+
+/// What was said of a healthy machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ProcessQuiet {
+    /// Warnings of process detectors.
+    pub raises: u64,
+}
+
+/// Keeps the warnings.
+#[derive(Default)]
+struct Listener(Vec<Warning>);
+
+impl Sink for Listener {
+    fn wants_records(&self) -> bool {
+        false
+    }
+
+    fn warning(&mut self, warning: &Warning) {
+        self.0.push(*warning);
+    }
+}
+
+impl Stand<'_> {
+    /// The monitor that a healthy machine in `sea` teaches.
+    pub(super) fn taught_process(
+        &self,
+        machine: ProcessMachine,
+        sea: [f64; 2],
+        seed: u64,
+    ) -> Result<MonitorDesign, StandError> {
+        let mut settings: Settings = self.settings.clone();
+        let told = |flaws: Vec<design::Flaw>| {
+            let told = flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message));
+            StandError::Untaught(told.collect::<Vec<_>>().join("; "))
+        };
+        let surveying = design::surveying(&settings, self.database).map_err(told)?;
+        let options = Options { seed, sea: Some(sea), ..Options::default() };
+        let mut simulator = self.with_lag(machine.grade, machine.lag, None, &options)?;
+        let mut rows = ProcessRows::new(&settings);
+        let mut monitor = Monitor::new(surveying);
+        let mut survey = Survey::new(EPOCH, Window::ALL, &mut rows);
+        for _ in 0..self.cycles(LESSON) {
+            simulator.step(&mut |frame| monitor.take(frame, &mut survey));
+        }
+        for learnt in rows.learn(&settings) {
+            if let Some(why) = learnt.remarks().first() {
+                return Err(StandError::Untaught(format!("cylinder {}: {why}", learnt.number)));
+            }
+            let process = learnt.table(settings.machine.sample_time);
+            match settings.cylinder.iter_mut().find(|own| own.n == learnt.number) {
+                Some(own) => own.process = process,
+                None => {
+                    settings.cylinder.push(Cylinder { process, ..Cylinder::new(learnt.number) })
+                }
+            }
+        }
+        design::judging(&settings, self.database).map_err(told)
+    }
+
+    /// Plays a machine with the fault of `case` on every cylinder.
+    pub(super) fn ailing(
+        &self,
+        machine: ProcessMachine,
+        index: usize,
+        sea: [f64; 2],
+        case: &ProcessCase,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Vec<ProcessOutcome>, StandError> {
+        let seed = rng.random();
+        let begin = ProcessParameters::DEFAULT.opening + LEAD;
+        let drawn: [(f64, f64); CYLINDERS] = std::array::from_fn(|_| {
+            let at = begin + SPREAD * rng.random::<f64>();
+            (at, if rng.random::<bool>() { 1.0 } else { -1.0 })
+        });
+        let faults: Vec<Fault> =
+            (1_u8..).zip(&drawn).map(|(n, drawn)| fault(case, n, *drawn)).collect();
+        let of_machine = matches!(case.wanted, Wanted::Machine(_));
+        let placed = |fault: &Fault| Ok(place(fault, self.settings, self.database)?);
+        let (ailments, faults) = if of_machine {
+            (faults, Vec::new())
+        } else {
+            let placed: Result<Vec<Placed>, StandError> = faults.iter().map(placed).collect();
+            (Vec::new(), placed?)
+        };
+        let sea = Some(sea);
+        let options = Options { seed, sea, ailments, faults, in_loop: true, ..Options::default() };
+        let mut simulator = self.with_lag(machine.grade, machine.lag, None, &options)?;
+        let warnings = self.watched(&mut simulator, index, begin + SPREAD + case.watch);
+        let outcome = |(n, drawn): (u8, &(f64, f64))| outcome(case, &warnings, n, *drawn);
+        Ok((1_u8..).zip(&drawn).map(outcome).collect())
+    }
+
+    /// Plays a healthy machine with another load and friction.
+    pub(super) fn hale(
+        &self,
+        machine: ProcessMachine,
+        index: usize,
+        sea: [f64; 2],
+        rng: &mut ChaCha8Rng,
+    ) -> Result<ProcessQuiet, StandError> {
+        let options = Options { seed: rng.random(), sea: Some(sea), ..Options::default() };
+        let part = rng.random_range(LOADS[0]..LOADS[1]);
+        let friction = rng.random_range(FRICTIONS[0]..FRICTIONS[1]);
+        let changed = Some((Change { time: [0.0, 1e9], part }, friction));
+        let mut simulator = self.with_lag(machine.grade, machine.lag, changed, &options)?;
+        let warnings = self.watched(&mut simulator, index, STRETCH);
+        let raised = |it: &&Warning| is_process(it) && it.state == State::Raised;
+        Ok(ProcessQuiet { raises: warnings.iter().filter(raised).count() as u64 })
+    }
+
+    fn watched(&self, simulator: &mut Simulator, index: usize, seconds: f64) -> Vec<Warning> {
+        let mut monitor = Monitor::new(self.taught[index].clone());
+        let mut listener = Listener::default();
+        for _ in 0..self.cycles(seconds) {
+            simulator.step(&mut |frame| monitor.take(frame, &mut listener));
+        }
+        monitor.finish(&mut listener);
+        listener.0
+    }
+}
+
+fn is_process(warning: &Warning) -> bool {
+    warning.detector == Detector::Process
+}
+
+fn fault(case: &ProcessCase, cylinder: u8, (at, sign): (f64, f64)) -> Fault {
+    let window = tertius_machine::inject::Window { from: Span::from_seconds(at), until: None };
+    let wanted = match case.wanted {
+        Wanted::Machine(Ailment::SpoolOffset { size }) => {
+            Wanted::Machine(Ailment::SpoolOffset { size: sign * size })
+        }
+        Wanted::Shape(Shape::Step { size }) => Wanted::Shape(Shape::Step { size: sign * size }),
+        Wanted::Shape(Shape::Drift { rate }) => Wanted::Shape(Shape::Drift { rate: sign * rate }),
+        other => other,
+    };
+    Fault { cylinder, sensor: case.sensor, wanted, window }
+}
+
+fn outcome(
+    case: &ProcessCase,
+    warnings: &[Warning],
+    cylinder: u8,
+    (at, sign): (f64, f64),
+) -> ProcessOutcome {
+    let onset = EPOCH.after(Span::from_seconds(at));
+    let own = || warnings.iter().filter(|it| it.cylinder == cylinder);
+    let after = |it: &&Warning, from: Timestamp| it.timestamp >= from;
+    let process = || own().filter(|it| is_process(it) && it.state != State::Cleared);
+    let found = process().find(|it| after(it, onset));
+    let last = process().rfind(|it| after(it, onset));
+    let named = |it: &Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
+    let told = last.and_then(|it| it.finding.evidence?.size);
+    let signed = matches!(case.expected, Some(Kind::ValveOffset | Kind::PressureSensor));
+    let truth = case.size.map(|size| if signed { sign * size } else { size });
+    ProcessOutcome {
+        delay: found.map(|it| it.timestamp.since(onset).as_seconds()),
+        kind: last.map(|it| it.finding.fault),
+        size: told.zip(truth).map(|(told, truth)| told / truth),
+        blamed: own().any(|it| after(&it, onset) && named(it)),
+        spoilt: process().any(|it| !after(&it, onset)),
+    }
+}

@@ -1,0 +1,85 @@
+//! `[process]`, and the tables that `tertius calibrate` has fitted for the process detector of one cylinder.
+
+use crate::kinds::number;
+use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
+use tertius_core::process::chambers::TERMS;
+use tertius_core::sequential::windows::WIDTHS;
+
+const FITTED: &str = "`tertius calibrate` writes it";
+
+const fn fitted(least: usize, most: usize) -> Kind {
+    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
+}
+
+const fn dependence() -> Kind {
+    let one = Limits::least(1.0, "how many samples carry as much information as one");
+    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
+}
+
+table! {
+    /// Settings of the process detectors of all cylinders that are calibrated for one.
+    pub struct ProcessSettings = PROCESS {
+        level: Option<f64> = None =>
+            number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
+            "26.0",
+            "the level of the process detectors of all cylinders, nats; absent: by \
+             sequential.false_alarms_per_year";
+    }
+}
+
+table! {
+    /// What the spool and the pressures of one cylinder say of each other.
+    pub struct CylinderProcess = CYLINDER_PROCESS {
+        sample_time: f64 => number(Limits::above(0.0, FITTED)),
+            "0.02", "the sample time that it was fitted at, s";
+        spool: Option<SpoolTable> = None => Kind::Table(&SPOOL),
+            "", "where the spool stands by the command";
+        chambers: Option<ChambersTable> = None => Kind::Table(&CHAMBERS),
+            "", "what the pressures of both chambers add up to";
+    }
+}
+
+table! {
+    /// x(k+1) = a x(k) + g(u(k)) + g₂(u(k−1)), positions in the unit of the spool's signal.
+    pub struct SpoolTable = SPOOL {
+        retained: f64 => number(Limits::least(0.0, FITTED).most(0.9999)),
+            "0.7", "a: what of the position is left after a cycle";
+        limit: f64 => number(Limits::above(0.0, FITTED)),
+            "0.9", "the command at the outermost knots, m/s";
+        curve: Vec<f64> => fitted(3, 1001),
+            "[-20.0, 0.0, 20.0]", "g at its knots";
+        before: Vec<f64> => fitted(3, 1001),
+            "[-5.0, 0.0, 5.0]", "the part of the command of the cycle before, at its knots";
+        samples: Vec<u64> =>
+            Kind::List { least: 2, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) },
+            "[5000, 5000]", "samples that the calibration had between each two knots of `curve`";
+        deviation: f64 => number(Limits::above(0.0, FITTED)),
+            "0.06", "the standard deviation of the position beside it, at rest";
+        timing: f64 => number(Limits::least(0.0, FITTED)),
+            "0.05", "its growth with a movement within a cycle";
+        largest: f64 => number(Limits::above(0.0, FITTED)),
+            "45.0", "the largest position that was taught";
+        mean_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean that carry as much information as one, by the width of the window";
+        square_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean square that carry as much information as one, by the width of the window";
+    }
+}
+
+table! {
+    /// P_bot + P_rod by 1, P_S, P_bot − P_rod and the spool's position.
+    pub struct ChambersTable = CHAMBERS {
+        coefficients: [f64; TERMS] => fitted(TERMS, TERMS),
+            "[0.0, 1.0, 0.02, 0.0]", "what each of them counts, bar, bar/bar, bar/bar, bar per unit of the spool";
+        deviation: f64 => number(Limits::above(0.0, FITTED)),
+            "0.5", "the standard deviation of the sum beside it, bar";
+        mean_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean that carry as much information as one, by the width of the window";
+        square_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean square that carry as much information as one, by the width of the window";
+    }
+}

@@ -1,0 +1,69 @@
+//! A function of the command by linear pieces, which are short where valves are least linear: near rest.
+
+use alloc::vec::Vec;
+
+/// A piece of a [`Curve`], and the part of it that lies before a command, 0 to 1.
+pub type Place = (usize, f64);
+
+/// Values at knots, linear between them. Knot i of n + 1 stands at ± w² times the limit, with w = 2 i/n − 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Command of the last knot, m/s; that of the first one is its negative.
+    limit: f64,
+    values: Vec<f64>,
+}
+
+impl Curve {
+    /// The curve with these `values` at its knots, at least two, and the last knot at the command `limit`.
+    pub fn new(limit: f64, values: Vec<f64>) -> Self {
+        debug_assert!(values.len() > 1 && limit > 0.0);
+        Self { limit, values }
+    }
+
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The value at `command`, m/s; beyond the outermost knots theirs.
+    pub fn at(&self, command: f64) -> f64 {
+        let (piece, part) = place(self.limit, self.values.len() - 1, command);
+        let [low, high] = [self.values[piece], self.values[piece + 1]];
+        low + part * (high - low)
+    }
+}
+
+/// Where `command`, m/s, lies among `pieces` whose outermost knots stand at ± `limit`.
+pub fn place(limit: f64, pieces: usize, command: f64) -> Place {
+    let count = pieces as f64;
+    let command = command.clamp(-limit, limit);
+    let warped = libm::sqrt(command.abs() / limit);
+    let warped = if command < 0.0 { -warped } else { warped };
+    let piece = (0.5 * (warped + 1.0) * count) as usize;
+    let piece = piece.min(pieces - 1);
+    let [low, high] = [piece, piece + 1].map(|index| knot(limit, pieces, index));
+    (piece, ((command - low) / (high - low)).clamp(0.0, 1.0))
+}
+
+/// Command at which the knot of `index` among `pieces` stands, m/s.
+pub fn knot(limit: f64, pieces: usize, index: usize) -> f64 {
+    let warped = 2.0 * index as f64 / pieces as f64 - 1.0;
+    limit * warped * warped.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_a_line_and_its_pieces_are_short_near_rest() {
+        let values = (0..=8).map(|index| 3.0 * knot(0.8, 8, index) + 1.0).collect();
+        let curve = Curve::new(0.8, values);
+        for command in [-0.8, -0.3, -1e-3, 0.0, 0.01, 0.2, 0.79] {
+            assert!((curve.at(command) - 3.0 * command - 1.0).abs() < 1e-12, "{command}");
+        }
+        assert_eq!([curve.at(-5.0), curve.at(2.0)], [curve.at(-0.8), curve.at(0.8)]);
+        let shortest = (1..9).map(|index| knot(0.8, 8, index) - knot(0.8, 8, index - 1));
+        assert_eq!(shortest.fold(f64::INFINITY, f64::min), knot(0.8, 8, 5) - knot(0.8, 8, 4));
+        assert_eq!(place(0.8, 8, f64::NAN).0, 0);
+    }
+}

@@ -1,0 +1,140 @@
+//! Evidence that a residual has moved, or spreads more, weighed over windows of every width.
+
+use super::parameters::ProcessParameters;
+use crate::sequential::statistic::Peak;
+use crate::sequential::windows::{Sums, WIDTHS};
+use crate::state::state;
+
+const P: &ProcessParameters = &ProcessParameters::DEFAULT;
+
+/// Samples of the widest window.
+pub const WIDEST: usize = 1024;
+
+/// By what evidence is weighed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weighing {
+    /// Displacement that is no fault, in the residual's unit.
+    pub dead_band: f64,
+    /// Number of samples that carry as much as one independent one, for mean and spread, for each of [`WIDTHS`].
+    pub dependence: [[f64; WIDTHS.len()]; 2],
+    /// Places in [`WIDTHS`] of the shortest window and of that after the longest.
+    widths: [usize; 2],
+}
+
+impl Weighing {
+    /// For residuals that are sampled every `sample_time` seconds.
+    pub fn new(dead_band: f64, dependence: [[f64; WIDTHS.len()]; 2], sample_time: f64) -> Self {
+        let [shortest, longest] = P.widths(sample_time);
+        let before = |samples: usize| WIDTHS.iter().take_while(|width| **width < samples).count();
+        Self { dead_band, dependence, widths: [before(shortest), before(longest.min(WIDEST) + 1)] }
+    }
+
+    /// Nats of the sums over the window of `index`: of the mean beyond the dead band, (|Σ y/s²| − ε Σ 1/s²)²
+    /// over 2 κ Σ 1/s², and of the variance, n/2κ (ρ − 1 − ln ρ), ρ being the mean (y/s)² over the band.
+    fn nats(&self, index: usize, [sum, weight, square, _]: [f64; 4]) -> [f64; 2] {
+        let [of_mean, of_spread] = self.dependence;
+        let beyond = sum.abs() - self.dead_band * weight;
+        let mean = if beyond > 0.0 && weight > 0.0 {
+            beyond * beyond / (2.0 * of_mean[index] * weight)
+        } else {
+            0.0
+        };
+        let width = WIDTHS[index] as f64;
+        let ratio = square / (P.spread_band * width);
+        let spread = if ratio > 1.0 {
+            0.5 * width / of_spread[index] * (ratio - 1.0 - libm::log(ratio))
+        } else {
+            0.0
+        };
+        [mean, spread]
+    }
+}
+
+/// The newest residuals of one relation.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    /// y/s², 1/s² and (y/s)², y being a residual as far as it is evidence; and the whole residual.
+    sums: Sums<WIDEST>,
+}
+
+state! { Evidence { sums } }
+
+impl Evidence {
+    pub const fn clear(&mut self) {
+        self.sums.clear();
+    }
+
+    /// Takes a residual with its standard deviation.
+    pub fn push(&mut self, residual: f64, deviation: f64) {
+        let weight = 1.0 / (deviation * deviation);
+        let most = P.farthest * deviation;
+        let evident = residual.clamp(-most, most);
+        let weighed = evident * weight;
+        self.sums.push([weighed, weight, evident * weighed, residual]);
+    }
+
+    /// The windows of mean and of spread with the most evidence.
+    pub fn peaks(&self, by: &Weighing) -> [Peak; 2] {
+        let mut peaks = [Peak::default(); 2];
+        for index in by.widths[0]..by.widths[1] {
+            let width = WIDTHS[index];
+            let Some(sums) = self.sums.over(width) else { break };
+            for (peak, nats) in peaks.iter_mut().zip(by.nats(index, sums)) {
+                if nats > peak.nats {
+                    *peak = Peak { nats, width };
+                }
+            }
+        }
+        peaks
+    }
+
+    /// Mean of the newest `width` residuals; `None` if there are not so many.
+    pub fn mean(&self, width: usize) -> Option<f64> {
+        let [.., sum] = self.sums.over(width)?;
+        Some(sum / width as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE: [[f64; WIDTHS.len()]; 2] = [[1.0; WIDTHS.len()]; 2];
+
+    fn peaks(by: &Weighing, residuals: impl Iterator<Item = f64>) -> [Peak; 2] {
+        let mut evidence = Evidence::default();
+        residuals.for_each(|residual| evidence.push(residual, 0.5));
+        evidence.peaks(by)
+    }
+
+    #[test]
+    fn the_nats_are_those_of_the_formulae() {
+        let by = Weighing::new(0.1, ONE, 0.02);
+        // 0.6 beside 0 by a deviation of 0.5, 0.1 of which is no fault, in 64 samples.
+        let [mean, spread] = peaks(&by, (0..64).map(|_| 0.6));
+        assert_eq!((mean.width, spread.nats), (64, 0.0));
+        assert!((mean.nats - 64.0 * 0.5 * 0.5 / (2.0 * 0.25)).abs() < 1e-9, "{mean:?}");
+        // Three deviations up and down: a variance of 4.5 times what is no fault.
+        let [mean, spread] = peaks(&by, (0..64).map(|k| 1.5 * f64::from(1 - 2 * (k & 1))));
+        assert_eq!((mean.nats, spread.width), (0.0, 64));
+        assert!((spread.nats - 32.0 * (4.5 - 1.0 - 4.5_f64.ln())).abs() < 1e-9, "{spread:?}");
+    }
+
+    #[test]
+    fn dependent_samples_and_single_spikes_prove_little() {
+        let of = |dependence| Weighing::new(0.0, [[dependence; WIDTHS.len()]; 2], 0.02);
+        let [[one, _], [four, _]] = [1.0, 4.0].map(|it| peaks(&of(it), (0..64).map(|_| 0.6)));
+        assert!((one.nats / four.nats - 4.0).abs() < 1e-9);
+        let spike = peaks(&of(1.0), (0..64).map(|k| if k == 60 { 1e6 } else { 0.0 }));
+        assert!(spike.iter().all(|peak| peak.nats < 12.0), "{spike:?}");
+    }
+
+    #[test]
+    fn windows_are_as_long_as_their_times_at_any_rate() {
+        for (sample_time, widths) in [(0.02, [4, 512]), (0.01, [8, 1024]), (0.1, [4, 512])] {
+            let by = Weighing::new(0.1, ONE, sample_time);
+            let [first, end] = by.widths;
+            assert_eq!([WIDTHS[first], WIDTHS[end - 1]], widths, "{sample_time}");
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What the process detectors judge by: every number of the family, with its unit and source.
+
+use crate::time;
+
+/// All of them. Those without a source were chosen on simulated machines (docs/PROCESS.md).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProcessParameters {
+    /// Time for which a relation is not judged after the platform came into a monitored state, s: valve and oil
+    /// are not yet where they were taught.
+    pub opening: f64,
+    /// Time after which a spool that starts anywhere stands where its command says, s: five time constants of
+    /// the slowest, 60 ms.
+    pub settling: f64,
+    /// Shortest and longest window, s.
+    pub windows: [f64; 2],
+    /// No sample is evidence beyond so many standard deviations: a spike is no fault.
+    pub farthest: f64,
+    /// Displacement of the spool that is no fault, as a part of the largest position that was taught.
+    pub spool_band: f64,
+    /// Displacement of the chambers' sum that is no fault, bar.
+    pub chambers_band: f64,
+    /// Factor of the variance that is no fault.
+    pub spread_band: f64,
+    /// Time over which a fault is looked at before its kind is decided, s, and until it is decided anew, s.
+    pub looks: [f64; 2],
+    /// Part of the energy that an offset, a delay or a gain has to leave at the most, to be the kind.
+    pub left: f64,
+    /// Movements of the spool in each direction that tell sticking from an offset, and from when one counts,
+    /// as a part of the largest position.
+    pub movements: usize,
+    pub moving: f64,
+    /// Time by which other cylinders may find the same, s, before a pressure sensor is named.
+    pub company: f64,
+    /// Least number of cylinders whose sums of chambers are off when it is the supply's sensor, as a part of all.
+    pub many: f64,
+    /// Part of the level below which evidence has to fall for an alarm to end.
+    pub over: f64,
+}
+
+impl ProcessParameters {
+    pub const DEFAULT: Self = Self {
+        opening: 10.0,
+        settling: 0.5,
+        windows: [0.08, 10.24],
+        farthest: 6.0,
+        spool_band: 2e-3,
+        chambers_band: 1.0,
+        spread_band: 2.0,
+        looks: [0.5, 10.0],
+        left: 0.35,
+        movements: 20,
+        moving: 4e-3,
+        company: 0.1,
+        many: 0.6,
+        over: 0.5,
+    };
+
+    /// Widths of the windows, samples, shortest and longest.
+    pub fn widths(&self, sample_time: f64) -> [usize; 2] {
+        self.windows.map(|seconds| time::samples(seconds, sample_time) as usize)
+    }
+}

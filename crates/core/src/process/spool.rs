@@ -1,0 +1,129 @@
+//! Where the main spool should stand by the command, and where it stands.
+//!
+//! x̂(k+1) = a x̂(k) + g(u(k)) + g₂(u(k−1)): a lag behind the controller's look-up table. The command of the cycle before
+//! acts until the new one has reached the valve. The prediction runs free and never sees the position, since a
+//! spool that sticks would else take it along.
+
+use super::curve::{self, Curve};
+use super::parameters::ProcessParameters;
+use crate::sequential::windows::WIDTHS;
+use crate::state::{state, whole};
+use crate::time;
+use alloc::vec::Vec;
+
+/// What is known of a spool. Positions are in the unit of its signal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpoolDesign {
+    /// a: what of the position is left after a cycle.
+    pub retained: f64,
+    /// Command of the outermost knots of both curves, m/s.
+    pub limit: f64,
+    /// g, by the command of the cycle.
+    pub curve: Curve,
+    /// g₂, by that of the cycle before.
+    pub before: Curve,
+    /// Whether commands in each piece of g were taught.
+    pub taught: Vec<bool>,
+    /// Standard deviation of x − x̂ at rest, and what it grows by with a movement within a cycle.
+    pub deviation: f64,
+    pub timing: f64,
+    /// Largest position that was taught.
+    pub largest: f64,
+    /// Numbers of dependent samples of mean and spread, see [`super::Weighing`].
+    pub dependence: [[f64; WIDTHS.len()]; 2],
+}
+
+/// A spool beside where it should stand, in one cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stand {
+    pub position: f64,
+    pub expected: f64,
+    /// Standard deviation of their difference.
+    pub deviation: f64,
+    /// Whether the prediction has forgotten where it began, on commands that were taught.
+    pub is_settled: bool,
+}
+
+impl Stand {
+    /// x − x̂.
+    pub fn residual(&self) -> f64 {
+        self.position - self.expected
+    }
+}
+
+/// The prediction of a spool's position.
+#[derive(Clone, Debug)]
+pub struct Spool {
+    design: SpoolDesign,
+    /// Cycles until a prediction that began anywhere is right.
+    settling: u32,
+    run: Run,
+}
+
+state! {
+    Spool { run }
+    but { design, settling }
+}
+
+/// What changes from cycle to cycle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Run {
+    /// x̂ of this cycle, once there is one, and of the one before.
+    expected: Option<[f64; 2]>,
+    /// Command of the cycle before.
+    command: Option<f64>,
+    /// Cycles that are left until it is right.
+    unsettled: u32,
+}
+
+whole! { Run { expected, command, unsettled } }
+
+impl Spool {
+    pub fn new(design: SpoolDesign, sample_time: f64) -> Self {
+        let settling = time::cycles(ProcessParameters::DEFAULT.settling, sample_time).max(2);
+        Self { design, settling, run: Run::default() }
+    }
+
+    pub const fn design(&self) -> &SpoolDesign {
+        &self.design
+    }
+
+    pub fn reset(&mut self) {
+        self.run = Run::default();
+    }
+
+    /// One cycle: `command` u(k), m/s, and the spool's position x(k), both as sent. `None` without both.
+    pub fn step(&mut self, command: Option<f64>, position: Option<f64>) -> Option<Stand> {
+        let Self { design, settling, run } = self;
+        let Some(command) = command else {
+            *run = Run::default();
+            return None;
+        };
+        let last = run.command.replace(command).unwrap_or(command);
+        if run.expected.is_none() {
+            run.unsettled = *settling;
+        }
+        let [expected, former] = run.expected.or(position.map(|here| [here; 2]))?;
+        let stand = position.map(|position| {
+            let way = design.timing * (expected - former);
+            let variance = design.deviation * design.deviation + way * way;
+            let (deviation, is_settled) = (libm::sqrt(variance), run.unsettled == 0);
+            Stand { position, expected, deviation, is_settled }
+        });
+        run.unsettled = match design.is_taught(command) {
+            true => run.unsettled.saturating_sub(1),
+            false => *settling,
+        };
+        let next = design.retained * expected + design.curve.at(command) + design.before.at(last);
+        // Whatever is not finite gets there first.
+        run.expected = next.is_finite().then_some([next, expected]);
+        stand
+    }
+}
+
+impl SpoolDesign {
+    fn is_taught(&self, command: f64) -> bool {
+        let (piece, _) = curve::place(self.limit, self.taught.len(), command);
+        command.abs() <= self.limit && self.taught[piece]
+    }
+}

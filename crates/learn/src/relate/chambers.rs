@@ -1,0 +1,60 @@
+//! What the pressures of both chambers add up to.
+
+use super::rows::ProcessRow;
+use super::scatter::{self, Left, Scatter};
+use super::{LEAST_TIME, ProcessRefusal};
+use nalgebra::{SMatrix, SVector};
+use tertius_config::settings::ChambersTable;
+use tertius_core::process::chambers::{TERMS, terms};
+use tertius_core::process::{ChambersDesign, ProcessParameters};
+use tertius_core::sequential::windows::WIDTHS;
+
+/// Learns the relation from the rows of one cylinder.
+pub(super) fn learn(
+    rows: &[ProcessRow],
+    sample_time: f64,
+    level: f64,
+) -> Result<ChambersTable, ProcessRefusal> {
+    let known: Vec<&ProcessRow> = rows.iter().filter(|row| row.pressures.is_some()).collect();
+    let seconds = known.len() as f64 * sample_time;
+    if seconds < LEAST_TIME {
+        return Err(ProcessRefusal::Short { seconds });
+    }
+    let coefficients = fit(&known).ok_or(ProcessRefusal::Undetermined)?;
+    let (deviation, dependence) = (1.0, [[1.0; WIDTHS.len()]; 2]);
+    let design = ChambersDesign { coefficients, deviation, dependence };
+    let left = |row: &&ProcessRow| {
+        let ([bottom, rod, supply], spool) = values(row)?;
+        let residual = design.residual([bottom, rod], supply, spool);
+        Some(Left { t: row.t, residual, way: 0.0, follows: row.follows })
+    };
+    let left: Vec<Left> = known.iter().filter_map(left).collect();
+    let band = ProcessParameters::DEFAULT.chambers_band;
+    let Scatter { parts: [deviation, _], dependence: [mean_dependence, square_dependence] } =
+        scatter::measure(&left, band, sample_time, level)?;
+    Ok(ChambersTable { coefficients, deviation, mean_dependence, square_dependence })
+}
+
+/// P_bot, P_rod and P_S, bar, and the spool's position, 0 where there is none.
+fn values(row: &ProcessRow) -> Option<([f64; 3], f64)> {
+    Some((row.pressures?.map(f64::from), row.spool.map_or(0.0, f64::from)))
+}
+
+/// What keeps a coefficient of a signal that never moves at 0, as a part of the mean diagonal.
+const RIDGE: f64 = 1e-9;
+
+/// Least squares of P_bot + P_rod.
+fn fit(rows: &[&ProcessRow]) -> Option<[f64; TERMS]> {
+    let (mut normal, mut right) =
+        (SMatrix::<f64, TERMS, TERMS>::zeros(), SVector::<f64, TERMS>::zeros());
+    for row in rows {
+        let Some(([bottom, rod, supply], spool)) = values(row) else { continue };
+        let terms = SVector::from(terms([bottom, rod], supply, spool));
+        normal += terms * terms.transpose();
+        right += terms * (bottom + rod);
+    }
+    let ridge = RIDGE * normal.trace() / TERMS as f64;
+    normal += SMatrix::from_diagonal_element(ridge);
+    let solved = normal.cholesky()?.solve(&right);
+    solved.iter().all(|it| it.is_finite()).then(|| solved.into())
+}

@@ -1,0 +1,108 @@
+//! Learning what spool and pressures say of each other, for the process detectors.
+//!
+//! Both relations are linear in their coefficients, and found by least squares on a healthy recording. The detector's
+//! own prediction then runs over the same recording: what it leaves gives the scatter and the dependence of its samples,
+//! and evidence as strong as that of a fault refuses the relation.
+
+mod chambers;
+mod rows;
+mod scatter;
+mod spool;
+
+pub use rows::{ProcessRow, ProcessRows};
+use std::fmt;
+use tertius_config::settings::{ChambersTable, CylinderProcess, Settings, SpoolTable};
+
+/// Shortest time from which a relation is learnt, s.
+pub const LEAST_TIME: f64 = 600.0;
+
+/// What was learnt of one cylinder.
+#[derive(Clone, Debug)]
+pub struct LearntProcess {
+    /// Cylinder number, counted from 1.
+    pub number: u8,
+    /// `None` where the configuration names no spool.
+    pub spool: Option<Result<SpoolTable, ProcessRefusal>>,
+    /// `None` where the configuration does not name all three pressures.
+    pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
+}
+
+/// Why a relation was not learnt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProcessRefusal {
+    /// Data for so many seconds only.
+    Short { seconds: f64 },
+    /// The signals do not determine it: nothing moves.
+    Undetermined,
+    /// The recording contradicts it at this time, s, with this much evidence, nats.
+    Contradicted { at: f64, nats: f64 },
+}
+
+impl fmt::Display for ProcessRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Short { seconds } => write!(
+                f,
+                "{seconds:.0} s of spool and pressures in monitored states, and it takes {LEAST_TIME:.0} s"
+            ),
+            Self::Undetermined => f.write_str("its signals hardly move, and do not determine it"),
+            Self::Contradicted { at, nats } => write!(
+                f,
+                "what is {at:.1} s after the first frame is not like the rest, by {nats:.0} nats: is there a \
+                 fault in the recording?"
+            ),
+        }
+    }
+}
+
+impl LearntProcess {
+    /// The table, where there is one.
+    pub fn table(&self, sample_time: f64) -> Option<CylinderProcess> {
+        let spool = self.spool.as_ref().and_then(|it| it.as_ref().ok()).cloned();
+        let chambers = self.chambers.as_ref().and_then(|it| it.as_ref().ok()).cloned();
+        let any = spool.is_some() || chambers.is_some();
+        any.then_some(CylinderProcess { sample_time, spool, chambers })
+    }
+}
+
+impl LearntProcess {
+    /// What was not learnt, and why.
+    pub fn remarks(&self) -> Vec<String> {
+        let refused = |what: &str, why: Option<&ProcessRefusal>| {
+            why.map(|why| format!("no process detector by {what}: {why}"))
+        };
+        let of_spool = refused("the spool", self.spool.as_ref().and_then(|it| it.as_ref().err()));
+        let of_chambers =
+            refused("the pressures", self.chambers.as_ref().and_then(|it| it.as_ref().err()));
+        of_spool.into_iter().chain(of_chambers).collect()
+    }
+}
+
+impl ProcessRows {
+    /// Whether `settings` name what a relation is made of.
+    pub fn are_named(settings: &Settings) -> bool {
+        has_spool(settings) || has_chambers(settings)
+    }
+
+    /// What the rows of all cylinders teach.
+    pub fn learn(&self, settings: &Settings) -> Vec<LearntProcess> {
+        let level = settings.process_level();
+        let time = settings.machine.sample_time;
+        let learn = |n: u8| LearntProcess {
+            number: n,
+            spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
+            chambers: has_chambers(settings).then(|| chambers::learn(self.of(n), time, level)),
+        };
+        (1..=settings.machine.cylinders).map(learn).collect()
+    }
+}
+
+const fn has_spool(settings: &Settings) -> bool {
+    settings.signals.cylinder.spool.is_some()
+}
+
+const fn has_chambers(settings: &Settings) -> bool {
+    let own = &settings.signals.cylinder;
+    let both = own.pressure_bottom.is_some() && own.pressure_rod.is_some();
+    both && settings.signals.supply.is_some()
+}

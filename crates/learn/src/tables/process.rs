@@ -1,0 +1,58 @@
+//! The tables of a process detector, as the configuration reads them.
+
+use super::calibration::six;
+use std::fmt::Write as _;
+use tertius_config::settings::{ChambersTable, CylinderProcess, SpoolTable};
+
+/// `[cylinder.process]` and its parts.
+pub(super) fn table(process: &CylinderProcess) -> String {
+    let CylinderProcess { sample_time, spool, chambers } = process;
+    let mut text = format!("\n[cylinder.process]\nsample_time = {sample_time:?}\n");
+    if let Some(spool) = spool {
+        text += &of_spool(spool);
+    }
+    if let Some(chambers) = chambers {
+        text += &of_chambers(chambers);
+    }
+    text
+}
+
+fn of_spool(table: &SpoolTable) -> String {
+    let SpoolTable {
+        retained,
+        limit,
+        curve,
+        before,
+        samples,
+        deviation,
+        timing,
+        largest,
+        mean_dependence,
+        square_dependence,
+    } = table;
+    let mut text = "\n[cylinder.process.spool]\n".to_owned();
+    _ = write!(
+        text,
+        "retained = {retained:e}\nlimit = {limit:?}\ncurve = {}\nbefore = {}\nsamples = {samples:?}\n\
+         deviation = {deviation:e}\ntiming = {timing:e}\nlargest = {largest:?}\nmean_dependence = {}\n\
+         square_dependence = {}\n",
+        six(curve),
+        six(before),
+        six(mean_dependence),
+        six(square_dependence),
+    );
+    text
+}
+
+fn of_chambers(table: &ChambersTable) -> String {
+    let ChambersTable { coefficients, deviation, mean_dependence, square_dependence } = table;
+    let mut text = "\n[cylinder.process.chambers]\n".to_owned();
+    _ = write!(
+        text,
+        "coefficients = {}\ndeviation = {deviation:e}\nmean_dependence = {}\nsquare_dependence = {}\n",
+        six(coefficients),
+        six(mean_dependence),
+        six(square_dependence),
+    );
+    text
+}

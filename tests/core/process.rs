@@ -1,0 +1,187 @@
+//! Process detectors, taught by one recording of a simulated machine with imperfect hydraulics, on others of it.
+
+use std::sync::LazyLock;
+use tertius::alarm::{Detector, State, Warning};
+use tertius::config;
+use tertius::config::design;
+use tertius::config::settings::{Cylinder, Settings};
+use tertius::dbc::{Database, text};
+use tertius::frame::Frame;
+use tertius::inject::{Fault, Wanted, place};
+use tertius::monitor::{Monitor, MonitorDesign};
+use tertius::relate::{LearntProcess, ProcessRows};
+use tertius::simulator::{EPOCH, Options, Simulator, Tables};
+use tertius::survey::{Survey, Window};
+use tertius::verdict::{Fault as Kind, Suspect};
+use tertius_testing::support::top;
+
+/// The machine, and what it has taught.
+struct Taught {
+    settings: Settings,
+    database: Database,
+    tables: Tables,
+    learnt: Vec<LearntProcess>,
+    design: MonitorDesign,
+}
+
+static TAUGHT: LazyLock<Taught> = LazyLock::new(|| Taught::by(&[], 700.0));
+
+fn parsed(faults: &[&str]) -> Vec<Fault> {
+    faults.iter().map(|text| Fault::parse(text).expect(text)).collect()
+}
+
+/// The machine with these faults, which the controller reads.
+fn simulator(
+    tables: &Tables,
+    settings: &Settings,
+    database: &Database,
+    seed: u64,
+    faults: &[&str],
+) -> Simulator {
+    let (ailments, readings): (Vec<Fault>, Vec<Fault>) =
+        parsed(faults).into_iter().partition(|it| matches!(it.wanted, Wanted::Machine(_)));
+    let faults = readings.iter().map(|it| place(it, settings, database).expect("it has a place"));
+    let options =
+        Options { seed, faults: faults.collect(), ailments, in_loop: true, ..Options::default() };
+    Simulator::new(tables, settings, database, &options).expect("it can be simulated")
+}
+
+impl Taught {
+    /// By `seconds` of a recording with these faults.
+    fn by(faults: &[&str], seconds: f64) -> Self {
+        let loaded = config::load(&top().join("config/e-type-simulated.toml")).expect("it ships");
+        let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it ships");
+        let plant = std::fs::read_to_string(top().join("config/e-type-hydraulic-plant.toml"));
+        let tables = Tables::parse(&plant.expect("it ships")).expect("it ships");
+        let mut settings = loaded.settings;
+        let surveying = design::surveying(&settings, &database).expect("they fit");
+        let mut rows = ProcessRows::new(&settings);
+        let (mut monitor, mut survey) =
+            (Monitor::new(surveying), Survey::new(EPOCH, Window::ALL, &mut rows));
+        let mut simulator = simulator(&tables, &settings, &database, 7, faults);
+        for _ in 0..(seconds / 0.02) as u64 {
+            simulator.step(&mut |frame: &Frame| monitor.take(frame, &mut survey));
+        }
+        let learnt = rows.learn(&settings);
+        for one in &learnt {
+            let process = one.table(0.02);
+            match settings.cylinder.iter_mut().find(|own| own.n == one.number) {
+                Some(own) => own.process = process,
+                None => settings.cylinder.push(Cylinder { process, ..Cylinder::new(one.number) }),
+            }
+        }
+        let design = design::judging(&settings, &database).expect("they fit");
+        Self { settings, database, tables, learnt, design }
+    }
+
+    /// Warnings of `seconds` of another recording with these faults.
+    fn warnings(&self, seed: u64, faults: &[&str], seconds: f64) -> Vec<Warning> {
+        let mut simulator = simulator(&self.tables, &self.settings, &self.database, seed, faults);
+        let (mut monitor, mut warnings) = (Monitor::new(self.design.clone()), Vec::new());
+        for _ in 0..(seconds / 0.02) as u64 {
+            simulator.step(&mut |frame| monitor.take(frame, &mut warnings));
+        }
+        monitor.finish(&mut warnings);
+        warnings
+    }
+}
+
+fn of_process(warnings: &[Warning]) -> Vec<&Warning> {
+    warnings.iter().filter(|it| it.detector == Detector::Process).collect()
+}
+
+#[test]
+fn a_fault_of_a_cylinder_is_found_and_named_with_its_size() {
+    for (fault, kind, size, within) in [
+        ("sticking,cylinder=2,at=25,band=0.01", Kind::ValveSticking, Some(1.0), 1.0),
+        ("sticking,cylinder=5,at=25,band=0.03", Kind::ValveSticking, Some(3.0), 1.0),
+        ("spool_offset,cylinder=1,at=25,size=-0.01", Kind::ValveOffset, Some(-1.0), 0.5),
+        ("late_command,cylinder=6,at=25,cycles=2", Kind::Command, Some(2.0), 2.0),
+        ("wrong_command,cylinder=3,at=25,gain=0.1", Kind::Command, None, 2.0),
+        (
+            "step,sensor=pressure_rod,cylinder=4,at=25,size=-5",
+            Kind::PressureSensor,
+            Some(-5.0),
+            0.5,
+        ),
+        ("freeze,sensor=pressure_bottom,cylinder=4,at=25", Kind::PressureSensor, None, 10.0),
+    ] {
+        let warnings = TAUGHT.warnings(21, &[fault], 45.0);
+        let found = of_process(&warnings);
+        let first = found.first().unwrap_or_else(|| panic!("{fault}: nothing was found"));
+        let delay = first.timestamp.since(EPOCH).as_seconds() - 25.0;
+        assert!((0.0..within).contains(&delay), "{fault}: after {delay} s");
+        let cylinder = parsed(&[fault])[0].cylinder;
+        assert!(found.iter().all(|it| it.cylinder == cylinder), "{fault}: {found:?}");
+        let last = found.last().expect("there is a first").finding;
+        assert_eq!((last.fault, last.suspect), (kind, Suspect::Process), "{fault}");
+        let told = last.evidence.and_then(|it| it.size);
+        if let Some(size) = size {
+            let told = told.unwrap_or_else(|| panic!("{fault}: no size"));
+            assert!((told - size).abs() < 0.2 * f64::abs(size), "{fault}: {told}");
+        }
+        let blamed = |it: &&Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
+        assert_eq!(warnings.iter().find(blamed), None, "{fault}");
+    }
+}
+
+#[test]
+fn a_fault_of_a_transducer_is_none_of_the_cylinder() {
+    for fault in [
+        "step,cylinder=2,at=25,size=0.005",
+        "step,cylinder=2,at=25,size=0.06",
+        "drift,cylinder=5,sensor=c2,at=25,rate=0.005",
+        "noise,cylinder=1,at=25,size=0.0017",
+        "freeze,cylinder=4,at=25",
+    ] {
+        let warnings = TAUGHT.warnings(22, &[fault], 45.0);
+        assert!(!warnings.is_empty(), "{fault}");
+        assert_eq!(of_process(&warnings), Vec::<&Warning>::new(), "{fault}");
+    }
+}
+
+/// Every cylinder's sum is off: nobody's sensor but the supply's, of which there is one.
+#[test]
+fn pressures_that_are_off_everywhere_are_the_supply_s() {
+    let faults: Vec<String> =
+        (1..=6).map(|n| format!("step,sensor=pressure_bottom,cylinder={n},at=25,size=8")).collect();
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
+    let warnings = TAUGHT.warnings(23, &faults, 30.0);
+    let found = of_process(&warnings);
+    let raised = found.iter().filter(|it| it.state == State::Raised);
+    assert!(
+        raised.clone().count() == 6 && raised.clone().all(|it| it.finding.fault == Kind::Supply),
+        "{found:?}"
+    );
+    let four = TAUGHT.warnings(23, &faults[..2], 30.0);
+    assert!(of_process(&four).iter().all(|it| it.finding.fault == Kind::PressureSensor));
+}
+
+#[test]
+fn a_healthy_machine_in_another_sea_is_quiet() {
+    let warnings = TAUGHT.warnings(24, &[], 400.0);
+    assert_eq!(of_process(&warnings), Vec::<&Warning>::new());
+}
+
+#[test]
+fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
+    let taught = Taught::by(
+        &[
+            "sticking,cylinder=2,at=300,until=320,band=0.03",
+            "step,sensor=pressure_rod,cylinder=4,at=300,until=320,size=6",
+        ],
+        700.0,
+    );
+    for learnt in &taught.learnt {
+        let is_refused = [
+            learnt.spool.as_ref().is_some_and(Result::is_err),
+            learnt.chambers.as_ref().is_some_and(Result::is_err),
+        ];
+        assert_eq!(is_refused, [learnt.number == 2, learnt.number == 4], "{:?}", learnt.remarks());
+    }
+    let told = taught.learnt[1].remarks();
+    assert!(told[0].contains("by the spool") && told[0].contains("is there a fault"), "{told:?}");
+    // A minute is no lesson.
+    let short = Taught::by(&[], 60.0);
+    assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 2));
+}
