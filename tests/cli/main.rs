@@ -23,5 +23,6 @@ mod replay_bad_input;
 mod replay_identity;
 mod report;
 mod residuals;
+mod schema;
 mod simulate;
 mod state;

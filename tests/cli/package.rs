@@ -117,6 +117,18 @@ fn a_default_configuration_finds_its_dbc_where_both_are_installed() {
     }
 }
 
+#[test]
+fn the_schema_is_installed_where_the_documentation_points_editors_to() {
+    let path = "usr/share/tertius/tertius.schema.json";
+    assert!(
+        assets().iter().any(|asset| asset.path == Path::new(path)),
+        "{path} is not in the package"
+    );
+    for page in ["docs/CONFIGURATION.md", "docs/INSTALL.md"] {
+        assert!(read(page).contains(&format!("/{path}")), "{page}: nothing of {path}");
+    }
+}
+
 /// The value of a key of the unit that is there once.
 fn of_unit<'a>(unit: &'a str, key: &str) -> &'a str {
     let mut values = unit.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix('='));

@@ -7,4 +7,5 @@ mod files;
 mod keys;
 mod properties;
 mod reading;
+mod schema;
 mod values;

@@ -6,7 +6,7 @@
 use super::reference::toml_default;
 use super::schema::{Key, Kind, Limits, Scalar, Table, WholeLimits};
 use super::settings::ROOT;
-use super::text::TextRule;
+use super::text::{LONGEST_NAME, LONGEST_PATH, LONGEST_TEXT, TextRule};
 use serde_json::{Map, Value, json};
 use std::ops::Bound;
 
@@ -110,20 +110,33 @@ fn whole(limits: &WholeLimits) -> Value {
     schema
 }
 
-/// What a regular expression can say of a text; [`TextRule::check`] says the rest.
+/// What a regular expression and a length can say of a text; [`TextRule::check`] says the rest, and counts bytes where
+/// the schema counts characters.
 fn text(rule: TextRule) -> Value {
     const NAME: &str = "[A-Za-z_][A-Za-z0-9_]*";
+    // Not blank, and without control characters.
+    const LINE: &str = r"^[^\x00-\x1f\x7f-\x9f]*[^\s\x00-\x1f\x7f-\x9f][^\x00-\x1f\x7f-\x9f]*$";
     let pattern = match rule {
-        TextRule::Name | TextRule::Path => r"\S".to_owned(),
-        TextRule::Interface => r"^[^\s/]{1,15}$".to_owned(),
+        TextRule::Name | TextRule::Path => LINE.to_owned(),
+        TextRule::Interface => r"^[^\s/\x00-\x1f\x7f-\x9f]{1,15}$".to_owned(),
         TextRule::Message => format!("^{NAME}$"),
         TextRule::Signal => format!(r"^{NAME}\.{NAME}$"),
         TextRule::CylinderSignal => {
             r"^(object +0[xX][0-9A-Fa-f]+(:[0-9A-Fa-f]+)? *|[A-Za-z0-9_{},. ]*\.[A-Za-z0-9_{},. ]*)$".to_owned()
         }
-        TextRule::Listen => r"^(off|.+:[0-9]+)$".to_owned(),
+        TextRule::Listen => r"^(off|[0-9.]+:[0-9]{1,5}|\[[0-9A-Fa-f:.%]+\]:[0-9]{1,5})$".to_owned(),
         TextRule::Digest => "^[0-9A-Fa-f]{64}$".to_owned(),
-        TextRule::Day => "^[0-9]{4}-[0-9]{2}-[0-9]{2}$".to_owned(),
+        TextRule::Day => "^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])$".to_owned(),
     };
-    json!({"type": "string", "pattern": pattern})
+    let mut schema = json!({"type": "string", "pattern": pattern});
+    let longest = match rule {
+        TextRule::Name => Some(LONGEST_TEXT),
+        TextRule::Path => Some(LONGEST_PATH),
+        TextRule::Message => Some(LONGEST_NAME),
+        _ => None,
+    };
+    if let Some(longest) = longest {
+        schema["maxLength"] = longest.into();
+    }
+    schema
 }

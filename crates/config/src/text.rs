@@ -9,12 +9,12 @@ pub const PLACEHOLDER: &str = "{n}";
 pub const HTTP_OFF: &str = "off";
 
 /// The longest name that a DBC file may hold.
-const LONGEST_NAME: usize = 128;
+pub(super) const LONGEST_NAME: usize = 128;
 /// Longest interface name: IFNAMSIZ of Linux without the closing zero.
 const LONGEST_INTERFACE: usize = 15;
-const LONGEST_TEXT: usize = 200;
+pub(super) const LONGEST_TEXT: usize = 200;
 /// Longest path: PATH_MAX of Linux.
-const LONGEST_PATH: usize = 4096;
+pub(super) const LONGEST_PATH: usize = 4096;
 /// Most commas of lists that are checked; a longer list is refused for its length.
 const MOST_LISTED: usize = 64;
 
