@@ -1,5 +1,6 @@
 //! `tertius check`: validates a configuration and its DBC.
 
+mod cylinders;
 mod objects;
 
 use super::Failure;
@@ -8,8 +9,6 @@ use super::machine::Machine;
 use crate::config::Settings;
 use crate::config::settings::CylinderSignals;
 use crate::decode::Raw;
-use crate::monitor::subscriptions::{Subscription, Target};
-use crate::observe::model::Model;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
 use crate::sequential::samples::NEWEST;
@@ -43,14 +42,14 @@ impl Check {
 
 fn describe(machine: &Machine) -> String {
     let settings = &machine.loaded.settings;
-    let lines = machine.design.subscriptions.all();
+    let subscriptions = machine.design.subscriptions.all();
     let mut text = format!(
         "{}: sound\n{}: {} messages{}, of which {} are used\n\n",
         machine.loaded.document.name(),
         machine.loaded.dbc_path.display(),
         machine.database.messages().len() - machine.database.device_messages(),
         objects::messages(machine),
-        lines.iter().filter(|line| line.service.is_none()).count(),
+        subscriptions.iter().filter(|line| line.service.is_none()).count(),
     );
     text += &format!(
         "{}: {} cylinder{}, every {} s; {}\n",
@@ -64,25 +63,7 @@ fn describe(machine: &Machine) -> String {
         }
     );
     text += &format!("judged by {}\n", machine.loaded.fingerprints());
-    for (n, cylinder) in (1_u8..).zip(&machine.design.cylinders) {
-        let (theta, gamma) = settings.model_of(n);
-        let model = Model::new(settings.machine.sample_time, theta, gamma);
-        text += &format!("\ncylinder {n}\n");
-        text += &identifiers(n, lines);
-        text += &objects::of_cylinder(machine, n);
-        text += &objects::devices(machine, n);
-        text += &format!("  model     {}\n", describe_model(&model));
-        for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
-            let l = observer.l.column(0);
-            let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
-            text += &format!("  {name}      gain of the position's innovation {gain}\n");
-        }
-        text += &format!(
-            "  FDE3      C1 − ({} C2 {:+} m)\n",
-            cylinder.comparator.gain, cylinder.comparator.offset
-        );
-        text += &format!("  estimate  {}\n", describe_estimate(settings, n));
-    }
+    text += &cylinders::describe(machine);
     text += &canopen(settings);
     text += &stops(machine);
     text += &doubts(machine);
@@ -201,36 +182,6 @@ fn canopen(settings: &Settings) -> String {
     };
     let start = if canopen.autostart { "by itself" } else { "when a master starts it" };
     format!("\nCANopen    node {}, {heartbeat}, operational {start}\n", settings.gateway.node)
-}
-
-fn describe_estimate(settings: &Settings, n: u8) -> String {
-    let drive = settings.sequential_of(n).and_then(|fitted| fitted.drive);
-    let by = drive.map_or("the model", |_| "the fitted drive");
-    let bound = settings.estimate.bound * 1e3;
-    let sent = if settings.estimate.send { "sent" } else { "not sent" };
-    format!("both transducers and {by}; valid up to σ = {bound} mm; {sent}")
-}
-
-fn describe_model(model: &Model) -> String {
-    let poles = model.poles().map_or("not finite".to_owned(), |poles| {
-        poles.map(|pole| format!("{:.5}", pole.norm())).join(", ")
-    });
-    let gain = model.velocity_gain().map_or("none".to_owned(), |gain| format!("{gain:.3}"));
-    format!("moduli of the poles {poles}; steady speed per commanded speed {gain}")
-}
-
-fn identifiers(n: u8, lines: &[Subscription]) -> String {
-    let of_cylinder = |line: &&Subscription| {
-        line.signals
-            .iter()
-            .any(|signal| matches!(signal.target, Target::Cylinder(i, _) if i + 1 == n))
-    };
-    let name = |line: &Subscription| match line.pages() {
-        0 | 1 => format!("0x{}", line.id),
-        pages => format!("0x{} ({pages} pages)", line.id),
-    };
-    let ids: Vec<String> = lines.iter().filter(of_cylinder).map(name).collect();
-    format!("  frames    {}\n", ids.join(" "))
 }
 
 fn findings(machine: &Machine) -> String {

@@ -61,6 +61,30 @@ fn a_sound_configuration_is_described() {
 }
 
 #[test]
+fn cylinders_that_are_judged_alike_are_told_once() {
+    let text = check("config/e-type.toml").ok().stdout;
+    assert_eq!(text.matches("\ncylinders 1–6\n  model     moduli").count(), 1, "{text}");
+    assert_eq!(text.matches("  model     ").count(), 1, "{text}");
+    for n in 1..=6 {
+        let own = format!("\ncylinder {n}\n  frames    0x18{n} 0x19{n} 0x1A{n}\n");
+        assert_eq!(text.matches(&own).count(), 1, "{own:?} is not once in\n{text}");
+    }
+
+    let scratch = Scratch::new();
+    scratch.config(&[]);
+    let text = fs::read_to_string(top().join("config/e-type.toml")).expect("it ships");
+    let text = changed(&text, &[("../dbc/e-type.dbc", "e-type.dbc")]);
+    let third = "\n[[cylinder]]\nn = 3\nc2_gain = 1.002\n";
+    let config = scratch.write("machine.toml", text + third);
+    let text = check(&config).ok().stdout;
+    assert!(text.contains("\ncylinders 1, 2, 4–6\n  model     "), "{text}");
+    let own = "\ncylinder 3\n  frames    0x183 0x193 0x1A3\n  model     ";
+    assert!(text.contains(own), "{text}");
+    assert!(text.contains("  FDE3      C1 − (1.002 C2 +0 m)\n"), "{text}");
+    assert_eq!(text.matches("  model     ").count(), 2, "{text}");
+}
+
+#[test]
 fn a_signal_or_message_that_the_dbc_lacks() {
     let scratch = Scratch::new();
     let config = scratch.config(&[("\"Cyl{n}_C2.Position\"", "\"Cyl{n}_C2.Postion\"")]);

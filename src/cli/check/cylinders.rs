@@ -1,0 +1,111 @@
+//! What is read of each cylinder, and by what it is judged; cylinders that are judged alike are told once.
+
+use super::super::machine::Machine;
+use super::objects;
+use crate::config::Settings;
+use crate::monitor::subscriptions::{Subscription, Target};
+use crate::observe::model::Model;
+
+/// A block for each cylinder that is judged as no other one is. Of others there is one block for all that are alike,
+/// and then for each of them the lines that are its own.
+pub(super) fn describe(machine: &Machine) -> String {
+    let mut groups: Vec<(String, Vec<u8>)> = Vec::new();
+    for n in 1..=machine.loaded.settings.machine.cylinders {
+        let judged = judged(machine, n);
+        match groups.iter_mut().find(|(told, _)| *told == judged) {
+            Some((_, alike)) => alike.push(n),
+            None => groups.push((judged, vec![n])),
+        }
+    }
+    let blocks = groups.iter().map(|(judged, alike)| match alike.as_slice() {
+        [n] => format!("\ncylinder {n}\n{}{judged}", read(machine, *n)),
+        alike => {
+            let each = alike.iter().map(|n| format!("cylinder {n}\n{}", read(machine, *n)));
+            format!("\ncylinders {}\n{judged}\n{}", numbers(alike), each.collect::<String>())
+        }
+    });
+    blocks.collect()
+}
+
+/// Numbers in ascending order, three or more in a row as a range: `1–3, 5, 6`.
+fn numbers(all: &[u8]) -> String {
+    let rows = all.chunk_by(|one, next| one + 1 == *next);
+    let told = rows.flat_map(|row| match row {
+        [first, _, .., last] => vec![format!("{first}–{last}")],
+        few => few.iter().map(u8::to_string).collect(),
+    });
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// The frames, objects and devices of cylinder `n`.
+fn read(machine: &Machine, n: u8) -> String {
+    identifiers(n, machine.design.subscriptions.all())
+        + &objects::of_cylinder(machine, n)
+        + &objects::devices(machine, n)
+}
+
+/// The model, the observers and the comparator of cylinder `n`, and its estimate.
+fn judged(machine: &Machine, n: u8) -> String {
+    let settings = &machine.loaded.settings;
+    let (theta, gamma) = settings.model_of(n);
+    let model = Model::new(settings.machine.sample_time, theta, gamma);
+    let cylinder = &machine.design.cylinders[usize::from(n) - 1];
+    let mut text = format!("  model     {}\n", poles(&model));
+    for (observer, name) in cylinder.observers.iter().zip(["FDE1", "FDE2"]) {
+        let l = observer.l.column(0);
+        let gain = format!("{:.4}, {:.4}, {:.1}", l[0], l[1], l[2]);
+        text += &format!("  {name}      gain of the position's innovation {gain}\n");
+    }
+    text += &format!(
+        "  FDE3      C1 − ({} C2 {:+} m)\n",
+        cylinder.comparator.gain, cylinder.comparator.offset
+    );
+    text + &format!("  estimate  {}\n", estimate(settings, n))
+}
+
+fn estimate(settings: &Settings, n: u8) -> String {
+    let drive = settings.sequential_of(n).and_then(|fitted| fitted.drive);
+    let by = drive.map_or("the model", |_| "the fitted drive");
+    let bound = settings.estimate.bound * 1e3;
+    let sent = if settings.estimate.send { "sent" } else { "not sent" };
+    format!("both transducers and {by}; valid up to σ = {bound} mm; {sent}")
+}
+
+fn poles(model: &Model) -> String {
+    let poles = model.poles().map_or("not finite".to_owned(), |poles| {
+        poles.map(|pole| format!("{:.5}", pole.norm())).join(", ")
+    });
+    let gain = model.velocity_gain().map_or("none".to_owned(), |gain| format!("{gain:.3}"));
+    format!("moduli of the poles {poles}; steady speed per commanded speed {gain}")
+}
+
+fn identifiers(n: u8, lines: &[Subscription]) -> String {
+    let of_cylinder = |line: &&Subscription| {
+        line.signals
+            .iter()
+            .any(|signal| matches!(signal.target, Target::Cylinder(i, _) if i + 1 == n))
+    };
+    let name = |line: &Subscription| match line.pages() {
+        0 | 1 => format!("0x{}", line.id),
+        pages => format!("0x{} ({pages} pages)", line.id),
+    };
+    let ids: Vec<String> = lines.iter().filter(of_cylinder).map(name).collect();
+    format!("  frames    {}\n", ids.join(" "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_in_a_row_are_a_range() {
+        for (all, told) in [
+            (&[1, 2, 3, 4, 5, 6][..], "1–6"),
+            (&[1, 2, 3, 5, 6], "1–3, 5, 6"),
+            (&[1, 3, 5], "1, 3, 5"),
+            (&[2, 4, 5, 6], "2, 4–6"),
+        ] {
+            assert_eq!(numbers(all), told);
+        }
+    }
+}
