@@ -194,7 +194,7 @@ fn main() {
     let mut appliance = Appliance::new(Box::new(reload)).expect("signals can be caught");
     appliance.describe(MachineFacts { limits_m, ..MachineFacts::default() });
     let site = SitePlan { listen: loaded.settings.http.address(), ..SitePlan::default() };
-    appliance.starting(path, site, None);
+    appliance.starting(&path.display().to_string(), site, None);
     appliance.restore(&mut gateway, keeping);
     realtime::apply(loaded.settings.realtime);
     let port = Paced {

@@ -34,7 +34,6 @@ use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 use std::io;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -148,8 +147,8 @@ impl Appliance {
 
     /// Logs the start of the gateway with the configuration `config`, on its interface, and starts
     /// HTTP by `site`.
-    pub fn starting(&mut self, config: &Path, site: SitePlan, interface: Option<&str>) {
-        info!(config = %config.display(), version = env!("CARGO_PKG_VERSION"), "starting");
+    pub fn starting(&mut self, config: &str, site: SitePlan, interface: Option<&str>) {
+        info!(config, version = env!("CARGO_PKG_VERSION"), "starting");
         self.site.listen(site, &self.recorder);
         self.watch(interface);
         tell(&[NotifyState::Ready, NotifyState::Status("waiting for the interface")]);

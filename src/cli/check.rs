@@ -6,6 +6,7 @@ mod objects;
 use super::Failure;
 use super::history;
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use crate::config::Settings;
 use crate::config::settings::CylinderSignals;
 use crate::decode::Raw;
@@ -26,6 +27,8 @@ pub struct Check {
     /// The machine's configuration
     #[arg(value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
 }
 
 impl Check {
@@ -33,7 +36,7 @@ impl Check {
     ///
     /// # Errors Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let text = describe(&machine);
         let mut out = std::io::stdout();
         out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
@@ -63,6 +66,7 @@ fn describe(machine: &Machine) -> String {
         }
     );
     text += &format!("judged by {}\n", machine.loaded.fingerprints());
+    text += &overrides(machine);
     text += &cylinders::describe(machine);
     text += &canopen(settings);
     text += &stops(machine);
@@ -70,6 +74,16 @@ fn describe(machine: &Machine) -> String {
     text += &findings(machine);
     text += &objects::findings(machine);
     text
+}
+
+/// The values that come from outside the file; empty without.
+fn overrides(machine: &Machine) -> String {
+    let overrides = machine.loaded.document.overrides();
+    if overrides.is_empty() {
+        return String::new();
+    }
+    let lines = overrides.all().iter().map(|one| format!("  {one}\n"));
+    format!("\noverrides in force, which are not in the file\n{}", lines.collect::<String>())
 }
 
 /// Settings that are valid, but hardly intended, since a healthy machine would not be healthy with

@@ -79,7 +79,7 @@ impl Commission {
             Study::alone(surveyed)
         };
         let machine = &study.surveyed.machine;
-        let before = machine.loaded.document.text();
+        let before = machine.loaded.document.effective();
         let task = Task {
             name: &config.display().to_string(),
             text: before,
@@ -138,8 +138,10 @@ impl Commission {
         taught: &Taught,
         output: Option<Claimed>,
     ) -> Result<(), Failure> {
-        let (config, after) = (self.field.config.as_path(), &taught.text);
-        let before = study.surveyed.machine.loaded.document.text();
+        let config = self.field.config.as_path();
+        let document = &study.surveyed.machine.loaded.document;
+        // An override is of this call, and not of the file.
+        let (before, after) = (document.text(), &document.without_overrides(&taught.text));
         let Some(path) = self.output.as_deref() else {
             tables::approve(config, after, design::judging)?;
             if self.dry_run {

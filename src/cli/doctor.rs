@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
@@ -23,6 +24,8 @@ pub struct Doctor {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// Time to listen to the bus; 0 for not at all
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = seconds)]
     listen: Duration,
@@ -60,7 +63,7 @@ impl Doctor {
     ///
     /// # Errors A wrong configuration, or a check that failed.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let wanted = wanted(&machine, &self.config);
         let facts = gather(wanted, machine.loaded.settings.http.address(), self.listen);
         let findings = examine(&facts);

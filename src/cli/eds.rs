@@ -2,6 +2,7 @@
 
 use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use super::{Failure, node};
 use crate::canopen::node::sheet::{self, SheetKind};
 use clap::Args;
@@ -17,6 +18,8 @@ pub struct Eds {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// Writes a DCF instead: the sheet of the node as it is configured, with its number and bit rate
     #[arg(long)]
     dcf: bool,
@@ -35,7 +38,7 @@ impl Eds {
     ///
     /// # Errors A wrong configuration, or one without a node; an output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let design = node::design(&machine).ok_or_else(|| {
             Failure::Wrong(format!(
                 "{}: the gateway is no CANopen node; `node = true` in [canopen] makes it one",

@@ -3,6 +3,7 @@
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use super::plant;
 use super::progress::Bar;
 use crate::config::Settings;
@@ -36,6 +37,8 @@ pub struct Evaluate {
     /// The configuration of the monitor, and of the simulated machine's bus
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// The simulated machine [default: built in, as config/e-type-plant.toml]
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
@@ -159,7 +162,7 @@ impl Evaluate {
     /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let tables = plant::tables(self.plant.as_deref())?;
-        let machine = Machine::load(&self.config)?;
+        let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
         let plan = Plan::new(self.seed, self.extent(settings)?)
             .map_err(|error| Failure::Wrong(error.to_string()))?;

@@ -1,6 +1,7 @@
 //! `tertius events`: what the event store of a box has.
 
 use super::Failure;
+use super::overriding::SetOptions;
 use super::replay::zone;
 use crate::appliance::store::{
     EventEntry, EventKind, ExportFormat, Filter, StoreReader, Trouble, export,
@@ -25,6 +26,8 @@ pub struct Events {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// Only what has these words; their beginnings are enough
     #[arg(long, value_name = "WORDS", default_value = "")]
     search: String,
@@ -57,7 +60,7 @@ impl Events {
     ///
     /// # Errors A wrong configuration, or one without a store; a store that cannot be read.
     pub fn run(self) -> Result<(), Failure> {
-        let loaded = config::load(&self.config)?;
+        let loaded = config::load_with(&self.config, &self.set.overrides()?)?;
         let Some(path) = loaded.store_path else {
             return Err(Failure::Wrong(format!(
                 "{}: nothing is kept; `file = \"FILE\"` in [store] makes the gateway keep its events",

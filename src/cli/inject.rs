@@ -4,6 +4,7 @@ use super::Failure;
 use super::faults::{self, FaultOptions};
 use super::files::{Inputs, Mark, Overwriting, Writer};
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use super::progress::Bar;
 use super::proxy::{self, Ends};
 use super::recordings;
@@ -73,6 +74,8 @@ pub struct Inject {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// Output for the recording with the faults; - for standard output
     #[arg(long, value_name = "FILE.log", default_value = "-")]
     output: PathBuf,
@@ -102,7 +105,7 @@ impl Inject {
             let message = "no fault to inject; give --fault SPEC or --faults FILE.csv";
             return Err(Failure::Wrong(message.to_owned()));
         }
-        let machine = Machine::load_unjudging(&self.config)?;
+        let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let mut injector = Injector::new(&faults::place_all(&faults, &machine)?, self.seed);
         if let (Some(from), Some(to)) = (&self.from, &self.to) {
             let (from, to) = (from.clone(), to.clone());

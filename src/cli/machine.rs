@@ -3,7 +3,7 @@
 use super::Failure;
 use crate::bus::Interfaces;
 use crate::config::design::{self, Flaw};
-use crate::config::{self, Document, Loaded, Settings, Sheet};
+use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
 use crate::monitor::MonitorDesign;
 use std::path::{Path, PathBuf};
@@ -33,30 +33,30 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Loads the configuration `path` and its DBC.
+    /// Loads the configuration `path` with `overrides` in force, and its DBC.
     ///
     /// # Errors Every error in either.
-    pub fn load(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, design::judging)
+    pub fn load(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
+        Self::new(config::load_with(path, overrides)?, design::judging)
     }
 
     /// Loads a machine for a command that judges nothing: model and tables may be of another sample
     /// time.
     ///
     /// # Errors See [`Self::load`], except for sample times.
-    pub fn load_unjudging(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, design::unjudging)
+    pub fn load_unjudging(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
+        Self::new(config::load_with(path, overrides)?, design::unjudging)
     }
 
     /// Loads a machine for a command that learns from a recording: the design also reads the
     /// pressures, and tables that are to be replaced may be of another sample time.
     ///
     /// # Errors See [`Self::load_unjudging`]; also pressures that cannot be used.
-    pub fn load_surveying(path: &Path) -> Result<Self, Failure> {
-        Self::new(config::load(path)?, design::surveying)
+    pub fn load_surveying(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
+        Self::new(config::load_with(path, overrides)?, design::surveying)
     }
 
-    /// The machine of the configuration `text` for the file `path`.
+    /// The machine of the configuration `text` for the file `path`, without overrides.
     ///
     /// # Errors See [`Self::load`].
     pub fn of_text(path: &Path, text: &str, design: Designer) -> Result<Self, Failure> {

@@ -21,6 +21,7 @@ mod machine;
 mod monitor;
 mod node;
 mod output;
+mod overriding;
 mod plant;
 mod player;
 mod progress;

@@ -5,6 +5,7 @@ use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
+use super::overriding::SetOptions;
 use super::progress::Bar;
 use super::recorded::RecordedInputs;
 use super::recordings;
@@ -33,6 +34,8 @@ pub struct Replay {
     /// The machine's configuration; the folder of a recorded incident has its own
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetOptions,
     /// A page for people, or lines of JSON for scripts
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
@@ -116,8 +119,12 @@ impl Replay {
     ///
     /// # Errors A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let inputs = RecordedInputs::of(&self.logs, self.config.as_deref())?;
-        let machine = Machine::load(&inputs.config)?;
+        let mut inputs = RecordedInputs::of(&self.logs, self.config.as_deref())?;
+        let machine = Machine::load(&inputs.config, &self.set.overrides()?)?;
+        if machine.loaded.differs_from_file() {
+            // What the monitor knew by another configuration.
+            inputs.state = None;
+        }
         let interfaces = machine.interfaces(self.interface.as_deref());
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
@@ -257,7 +264,7 @@ impl Replay {
         let heading = Heading {
             inputs: &logs.join(", "),
             machine: &machine.loaded.settings.machine.name,
-            config: &inputs.config.display().to_string(),
+            config: &machine.loaded.title(),
             zone: &zone,
             colour: std::io::stdout().is_terminal(),
         };

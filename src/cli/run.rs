@@ -4,6 +4,7 @@ use super::Failure;
 use super::doctor;
 use super::machine::Machine;
 use super::node;
+use super::overriding::SetOptions;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
 use crate::appliance::flight::FlightPlan;
@@ -17,6 +18,7 @@ use crate::appliance::telemetry::MachineFacts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::canopen::node::Node;
+use crate::config::Overrides;
 use crate::frame::Id;
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{Outbox, OutboxLimits};
@@ -37,6 +39,8 @@ pub struct Run {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// Format of the log: text or json on standard error, or journal for fields in systemd's
     /// journal
     #[arg(long, value_enum, default_value_t = LogFormat::Text)]
@@ -53,17 +57,20 @@ impl Run {
     pub fn run(self) -> Result<(), Failure> {
         // Who asks for a reload while the configuration is read for the first time must not end it.
         _ = signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default());
-        let stage = self.play.stage(&self.config)?;
-        let prepared = prepare(&self.config, stage.as_ref())?;
+        let overrides = self.set.overrides()?;
+        let stage = self.play.stage(&self.config, &overrides)?;
+        let prepared = prepare(&self.config, &overrides, stage.as_ref())?;
         let PreparedGateway { mut gateway, opener, site, interface, realtime, facts, keeping } =
             prepared;
         // Its worker writes what is left when it goes.
         let _worker = logging::start(self.log)?;
         let (config, player) = (self.config.clone(), stage.clone());
-        let mut appliance = Appliance::new(Box::new(move || prepare(&config, player.as_ref())))
-            .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        let mut appliance =
+            Appliance::new(Box::new(move || prepare(&config, &overrides, player.as_ref())))
+                .map_err(|error| Failure::Failed(format!("signals cannot be caught: {error}")))?;
+        let title = facts.configuration.clone();
         appliance.describe(facts);
-        appliance.starting(&self.config, site, interface.as_deref());
+        appliance.starting(&title, site, interface.as_deref());
         appliance.restore(&mut gateway, keeping);
         if let Some(stage) = &stage {
             stage.stop_at_end(appliance.stopper());
@@ -104,12 +111,12 @@ pub fn identifiers(machine: &Machine) -> Vec<Id> {
     inputs.chain(node.into_iter().flatten()).collect()
 }
 
-/// What is monitored by the configuration `path` of `machine`.
-pub fn facts(path: &Path, machine: &Machine) -> MachineFacts {
+/// What is monitored by the configuration of `machine`.
+pub fn facts(machine: &Machine) -> MachineFacts {
     let fingerprints = machine.loaded.fingerprints();
     MachineFacts {
         name: machine.loaded.settings.machine.name.clone(),
-        configuration: path.display().to_string(),
+        configuration: machine.loaded.title(),
         identity: fingerprints.configuration.to_string(),
         calibration: fingerprints.calibration.map(|it| it.to_string()),
         calibration_recorded: fingerprints.recorded,
@@ -126,10 +133,14 @@ fn platform_states(machine: &Machine) -> Vec<(i64, String)> {
     found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
 }
 
-/// A gateway for the configuration `path`, and an opener of its interface, or of the embedded bus
+/// A gateway for the configuration `path` with `overrides`, and an opener of its interface, or of the embedded bus
 /// of `stage`.
-fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGateway, Failure> {
-    let machine = Machine::load(path)?;
+fn prepare(
+    path: &Path,
+    overrides: &Overrides,
+    stage: Option<&Stage<Recording>>,
+) -> Result<PreparedGateway, Failure> {
+    let machine = Machine::load(path, overrides)?;
     let settings = &machine.loaded.settings;
     let identifiers = if settings.recorder.records_all() {
         // The monitor ignores the frames of others.
@@ -149,7 +160,7 @@ fn prepare(path: &Path, stage: Option<&Stage<Recording>>) -> Result<PreparedGate
         limits: settings.drift_limits(),
         file: machine.loaded.history_path.clone().map(HistoryFile::new),
     };
-    let facts = facts(path, &machine);
+    let facts = facts(&machine);
     let (store, flight) =
         (store_plan(&machine), FlightPlan::new(path, &machine.loaded, &machine.design));
     let site = SitePlan {

@@ -5,6 +5,7 @@ use super::broadcast::Broadcast;
 use super::faults::{self, FaultOptions, Named};
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use super::plant;
 use super::player::Pace;
 use super::simulation::Simulation;
@@ -53,6 +54,8 @@ pub struct Simulate {
     /// The machine's configuration: its signals, and the DBC that places them
     #[arg(long, value_name = "FILE")]
     config: PathBuf,
+    #[command(flatten)]
+    set: SetOptions,
     /// The simulated machine [default: built in, as config/e-type-plant.toml]
     #[arg(long, value_name = "FILE")]
     plant: Option<PathBuf>,
@@ -147,7 +150,7 @@ impl Simulate {
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
         let faults = self.faults.read()?;
         let tables = plant::tables(self.plant.as_deref())?;
-        let machine = Machine::load_unjudging(&self.config)?;
+        let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
         let of_the_machine = |named: &Named| matches!(named.fault.wanted, Wanted::Machine(_));
         let (ailments, readings): (Vec<Named>, Vec<Named>) =

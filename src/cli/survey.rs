@@ -3,6 +3,7 @@
 
 use super::Failure;
 use super::machine::Machine;
+use super::overriding::SetOptions;
 use super::progress::Bar;
 use super::recordings;
 use super::replay::StampOption;
@@ -23,6 +24,8 @@ pub struct Field {
     /// The machine's configuration
     #[arg(long, value_name = "FILE")]
     pub config: PathBuf,
+    #[command(flatten)]
+    pub set: SetOptions,
     /// Leaves out everything before: seconds since the first frame, or a part, like 25%. A pause of
     /// more than a minute counts as a minute
     #[arg(long, value_name = "TIME")]
@@ -139,7 +142,7 @@ impl Field {
                     .to_owned(),
             ));
         }
-        let machine = Machine::load_surveying(&self.config)?;
+        let machine = Machine::load_surveying(&self.config, &self.set.overrides()?)?;
         let design = machine.design.clone();
         let interfaces = machine.interfaces(self.interface.as_deref());
         let options = Options { time_stamps: self.time_stamps.into(), interfaces };

@@ -55,7 +55,7 @@ impl Tune {
     /// # Errors A wrong call or file, or a recording with too little data.
     pub fn run(self) -> Result<(), Failure> {
         // Weights are tuned for the model that is configured: it has to be one of this machine.
-        Machine::load(&self.field.config)?;
+        Machine::load(&self.field.config, &self.field.set.overrides()?)?;
         let surveyed = self.field.open()?;
         let outputs = [&self.output, &self.report];
         let [output, report] =

@@ -7,6 +7,7 @@ use super::player::Pace;
 use super::stage::{Record, Stage};
 use crate::bus::embedded::NAME;
 use crate::bus::{LogWriter, Options, Recording};
+use crate::config::Overrides;
 use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -35,11 +36,15 @@ impl PlayOptions {
     /// The embedded bus with its player, if anything is to be played.
     ///
     /// # Errors A wrong recording or configuration, or a record that cannot be written.
-    pub fn stage(&self, config: &Path) -> Result<Option<Stage<Recording>>, Failure> {
+    pub fn stage(
+        &self,
+        config: &Path,
+        overrides: &Overrides,
+    ) -> Result<Option<Stage<Recording>>, Failure> {
         if self.logs.is_empty() {
             return Ok(None);
         }
-        let machine = Machine::load(config)?;
+        let machine = Machine::load(config, overrides)?;
         let settings = &machine.loaded.settings;
         wanted(Some(()), &settings.bus.interface)?;
         let interfaces = machine.interfaces(self.interface.as_deref());

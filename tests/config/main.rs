@@ -5,6 +5,7 @@ mod design;
 mod documents;
 mod files;
 mod keys;
+mod overrides;
 mod properties;
 mod reading;
 mod schema;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::overrides::{Override, Overrides};
 use super::problem::{ConfigError, Place, Problem, Problems};
 
 /// A configuration file as it was read, so that whoever later finds a value to be wrong (a signal
@@ -15,6 +16,9 @@ pub struct Document {
     /// Start of each line, bytes.
     lines: Arc<[usize]>,
     places: BTreeMap<String, Range<usize>>,
+    overrides: Overrides,
+    /// The text with the overrides in it.
+    effective: Arc<str>,
 }
 
 impl Document {
@@ -25,7 +29,14 @@ impl Document {
             text: text.into(),
             lines: std::iter::once(0).chain(starts).collect(),
             places: BTreeMap::new(),
+            overrides: Overrides::default(),
+            effective: text.into(),
         }
+    }
+
+    /// This document with overrides in force, by which its text becomes `effective`.
+    pub(super) fn with(self, overrides: Overrides, effective: &str) -> Self {
+        Self { overrides, effective: effective.into(), ..self }
     }
 
     /// The file's name as the user gave it.
@@ -33,11 +44,27 @@ impl Document {
         &self.name
     }
 
+    /// The text of the file, without overrides.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Whether the file itself has this key, for example `fde.low` or `cylinder[0].theta`;
+    /// The text of the configuration that is in force: that of the file with the overrides in it.
+    pub fn effective(&self) -> &str {
+        &self.effective
+    }
+
+    /// The overrides in force.
+    pub fn overrides(&self) -> &Overrides {
+        &self.overrides
+    }
+
+    /// Whether an override replaces the value of this key.
+    pub(super) fn is_overridden(&self, key: &str) -> bool {
+        self.overrides.of(key).is_some()
+    }
+
+    /// Whether the file or an override has this key, for example `fde.low` or `cylinder[0].theta`;
     /// otherwise the value in the settings is a default.
     pub fn has(&self, key: &str) -> bool {
         self.places.contains_key(key)
@@ -87,13 +114,25 @@ impl Document {
         message: String,
         help: String,
     ) -> Problem {
+        if let Some(one) = self.overrides.of(key) {
+            return Problem { key: key.into(), ..self.problem_with(one, message, help) };
+        }
         let place = Some(self.place(span));
         Problem { file: self.name.clone(), key: key.into(), place, message, help }
     }
 
-    /// The text at a span; empty if it is none of this text.
-    pub(super) fn written(&self, span: Range<usize>) -> &str {
-        self.text.get(span).unwrap_or("")
+    /// A problem with an override, which has no place in the file.
+    pub(super) fn problem_with(&self, one: &Override, message: String, help: String) -> Problem {
+        Problem::of_file(&one.to_string(), message, &help)
+    }
+
+    /// The value of `key` as it is written at a span; empty if there is none.
+    pub(super) fn written(&self, key: &str, span: Range<usize>) -> &str {
+        match self.overrides.of(key) {
+            Some(one) if span.is_empty() => one.value(),
+            Some(one) => one.value().get(span).unwrap_or(one.value()),
+            None => self.text.get(span).unwrap_or(""),
+        }
     }
 
     fn place(&self, span: Range<usize>) -> Place {

@@ -50,12 +50,12 @@ impl fmt::Display for Fingerprints {
 }
 
 impl Loaded {
-    /// The identities of this configuration. They depend on what is said, and not on how: comments,
+    /// The identities of this configuration, overrides included. They depend on what is said, and not on how: comments,
     /// blanks, the order of keys and the spelling of numbers make no difference, and nor do the names of the files
     /// whose content counts.
     pub fn fingerprints(&self) -> Fingerprints {
         // It was read before, so that it is TOML.
-        let mut whole: Table = self.document.text().parse().unwrap_or_default();
+        let mut whole: Table = self.document.effective().parse().unwrap_or_default();
         let measured = MEASURED.iter().filter_map(|&name| whole.get_key_value(name));
         let measured: Table = measured.map(|(name, value)| (name.clone(), value.clone())).collect();
         remove(whole.get_mut("bus"), "dbc");

@@ -6,6 +6,7 @@
 //! everything that was found ([`ConfigError`]). [`design`] turns settings and the signals of a DBC
 //! into what a monitor is made from.
 
+mod apply;
 pub mod design;
 pub mod devices;
 mod document;
@@ -14,6 +15,7 @@ mod identity;
 mod json_schema;
 mod kinds;
 mod loader;
+mod overrides;
 mod portable;
 mod problem;
 pub mod reference;
@@ -30,7 +32,8 @@ use toml::de::{DeTable, Deserializer};
 pub use document::Document;
 pub use identity::{Fingerprint, Fingerprints};
 pub use json_schema::json_schema;
-pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text};
+pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text, load_with};
+pub use overrides::{Override, OverrideOrigin, Overrides};
 pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
 pub use settings::Settings;
@@ -47,6 +50,17 @@ pub const MAX_SIZE: usize = 1 << 20;
 /// only when the earlier ones have passed: text that is not TOML has no keys to judge, and values
 /// are compared with each other once every key is there and has its type.
 pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError> {
+    parse_with(name, text, &Overrides::default())
+}
+
+/// As [`parse`], with values of single keys from outside of the text.
+///
+/// # Errors See [`parse`]; a problem with an override names it instead of a place in the file.
+pub fn parse_with(
+    name: &str,
+    text: &str,
+    overrides: &Overrides,
+) -> Result<(Settings, Document), ConfigError> {
     if text.len() > MAX_SIZE {
         return Err(too_long(name));
     }
@@ -63,6 +77,11 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
             problems.push_with(|| not_toml(&document, error));
         }
         return Err(document.error(problems));
+    }
+    if !overrides.is_empty() {
+        let effective = apply::effective(text, overrides).unwrap_or_else(|| text.to_owned());
+        document = document.with(overrides.clone(), &effective);
+        apply::apply(root.get_mut(), overrides, &document, &mut problems);
     }
     walk::walk(root.get_mut(), &mut document, &mut problems);
     match Settings::deserialize(Deserializer::from(root)) {

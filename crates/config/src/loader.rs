@@ -5,8 +5,9 @@ use std::io::{self, Read};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
+use super::overrides::Overrides;
 use super::settings::Settings;
-use super::{ConfigError, Document, MAX_SIZE, a_dbc, is_dbc, parse, too_long};
+use super::{ConfigError, Document, MAX_SIZE, a_dbc, is_dbc, parse_with, too_long};
 
 /// The longest DBC file, bytes.
 pub const MAX_DBC_SIZE: usize = 64 << 20;
@@ -50,6 +51,22 @@ impl Loaded {
         self.document.has("model") || (0..self.settings.cylinder.len()).any(own)
     }
 
+    /// The file's name, and the overrides in force: `machine.toml, with --set fde.high=0.002`.
+    pub fn title(&self) -> String {
+        let overrides = self.document.overrides().all().iter().map(ToString::to_string);
+        let overrides: Vec<String> = overrides.collect();
+        match overrides.is_empty() {
+            true => self.document.name().to_owned(),
+            false => format!("{}, with {}", self.document.name(), overrides.join(" ")),
+        }
+    }
+
+    /// Whether overrides make it another configuration than that of the file.
+    pub fn differs_from_file(&self) -> bool {
+        let values = |text: &str| text.parse::<toml::Table>().ok();
+        values(self.document.text()) != values(self.document.effective())
+    }
+
     /// Bytes of all files that say where signals are in frames: the DBC, and then each EDS or DCF.
     pub fn layout(&self) -> Vec<u8> {
         let sheets = self.sheets.iter().map(|sheet| sheet.text.as_slice());
@@ -59,8 +76,16 @@ impl Loaded {
 
 /// Reads a configuration and its DBC; the paths in it are relative to its folder.
 ///
-/// # Errors A file cannot be read, is too long or is not UTF-8, or [`parse`] refuses it.
+/// # Errors A file cannot be read, is too long or is not UTF-8, or [`super::parse`] refuses it.
 pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
+    load_with(path, &Overrides::default())
+}
+
+/// As [`load`], with values of single keys from outside of the file. Paths among them are relative to the file's
+/// folder, too.
+///
+/// # Errors See [`load`] and [`super::parse_with`].
+pub fn load_with(path: &Path, overrides: &Overrides) -> Result<Loaded, ConfigError> {
     let name = path.display().to_string();
     let bytes = match read(path, MAX_SIZE) {
         Ok(Some(bytes)) => bytes,
@@ -71,15 +96,19 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
         }
     };
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    load_text(path, &text)
+    of_text(path, &text, overrides)
 }
 
 /// Reads the DBC of the configuration `text`, which is, or will be, in the file `path`.
 ///
 /// # Errors See [`load`].
 pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
+    of_text(path, text, &Overrides::default())
+}
+
+fn of_text(path: &Path, text: &str, overrides: &Overrides) -> Result<Loaded, ConfigError> {
     let name = path.display().to_string();
-    let (settings, document) = parse(&name, text)?;
+    let (settings, document) = parse_with(&name, text, overrides)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let dbc_path = folder.join(&settings.bus.dbc);
     let dbc_text = read_dbc(&dbc_path, &document)?;

@@ -141,7 +141,7 @@ impl ConfigError {
             headline: format!("{}: {count} problem{plural}", self.file),
             rest: (self.more > 0).then(|| format!("{} more are not shown", self.more)),
             text: NamedSource::new(&self.file, self.text.to_string()),
-            problems: self.problems.iter().map(|p| Labelled::new(p, &self.text)).collect(),
+            problems: self.problems.iter().map(|p| Labelled::new(p, self)).collect(),
         })
     }
 }
@@ -193,14 +193,18 @@ struct Labelled {
 }
 
 impl Labelled {
-    fn new(problem: &Problem, text: &str) -> Self {
+    fn new(problem: &Problem, error: &ConfigError) -> Self {
+        let text = &*error.text;
         let short = |span: &Range<usize>| {
             let start = text[..span.start].rfind('\n').map_or(0, |at| at + 1);
             let end = text[span.end..].find('\n').map_or(text.len(), |at| span.end + at);
             end - start <= LONGEST_SHOWN_LINE
         };
         let span = problem.place.as_ref().map(|place| place.span.clone()).filter(short);
-        Self { message: problem.message.clone(), help: problem.help.clone(), span }
+        // The headline names the file, but what comes from elsewhere has to be said.
+        let elsewhere = problem.file != error.file;
+        let origin = if elsewhere { format!("{}: ", problem.file) } else { String::new() };
+        Self { message: origin + &problem.message, help: problem.help.clone(), span }
     }
 }
 

@@ -33,14 +33,16 @@ struct Relations<'a> {
 }
 
 impl Relations<'_> {
-    /// Reports a problem unless `holds`, at the first of `keys` that the file has: a default is not
-    /// at fault.
+    /// Reports a problem unless `holds`, at the first of `keys` that is overridden, or else that the file has: a
+    /// default is not at fault, and a file that was sound before an override is not either.
     fn require(&mut self, holds: bool, keys: &[&str], message: String, help: &str) {
         if holds || keys.iter().any(|key| self.doubtful.contains(table_of(key))) {
             return;
         }
         let document = self.document;
-        let key = keys.iter().find(|key| document.has(key)).or(keys.first()).copied();
+        let overridden = keys.iter().find(|key| document.is_overridden(key));
+        let own = || keys.iter().find(|key| document.has(key)).or(keys.first());
+        let key = overridden.or_else(own).copied();
         self.problems.push_with(|| document.problem(key.unwrap_or(""), message, help));
     }
 

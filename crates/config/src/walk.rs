@@ -16,7 +16,7 @@ use super::settings::ROOT;
 const SHOWN: usize = 60;
 /// Similarity to a known word (1: equal) above which a word is taken for a typing error. Below it
 /// the meaning is unclear: "amber" has two letters of "red".
-const SIMILAR: f64 = 0.6;
+pub(super) const SIMILAR: f64 = 0.6;
 
 /// Compares the file with the schema, notes where every known key is, and removes unknown keys, so
 /// that the rest can still be checked.
@@ -123,7 +123,7 @@ impl Walk<'_> {
         };
         let document = &*self.document;
         self.problems.push_with(|| {
-            let found = shown(document.written(span.clone()));
+            let found = shown(document.written(path, span.clone()));
             let message = format!("`{path}` is {found}, but must be {must}");
             let help = if help.is_empty() { key.meaning() } else { help };
             document.problem_at(span, path, message, help)
@@ -260,10 +260,10 @@ fn nearest(name: &str, schema: &Table) -> Option<(&'static str, f64)> {
 }
 
 /// The candidate most similar to `name` and how similar it is, from 0 to 1 (equal).
-fn most_similar(
+pub(super) fn most_similar<'a>(
     name: &str,
-    candidates: impl Iterator<Item = &'static str>,
-) -> Option<(&'static str, f64)> {
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<(&'a str, f64)> {
     // Beyond this no known key is near, and the comparison takes time with the length squared.
     let name: String = name.chars().take(SHOWN).collect();
     let name = name.to_lowercase().replace('-', "_");
@@ -296,7 +296,7 @@ fn sketch(path: &str, schema: &Table) -> String {
     own.into_iter().chain(inner).collect::<Vec<_>>().join("; ")
 }
 
-fn join(path: &str, name: &str) -> String {
+pub(super) fn join(path: &str, name: &str) -> String {
     if path.is_empty() { name.into() } else { format!("{path}.{name}") }
 }
 

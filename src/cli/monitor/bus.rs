@@ -10,6 +10,7 @@ use crate::bus::{Identifiers, ListeningPort, embedded};
 use crate::cli::Failure;
 use crate::cli::machine::Machine;
 use crate::cli::run;
+use crate::config::Overrides;
 use crate::estimate::Estimate;
 use crate::incident::Incident;
 use crate::live::gateway::Journal;
@@ -41,11 +42,15 @@ pub struct BusSource {
 }
 
 impl BusSource {
-    /// A monitor of the configuration `path` that listens to `interface`, or to that of the configuration.
+    /// A monitor of the configuration `path` with `overrides` that listens to `interface`, or to that of the configuration.
     ///
     /// # Errors A wrong configuration, or one of the embedded bus, on which nobody else can listen.
-    pub fn new(path: &Path, interface: Option<String>) -> Result<Self, Failure> {
-        let machine = Machine::load(path)?;
+    pub fn new(
+        path: &Path,
+        overrides: &Overrides,
+        interface: Option<String>,
+    ) -> Result<Self, Failure> {
+        let machine = Machine::load(path, overrides)?;
         let settings = &machine.loaded.settings;
         let interface = interface.unwrap_or_else(|| settings.bus.interface.clone());
         if interface == embedded::NAME {
@@ -60,7 +65,7 @@ impl BusSource {
         // It is another process's file: one that cannot be read is as good as none.
         let kept = file.and_then(|file| file.read(&name, cylinders).ok().flatten());
         let archive = kept.unwrap_or_else(|| Archive::new(&name, cylinders));
-        let (identifiers, facts) = (run::identifiers(&machine), run::facts(path, &machine));
+        let (identifiers, facts) = (run::identifiers(&machine), run::facts(&machine));
         let guard = Span::from_seconds(settings.gateway.guard);
         let limits = settings.drift_limits();
         let mut listener = ListeningMonitor::new(Monitor::new(machine.design), guard);

@@ -11,6 +11,7 @@ mod view;
 mod viewer;
 
 use super::Failure;
+use super::overriding::SetOptions;
 use bus::BusSource;
 use clap::Args;
 use gateway::GatewaySource;
@@ -42,6 +43,8 @@ pub struct Monitor {
     /// The machine's configuration, to listen to its bus with a monitor of its own
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetOptions,
     /// Over https, trusts the certificates in this file (PEM), and no others: the gateway's own, or that of who
     /// certified it [default: those that this computer trusts]
     #[arg(long, value_name = "FILE", conflicts_with = "config")]
@@ -62,11 +65,18 @@ impl Monitor {
     pub fn run(self) -> Result<(), Failure> {
         terminal::check()?;
         let mut source: Box<dyn NewsSource> = match (self.url, self.config) {
+            (Some(_), _) if self.set.are_given() => {
+                let message =
+                    "--set is for --config: at a URL the gateway has its own configuration";
+                return Err(Failure::Wrong(message.to_owned()));
+            }
             (Some(url), _) => {
                 let token = trust::token(self.token_file.as_deref())?;
                 Box::new(GatewaySource::new(&url, self.ca.as_deref(), token)?)
             }
-            (None, Some(config)) => Box::new(BusSource::new(&config, self.interface)?),
+            (None, Some(config)) => {
+                Box::new(BusSource::new(&config, &self.set.overrides()?, self.interface)?)
+            }
             (None, None) => return Err(Failure::Wrong("give a URL or --config".to_owned())),
         };
         let (start, viewer) = (Instant::now(), Viewer::new(source.name()));
