@@ -18,6 +18,7 @@ mod inject_cli;
 mod inject_oracle;
 mod manual;
 mod output_files;
+mod outputs_document;
 mod overrides;
 mod package;
 mod replay_bad_input;

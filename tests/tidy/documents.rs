@@ -72,6 +72,30 @@ fn links_of_documents_lead_somewhere() {
     none(found, "links that lead nowhere");
 }
 
+/// The tests that a page names, as `core/detection::a_step_is_found`: their files, and their functions.
+fn named_tests(text: &str) -> Vec<(String, String)> {
+    let codes = text.split('`').skip(1).step_by(2);
+    let named = codes.filter_map(|code| {
+        let (file, name) = code.split_once("::")?;
+        let is_path = file.contains('/') && !file.contains(' ') && !name.contains("::");
+        is_path.then(|| (format!("tests/{file}.rs"), name.to_owned()))
+    });
+    named.collect()
+}
+
+#[test]
+fn tests_that_documents_name_exist() {
+    let page = top().join("docs/SAFETY.md");
+    let named = named_tests(&read(&page));
+    assert!(named.len() > 50, "{} tests are named", named.len());
+    let missing = named.into_iter().filter(|(file, name)| {
+        let text = fs::read_to_string(top().join(file)).unwrap_or_default();
+        !text.contains(&format!("fn {name}()"))
+    });
+    let missing = missing.map(|(file, name)| format!("{file} has no {name}"));
+    none(missing.collect(), "tests that docs/SAFETY.md names and that are not there");
+}
+
 #[test]
 fn broken_links_are_caught_and_others_are_not() {
     let page = top().join("README.md");
