@@ -108,6 +108,34 @@ fn the_folder_of_an_incident_replays_to_the_same_incident() {
 }
 
 #[test]
+fn a_recording_has_the_values_that_were_set_and_with_others_it_begins_anew() {
+    let top = tempfile::tempdir().expect("there is room");
+    let (log, config) = (top.path().join("bus.log"), configuration(top.path(), "can0"));
+    write(&log, "can0", &excerpt(50.0, 63.0));
+    let run = ["run", "--config", plain(&config), "--play", plain(&log), "--speed", "max"];
+    let set = ["--set", "bus.interface=virtual", "--set", "recorder.folder=recordings"];
+    let output = tertius(&[&run[..], &set, &["--set", "comparator.bound=0.00145"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("with --set bus.interface=virtual --set recorder.folder"), "{said}");
+
+    let folder = &folders(&top.path().join("recordings"))[0];
+    let machine = fs::read_to_string(folder.join("machine.toml")).expect("it is there");
+    assert!(machine.contains("bound = 0.00145"), "{machine}");
+    let lines: Vec<String> =
+        manifest(folder).lines.iter().map(|line| line.get().to_owned()).collect();
+    // The values are those in the folder, so that its state fits, and they may be given once more.
+    assert_eq!(replayed(folder, 1)[..lines.len()], lines);
+    let replay = ["replay", plain(folder), "--format", "jsonl"];
+    let again = tertius(&[&replay[..], &["--set", "comparator.bound=0.00145"]].concat());
+    assert_eq!(again.stdout, tertius(&replay).stdout);
+    // With others the state of the folder would be refused.
+    let other = tertius(&[&replay[..], &["--set", "comparator.bound=0.01"]].concat());
+    assert!(other.status.success(), "{}", String::from_utf8_lossy(&other.stderr));
+    assert_ne!(other.stdout, again.stdout);
+}
+
+#[test]
 fn a_state_that_was_changed_is_refused_with_a_way_out() {
     let top = tempfile::tempdir().expect("there is room");
     let recordings = record(top.path(), &excerpt(50.0, 63.0), "");
