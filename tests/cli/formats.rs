@@ -26,10 +26,12 @@ fn a_recording_says_the_same_in_every_format() {
     let log = scratch.write("bus.log", between(&recorded("e-type-faults.log.zst"), FROM, TO));
     let path = |name: &str| scratch.path(name);
     let [pcap, asc, blf, trc] = ["bus.pcap", "bus.asc", "bus.blf", "bus.trc"].map(path);
+    let csv = path("bus.csv");
     oracle::run("pcap.py", &[&log, &pcap], "");
     oracle::run("asc.py", &["write", &log, &asc], "");
     oracle::run("blf.py", &["write", &log, &blf, "131072", "-1"], "");
     oracle::run("trc.py", &["write", "2.1", &log, &trc], "");
+    oracle::run("savvycan.py", &["write", "dir", &log, &csv], "");
     let table = scratch.path("residuals.csv");
     let of = |recording: &str| {
         let options = ["--residuals", table.as_str(), "--force"];
@@ -39,7 +41,7 @@ fn a_recording_says_the_same_in_every_format() {
     };
     let (rows, warnings) = of(&log);
     assert!(rows.len() > 2000 && !warnings.is_empty(), "{} {warnings:?}", rows.len());
-    for recording in [&pcap, &asc, &blf, &trc] {
+    for recording in [&pcap, &asc, &blf, &trc, &csv] {
         let (other_rows, other_warnings) = of(recording);
         assert_eq!(other_rows, rows, "{recording}");
         assert_eq!(other_warnings.len(), warnings.len(), "{recording}");

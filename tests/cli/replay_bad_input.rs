@@ -208,6 +208,11 @@ fn a_recording_without_anything_for_this_machine() {
         ("trace.asc", asc.as_bytes(), "a Vector log in ASC"),
         ("trace.blf", b"LOGG\x90\0\0\0\x03\x08\x02\0", "a Vector log in BLF"),
         ("trace.trc", b";$FILEVERSION=2.0\r\n;$STARTTIME=43474.\r\n", "a PEAK trace in TRC"),
+        (
+            "table.csv",
+            b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\r\n",
+            "a table of SavvyCAN (GVRET) in CSV",
+        ),
         ("data.mf4", b"MDF     4.10    Vector\0\0", "measurement data in MDF"),
         ("old.pcap", b"\xD4\xC3\xB2\xA1\x02\0\x04\0\0\0\0\0", "a capture in pcap or pcapng"),
         (

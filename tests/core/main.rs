@@ -33,6 +33,7 @@ mod plant;
 mod process;
 mod resume;
 mod riccati;
+mod savvycan;
 mod sea;
 mod sequential;
 mod sequential_healthy;

@@ -6,14 +6,21 @@ pub(super) mod candump;
 mod decimal;
 mod hex;
 mod pcap;
+mod savvycan;
 mod token;
 mod trc;
 
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 5] =
-    [&blf::FORMAT, &pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &candump::FORMAT];
+pub static FORMATS: [&Format; 6] = [
+    &blf::FORMAT,
+    &pcap::FORMAT,
+    &trc::FORMAT,
+    &asc::FORMAT,
+    &savvycan::FORMAT,
+    &candump::FORMAT,
+];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
