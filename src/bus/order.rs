@@ -58,16 +58,12 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
 fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
     let InputPlace::File(path) = place else { return None };
     let (head, end) = first_bytes(path)?;
-    let meant = match interfaces {
-        Interfaces::All => None,
-        Interfaces::Only(name) | Interfaces::One(name) => Some(name.as_bytes()),
-    };
     let mut reader = (formats::recognise(&head, true)?.reader)(TimeStamps::Absolute);
     let (mut frame, mut first, mut bytes) = (blank_frame(), None, &head[..]);
     loop {
         let taken = match reader.read(Unread { bytes, end }, &mut frame) {
             Item::Frame { taken, interface, absolute } => {
-                if absolute && meant.is_none_or(|meant| meant == interface) {
+                if absolute && interfaces.mean(interface) {
                     return Some(frame.timestamp);
                 }
                 first = first.or(absolute.then_some(frame.timestamp));

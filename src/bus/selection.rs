@@ -8,12 +8,33 @@ pub enum Interfaces {
     /// All interfaces, as if they were one bus.
     #[default]
     All,
-    /// This interface.
+    /// This interface, by its name or, where the format numbers them, by its number: 2 is `channel2`.
     Only(String),
     /// One bus: this interface, which the configuration names, if the recording has it; else the
     /// only one in the recording. Two others are [`Ambiguous`], since it cannot be told which is
     /// meant.
     One(String),
+}
+
+/// What interfaces are called, before the number, that their format knows by number only.
+const NUMBERED: [&str; 3] = ["channel", "bus", "if"];
+
+/// Whether the interface `name` is the one that is `wanted` by its name or number.
+fn is_named(name: &[u8], wanted: &str) -> bool {
+    let number = |kind: &&str| name.strip_prefix(kind.as_bytes()) == Some(wanted.as_bytes());
+    let is_number = || !wanted.is_empty() && wanted.bytes().all(|byte| byte.is_ascii_digit());
+    name == wanted.as_bytes() || (is_number() && NUMBERED.iter().any(number))
+}
+
+impl Interfaces {
+    /// Whether the interface `name` is one that is meant, as far as its name tells.
+    pub fn mean(&self, name: &[u8]) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(wanted) => is_named(name, wanted),
+            Self::One(configured) => configured.as_bytes() == name,
+        }
+    }
 }
 
 /// What becomes of a frame.
@@ -100,7 +121,7 @@ impl Selection {
     pub fn known(&self, name: &[u8]) -> Option<bool> {
         match &self.interfaces {
             Interfaces::All => Some(true),
-            Interfaces::Only(wanted) => Some(wanted.as_bytes() == name),
+            Interfaces::Only(wanted) => Some(is_named(name, wanted)),
             Interfaces::One(configured) => {
                 let read = self.read.as_ref()?;
                 let wanted = read.as_bytes() == name;
@@ -146,6 +167,17 @@ mod tests {
         assert_eq!(found, [Ok(Wanted), Ok(Other), Ok(Wanted), Ok(Other)]);
         let found = judged(&mut one(), &["can1", "can2", "can0", "can1", "can0"]);
         assert_eq!(found, [Ok(Undecided), Ok(Undecided), Ok(Wanted), Ok(Other), Ok(Wanted)]);
+    }
+
+    #[test]
+    fn an_interface_without_a_name_is_chosen_by_its_number() {
+        use Selected::{Other, Wanted};
+        let mut selection = Selection::new(Interfaces::Only("2".to_owned()));
+        let names = ["channel2", "bus2", "if2", "2", "channel12", "channel21", "can2", "channel"];
+        let found: Vec<_> = judged(&mut selection, &names).into_iter().flatten().collect();
+        assert_eq!(found, [Wanted, Wanted, Wanted, Wanted, Other, Other, Other, Other]);
+        let mut selection = Selection::new(Interfaces::Only("can2".to_owned()));
+        assert_eq!(judged(&mut selection, &["can2", "channelcan2"]), [Ok(Wanted), Ok(Other)]);
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub struct Init {
     name: Option<String>,
     /// Reads this interface of the recordings, and writes it into the configuration [default: that of the
     /// recordings, or can0]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Reads so many minutes from the first frame on
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1440))]

@@ -64,7 +64,7 @@ pub struct Replay {
     state: Option<PathBuf>,
     /// Takes only the frames of this interface [default: the configuration's if the recording has
     /// it, else the only one]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Time zone of the text and the page, by its name in the IANA database
     #[arg(long, value_name = "NAME", default_value = "UTC", value_parser = zone)]

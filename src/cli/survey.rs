@@ -35,7 +35,7 @@ pub struct Field {
     pub to: Option<Place>,
     /// Takes only the frames of this interface [default: the configuration's if the recording has
     /// it, else the only one]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", visible_alias = "channel")]
     pub interface: Option<String>,
     /// The meaning of the time stamps of a console recording
     #[arg(long, value_enum, default_value_t = StampOption::Auto)]

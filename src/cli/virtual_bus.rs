@@ -23,7 +23,7 @@ pub struct PlayOptions {
     #[arg(long, value_name = "N", default_value = "1", requires = "logs")]
     speed: Pace,
     /// Plays only the frames of this interface of the recordings [default: the only one]
-    #[arg(long, value_name = "NAME", requires = "logs")]
+    #[arg(long, value_name = "NAME", requires = "logs", visible_alias = "channel")]
     interface: Option<String>,
     /// Writes the frames that the gateway sends on the embedded bus in the format of candump -l
     #[arg(long, value_name = "FILE.log", requires = "logs")]
