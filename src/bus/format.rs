@@ -6,6 +6,7 @@
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
 
+use super::encoder::Written;
 use super::reason::Reason;
 
 /// Longest line that is read, bytes without its newline; candump's own stay below 400.
@@ -26,6 +27,8 @@ pub struct Format {
     pub recognise: fn(head: &[u8]) -> Option<bool>,
     /// A reader for one input.
     pub reader: fn(stamps: TimeStamps) -> Box<dyn Reader>,
+    /// How recordings of the format are written, where they are.
+    pub written: Option<Written>,
 }
 
 /// Whether places in an input are lines or bytes.
@@ -152,7 +155,15 @@ pub fn blank_frame() -> Frame {
     Frame::new(Timestamp::default(), ZERO, Kind::Data, &[])
 }
 
+/// Payload length of CAN FD by data length code, bytes.
+pub const FD_LENGTHS: [usize; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
+
 /// Whether a CAN FD frame can have this length, bytes.
 pub fn is_fd_length(length: usize) -> bool {
-    matches!(length, 0..=8 | 12 | 16 | 20 | 24 | 32 | 48 | 64)
+    FD_LENGTHS.contains(&length)
+}
+
+/// The data length code of a CAN FD frame: the least with room for this length, bytes.
+pub fn fd_code(length: usize) -> u8 {
+    FD_LENGTHS.iter().position(|room| *room >= length).unwrap_or(FD_LENGTHS.len() - 1) as u8
 }

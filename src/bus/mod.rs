@@ -1,7 +1,8 @@
 //! Sources and destinations of frames: the only module that knows files of frames and sockets.
 //!
 //! A [`Source`] gives frames one after the other; [`Recording`] reads them from recordings: files, `.gz`,
-//! `.zst`, standard input, in any of the formats of [`format_names`]. [`LogWriter`] writes the format of `candump -l`.
+//! `.zst`, standard input, in any of the formats of [`format_names`]. [`LogWriter`] writes the format of `candump -l`, and
+//! a [`FrameEncoder`] any of those that are [`written`].
 //!
 //! A [`Port`] is a live CAN interface: [`socket`] uses SocketCAN, [`embedded`] is a bus inside the
 //! program. It sends only the gateway's own frames; a [`ListeningPort`] sends none, and an [`UnrestrictedPort`] is for
@@ -12,6 +13,7 @@
 mod barren;
 mod buffer;
 pub mod embedded;
+mod encoder;
 mod format;
 mod formats;
 mod input;
@@ -25,11 +27,12 @@ pub mod socket;
 mod source;
 mod statistics;
 mod unrestricted;
-mod writer;
 
 pub use barren::{Barren, Seems};
+pub use encoder::{FrameEncoder, Unsayable, Written};
 pub use format::{MAX_LINE, TimeStamps};
-pub use formats::names as format_names;
+pub use formats::candump::writer::{LogWriter, append_log_line};
+pub use formats::{names as format_names, written};
 pub use listening::ListeningPort;
 pub use order::sorted as in_order;
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
@@ -42,4 +45,3 @@ pub use statistics::{
     KEPT_DAMAGE, Statistics,
 };
 pub use unrestricted::{Unrestricted, UnrestrictedPort};
-pub use writer::{LogWriter, append_log_line};

@@ -4,7 +4,7 @@
 use super::Failure;
 use clap::Args;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::os::fd::AsFd;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::path::{Path, PathBuf};
@@ -280,6 +280,18 @@ impl Writer {
     /// # Errors The output cannot be written.
     pub fn put(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         self.file.write_all(bytes).map_err(|error| Failure::writing(&self.name, &error))
+    }
+
+    /// Writes `head` over the first bytes of a file, after everything else. What has gone to a pipe, a device or a
+    /// file that a shell has opened stays as it is.
+    ///
+    /// # Errors The file cannot be written.
+    pub fn replace_head(&mut self, head: &[u8]) -> io::Result<()> {
+        if self.target.is_some() {
+            self.file.seek(SeekFrom::Start(0))?;
+            self.file.write_all(head)?;
+        }
+        Ok(())
     }
 
     /// Finishes as [`Self::finish`] does, for the command line.

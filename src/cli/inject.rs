@@ -5,15 +5,13 @@ use super::faults::{self, FaultOptions};
 use super::files::{Inputs, Mark, Overwriting, Writer};
 use super::machine::Machine;
 use super::overriding::SetOptions;
+use super::passing::{Newest, report};
 use super::progress::Bar;
 use super::proxy::{self, Ends};
 use super::recordings;
-use crate::bus::{
-    Interfaces, Options, Recording, Selected, Selection, Source, Statistics, append_log_line,
-};
+use crate::bus::{Interfaces, Options, Recording, Selected, Selection, Source, append_log_line};
 use crate::frame::Frame;
 use crate::inject::{Injector, grammar};
-use crate::report::counted;
 use clap::Args;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -88,7 +86,7 @@ pub struct Inject {
     seed: u64,
     /// Puts faults only into frames of this interface [default: the configuration's if the
     /// recording has it, else the only one]; the others are passed on
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
 }
 
@@ -208,39 +206,4 @@ fn pump(
     passage.pass_all(&mut held, true)?;
     bar.finish();
     Ok(read)
-}
-
-/// Determines the interface of the newest frame from the counts of the recording.
-#[derive(Default)]
-struct Newest {
-    frames: Vec<u64>,
-}
-
-impl Newest {
-    /// The interface whose count grew; `None` for one beyond those that are told apart.
-    fn interface<'a>(&mut self, statistics: &'a Statistics) -> Option<&'a str> {
-        self.frames.resize(statistics.interfaces.len(), 0);
-        let mut newest = None;
-        for (known, interface) in self.frames.iter_mut().zip(&statistics.interfaces) {
-            if *known != interface.frames {
-                *known = interface.frames;
-                newest = Some(interface.name.as_str());
-            }
-        }
-        newest
-    }
-}
-
-/// Reports the numbers of frames, on standard error, since the recording may be on standard output.
-fn report(read: u64, written: u64, statistics: &Statistics) {
-    tell!("{} read, {written} written", counted(read, "frame"));
-    if statistics.bad_lines > 0 {
-        let were = if statistics.bad_lines == 1 {
-            "was not a frame and is"
-        } else {
-            "were not frames and are"
-        };
-        tell!("{} {were} left out", counted(statistics.bad_lines, "line"));
-        statistics.first_bad_lines.iter().for_each(|line| tell!("  {line}"));
-    }
 }

@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod commission;
 mod config;
+mod convert;
 mod demo;
 mod doctor;
 mod eds;
@@ -22,6 +23,8 @@ mod monitor;
 mod node;
 mod output;
 mod overriding;
+mod packed;
+mod passing;
 mod plant;
 mod player;
 mod progress;
@@ -64,6 +67,7 @@ enum Command {
     Monitor(monitor::Monitor),
     Eds(eds::Eds),
     Events(events::Events),
+    Convert(convert::Convert),
     Inject(inject::Inject),
     Commission(commission::Commission),
     Identify(identify::Identify),
@@ -90,6 +94,7 @@ impl Arguments {
             Command::Monitor(monitor) => monitor.run(),
             Command::Eds(eds) => eds.run(),
             Command::Events(events) => events.run(),
+            Command::Convert(convert) => convert.run(),
             Command::Inject(inject) => inject.run(),
             Command::Commission(commission) => commission.run(),
             Command::Identify(identify) => identify.run(),

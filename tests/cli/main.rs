@@ -4,6 +4,7 @@ mod canopen;
 mod canopen_story;
 mod canopen_timers;
 mod check_command;
+mod convert;
 mod coverage;
 mod demo;
 mod doctor;

@@ -19,6 +19,7 @@ mod e_type_dbc;
 mod eds;
 mod eds_canopen;
 mod eds_properties;
+mod encoders;
 mod estimate;
 mod frozen;
 mod hexapod;

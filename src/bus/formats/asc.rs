@@ -5,6 +5,9 @@
 //! an identifier and a direction. The date is the local time of the recording computer, which does not tell its zone,
 //! and is taken as UTC.
 
+mod writer;
+
+use crate::bus::encoder::Written;
 use crate::bus::format::{Format, Item, Numbered, Reader, Unread, is_fd_length};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
@@ -19,6 +22,12 @@ pub static FORMAT: Format = Format {
     numbered: Numbered::Lines,
     recognise,
     reader: |_| Box::new(Asc::default()),
+    written: Some(Written {
+        word: "asc",
+        encoder: || Box::new(writer::AscEncoder::default()),
+        explains_errors: false,
+        is_packed: false,
+    }),
 };
 
 const NANOS_PER_SECOND: i128 = 1_000_000_000;

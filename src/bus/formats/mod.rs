@@ -3,6 +3,8 @@
 mod asc;
 mod blf;
 pub(super) mod candump;
+mod channels;
+mod civil;
 mod decimal;
 mod hex;
 mod pcap;
@@ -10,17 +12,12 @@ mod savvycan;
 mod token;
 mod trc;
 
+use super::encoder::Written;
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 6] = [
-    &blf::FORMAT,
-    &pcap::FORMAT,
-    &trc::FORMAT,
-    &asc::FORMAT,
-    &savvycan::FORMAT,
-    &candump::FORMAT,
-];
+pub static FORMATS: [&Format; 6] =
+    [&blf::FORMAT, &pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &savvycan::FORMAT, &candump::FORMAT];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
@@ -38,6 +35,11 @@ pub fn recognise(head: &[u8], whole: bool) -> Option<&'static Format> {
 /// The formats that are read, for people.
 pub fn names() -> String {
     FORMATS.map(|format| format.name).join(", ")
+}
+
+/// The formats in which recordings are written.
+pub fn written() -> impl Iterator<Item = &'static Written> {
+    FORMATS.iter().rev().filter_map(|format| format.written.as_ref())
 }
 
 /// A format that is known and not read.

@@ -16,6 +16,7 @@ pub static FORMAT: Format = Format {
     numbered: Numbered::Lines,
     recognise,
     reader: |_| Box::new(SavvyCan::default()),
+    written: None,
 };
 
 /// What the names of the columns begin with.

@@ -5,7 +5,7 @@
 //! since 1899-12-30 and here taken as UTC; version 1.0 tells it in words only, so that its time stamps count
 //! from zero.
 
-use crate::bus::format::{Format, Item, Numbered, Reader, Unread, is_fd_length};
+use crate::bus::format::{FD_LENGTHS, Format, Item, Numbered, Reader, Unread, is_fd_length};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 use crate::time::Timestamp;
@@ -19,6 +19,7 @@ pub static FORMAT: Format = Format {
     numbered: Numbered::Lines,
     recognise: |head| Some(*head.trim_ascii_start().first()? == b';'),
     reader: |_| Box::new(Trc::default()),
+    written: None,
 };
 
 const NANOS_PER_DAY: i128 = 86_400_000_000_000;
@@ -27,8 +28,6 @@ const NANOS_PER_MILLISECOND: i128 = 1_000_000;
 const DAYS_BEFORE_1970: i128 = 25_569;
 /// Most columns.
 const COLUMNS: usize = 12;
-/// Payload length of CAN FD's data length codes from 9 on, bytes.
-const FD_LENGTHS: [usize; 7] = [12, 16, 20, 24, 32, 48, 64];
 /// Classes of error frames in linux/can/error.h: a fault on the bus, and a controller that is bus-off.
 const BUS_ERROR: u32 = 0x080;
 const BUS_OFF: u32 = 0x040;
@@ -352,7 +351,7 @@ fn announced(message: &Message<'_>, kind: Kind) -> Result<usize, Reason> {
     let by_code = message.length.is_none();
     match kind {
         Kind::Fd { .. } if by_code && number > 8 => {
-            FD_LENGTHS.get(number - 9).copied().ok_or(Reason::FdTooLong)
+            FD_LENGTHS.get(number).copied().ok_or(Reason::FdTooLong)
         }
         Kind::Fd { .. } if !is_fd_length(number) => Err(Reason::FdLength(number)),
         Kind::Fd { .. } => Ok(number),

@@ -14,6 +14,7 @@ static RECORDS: Format = Format {
     numbered: Numbered::Bytes,
     recognise: |_| Some(false),
     reader: |_| Box::new(Records),
+    written: None,
 };
 
 struct Records;

@@ -4,7 +4,9 @@
 //! may begin in one and end in the next. Objects of CAN become frames; others are left out. What is inflated is bounded.
 
 mod object;
+mod writer;
 
+use crate::bus::encoder::Written;
 use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
@@ -21,6 +23,12 @@ pub static FORMAT: Format = Format {
         None => (!b"LOGG".starts_with(head)).then_some(false),
     },
     reader: |_| Box::new(Blf::default()),
+    written: Some(Written {
+        word: "blf",
+        encoder: || Box::new(writer::BlfEncoder::default()),
+        explains_errors: false,
+        is_packed: true,
+    }),
 };
 
 /// Bytes of the head that are read, and most bytes that it may have.

@@ -11,21 +11,21 @@ pub const OBJECT: &[u8; 4] = b"LOBJ";
 
 /// Types of objects.
 pub const CONTAINER: u32 = 10;
-const MESSAGE: u32 = 1;
+pub const MESSAGE: u32 = 1;
 const ERROR: u32 = 2;
-const ERROR_EXTENDED: u32 = 73;
+pub const ERROR_EXTENDED: u32 = 73;
 const MESSAGE_2: u32 = 86;
-const FD_MESSAGE: u32 = 100;
+pub const FD_MESSAGE: u32 = 100;
 const FD_MESSAGE_64: u32 = 101;
 
-const EXTENDED: u32 = 1 << 31;
+pub const EXTENDED: u32 = 1 << 31;
 const IDENTIFIER: u32 = (1 << 29) - 1;
 /// Flag of classic messages and of [`FD_MESSAGE`].
-const REMOTE: u8 = 0x80;
+pub const REMOTE: u8 = 0x80;
 /// Flags of [`FD_MESSAGE`]: it is of CAN FD, bit rate switch, error state.
-const FD: u8 = 1;
-const BRS: u8 = 2;
-const ESI: u8 = 4;
+pub const FD: u8 = 1;
+pub const BRS: u8 = 2;
+pub const ESI: u8 = 4;
 /// The same of [`FD_MESSAGE_64`], and that it is a remote frame.
 const REMOTE_64: u32 = 0x10;
 const FD_64: u32 = 0x1000;

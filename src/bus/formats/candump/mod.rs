@@ -9,11 +9,13 @@ mod console;
 mod line;
 mod log;
 pub(super) mod stamp;
+pub(in crate::bus) mod writer;
 
 pub(in crate::bus) use common::{Common, Known};
 use line::Line;
 use stamp::Extent;
 
+use crate::bus::encoder::Written;
 use crate::bus::format::{Format, Item, Numbered, Reader, TimeStamps, Unread, blank_frame};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
@@ -29,6 +31,12 @@ pub static FORMAT: Format = Format {
     numbered: Numbered::Lines,
     recognise: |_| Some(true),
     reader: |stamps| Box::new(Candump { clock: StampClock::new(stamps) }),
+    written: Some(Written {
+        word: "log",
+        encoder: || Box::new(writer::LogEncoder),
+        explains_errors: true,
+        is_packed: false,
+    }),
 };
 
 /// Reads the lines that are left by [`Common`], the shortcut for most lines of a recording.

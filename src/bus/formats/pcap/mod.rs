@@ -5,7 +5,9 @@
 //! are no frames.
 
 mod packet;
+mod writer;
 
+use crate::bus::encoder::Written;
 use crate::bus::format::{End, Format, Item, MAX_RECORD, Numbered, Reader, Unread};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
@@ -18,6 +20,12 @@ pub static FORMAT: Format = Format {
     numbered: Numbered::Bytes,
     recognise,
     reader: |_| Box::new(Pcap::default()),
+    written: Some(Written {
+        word: "pcapng",
+        encoder: || Box::new(writer::PcapngEncoder::default()),
+        explains_errors: true,
+        is_packed: false,
+    }),
 };
 
 /// Begin of a pcapng section, the same in both byte orders.

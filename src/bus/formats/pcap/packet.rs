@@ -5,20 +5,20 @@ use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 
 /// LINKTYPE_CAN_SOCKETCAN, LINKTYPE_LINUX_SLL and LINKTYPE_LINUX_SLL2.
-const SOCKETCAN: u32 = 227;
+pub const SOCKETCAN: u32 = 227;
 const COOKED: u32 = 113;
 const COOKED_2: u32 = 276;
 /// ETH_P_CAN and ETH_P_CANFD of linux/if_ether.h.
 const CAN_PROTOCOLS: [u16; 2] = [0x000C, 0x000D];
 
 /// Of linux/can.h: an extended identifier, a remote frame, an error frame.
-const EXTENDED: u32 = 1 << 31;
-const REMOTE: u32 = 1 << 30;
-const ERROR: u32 = 1 << 29;
+pub const EXTENDED: u32 = 1 << 31;
+pub const REMOTE: u32 = 1 << 30;
+pub const ERROR: u32 = 1 << 29;
 /// CANFD_FDF: the frame is of CAN FD.
-const IS_FD: u8 = 4;
+pub const IS_FD: u8 = 4;
 /// Bytes of a frame before its payload, and of a whole one of CAN FD, by which older captures tell it.
-const FRAME_HEAD: usize = 8;
+pub const FRAME_HEAD: usize = 8;
 const FD_FRAME: usize = 72;
 
 const NANOS_PER_SECOND: i128 = 1_000_000_000;

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::bus::encoder::{FrameEncoder, Unsayable};
 use crate::frame::{Frame, Kind};
 
 const NANOS_PER_SECOND: u64 = 1_000_000_000;
@@ -9,7 +10,7 @@ const NANOS_PER_SECOND: u64 = 1_000_000_000;
 const ERROR_FLAG: u32 = 1 << 29;
 const DIGITS: &[u8; 16] = b"0123456789ABCDEF";
 
-/// Writes frames as a recording that [`super::Recording`], canplayer and others can read.
+/// Writes frames as a recording that [`crate::bus::Recording`], canplayer and others can read.
 pub struct LogWriter<W> {
     out: W,
     interface: String,
@@ -42,6 +43,21 @@ impl<W: Write> LogWriter<W> {
     /// The writer underneath.
     pub fn into_inner(self) -> W {
         self.out
+    }
+}
+
+/// The encoder of a log.
+pub struct LogEncoder;
+
+impl FrameEncoder for LogEncoder {
+    fn add(
+        &mut self,
+        interface: &str,
+        frame: &Frame,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), Unsayable> {
+        append_log_line(bytes, interface, frame);
+        Ok(())
     }
 }
 
