@@ -126,6 +126,34 @@ fn python_can_reads_the_frames_that_were_written() {
     }
 }
 
+/// So many frames fill several containers of a BLF.
+#[test]
+fn python_can_reads_all_frames_of_a_whole_machine() {
+    let scratch = Scratch::new();
+    let text = between(&recorded("e-type-faults.log.zst"), 57.0, 64.5);
+    let log = scratch.write("machine.log", &text);
+    let none = [false; 6];
+    let expected: Vec<Value> = text
+        .lines()
+        .map(|line| {
+            let (stamp, rest) = line.split_at("(1700000000.000000)".len());
+            let micros: i64 = stamp.replace(['(', ')', '.'], "").parse().expect("a time in µs");
+            let (id, data) = rest.trim_start_matches(" can0 ").split_once('#').expect("a frame");
+            let id = u32::from_str_radix(id, 16).expect("an identifier");
+            let [extended, remote, error, fd, switch, state] = none;
+            let data = data.to_lowercase();
+            json!([micros, id, extended, remote, error, fd, switch, state, 1, data])
+        })
+        .collect();
+    for format in ["asc", "blf"] {
+        let file = scratch.path(&format!("machine.{format}"));
+        convert(&[&log, &file], &[]).ok();
+        let read = oracle::run(&format!("{format}.py"), &["read", &file], "");
+        let read: Vec<Vec<Value>> = serde_json::from_str(&read).expect("JSON");
+        assert!(read[0] == expected, "{format}: {} of {}", read[0].len(), expected.len());
+    }
+}
+
 #[test]
 fn another_reader_of_pcapng_reads_the_frames_that_were_written() {
     let scratch = Scratch::new();

@@ -5,7 +5,7 @@ use std::fs;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use serde_json::{Value, json};
-use tertius::bus::{BadPlace, Options, Recording};
+use tertius::bus::{BadPlace, Interfaces, Options, Recording, SourceError, in_order};
 use tertius::frame::{Frame, Kind};
 use tertius_testing::candump::{drain, read, read_in_pieces};
 use tertius_testing::oracle;
@@ -180,6 +180,33 @@ fn dates_of_other_languages_are_understood() {
         let (frames, statistics) = read(log.as_bytes());
         assert_eq!(statistics.bad_lines, 0, "{date}: {:?}", statistics.first_bad_lines);
         assert_eq!(frames[0].timestamp.as_nanos(), 1000 * START, "{date}");
+    }
+}
+
+#[test]
+fn logs_are_put_in_order_by_the_chosen_channel() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, events: &str| {
+        let path = folder.path().join(name);
+        let head = "date Sat Sep 30 15:06:13.191 2017\nbase hex  timestamps absolute\n";
+        fs::write(&path, format!("{head}{events}")).expect("it can be written");
+        path
+    };
+    let one = write("one", "1.0 1 181 Rx d 0\n5.0 2 181 Rx d 0\n");
+    let other = write("other", "2.0 1 181 Rx d 0\n3.0 2 181 Rx d 0\n");
+    let (first, second) = (vec![one.clone(), other.clone()], vec![other, one]);
+    for (interfaces, right, wrong) in [
+        (Interfaces::All, &first, &second),
+        (Interfaces::Only("1".to_owned()), &first, &second),
+        (Interfaces::Only("2".to_owned()), &second, &first),
+        (Interfaces::Only("channel2".to_owned()), &second, &first),
+    ] {
+        let options = Options { interfaces: interfaces.clone(), ..Options::default() };
+        let (frames, _) = drain(Recording::open(right, options.clone()).expect("in order"));
+        assert_eq!(frames.len(), if interfaces == Interfaces::All { 4 } else { 2 });
+        let refused = Recording::open(wrong, options).err();
+        assert!(matches!(refused, Some(SourceError::Order { .. })), "{interfaces:?}");
+        assert_eq!(&in_order(wrong, &interfaces), right);
     }
 }
 

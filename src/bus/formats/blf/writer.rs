@@ -122,8 +122,8 @@ impl BlfEncoder {
         // The client, and the version of the object.
         objects.extend([0; 4]);
         objects.extend(since.to_le_bytes());
+        // Every body is of a multiple of four bytes, so that nothing stands between two objects.
         objects.extend(body);
-        objects.resize(objects.len() + length % 4, 0);
         self.count = self.count.saturating_add(1);
     }
 
