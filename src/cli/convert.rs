@@ -184,6 +184,7 @@ impl Conversion {
             let Some(name) = newest.interface(recording.statistics()) else {
                 return Err(too_many(recording.statistics()));
             };
+            // Whether all interfaces are wanted or one, no frame has to be held back.
             match selection.judge(name.as_bytes()) {
                 Ok(Selected::Wanted) => self.add(name, &frame),
                 _ => self.others += 1,

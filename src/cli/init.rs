@@ -51,8 +51,8 @@ pub struct Init {
     /// The machine's name [default: that of the DBC file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
-    /// Reads this interface of the recordings, and writes it into the configuration [default: that of the
-    /// recordings, or can0]
+    /// Reads this interface of the recordings, by its name or number, and writes its name into the configuration
+    /// [default: that of the recordings, or can0]
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Reads so many minutes from the first frame on
@@ -82,7 +82,7 @@ impl Init {
         if asks && claimed.is_some() {
             asking::ask(&mut proposal, &mut std::io::stdin().lock())?;
         }
-        let interface = self.interface.or(read.interface);
+        let interface = read.interface.or(self.interface);
         let place = self.output.as_deref().unwrap_or(Path::new("-"));
         let stem = self.dbc.file_stem().map(|stem| stem.to_string_lossy().into_owned());
         let heading = Heading {

@@ -84,8 +84,8 @@ pub struct Inject {
     /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Puts faults only into frames of this interface [default: the configuration's if the
-    /// recording has it, else the only one]; the others are passed on
+    /// Puts faults only into frames of this interface, by its name or number [default: the
+    /// configuration's if the recording has it, else the only one]; the others are passed on
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
 }

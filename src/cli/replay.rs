@@ -62,8 +62,8 @@ pub struct Replay {
     /// they give together
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Takes only the frames of this interface [default: the configuration's if the recording has
-    /// it, else the only one]
+    /// Takes only the frames of this interface, by its name or, where a format has none, its number
+    /// [default: the configuration's if the recording has it, else the only one]
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Time zone of the text and the page, by its name in the IANA database

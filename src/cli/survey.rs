@@ -33,8 +33,8 @@ pub struct Field {
     /// Leaves out everything after: seconds since the first frame, or a part, like 75%
     #[arg(long, value_name = "TIME")]
     pub to: Option<Place>,
-    /// Takes only the frames of this interface [default: the configuration's if the recording has
-    /// it, else the only one]
+    /// Takes only the frames of this interface, by its name or, where a format has none, its number
+    /// [default: the configuration's if the recording has it, else the only one]
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     pub interface: Option<String>,
     /// The meaning of the time stamps of a console recording

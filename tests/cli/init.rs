@@ -223,3 +223,21 @@ fn a_file_is_written_once_and_leads_to_a_sound_configuration() {
     assert!(text.contains("`tertius commission` learns this machine's"), "{text}");
     tertius(&["replay", &log, "--config", &output], b"").ok();
 }
+
+/// A configuration with a number as the interface would fit no recording.
+#[test]
+fn a_channel_that_is_chosen_by_number_is_written_by_its_name() {
+    let scratch = Scratch::new();
+    let log = simulated(&scratch, "machine.log", &["--duration", "60", "--seed", "4"]);
+    let other = "(1700000000.000000) can9 7FF#00\n";
+    let both = scratch.write("both.log", format!("{other}{}", scratch.read("machine.log")));
+    let (blf, output) = (scratch.path("both.blf"), scratch.path("machine.toml"));
+    tertius(&["convert", &both, &blf], b"").ok();
+    init(&[DBC, &blf, "--yes", "--output", &output, "--channel", "2"]).ok();
+    let by_number = fs::read_to_string(&output).expect("it was written");
+    assert_eq!(settings(&by_number).bus.interface, "channel2");
+    // Of the two channels it is the one that is read from then on.
+    tertius(&["replay", &blf, "--config", &output], b"").ok();
+    init(&[DBC, &log, "--yes", "--output", &output, "--channel", "can0", "--force"]).ok();
+    assert_eq!(settings(&scratch.read("machine.toml")).bus.interface, "can0");
+}

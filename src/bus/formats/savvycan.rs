@@ -1,6 +1,6 @@
 //! Tables of SavvyCAN and of GVRET devices: CSV with the columns `Time Stamp,ID,Extended,Dir,Bus,LEN,D1,…`.
 //!
-//! The first line names the columns; before 2018 there was no `Dir`. Times are whole microseconds, since 1970 or since
+//! The first line names the columns; older tables have no `Dir`. Times are whole microseconds, since 1970 or since
 //! the device started: which of both, the table does not tell, but only the former are so large. It does not tell
 //! remote frames and error frames from data frames either. Columns behind the payload are of no interest.
 

@@ -1,6 +1,6 @@
 //! Reads recordings twice for a proposal.
 
-use crate::bus::{Options, Recording, Source};
+use crate::bus::{Interfaces, Options, Recording, Source};
 use crate::cli::progress::Bar;
 use crate::dbc::Database;
 use crate::failure::Failure;
@@ -88,6 +88,11 @@ fn pass<P: AsRef<Path>>(
         }
     }
     bar.finish();
-    let [interface] = recording.statistics().interfaces.as_slice() else { return Ok(None) };
-    Ok((!interface.name.is_empty()).then(|| interface.name.clone()))
+    let interface = match (&options.interfaces, recording.statistics().interfaces.as_slice()) {
+        // By its name in full, which a number is not.
+        (asked @ Interfaces::Only(_), all) => all.iter().find(|it| asked.mean(it.name.as_bytes())),
+        (_, [only]) => Some(only),
+        _ => None,
+    };
+    Ok(interface.map(|it| it.name.clone()).filter(|name| !name.is_empty()))
 }
