@@ -74,9 +74,10 @@ impl Convert {
         let inputs = Inputs::new(self.logs.iter().map(PathBuf::as_path));
         let wanted = (Some(self.output.as_path()), Mark::None);
         let [claimed] = inputs.claim([wanted], self.overwriting)?;
-        let name = match self.output.as_os_str() == "-" {
-            true => "standard output".to_owned(),
-            false => self.output.display().to_string(),
+        let name = if self.output.as_os_str() == "-" {
+            "standard output".to_owned()
+        } else {
+            self.output.display().to_string()
         };
         let mut out = Out { claimed, packing, name, open: None };
         let interfaces = self.interface.clone().map_or(Interfaces::All, Interfaces::Only);

@@ -165,23 +165,21 @@ fn direction(cell: &[u8]) -> Result<(), Reason> {
 
 fn identifier(digits: &[u8], extended: &[u8]) -> Result<Id, Reason> {
     let is = |word: &[u8]| extended.eq_ignore_ascii_case(word);
-    let extended = match () {
-        () if is(b"true") || is(b"1") => true,
-        () if is(b"false") || is(b"0") => false,
-        () => {
-            let expected = "true or false for an extended identifier";
-            return Err(Reason::Expected { found: Found::first(extended), expected });
-        }
-    };
+    let is_extended = is(b"true") || is(b"1");
+    if !is_extended && !is(b"false") && !is(b"0") {
+        let expected = "true or false for an extended identifier";
+        return Err(Reason::Expected { found: Found::first(extended), expected });
+    }
     let digits = behind(digits, b"0x").unwrap_or(digits);
     if digits.is_empty() || digits.len() > 8 {
         let expected = "an identifier of up to 8 hexadecimal digits";
         return Err(Reason::Expected { found: Found::first(digits), expected });
     }
     let value = hex::number(digits).map_err(|byte| Reason::IdentifierDigit(Found(Some(byte))))?;
-    match extended {
-        true => Id::extended(value).ok_or(Reason::ExtendedRange(value)),
-        false => Id::standard(value).ok_or(Reason::StandardRange(value)),
+    if is_extended {
+        Id::extended(value).ok_or(Reason::ExtendedRange(value))
+    } else {
+        Id::standard(value).ok_or(Reason::StandardRange(value))
     }
 }
 
