@@ -53,6 +53,9 @@ struct EvidenceFields {
     location_evidence: Option<f64>,
     onset: Digits,
     size: Option<f64>,
+    /// In the unit of its kind, see [`crate::alarm::Evidence::size`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    process_size: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     shape: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -190,6 +193,7 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
                 location_evidence: evidence.location,
                 onset: digits(evidence.onset.since(first)),
                 size: finding.residual,
+                process_size: evidence.size,
                 shape: evidence.gain.map(|_| "scale"),
                 gain_percent: evidence.gain.map(|gain| 100.0 * gain),
             }),

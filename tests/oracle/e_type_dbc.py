@@ -80,6 +80,7 @@ LAYOUT = {
             "Suspect": plain(33, 2),
             "Level": plain(35, 3),
             "Raised": plain(38, 1),
+            "FaultTable": plain(39, 1),
             "Residual": (40, 16, SIGNED, Fraction(1, 100000), 0, "m"),
             "Threshold": (56, 8, UNSIGNED, Fraction(5, 100000), 0, "m"),
         },
@@ -104,7 +105,7 @@ CHOICES = {
     ("Fd_Status", "Level"): LEVELS,
     ("Fd_Status", "Mode"): ["starting", "monitoring", "gated", "degraded", "stopping"],
     ("Fd_Warning", "Detector"): [
-        None, "fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod",
+        None, "fde1", "fde2", "fde3", "plausibility", "sequential", "hexapod", "process",
     ],
     ("Fd_Warning", "Fault"): [
         "unclassified", "abrupt", "noise", "incipient", "out_of_range", "broken_wire", "frozen",
@@ -113,6 +114,7 @@ CHOICES = {
     ("Fd_Warning", "Suspect"): ["undecided", "c1", "c2", "process"],
     ("Fd_Warning", "Level"): LEVELS,
     ("Fd_Warning", "Raised"): ["cleared", "raised"],
+    ("Fd_Warning", "FaultTable"): ["first", "second"],
     ("Fd_Estimate", "Valid"): ["invalid", "valid"],
 }
 

@@ -13,7 +13,7 @@ pub fn sections(result: &ProcessResult) -> [Section; 2] {
         "after (median, 95 %)",
         "called right",
         "size",
-        "transducer named",
+        "transducer named, at last",
     ];
     let mut sheet = Sheet::new(&header.map(str::to_owned));
     for figures in &result.faults {
@@ -26,7 +26,7 @@ pub fn sections(result: &ProcessResult) -> [Section; 2] {
             delay.map_or_else(none, |[median, late]| format!("{median:.2} s, {late:.2} s")),
             kind.as_ref().map_or_else(none, percent),
             size.map_or_else(none, |[of, off]| format!("{:.0} % ± {:.0} %", 1e2 * of, 1e2 * off)),
-            percent(blamed),
+            blamed.each_ref().map(percent).join(", "),
         ]);
     }
     let faults = sheet.about(

@@ -284,6 +284,44 @@ mod tests {
     use super::*;
     use crate::estimate::Source;
 
+    /// What a reader makes of a warning who knows nothing of the second table, and the table.
+    fn told(fault: Fault, suspect: Suspect) -> [u64; 3] {
+        let (residual, threshold, evidence, device) = (None, None, None, None);
+        let level = crate::alarm::Level::Yellow;
+        let finding = Finding { fault, suspect, level, residual, threshold, evidence, device };
+        let [low, high, ..] = warning_bytes(3, Detector::Process, &finding, true);
+        let bits = u64::from(low) | u64::from(high) << 8;
+        [bits >> 6 & 7, bits >> 9 & 3, bits >> 15]
+    }
+
+    #[test]
+    fn faults_of_the_process_are_of_the_second_table_and_accuse_no_transducer() {
+        let old = [
+            Fault::Unclassified,
+            Fault::Abrupt,
+            Fault::Noise,
+            Fault::Incipient,
+            Fault::OutOfRange,
+            Fault::BrokenWire,
+            Fault::Frozen,
+            Fault::Stale,
+        ];
+        for (code, fault) in (0..).zip(old) {
+            assert_eq!(told(fault, Suspect::C1), [code, 1, 0], "{fault:?}");
+        }
+        for (fault, code) in [
+            (Fault::ValveSticking, 2),
+            (Fault::ValveOffset, 3),
+            (Fault::Supply, 4),
+            (Fault::PressureSensor, 6),
+            (Fault::Command, 7),
+        ] {
+            assert_eq!(told(fault, Suspect::Process), [code, 3, 1], "{fault:?}");
+        }
+        let of_no_table = |fault: &Fault| fault_code(*fault).0 == 0;
+        assert_eq!(Fault::ALL.iter().filter(|it| of_no_table(it)).count(), old.len());
+    }
+
     /// Fields valid, position and σ of the frame for an estimate.
     fn sent(position: f64, sigma: f64, valid: bool) -> [u64; 3] {
         let estimate = Estimate { position, sigma, source: Source::Both, valid };

@@ -4,6 +4,7 @@ mod agreement;
 mod allowing;
 mod blanks;
 mod design;
+mod detectors;
 mod devices;
 mod estimating;
 mod findings;
@@ -15,7 +16,6 @@ mod telling;
 
 use super::gate::Opening;
 use super::implausible::{Checked, Implausible};
-use crate::compare::Comparator;
 use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
 use crate::incident::Quantities;
@@ -25,7 +25,7 @@ use crate::sample::device::DeviceWord;
 use crate::sample::motion::ReadingMotion;
 use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
 use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
-use crate::sequential::{Dwell, DwellHistory, Judgement, Sequential};
+use crate::sequential::{DwellHistory, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Bank, Thresholds, Trigger};
 use agreement::Agreement;
@@ -148,41 +148,10 @@ impl Cylinder {
         &self.tally
     }
 
-    /// Reading on the stop in the newest cycle, returned once.
-    pub fn take_dwell(&mut self) -> Option<Dwell> {
-        self.sequential.as_mut()?.take_dwell()
-    }
-
-    /// Takes the judgement of this cylinder from the dwells of the machine up to `at`.
-    pub fn judge_stop(&mut self, at: Timestamp, judgement: &Judgement) {
-        if let Some(sequential) = &mut self.sequential {
-            sequential.judge_stop(at, judgement);
-            self.is_busy |= self.finds_anything();
-        }
-    }
-
     /// Whether there may be anything to tell of the newest cycle: a finding, or an incident that is open.
     #[inline]
     pub const fn is_busy(&self) -> bool {
         self.is_busy
-    }
-
-    /// Cylinder number and sequential detector, if it has one.
-    pub fn sequential(&self) -> Option<(u8, &Sequential)> {
-        Some((self.design.number, self.sequential.as_deref()?))
-    }
-
-    /// Process detector, if the cylinder has one.
-    pub fn process(&self) -> Option<&Process> {
-        self.process.as_deref()
-    }
-
-    /// Restores the dwells of an earlier monitor, if the cylinder has a detector that reads them.
-    pub fn restore(&mut self, dwells: &DwellHistory) {
-        if let Some(sequential) = &mut self.sequential {
-            let Comparator { gain, offset } = self.design.comparator;
-            sequential.restore(dwells.clone(), [gain, offset]);
-        }
     }
 
     /// Stores a decoded value in its place; returns `false` if it is not a finite number there.

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 /// A piece of a [`Curve`], and the part of it that lies before a command, 0 to 1.
-pub type Place = (usize, f64);
+pub type PiecePart = (usize, f64);
 
 /// Values at knots, linear between them. Knot i of n + 1 stands at ± w² times the limit, with w = 2 i/n − 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Curve {
 }
 
 /// Where `command`, m/s, lies among `pieces` whose outermost knots stand at ± `limit`.
-pub fn place(limit: f64, pieces: usize, command: f64) -> Place {
+pub fn place(limit: f64, pieces: usize, command: f64) -> PiecePart {
     let count = pieces as f64;
     let command = command.clamp(-limit, limit);
     let warped = libm::sqrt(command.abs() / limit);

@@ -1,10 +1,10 @@
 //! The process detector of one cylinder.
 
 use super::chambers::ChambersDesign;
-use super::evidence::{Evidence, Weighing};
+use super::evidence::{EvidenceWindows, Weighing};
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
-use super::trace::{Form, Trace};
+use super::trace::{SpoolForm, Trace};
 use crate::sequential::statistic::Peak;
 use crate::state::{choice, state, whole};
 use crate::time::{self, Span, Timestamp};
@@ -34,7 +34,7 @@ pub struct ProcessAlarm {
     pub malfunction: Malfunction,
     /// Its size, in the unit of the malfunction, where it is known.
     pub size: Option<f64>,
-    /// Evidence at most so far, nats.
+    /// EvidenceWindows at most so far, nats.
     pub nats: f64,
     /// Begin of the window in which it was found.
     pub onset: Timestamp,
@@ -85,8 +85,8 @@ pub struct Process {
     weighings: [Option<Weighing>; 2],
     counts: Counts,
     spool: Option<Spool>,
-    of_spool: Evidence,
-    of_chambers: Evidence,
+    of_spool: EvidenceWindows,
+    of_chambers: EvidenceWindows,
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
@@ -129,8 +129,8 @@ impl Process {
                 company: cycles(by.company),
             },
             spool: design.spool.clone().map(|it| Spool::new(it, sample_time)),
-            of_spool: Evidence::default(),
-            of_chambers: Evidence::default(),
+            of_spool: EvidenceWindows::default(),
+            of_chambers: EvidenceWindows::default(),
             trace: Trace::default(),
             open: 0,
             alarms: [None; 2],
@@ -270,11 +270,11 @@ impl Process {
     }
 }
 
-fn named(form: Form) -> (Malfunction, Option<f64>) {
+fn named(form: SpoolForm) -> (Malfunction, Option<f64>) {
     match form {
-        Form::Offset(by) => (Malfunction::Offset, Some(by)),
-        Form::Late(cycles) => (Malfunction::Late, Some(cycles as f64)),
-        Form::Sticking(band) => (Malfunction::Sticking, Some(band)),
-        Form::Gain(_) | Form::Elsewhere(_) => (Malfunction::OtherCommand, None),
+        SpoolForm::Offset(by) => (Malfunction::Offset, Some(by)),
+        SpoolForm::Late(cycles) => (Malfunction::Late, Some(cycles as f64)),
+        SpoolForm::Sticking(band) => (Malfunction::Sticking, Some(band)),
+        SpoolForm::Gain(_) | SpoolForm::Elsewhere(_) => (Malfunction::OtherCommand, None),
     }
 }

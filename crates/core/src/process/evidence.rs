@@ -52,14 +52,14 @@ impl Weighing {
 
 /// The newest residuals of one relation.
 #[derive(Clone, Debug, Default)]
-pub struct Evidence {
+pub struct EvidenceWindows {
     /// y/s², 1/s² and (y/s)², y being a residual as far as it is evidence; and the whole residual.
     sums: Sums<WIDEST>,
 }
 
-state! { Evidence { sums } }
+state! { EvidenceWindows { sums } }
 
-impl Evidence {
+impl EvidenceWindows {
     pub const fn clear(&mut self) {
         self.sums.clear();
     }
@@ -102,7 +102,7 @@ mod tests {
     const ONE: [[f64; WIDTHS.len()]; 2] = [[1.0; WIDTHS.len()]; 2];
 
     fn peaks(by: &Weighing, residuals: impl Iterator<Item = f64>) -> [Peak; 2] {
-        let mut evidence = Evidence::default();
+        let mut evidence = EvidenceWindows::default();
         residuals.for_each(|residual| evidence.push(residual, 0.5));
         evidence.peaks(by)
     }

@@ -22,6 +22,6 @@ mod trace;
 pub use chambers::ChambersDesign;
 pub use curve::Curve;
 pub use detector::{Malfunction, Process, ProcessAlarm, ProcessDesign, ProcessInput};
-pub use evidence::{Evidence, Weighing};
+pub use evidence::{EvidenceWindows, Weighing};
 pub use parameters::ProcessParameters;
 pub use spool::{Spool, SpoolDesign};

@@ -27,7 +27,7 @@ const NOISE: f64 = 2.17;
 
 /// What is wrong with a spool or its command, with its size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum SpoolForm {
     /// It stands beside where it should by so much.
     Offset(f64),
     /// It goes where it should so many cycles later.
@@ -83,7 +83,12 @@ impl Trace {
 
     /// The form of what the newest `cycles` show of the spool of `design`; `None` while it has not moved enough in
     /// both directions to tell.
-    pub fn form(&self, cycles: usize, of: &SpoolDesign, by: &ProcessParameters) -> Option<Form> {
+    pub fn form(
+        &self,
+        cycles: usize,
+        of: &SpoolDesign,
+        by: &ProcessParameters,
+    ) -> Option<SpoolForm> {
         let largest = of.largest;
         // A delay needs the positions before.
         let cycles = cycles.min(self.held().saturating_sub(MOST_LATE));
@@ -93,7 +98,7 @@ impl Trace {
         let [mean, square] = self.moments(cycles, 0);
         let variance = square - mean * mean;
         if variance < by.left * square {
-            return Some(Form::Offset(mean));
+            return Some(SpoolForm::Offset(mean));
         }
         let delayed = |late: usize| {
             let [mean, square] = self.moments(cycles, late);
@@ -103,17 +108,17 @@ impl Trace {
         // A spool that sticks lags, too, but with no delay does it stand where it should.
         let most = (by.left * variance).min(ALIKE * ALIKE * self.healthy(cycles, of));
         if let Some((_, late)) = best.filter(|(rest, _)| *rest < most) {
-            return Some(Form::Late(late));
+            return Some(SpoolForm::Late(late));
         }
         let gain = self.gain(cycles);
         if self.without_gain(cycles, gain) < by.left * square {
-            return Some(Form::Gain(gain));
+            return Some(SpoolForm::Gain(gain));
         }
         let band = self.band(cycles, of);
         Some(if band > NO_STICKING * largest {
-            Form::Elsewhere(band)
+            SpoolForm::Elsewhere(band)
         } else {
-            Form::Sticking(band)
+            SpoolForm::Sticking(band)
         })
     }
 
@@ -207,7 +212,7 @@ mod tests {
     }
 
     /// What 500 cycles show of a spool that swings by 20 in 2 s and stands where `at` says, of where it should.
-    fn seen(mut at: impl FnMut(usize, &dyn Fn(usize) -> f64) -> f64) -> Option<Form> {
+    fn seen(mut at: impl FnMut(usize, &dyn Fn(usize) -> f64) -> f64) -> Option<SpoolForm> {
         let expected = |k: usize| 20.0 * (k as f64 * 0.063).sin() + 1.0;
         let mut trace = Trace::default();
         for k in 100..600 {
@@ -227,13 +232,13 @@ mod tests {
     #[test]
     fn each_form_is_told_from_the_others() {
         let near = |one: f64, other: f64| (one - other).abs() < 0.03 * other.abs();
-        assert!(matches!(seen(|k, x| x(k) + 0.4), Some(Form::Offset(by)) if near(by, 0.4)));
-        assert_eq!(seen(|k, x| x(k - 1)), Some(Form::Late(1)));
-        assert_eq!(seen(|k, x| x(k - 7)), Some(Form::Late(7)));
-        assert!(matches!(seen(|k, x| 1.1 * x(k)), Some(Form::Gain(by)) if near(by, 0.1)));
-        assert!(matches!(seen(|k, x| -x(k)), Some(Form::Gain(by)) if near(by, -2.0)));
+        assert!(matches!(seen(|k, x| x(k) + 0.4), Some(SpoolForm::Offset(by)) if near(by, 0.4)));
+        assert_eq!(seen(|k, x| x(k - 1)), Some(SpoolForm::Late(1)));
+        assert_eq!(seen(|k, x| x(k - 7)), Some(SpoolForm::Late(7)));
+        assert!(matches!(seen(|k, x| 1.1 * x(k)), Some(SpoolForm::Gain(by)) if near(by, 0.1)));
+        assert!(matches!(seen(|k, x| -x(k)), Some(SpoolForm::Gain(by)) if near(by, -2.0)));
         let elsewhere = seen(|k, _| 15.0 * ((k * k) as f64 * 0.001).sin());
-        assert!(matches!(elsewhere, Some(Form::Elsewhere(_))), "{elsewhere:?}");
+        assert!(matches!(elsewhere, Some(SpoolForm::Elsewhere(_))), "{elsewhere:?}");
     }
 
     /// The spool goes half of the way to where it wants to be in each cycle, and wants nothing new within its band.
@@ -250,7 +255,7 @@ mod tests {
                 position = 0.5 * (position + wanted);
                 position
             });
-            let Some(Form::Sticking(found)) = found else { panic!("{band}: {found:?}") };
+            let Some(SpoolForm::Sticking(found)) = found else { panic!("{band}: {found:?}") };
             assert!((found - band).abs() < 0.15 * band, "{band}: {found}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::ProcessRefusal;
 use tertius_core::process::evidence::WIDEST;
-use tertius_core::process::{Evidence, Weighing};
+use tertius_core::process::{EvidenceWindows, Weighing};
 use tertius_core::sequential::windows::{VALUES, WIDTHS};
 
 /// A sample of what a relation leaves, with what its standard deviation grows by.
@@ -81,7 +81,7 @@ pub(super) fn measure(
     let parts = parts(left);
     let dependence = dependence(left, parts);
     let weighing = Weighing::new(dead_band, dependence, sample_time);
-    let mut evidence = Evidence::default();
+    let mut evidence = EvidenceWindows::default();
     let (mut worst, mut at) = (0.0, 0.0);
     for one in left {
         if !one.follows {
@@ -139,7 +139,7 @@ fn typical(mut squares: Vec<f64>) -> f64 {
     f64::max(at(5) / MEDIAN, at(9) / NINTH)
 }
 
-/// The sums of [`Evidence`] over windows of `width` next to each other.
+/// The sums of [`EvidenceWindows`] over windows of `width` next to each other.
 fn windows(left: &[Left], parts: [f64; 2], width: usize) -> Vec<[f64; VALUES]> {
     let (mut all, mut sums, mut held) = (Vec::new(), [0.0; VALUES], 0);
     for one in left {

@@ -30,8 +30,8 @@ pub struct ProcessFigures {
     pub kind: Option<Proportion>,
     /// Median of the sizes as told over the true ones, and the 95th percentile of how far they are from 1.
     pub size: Option<[f64; 2]>,
-    /// Faults of which a warning named a transducer.
-    pub blamed: Proportion,
+    /// Faults of which a warning named a transducer, and of which one still did when it was said last.
+    pub blamed: [Proportion; 2],
 }
 
 /// Healthy hours on one machine.
@@ -115,7 +115,7 @@ impl ProcessFigures {
             size: percentile(ratios, 0.5)
                 .zip(percentile(off, 0.5))
                 .map(|(of, off)| [of[0], off[1]]),
-            blamed: Proportion::counting(outcomes, |it| it.blamed),
+            blamed: [0, 1].map(|at| Proportion::counting(outcomes, |it| it.blamed[at])),
         }
     }
 }

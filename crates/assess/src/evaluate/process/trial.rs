@@ -7,6 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use tertius_config::design;
 use tertius_config::settings::{Cylinder, Settings};
+use tertius_core::alarm::detector::PLACES;
 use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::monitor::{Monitor, MonitorDesign, Sink};
 use tertius_core::process::ProcessParameters;
@@ -35,8 +36,8 @@ pub struct ProcessOutcome {
     pub kind: Option<Kind>,
     /// Its size as told, over the true one; of the faults that have one.
     pub size: Option<f64>,
-    /// Whether any warning named a transducer.
-    pub blamed: bool,
+    /// Whether any warning named a transducer, and whether one still does when it is said last.
+    pub blamed: [bool; 2],
     /// Whether the process detector had warned before.
     pub spoilt: bool,
 }
@@ -108,14 +109,17 @@ impl Stand<'_> {
         case: &ProcessCase,
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<ProcessOutcome>, StandError> {
-        let seed = rng.random();
+        let seed: u64 = rng.random();
         let begin = ProcessParameters::DEFAULT.opening + LEAD;
         let drawn: [(f64, f64); CYLINDERS] = std::array::from_fn(|_| {
             let at = begin + SPREAD * rng.random::<f64>();
             (at, if rng.random::<bool>() { 1.0 } else { -1.0 })
         });
-        let faults: Vec<Fault> =
-            (1_u8..).zip(&drawn).map(|(n, drawn)| fault(case, n, *drawn)).collect();
+        // Pressures that are off everywhere are the supply's.
+        let every =
+            |n: &u8| case.expected != Some(Kind::PressureSensor) || seed % 2 == u64::from(*n) % 2;
+        let chosen = || (1_u8..).zip(&drawn).filter(|(n, _)| every(n));
+        let faults: Vec<Fault> = chosen().map(|(n, drawn)| fault(case, n, *drawn)).collect();
         let of_machine = matches!(case.wanted, Wanted::Machine(_));
         let placed = |fault: &Fault| Ok(place(fault, self.settings, self.database)?);
         let (ailments, faults) = if of_machine {
@@ -129,7 +133,7 @@ impl Stand<'_> {
         let mut simulator = self.with_lag(machine.grade, machine.lag, None, &options)?;
         let warnings = self.watched(&mut simulator, index, begin + SPREAD + case.watch);
         let outcome = |(n, drawn): (u8, &(f64, f64))| outcome(case, &warnings, n, *drawn);
-        Ok((1_u8..).zip(&drawn).map(outcome).collect())
+        Ok(chosen().map(outcome).collect())
     }
 
     /// Plays a healthy machine with another load and friction.
@@ -191,6 +195,8 @@ fn outcome(
     let found = process().find(|it| after(it, onset));
     let last = process().rfind(|it| after(it, onset));
     let named = |it: &Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
+    let said = || own().filter(|it| after(it, onset) && it.state != State::Cleared);
+    let at_last = |place: usize| said().rfind(|it| it.place == place).is_some_and(named);
     let told = last.and_then(|it| it.finding.evidence?.size);
     let signed = matches!(case.expected, Some(Kind::ValveOffset | Kind::PressureSensor));
     let truth = case.size.map(|size| if signed { sign * size } else { size });
@@ -198,7 +204,7 @@ fn outcome(
         delay: found.map(|it| it.timestamp.since(onset).as_seconds()),
         kind: last.map(|it| it.finding.fault),
         size: told.zip(truth).map(|(told, truth)| told / truth),
-        blamed: own().any(|it| after(&it, onset) && named(it)),
+        blamed: [said().any(named), (0..PLACES).any(at_last)],
         spoilt: process().any(|it| !after(&it, onset)),
     }
 }

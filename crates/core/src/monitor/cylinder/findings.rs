@@ -46,9 +46,13 @@ impl Cylinder {
         findings
     }
 
-    /// The observer's detection, without the blame if the readings agree.
-    const fn agreed(&self, i: usize, detection: Detection) -> Detection {
-        if self.agreement.is_process(i) {
+    /// The observer's detection, without the blame if the readings agree, or if spool and pressures explain it: the
+    /// cylinder does not do what its command says, and nothing sets C1 and C2 apart.
+    fn agreed(&self, i: usize, detection: Detection) -> Detection {
+        let is_apart = self.bank.verdicts()[2] == Verdict::Faulty
+            || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
+        let is_explained = self.process.as_ref().is_some_and(|it| it.alarm().is_some());
+        if self.agreement.is_process(i) || is_explained && !is_apart {
             return Detection { suspect: Suspect::Process, ..detection };
         }
         detection

@@ -2,7 +2,7 @@
 
 use super::agreement::Agreement;
 use super::precedence::{DETECTORS, Standing};
-use super::{Cylinder, Evaluation};
+use super::{Cylinder, Evaluation, Implausible};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
 use crate::process::ProcessInput;
@@ -89,7 +89,9 @@ impl Cylinder {
             chambers: [self.inputs.pressures()[0], self.inputs.pressures()[1]],
             supply: self.inputs.supply_value(),
             monitored: now.gate == Opening::Open,
-            held: difference || sequential.is_some_and(|it| doubted(it.suspect)),
+            held: difference
+                || sequential.is_some_and(|it| doubted(it.suspect))
+                || self.implausible[..2].iter().any(Implausible::raised),
             at: now.opened,
         });
     }
