@@ -76,8 +76,8 @@ impl EvidenceWindows {
     /// The windows of mean and of spread with the most evidence.
     pub fn peaks(&self, by: &Weighing) -> [Peak; 2] {
         let mut peaks = [Peak::default(); 2];
-        for index in by.widths[0]..by.widths[1] {
-            let width = WIDTHS[index];
+        let [first, end] = by.widths;
+        for (index, width) in WIDTHS.into_iter().enumerate().take(end).skip(first) {
             let Some(sums) = self.sums.over(width) else { break };
             for (peak, nats) in peaks.iter_mut().zip(by.nats(index, sums)) {
                 if nats > peak.nats {
