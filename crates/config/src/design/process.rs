@@ -48,6 +48,7 @@ impl Connector<'_> {
 }
 
 fn spool(fitted: &SpoolTable) -> SpoolDesign {
+    let [least, _] = ProcessParameters::DEFAULT.least_deviations;
     let SpoolTable { retained, limit, deviation, timing, largest, .. } = *fitted;
     SpoolDesign {
         retained,
@@ -55,7 +56,8 @@ fn spool(fitted: &SpoolTable) -> SpoolDesign {
         curve: Curve::new(limit, fitted.curve.clone()),
         before: Curve::new(limit, fitted.before.clone()),
         taught: fitted.samples.iter().map(|samples| *samples >= LEAST_SAMPLES).collect(),
-        deviation,
+        noise: deviation,
+        deviation: deviation.max(least * largest),
         timing,
         largest,
         dependence: [fitted.mean_dependence, fitted.square_dependence],
@@ -63,9 +65,10 @@ fn spool(fitted: &SpoolTable) -> SpoolDesign {
 }
 
 fn chambers(fitted: &ChambersTable) -> ChambersDesign {
+    let [_, least] = ProcessParameters::DEFAULT.least_deviations;
     ChambersDesign {
         coefficients: fitted.coefficients,
-        deviation: fitted.deviation,
+        deviation: fitted.deviation.max(least),
         dependence: [fitted.mean_dependence, fitted.square_dependence],
     }
 }

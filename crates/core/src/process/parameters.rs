@@ -19,6 +19,11 @@ pub struct ProcessParameters {
     pub spool_band: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
     pub chambers_band: f64,
+    /// Least standard deviations that a calibration is believed, of the spool as a part of its largest position, and
+    /// of the chambers' sum, bar: below it is not noise that sets the limit, but the relation's own form.
+    pub least_deviations: [f64; 2],
+    /// Evidence in the recording that teaches, as a part of the level, from which a relation is refused.
+    pub doubtful: f64,
     /// Factor of the variance that is no fault.
     pub spread_band: f64,
     /// Time over which a fault is looked at before its kind is decided, s, and until it is decided anew, s.
@@ -43,8 +48,10 @@ impl ProcessParameters {
         settling: 0.5,
         windows: [0.08, 10.24],
         farthest: 6.0,
-        spool_band: 2e-3,
+        spool_band: 3e-3,
         chambers_band: 1.0,
+        least_deviations: [1.2e-3, 0.15],
+        doubtful: 0.6,
         spread_band: 2.0,
         looks: [0.5, 10.0],
         left: 0.35,

@@ -24,7 +24,9 @@ pub struct SpoolDesign {
     pub before: Curve,
     /// Whether commands in each piece of g were taught.
     pub taught: Vec<bool>,
-    /// Standard deviation of x − x̂ at rest, and what it grows by with a movement within a cycle.
+    /// Standard deviation of x − x̂ at rest, as it was measured.
+    pub noise: f64,
+    /// What is taken for it, and what it grows by with a movement within a cycle.
     pub deviation: f64,
     pub timing: f64,
     /// Largest position that was taught.

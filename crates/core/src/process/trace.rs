@@ -185,7 +185,7 @@ impl Trace {
         let sizes = &mut sizes[..count.max(1)];
         let place = (BAND * sizes.len() as f64) as usize;
         let (_, band, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
-        let noise = NOISE * of.deviation * libm::sqrt(1.0 + kept * kept) / moved;
+        let noise = NOISE * of.noise * libm::sqrt(1.0 + kept * kept) / moved;
         // They are spread evenly over the band.
         libm::sqrt((*band * *band - noise * noise).max(0.0)) / BAND
     }
@@ -204,6 +204,7 @@ mod tests {
             curve: Curve::new(1.0, alloc::vec![-20.0, 0.0, 20.0]),
             before: Curve::new(1.0, alloc::vec![0.0; 3]),
             taught: alloc::vec![true; 2],
+            noise: 0.05,
             deviation: 0.05,
             timing: 0.0,
             largest: 40.0,

@@ -29,9 +29,10 @@ pub(super) fn learn(
         Some(Left { t: row.t, residual, way: 0.0, follows: row.follows })
     };
     let left: Vec<Left> = known.iter().filter_map(left).collect();
-    let band = ProcessParameters::DEFAULT.chambers_band;
+    let by = &ProcessParameters::DEFAULT;
+    let (least, band) = (by.least_deviations[1], by.chambers_band);
     let Scatter { parts: [deviation, _], dependence: [mean_dependence, square_dependence] } =
-        scatter::measure(&left, band, sample_time, level)?;
+        scatter::measure(&left, least, band, sample_time, level)?;
     Ok(ChambersTable { coefficients, deviation, mean_dependence, square_dependence })
 }
 

@@ -1,6 +1,7 @@
 //! The scatter of what a relation leaves, and how much its samples depend on each other.
 
 use super::ProcessRefusal;
+use tertius_core::process::ProcessParameters;
 use tertius_core::process::evidence::WIDEST;
 use tertius_core::process::{EvidenceWindows, Weighing};
 use tertius_core::sequential::windows::{VALUES, WIDTHS};
@@ -71,14 +72,17 @@ pub(super) struct Scatter {
     pub dependence: [[f64; WIDTHS.len()]; 2],
 }
 
-/// Measures the scatter of `left`, and tries the detector on it with this dead band and level, nats.
+/// Measures the scatter of `left`, and tries the detector on it, which takes it for at least `least`, with this dead
+/// band and level, nats.
 pub(super) fn measure(
     left: &[Left],
+    least: f64,
     dead_band: f64,
     sample_time: f64,
     level: f64,
 ) -> Result<Scatter, ProcessRefusal> {
-    let parts = parts(left);
+    let measured = parts(left);
+    let parts = [measured[0].max(least), measured[1]];
     let dependence = dependence(left, parts);
     let weighing = Weighing::new(dead_band, dependence, sample_time);
     let mut evidence = EvidenceWindows::default();
@@ -93,10 +97,10 @@ pub(super) fn measure(
             (worst, at) = (nats, one.t);
         }
     }
-    if worst >= level {
+    if worst >= ProcessParameters::DEFAULT.doubtful * level {
         return Err(ProcessRefusal::Contradicted { at, nats: worst });
     }
-    Ok(Scatter { parts, dependence })
+    Ok(Scatter { parts: measured, dependence })
 }
 
 fn deviation([rest, timing]: [f64; 2], one: &Left) -> f64 {

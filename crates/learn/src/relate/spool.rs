@@ -39,9 +39,11 @@ pub(super) fn learn(
     let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
     let design = fit(rows, limit).ok_or(ProcessRefusal::Undetermined)?;
     let left = run(rows, &design, sample_time);
-    let dead_band = ProcessParameters::DEFAULT.spool_band * design.largest;
+    let by = &ProcessParameters::DEFAULT;
+    let [least, dead_band] =
+        [by.least_deviations[0], by.spool_band].map(|part| part * design.largest);
     let Scatter { parts: [deviation, timing], dependence: [mean_dependence, square_dependence] } =
-        scatter::measure(&left, dead_band, sample_time, level)?;
+        scatter::measure(&left, least, dead_band, sample_time, level)?;
     Ok(SpoolTable {
         retained: design.retained,
         limit,
@@ -108,6 +110,7 @@ fn fit(rows: &[ProcessRow], limit: f64) -> Option<SpoolDesign> {
         curve: Curve::new(limit, values(1, PIECES + 1)),
         before: Curve::new(limit, values(2 + PIECES, PIECES_BEFORE + 1)),
         taught: vec![true; PIECES],
+        noise: 1.0,
         deviation: 1.0,
         timing: 0.0,
         largest,
