@@ -253,7 +253,7 @@ fn estimates_that_do_not_fit_their_message() {
     let config =
         estimating(&scratch, "[-2.0, 2.0]", "BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 8");
     let words = [
-        "line 176 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
+        "line 177 of the DBC: Fd_Estimate.Position reaches from -1.4999 m to 1.5000 m",
         "`machine.stroke` is [-2.0, 2.0]",
         "or send no estimates",
     ];
@@ -271,26 +271,26 @@ fn estimates_that_do_not_fit_their_message() {
     let fine = " SG_ Sigma : 48|16@1+ (0.000001,0) [0|0.065535]";
     let finer = " SG_ Sigma : 48|16@1+ (0.00000005,0) [0|0]";
     let config = estimating(&scratch, "[-1.5, 1.5]", fine, finer);
-    let words = ["line 177 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
+    let words = ["line 178 of the DBC: Fd_Estimate.Sigma reaches to 0.003277 m", "is 0.005"];
     check(&config).failed(2, &words);
 
     for (from, to, words) in [
         (
             "32|16@1+ (0.0001",
             "32|15@1+ (0.0001",
-            "line 176 of the DBC: Fd_Estimate.Position is not",
+            "line 177 of the DBC: Fd_Estimate.Position is not",
         ),
         (
             "32|16@1+ (0.0001",
             "32|16@1- (0.0001",
-            "line 176 of the DBC: Fd_Estimate.Position is not",
+            "line 177 of the DBC: Fd_Estimate.Position is not",
         ),
         (
             "32|16@1+ (0.0001",
             "39|16@0+ (0.0001",
-            "line 176 of the DBC: Fd_Estimate.Position is not",
+            "line 177 of the DBC: Fd_Estimate.Position is not",
         ),
-        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 177 of the DBC: Fd_Estimate.Sigma is not"),
+        ("Sigma : 48|16@1+", "Sigma : 49|15@1+", "line 178 of the DBC: Fd_Estimate.Sigma is not"),
         ("BO_ 977 Fd_Estimate: 8", "BO_ 977 Fd_Estimate: 9", "has 9 bytes, expected 8"),
     ] {
         let config = estimating(&scratch, "[-1.5, 1.5]", from, to);
