@@ -3,6 +3,7 @@
 use super::coverage;
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, TriedBand};
+use crate::config::settings::CylinderProcess;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::provenance::four_digits;
@@ -12,7 +13,7 @@ use std::fmt::Write as _;
 pub fn page(result: &Calibration) -> String {
     let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, parts(result));
     let coverage = coverage::section(result);
-    for section in [lines(result), bands(result), sequential(result), coverage] {
+    for section in [lines(result), bands(result), sequential(result), process(result), coverage] {
         let section = section.text();
         if !section.is_empty() {
             text += &section;
@@ -99,6 +100,27 @@ pub fn sequential(result: &Calibration) -> Section {
         "for the sequential detectors: stroke covered, C1 − C2 beyond hat functions and velocity \
          (where it was tried), the deviation from the command's prediction in a cycle, and the \
          level",
+    )
+}
+
+/// Basis of the process detectors.
+pub fn process(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["cylinder", "spool", "largest", "chambers"]);
+    let none = || "none".to_owned();
+    for cylinder in &result.cylinders {
+        let learnt = cylinder.process.as_ref().and_then(|it| it.table(cylinder.sample_time));
+        let Some(CylinderProcess { spool, chambers, .. }) = learnt else { continue };
+        let of_spool = spool.as_ref().map(|it| [it.deviation, it.largest]);
+        table.add_row([
+            cylinder.number.to_string(),
+            of_spool.map_or_else(none, |[deviation, _]| format!("{deviation:.3}")),
+            of_spool.map_or_else(none, |[_, largest]| format!("{largest:.1}")),
+            chambers.map_or_else(none, |it| format!("{:.2} bar", it.deviation)),
+        ]);
+    }
+    table.about(
+        "for the process detectors: the deviation of the spool beside what its command says and its largest position, \
+         in the signal's unit, and that of the sum of the chambers' pressures",
     )
 }
 

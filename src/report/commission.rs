@@ -70,13 +70,25 @@ pub fn tables(result: &Commissioned) -> Section {
         let (low, high) = (tuning.thresholds.low, tuning.thresholds.high);
         add("δ_l, δ_h of R1 and R2", format!("{}, {}", length(low), length(high)), of);
     }
-    let cylinders = taught.calibration.iter().flat_map(|it| &it.cylinders);
-    let taught = cylinders.filter(|it| it.sequential.is_some());
-    let levels: Vec<f64> = taught.filter_map(|it| it.level).collect();
+    let cylinders = || taught.calibration.iter().flat_map(|it| &it.cylinders);
+    let sequential = cylinders().filter(|it| it.sequential.is_some());
+    let levels: Vec<f64> = sequential.filter_map(|it| it.level).collect();
     let seen: Vec<f64> = result.coverage.iter().map(|it| it.seen).collect();
     if let (Some([low, high]), Some([least, most])) = (ends(&levels), ends(&seen)) {
         let of = format!("{} % of the strokes known", range(100.0 * least, 100.0 * most, 0));
         add("levels, sequential", format!("{} nats", range(low, high, 1)), of);
+    }
+    let process = cylinders().filter_map(|it| it.process.as_ref()?.table(it.sample_time));
+    let (spools, chambers): (Vec<_>, Vec<_>) =
+        process.map(|it| (it.spool.is_some(), it.chambers.is_some())).unzip();
+    for (name, learnt) in
+        [("process, by the spool", spools), ("process, by the pressures", chambers)]
+    {
+        let count = learnt.iter().filter(|is_learnt| **is_learnt).count();
+        if count > 0 {
+            let of = "they do not use the readings of C1 and C2".to_owned();
+            add(name, super::wording::counted(count as u64, "cylinder"), of);
+        }
     }
     table.about("what was learnt")
 }
@@ -99,7 +111,8 @@ pub fn trial(result: &Commissioned) -> Section {
     let mut table = Sheet::new(&header);
     let Some(trial) = &result.trial else { return table.about("") };
     for detector in DETECTORS {
-        let count = trial.false_alarms.iter().filter(|it| it.detector == detector).count() as u64;
+        let all = trial.false_alarms.iter().chain(&trial.of_process);
+        let count = all.filter(|it| it.detector == detector).count() as u64;
         let most = poisson_upper(count, CONFIDENCE) / (trial.held / 3600.0);
         let judged = if detector == Detector::Sequential { known(trial) } else { "–".to_owned() };
         table.add_row([name(detector), count.to_string(), format!("{most:.0}"), judged]);

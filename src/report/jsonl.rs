@@ -8,6 +8,7 @@ use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
+use crate::process::ProcessCoverage;
 use crate::sample::device::DeviceNews;
 use crate::sequential::{Coverage, Unknown};
 use crate::time::{Span, Timestamp};
@@ -148,6 +149,31 @@ struct CylinderLine {
     warnings: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     sequential: Option<CoverageFields>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    process: Option<ProcessCoverageFields>,
+}
+
+/// Time in which a process detector could judge, and in which it did; a relation that it does not know is absent.
+#[derive(Serialize)]
+struct ProcessCoverageFields {
+    monitored_seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spool_seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chambers_seconds: Option<f64>,
+}
+
+impl ProcessCoverageFields {
+    fn new(coverage: &ProcessCoverage, sample_time: f64) -> Self {
+        let seconds = |cycles: u64| in_seconds(cycles, sample_time);
+        let [spool_seconds, chambers_seconds] = coverage.judged.map(|it| it.map(seconds));
+        Self { monitored_seconds: seconds(coverage.monitored), spool_seconds, chambers_seconds }
+    }
+}
+
+/// What is said is worth a millisecond.
+fn in_seconds(cycles: u64, sample_time: f64) -> f64 {
+    (cycles as f64 * sample_time * 1e3).round() / 1e3
 }
 
 /// Time in which a sequential detector judged, and why not otherwise.
@@ -159,8 +185,7 @@ struct CoverageFields {
 
 impl CoverageFields {
     fn new(coverage: &Coverage, sample_time: f64) -> Self {
-        // What is said is worth a millisecond.
-        let seconds = |cycles: u64| (cycles as f64 * sample_time * 1e3).round() / 1e3;
+        let seconds = |cycles: u64| in_seconds(cycles, sample_time);
         let unknown = Unknown::ALL.map(Unknown::name).into_iter();
         Self {
             judged_seconds: seconds(coverage.judged),
@@ -304,6 +329,9 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
                 sequential: tally
                     .sequential
                     .map(|coverage| CoverageFields::new(&coverage, summary.sample_time)),
+                process: tally
+                    .process
+                    .map(|coverage| ProcessCoverageFields::new(&coverage, summary.sample_time)),
             })
             .collect(),
         trends: summary.stops.lines(),

@@ -37,6 +37,7 @@ pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
     let mut lines = vec![incidents(summary.incidents, summary.duration, zone)];
     lines.push(format!("The observers judged {} of the time.", judged(summary)));
     lines.extend(sequential(summary));
+    lines.extend(process(summary));
     lines.extend(summary.blanks.told(summary.tallies.len(), zone));
     lines
 }
@@ -97,6 +98,22 @@ fn sequential(summary: &Summary<'_>) -> Option<String> {
         text += &format!("; {}", reasons.join(", "));
     }
     Some(text + ".")
+}
+
+/// How much of the monitored time the process detectors judged; `None` without one.
+fn process(summary: &Summary<'_>) -> Option<String> {
+    let coverages: Vec<_> = summary.tallies.iter().filter_map(|tally| tally.process).collect();
+    let parts = ["the spools", "the chambers' pressures"].into_iter().enumerate();
+    let told = parts.filter_map(|(which, name)| {
+        let own = coverages.iter().filter_map(|it| Some([it.judged[which]?, it.monitored]));
+        let [judged, monitored] =
+            own.reduce(|[a, b], [judged, monitored]| [a + judged, b + monitored])?;
+        Some(format!("{name} {:.1} %", 1e2 * judged as f64 / monitored as f64))
+    });
+    let told: Vec<String> = told.collect();
+    (!told.is_empty()).then(|| {
+        format!("Of the monitored time, the process detectors judged {}.", told.join(" and "))
+    })
 }
 
 impl Blanks {

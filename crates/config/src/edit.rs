@@ -31,6 +31,19 @@ pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError>
     Ok(document.to_string())
 }
 
+/// The configuration `text` without the table `key` of cylinder `n`.
+///
+/// # Errors `text` is not TOML.
+pub fn without(text: &str, n: u8, key: &str) -> Result<String, TomlError> {
+    let mut document: DocumentMut = text.parse()?;
+    let cylinders = document.get_mut("cylinder").and_then(Item::as_array_of_tables_mut);
+    let of_n = |cylinder: &&mut Table| number(cylinder) == Some(i64::from(n));
+    for cylinder in cylinders.into_iter().flat_map(ArrayOfTables::iter_mut).filter(of_n) {
+        cylinder.remove(key);
+    }
+    Ok(document.to_string())
+}
+
 fn put_table(table: &mut Table, learnt: &Table) {
     for (key, item) in learnt {
         put_item(table, key, item);
@@ -91,10 +104,8 @@ fn put_cylinders(root: &mut Table, learnt: &ArrayOfTables) {
         match place.and_then(|place| cylinders.get_mut(place)) {
             Some(old) => {
                 if new.contains_key("sequential") || new.contains_key("c2_gain") {
-                    // Its keys belong together, and are of one a and b of (5-20).
+                    // Their keys belong together, and are of one calibration with a and b of (5-20).
                     old.remove("sequential");
-                }
-                if new.contains_key("process") {
                     old.remove("process");
                 }
                 put_table(old, new);
@@ -250,6 +261,16 @@ nodes = [7.0]
         let newer = TABLES.replace("a.log", "b.log").replace("9.9.9", "10.0.0");
         let twice = put(&once, &newer, &[]).expect("both are TOML");
         assert_eq!(twice, expected.replace("a.log", "b.log").replace("9.9.9", "10.0.0"));
+    }
+
+    #[test]
+    fn tables_that_a_new_calibration_does_not_give_are_removed() {
+        let process = "[cylinder.process]\nsample_time = 0.02\n\n[cylinder.process.spool]\na = 1\n";
+        let old = CONFIGURATION.replace("# The end.", &format!("{process}\n# The end."));
+        let text = put(&old, TABLES, &[]).expect("both are TOML");
+        assert_eq!(text, put(CONFIGURATION, TABLES, &[]).expect("both are TOML"));
+        assert_eq!(without(&old, 2, "process").expect("it is TOML"), CONFIGURATION);
+        assert_eq!(without(&old, 1, "process").expect("it is TOML"), old);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod canopen;
 mod cylinder;
 mod device;
 mod estimate;
+mod fitted;
 mod gateway;
 mod judging;
 mod levels;

@@ -60,7 +60,25 @@ fn judged(machine: &Machine, n: u8) -> String {
         "  FDE3      C1 − ({} C2 {:+} m)\n",
         cylinder.comparator.gain, cylinder.comparator.offset
     );
+    if let Some(process) = process(machine, n) {
+        text += &format!("  process   {process}\n");
+    }
     text + &format!("  estimate  {}\n", estimate(settings, n))
+}
+
+/// What the process detector judges by; `None` where the machine reads neither spools nor pressures.
+fn process(machine: &Machine, n: u8) -> Option<String> {
+    let own = &machine.loaded.settings.signals.cylinder;
+    let design = machine.design.cylinders[usize::from(n) - 1].process.as_ref();
+    let is_read = own.spool.is_some() || own.pressure_bottom.is_some();
+    let Some(design) = design else {
+        let absent = "not judged, as `tertius commission` or `calibrate` has not taught it";
+        return is_read.then(|| absent.to_owned());
+    };
+    let parts =
+        [("spool", design.spool.is_some()), ("chambers' pressures", design.chambers.is_some())];
+    let parts: Vec<&str> = parts.into_iter().filter(|it| it.1).map(|it| it.0).collect();
+    Some(format!("{}; level {:.1} nats", parts.join(" and "), design.level))
 }
 
 fn estimate(settings: &Settings, n: u8) -> String {

@@ -87,7 +87,7 @@ impl Task<'_> {
         mut tell: impl FnMut(Step),
     ) -> Result<Commissioned, F::Error> {
         let lesson = |blocks| Lesson { task: self, frames, blocks };
-        let taught = lesson(None).teach(self.cuts, |stage| tell(Step::Learn(stage)))?;
+        let mut taught = lesson(None).teach(self.cuts, |stage| tell(Step::Learn(stage)))?;
         let cuts = &taught.cuts().with(self.cuts);
         let mut rehearsed = None;
         if taught.is_whole() {
@@ -103,6 +103,7 @@ impl Task<'_> {
             }
             _ => None,
         };
+        trial.iter().for_each(|trial| taught.without_process(&trial.of_process));
         let coverage = coverage::of(&taught);
         let verdict = Verdict::of(&taught, rehearsed.map(|(it, _)| it).as_ref(), trial.as_ref());
         Ok(Commissioned {

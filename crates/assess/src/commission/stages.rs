@@ -2,13 +2,14 @@
 
 use super::Task;
 use super::holding::{Blocks, Without};
+use super::trial::FalseAlarm;
 use std::fmt;
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::Settings;
 use tertius_config::{self as config, edit};
 use tertius_core::monitor::MonitorDesign;
 use tertius_learn::calibrate;
-use tertius_learn::calibrate::{Calibration, Cuts};
+use tertius_learn::calibrate::{Calibration, Cuts, CylinderCalibration};
 use tertius_learn::identify;
 use tertius_learn::identify::Outcome;
 use tertius_learn::identify::course::Options;
@@ -76,6 +77,27 @@ impl Taught {
         cylinders.sort_unstable();
         cylinders.dedup();
         cylinders
+    }
+
+    /// Leaves out the process detectors that warn in the trial, which may be wrong with a valve that is not like itself
+    /// for long; the transducers are watched all the same.
+    pub(super) fn without_process(&mut self, alarms: &[FalseAlarm]) {
+        for FalseAlarm { t, cylinder, .. } in alarms {
+            let of_n =
+                |it: &&mut CylinderCalibration| it.number == *cylinder && it.process.is_some();
+            let taught = self.calibration.iter_mut().flat_map(|it| &mut it.cylinders).find(of_n);
+            let (Some(taught), Ok(text)) =
+                (taught, edit::without(&self.text, *cylinder, "process"))
+            else {
+                continue;
+            };
+            self.text = text;
+            taught.process = None;
+            taught.remarks.push(format!(
+                "no process detector: the one of the trial, which does not know that block, warns {t:.1} s after the \
+                 first frame; is there a fault in the recording?"
+            ));
+        }
     }
 
     fn refuse(&mut self, by: Stage, refusals: Vec<(u8, String)>) {

@@ -64,6 +64,8 @@ pub struct Trial {
     /// Time that was held back, s.
     pub held: f64,
     pub false_alarms: Vec<FalseAlarm>,
+    /// Those of the process detectors, which are left out instead.
+    pub of_process: Vec<FalseAlarm>,
     /// For each cylinder with a sequential detector, the part of the time held back in which it
     /// judged.
     pub known: Vec<(u8, f64)>,
@@ -257,9 +259,12 @@ impl Trying<'_> {
         let unplaced = self.waiting.iter().map(|(planned, _)| (planned.kind, None));
         let entries: Vec<_> = self.entries.iter().cloned().chain(ended).chain(unplaced).collect();
         let part = |[judged, all]: [u64; 2]| judged as f64 / all.max(1) as f64;
+        let (of_process, false_alarms) =
+            self.false_alarms().into_iter().partition(|it| it.detector == Detector::Process);
         Trial {
             held: self.course.blocks.spans().iter().map(|[from, to]| to - from).sum(),
-            false_alarms: self.false_alarms(),
+            false_alarms,
+            of_process,
             known: self.known.iter().map(|(number, known)| (*number, part(*known))).collect(),
             kinds: faults::KINDS.map(|kind| result(kind, &entries)).to_vec(),
         }

@@ -224,7 +224,13 @@ mod tests {
             undecided: 0,
             wrong: 0,
         };
-        Trial { held: 300.0, false_alarms: Vec::new(), known: Vec::new(), kinds: vec![one] }
+        Trial {
+            held: 300.0,
+            false_alarms: Vec::new(),
+            of_process: Vec::new(),
+            known: Vec::new(),
+            kinds: vec![one],
+        }
     }
 
     #[test]

@@ -1,20 +1,10 @@
 //! `[process]`, and the tables that `tertius calibrate` has fitted for the process detector of one cylinder.
 
+use super::fitted::{FITTED, dependence, fitted};
 use crate::kinds::number;
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use tertius_core::process::chambers::TERMS;
 use tertius_core::sequential::windows::WIDTHS;
-
-const FITTED: &str = "`tertius calibrate` writes it";
-
-const fn fitted(least: usize, most: usize) -> Kind {
-    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
-}
-
-const fn dependence() -> Kind {
-    let one = Limits::least(1.0, "how many samples carry as much information as one");
-    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
-}
 
 table! {
     /// Settings of the process detectors of all cylinders that are calibrated for one.

@@ -1,6 +1,7 @@
 //! `[sequential]`, and the tables that `tertius calibrate` has fitted for the detector of one
 //! cylinder.
 
+use super::fitted::{FITTED, dependence, fitted};
 use crate::kinds::{number, numbers, text};
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use crate::text::TextRule;
@@ -8,17 +9,6 @@ use tertius_core::sequential::drive::FEATURES;
 use tertius_core::sequential::whitening::ORDER;
 use tertius_core::sequential::wild::Outliers;
 use tertius_core::sequential::windows::WIDTHS;
-
-const FITTED: &str = "`tertius calibrate` writes it";
-
-const fn fitted(least: usize, most: usize) -> Kind {
-    Kind::List { least, most, of: Scalar::Number(Limits::finite(FITTED)) }
-}
-
-const fn dependence() -> Kind {
-    let one = Limits::least(1.0, "how many samples carry as much information as one");
-    Kind::List { least: WIDTHS.len(), most: WIDTHS.len(), of: Scalar::Number(one) }
-}
 
 table! {
     /// Settings of the sequential detectors of all cylinders that are calibrated for one.

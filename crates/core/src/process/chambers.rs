@@ -26,10 +26,30 @@ pub fn terms([bottom, rod]: [f64; 2], supply: f64, spool: f64) -> [f64; TERMS] {
 }
 
 impl ChambersDesign {
-    /// The sum less what it should be, bar.
-    pub fn residual(&self, chambers: [f64; 2], supply: f64, spool: f64) -> f64 {
+    /// The sum less what it should be, bar; `None` where it depends on a spool that was not read.
+    pub fn residual(&self, chambers: [f64; 2], supply: f64, spool: Option<f64>) -> Option<f64> {
+        let [.., by_spool] = self.coefficients;
+        let spool = if by_spool == 0.0 { 0.0 } else { spool? };
         let terms = terms(chambers, supply, spool);
         let expected: f64 = terms.iter().zip(self.coefficients).map(|(term, of)| term * of).sum();
-        chambers[0] + chambers[1] - expected
+        Some(chambers[0] + chambers[1] - expected)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spool_that_is_needed_and_not_read_leaves_nothing_to_say() {
+        let of = |by_spool| ChambersDesign {
+            coefficients: [1.0, 1.0, 0.5, by_spool],
+            deviation: 0.5,
+            dependence: [[1.0; WIDTHS.len()]; 2],
+        };
+        let read = |by_spool, spool| of(by_spool).residual([110.0, 90.0], 190.0, spool);
+        assert_eq!(read(0.1, Some(20.0)), Some(-3.0));
+        assert_eq!(read(0.1, None), None);
+        assert_eq!([read(0.0, None), read(0.0, Some(20.0))], [Some(-1.0); 2]);
     }
 }

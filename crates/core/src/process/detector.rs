@@ -34,7 +34,7 @@ pub struct ProcessAlarm {
     pub malfunction: Malfunction,
     /// Its size, in the unit of the malfunction, where it is known.
     pub size: Option<f64>,
-    /// EvidenceWindows at most so far, nats.
+    /// The most evidence so far, nats.
     pub nats: f64,
     /// Begin of the window in which it was found.
     pub onset: Timestamp,
@@ -82,7 +82,7 @@ pub struct ProcessInput {
 #[derive(Clone, Debug)]
 pub struct Process {
     design: ProcessDesign,
-    weighings: [Option<Weighing>; 2],
+    weighings: [Option<Weighing>; RELATIONS],
     counts: Counts,
     spool: Option<Spool>,
     of_spool: EvidenceWindows,
@@ -90,14 +90,15 @@ pub struct Process {
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
-    /// Of the spool, and of the chambers.
-    alarms: [Option<ProcessAlarm>; 2],
+    /// Whether the newest cycle was judged.
+    judged: [bool; RELATIONS],
+    alarms: [Option<ProcessAlarm>; RELATIONS],
 }
 
 state! {
     Process { of_spool, of_chambers, trace, open, alarms }
     parts { spool }
-    but { design, weighings, counts }
+    but { design, weighings, counts, judged }
 }
 
 /// Times of [`ProcessParameters`] in cycles.
@@ -110,6 +111,9 @@ struct Counts {
 
 const SPOOL: usize = 0;
 const CHAMBERS: usize = 1;
+
+/// Number of relations: spool and chambers.
+pub const RELATIONS: usize = 2;
 
 impl Process {
     pub fn new(design: ProcessDesign) -> Self {
@@ -133,7 +137,8 @@ impl Process {
             of_chambers: EvidenceWindows::default(),
             trace: Trace::default(),
             open: 0,
-            alarms: [None; 2],
+            judged: [false; RELATIONS],
+            alarms: [None; RELATIONS],
             design,
         }
     }
@@ -141,6 +146,9 @@ impl Process {
     /// Forgets the evidence, after a time in which nobody knows what happened; alarms stand.
     pub fn interrupt(&mut self) {
         self.forget();
+        if let Some(spool) = &mut self.spool {
+            spool.reset();
+        }
         self.open = 0;
     }
 
@@ -148,9 +156,6 @@ impl Process {
         self.of_spool.clear();
         self.of_chambers.clear();
         self.trace.clear();
-        if let Some(spool) = &mut self.spool {
-            spool.reset();
-        }
     }
 
     /// The alarm that counts: pressures that do not add up explain a spool that is off, and not the other way round.
@@ -171,15 +176,19 @@ impl Process {
         self.design.chambers.is_some()
     }
 
+    /// Whether each relation judged the newest cycle; `None` for one that it does not know.
+    pub fn judged(&self) -> [Option<bool>; RELATIONS] {
+        core::array::from_fn(|which| self.weighings[which].as_ref().map(|_| self.judged[which]))
+    }
+
     /// Takes a cycle.
     pub fn step(&mut self, input: &ProcessInput) {
+        self.judged = [false; RELATIONS];
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.
         let stand = self.spool.as_mut().and_then(|it| it.step(input.command, input.spool));
         if self.open < self.counts.opening || input.held {
-            self.of_spool.clear();
-            self.of_chambers.clear();
-            self.trace.clear();
+            self.forget();
             return;
         }
         match stand {
@@ -193,9 +202,13 @@ impl Process {
             None => self.trace.clear(),
         }
         let chambers = input.chambers[0].zip(input.chambers[1]).zip(input.supply);
-        if let (Some(design), Some(((bottom, rod), supply))) = (&self.design.chambers, chambers) {
-            let spool = input.spool.unwrap_or(0.0);
-            self.of_chambers.push(design.residual([bottom, rod], supply, spool), design.deviation);
+        let residual = self.design.chambers.as_ref().zip(chambers).and_then(|(design, read)| {
+            let ((bottom, rod), supply) = read;
+            let residual = design.residual([bottom, rod], supply, input.spool)?;
+            Some((residual, design.deviation))
+        });
+        if let Some((residual, deviation)) = residual {
+            self.of_chambers.push(residual, deviation);
             self.weigh(CHAMBERS, input.at);
         }
     }
@@ -203,6 +216,7 @@ impl Process {
     /// Raises, follows or ends the alarm of a relation.
     fn weigh(&mut self, which: usize, at: Timestamp) {
         let Some(weighing) = &self.weighings[which] else { return };
+        self.judged[which] = true;
         let evidence = [&self.of_spool, &self.of_chambers][which];
         let [mean, spread] = evidence.peaks(weighing);
         let peak = if spread.nats > mean.nats { spread } else { mean };

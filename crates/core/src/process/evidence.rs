@@ -2,13 +2,16 @@
 
 use super::parameters::ProcessParameters;
 use crate::sequential::statistic::Peak;
-use crate::sequential::windows::{Sums, WIDTHS};
+use crate::sequential::windows::{Sums, VALUES, WIDTHS};
 use crate::state::state;
 
 const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 
 /// Samples of the widest window.
 pub const WIDEST: usize = 1024;
+
+/// No residual is larger than so many standard deviations: beside one that is, others would lose their digits.
+const ABSURD: f64 = 1e6;
 
 /// By what evidence is weighed.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,7 +35,7 @@ impl Weighing {
     /// Nats of the sums over the window of `index`: of the mean beyond the dead band, (|Σ y/s²| − ε Σ 1/s²)²
     /// over 2 κ Σ 1/s², and of the variance, n/2κ (ρ − 1 − ln ρ), ρ being the mean (y/s)² over the band.
     fn nats(&self, index: usize, [sum, weight, square, _]: [f64; 4]) -> [f64; 2] {
-        let [of_mean, of_spread] = self.dependence;
+        let [of_mean, of_spread] = &self.dependence;
         let beyond = sum.abs() - self.dead_band * weight;
         let mean = if beyond > 0.0 && weight > 0.0 {
             beyond * beyond / (2.0 * of_mean[index] * weight)
@@ -64,13 +67,23 @@ impl EvidenceWindows {
         self.sums.clear();
     }
 
-    /// Takes a residual with its standard deviation.
+    /// Takes a residual with its standard deviation; nothing that is not finite, which no sum would ever forget.
     pub fn push(&mut self, residual: f64, deviation: f64) {
         let weight = 1.0 / (deviation * deviation);
-        let most = P.farthest * deviation;
-        let evident = residual.clamp(-most, most);
+        if !(residual.is_finite() && weight.is_finite()) {
+            return;
+        }
+        let within =
+            |deviations: f64| residual.clamp(-deviations * deviation, deviations * deviation);
+        let evident = within(P.farthest);
         let weighed = evident * weight;
-        self.sums.push([weighed, weight, evident * weighed, residual]);
+        self.sums.push([weighed, weight, evident * weighed, within(ABSURD)]);
+    }
+
+    /// The sums over the newest `width` samples: y/s², 1/s², (y/s)², each as far as it is evidence, and y; `None` if
+    /// there are not so many.
+    pub fn sums(&self, width: usize) -> Option<[f64; VALUES]> {
+        self.sums.over(width)
     }
 
     /// The windows of mean and of spread with the most evidence.
@@ -127,6 +140,27 @@ mod tests {
         assert!((one.nats / four.nats - 4.0).abs() < 1e-9);
         let spike = peaks(&of(1.0), (0..64).map(|k| if k == 60 { 1e6 } else { 0.0 }));
         assert!(spike.iter().all(|peak| peak.nats < 12.0), "{spike:?}");
+    }
+
+    /// One absurd sample: what comes after it counts as before.
+    #[test]
+    fn nothing_spoils_the_sums_for_good() {
+        let by = Weighing::new(0.0, ONE, 0.02);
+        let after = |absurd: f64, deviation: f64| {
+            let mut evidence = EvidenceWindows::default();
+            evidence.push(absurd, deviation);
+            (0..2000).for_each(|_| evidence.push(0.6, 0.5));
+            let [mean, _] = evidence.peaks(&by);
+            let right = (512.0 * 0.6_f64.powi(2) / (2.0 * 0.25), 0.6);
+            let found = (mean.nats, evidence.mean(64).unwrap_or(f64::NAN));
+            (found.0 - right.0).abs() < 1e-6 && (found.1 - right.1).abs() < 1e-6
+        };
+        for absurd in [0.6, f64::NAN, f64::INFINITY, -f64::INFINITY, f64::MAX, -1e300] {
+            assert!(after(absurd, 0.5), "{absurd}");
+        }
+        for deviation in [f64::NAN, 0.0] {
+            assert!(after(0.6, deviation), "{deviation}");
+        }
     }
 
     #[test]

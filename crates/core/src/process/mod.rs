@@ -12,6 +12,7 @@
 //! Memory is bounded, and a step allocates nothing.
 
 pub mod chambers;
+pub mod coverage;
 pub mod curve;
 pub mod detector;
 pub mod evidence;
@@ -20,6 +21,7 @@ pub mod spool;
 mod trace;
 
 pub use chambers::ChambersDesign;
+pub use coverage::ProcessCoverage;
 pub use curve::Curve;
 pub use detector::{Malfunction, Process, ProcessAlarm, ProcessDesign, ProcessInput};
 pub use evidence::{EvidenceWindows, Weighing};

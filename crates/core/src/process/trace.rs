@@ -1,6 +1,5 @@
 //! The newest positions of a spool, beside where it should have stood.
 
-use super::evidence::WIDEST;
 use super::parameters::ProcessParameters;
 use super::spool::{SpoolDesign, Stand};
 use crate::state::state;
@@ -55,8 +54,6 @@ impl Default for Trace {
         Self { stands: Box::new([[0.0; 2]; KEPT]), count: 0 }
     }
 }
-
-const _: () = assert!(KEPT <= WIDEST);
 
 impl Trace {
     pub const fn clear(&mut self) {

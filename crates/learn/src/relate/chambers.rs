@@ -9,13 +9,16 @@ use tertius_core::process::chambers::{TERMS, terms};
 use tertius_core::process::{ChambersDesign, ProcessParameters};
 use tertius_core::sequential::windows::WIDTHS;
 
-/// Learns the relation from the rows of one cylinder.
+/// Learns the relation from the rows of one cylinder; where the machine reads spools, from those with its position.
 pub(super) fn learn(
     rows: &[ProcessRow],
+    has_spool: bool,
     sample_time: f64,
     level: f64,
 ) -> Result<ChambersTable, ProcessRefusal> {
-    let known: Vec<&ProcessRow> = rows.iter().filter(|row| row.pressures.is_some()).collect();
+    let is_known =
+        |row: &&ProcessRow| row.pressures.is_some() && (row.spool.is_some() || !has_spool);
+    let known: Vec<&ProcessRow> = rows.iter().filter(is_known).collect();
     let seconds = known.len() as f64 * sample_time;
     if seconds < LEAST_TIME {
         return Err(ProcessRefusal::Short { seconds });
@@ -25,7 +28,7 @@ pub(super) fn learn(
     let design = ChambersDesign { coefficients, deviation, dependence };
     let left = |row: &&ProcessRow| {
         let ([bottom, rod, supply], spool) = values(row)?;
-        let residual = design.residual([bottom, rod], supply, spool);
+        let residual = design.residual([bottom, rod], supply, spool)?;
         Some(Left { t: row.t, residual, way: 0.0, follows: row.follows })
     };
     let left: Vec<Left> = known.iter().filter_map(left).collect();
@@ -36,9 +39,9 @@ pub(super) fn learn(
     Ok(ChambersTable { coefficients, deviation, mean_dependence, square_dependence })
 }
 
-/// P_bot, P_rod and P_S, bar, and the spool's position, 0 where there is none.
-fn values(row: &ProcessRow) -> Option<([f64; 3], f64)> {
-    Some((row.pressures?.map(f64::from), row.spool.map_or(0.0, f64::from)))
+/// P_bot, P_rod and P_S, bar, and the spool's position.
+fn values(row: &ProcessRow) -> Option<([f64; 3], Option<f64>)> {
+    Some((row.pressures?.map(f64::from), row.spool.map(f64::from)))
 }
 
 /// What keeps a coefficient of a signal that never moves at 0, as a part of the mean diagonal.
@@ -50,7 +53,8 @@ fn fit(rows: &[&ProcessRow]) -> Option<[f64; TERMS]> {
         (SMatrix::<f64, TERMS, TERMS>::zeros(), SVector::<f64, TERMS>::zeros());
     for row in rows {
         let Some(([bottom, rod, supply], spool)) = values(row) else { continue };
-        let terms = SVector::from(terms([bottom, rod], supply, spool));
+        // Without a spool its coefficient gets nothing but the ridge, and is 0.
+        let terms = SVector::from(terms([bottom, rod], supply, spool.unwrap_or(0.0)));
         normal += terms * terms.transpose();
         right += terms * (bottom + rod);
     }

@@ -25,6 +25,8 @@ pub struct LearntProcess {
     pub spool: Option<Result<SpoolTable, ProcessRefusal>>,
     /// `None` where the configuration does not name all three pressures.
     pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
+    /// Seconds that were used, where the recording has more than are kept.
+    pub used: Option<f64>,
 }
 
 /// Why a relation was not learnt.
@@ -63,9 +65,7 @@ impl LearntProcess {
         let any = spool.is_some() || chambers.is_some();
         any.then_some(CylinderProcess { sample_time, spool, chambers })
     }
-}
 
-impl LearntProcess {
     /// What was not learnt, and why.
     pub fn remarks(&self) -> Vec<String> {
         let refused = |what: &str, why: Option<&ProcessRefusal>| {
@@ -74,7 +74,11 @@ impl LearntProcess {
         let of_spool = refused("the spool", self.spool.as_ref().and_then(|it| it.as_ref().err()));
         let of_chambers =
             refused("the pressures", self.chambers.as_ref().and_then(|it| it.as_ref().err()));
-        of_spool.into_iter().chain(of_chambers).collect()
+        let used = self.used.map(|seconds| {
+            let hours = seconds / 3600.0;
+            format!("the process detectors are learnt from the first {hours:.1} h in monitored states; more are not kept")
+        });
+        of_spool.into_iter().chain(of_chambers).chain(used).collect()
     }
 }
 
@@ -91,7 +95,9 @@ impl ProcessRows {
         let learn = |n: u8| LearntProcess {
             number: n,
             spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
-            chambers: has_chambers(settings).then(|| chambers::learn(self.of(n), time, level)),
+            chambers: has_chambers(settings)
+                .then(|| chambers::learn(self.of(n), has_spool(settings), time, level)),
+            used: self.is_full(n).then(|| self.of(n).len() as f64 * time),
         };
         (1..=settings.machine.cylinders).map(learn).collect()
     }

@@ -32,6 +32,8 @@ pub struct ProcessRows {
     /// Cycles of the present stay in a monitored state.
     open: [u32; MAX_CYLINDERS],
     opening: u32,
+    /// Whether there were more rows than are kept.
+    is_full: [bool; MAX_CYLINDERS],
 }
 
 impl ProcessRows {
@@ -42,7 +44,13 @@ impl ProcessRows {
             rows: Default::default(),
             open: [0; MAX_CYLINDERS],
             opening: time::cycles(opening, settings.machine.sample_time),
+            is_full: [false; MAX_CYLINDERS],
         }
+    }
+
+    /// Whether cylinder `n` had more rows than are kept.
+    pub const fn is_full(&self, n: u8) -> bool {
+        self.is_full[n as usize - 1]
     }
 
     /// Those of cylinder `n`.
@@ -60,7 +68,11 @@ impl Surveyor for ProcessRows {
             return;
         };
         *open = open.saturating_add(1);
-        if *open < self.opening || self.rows[index].len() == MOST {
+        if *open < self.opening {
+            return;
+        }
+        if self.rows[index].len() == MOST {
+            self.is_full[index] = true;
             return;
         }
         let chambers = row.pressure_bottom.zip(row.pressure_rod).zip(row.supply);

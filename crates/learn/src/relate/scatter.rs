@@ -23,8 +23,9 @@ const GROUPS: usize = 24;
 /// Fewest windows of one width whose variance is known.
 const LEAST_WINDOWS: f64 = 24.0;
 
-/// No part of a healthy residual is beyond this many standard deviations of a group's median.
-const FARTHEST: f64 = 6.0;
+/// Median and ninth decile of a squared normal value of variance 1.
+const MEDIAN: f64 = 0.455;
+const NINTH: f64 = 2.706;
 
 /// σ and s of a scatter σ² + (s Δ)²: of groups with similar movements, by least squares of their variances.
 pub(super) fn parts(left: &[Left]) -> [f64; 2] {
@@ -57,8 +58,7 @@ fn group(samples: &[[f64; 2]]) -> [f64; 2] {
     let mut squares: Vec<f64> = samples.iter().map(|it| it[1]).collect();
     let middle = squares.len() / 2;
     let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median of a squared normal value is 0.455 of its mean.
-    let most = FARTHEST * FARTHEST * *median / 0.455;
+    let most = ProcessParameters::DEFAULT.farthest.powi(2) * *median / MEDIAN;
     let kept = squares.iter().filter(|square| **square <= most);
     let (count, sum) = kept.fold((0.0, 0.0), |(count, sum), square| (count + 1.0, sum + square));
     let way = samples.iter().map(|it| it[0]).sum::<f64>() / samples.len() as f64;
@@ -131,10 +131,6 @@ fn dependence(left: &[Left], parts: [f64; 2]) -> [[f64; WIDTHS.len()]; 2] {
     found
 }
 
-/// Median and ninth decile of a squared normal value of variance 1.
-const MEDIAN: f64 = 0.455;
-const NINTH: f64 = 2.706;
-
 /// The variance of values of which these are the squares, whatever a tenth of them are: a fault in the recording must
 /// not hide itself.
 fn typical(mut squares: Vec<f64>) -> f64 {
@@ -145,20 +141,15 @@ fn typical(mut squares: Vec<f64>) -> f64 {
 
 /// The sums of [`EvidenceWindows`] over windows of `width` next to each other.
 fn windows(left: &[Left], parts: [f64; 2], width: usize) -> Vec<[f64; VALUES]> {
-    let (mut all, mut sums, mut held) = (Vec::new(), [0.0; VALUES], 0);
+    let (mut all, mut evidence) = (Vec::new(), EvidenceWindows::default());
     for one in left {
         if !one.follows {
-            (sums, held) = ([0.0; VALUES], 0);
+            evidence.clear();
         }
-        let sigma = deviation(parts, one);
-        let weight = 1.0 / (sigma * sigma);
-        let residual = one.residual.clamp(-FARTHEST * sigma, FARTHEST * sigma);
-        let values = [residual * weight, weight, residual * residual * weight, 1.0];
-        sums = std::array::from_fn(|i| sums[i] + values[i]);
-        held += 1;
-        if held == width {
+        evidence.push(one.residual, deviation(parts, one));
+        if let Some(sums) = evidence.sums(width) {
             all.push(sums);
-            (sums, held) = ([0.0; VALUES], 0);
+            evidence.clear();
         }
     }
     all

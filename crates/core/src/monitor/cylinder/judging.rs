@@ -83,17 +83,21 @@ impl Cylinder {
         let doubted = |suspect: Suspect| suspect != Suspect::Process;
         let difference = self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
         let sequential = self.sequential.as_ref().and_then(|it| it.alarm());
+        let monitored = now.gate == Opening::Open;
         process.step(&ProcessInput {
             command: self.inputs.command_value(),
             spool: self.inputs.spool_value(),
             chambers: [self.inputs.pressures()[0], self.inputs.pressures()[1]],
             supply: self.inputs.supply_value(),
-            monitored: now.gate == Opening::Open,
+            monitored,
             held: difference
                 || sequential.is_some_and(|it| doubted(it.suspect))
                 || self.implausible[..2].iter().any(Implausible::raised),
             at: now.opened,
         });
+        if monitored {
+            self.tally.process.get_or_insert_default().count(process.judged());
+        }
     }
 
     #[inline(never)]

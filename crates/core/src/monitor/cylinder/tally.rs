@@ -1,6 +1,7 @@
 //! Counts and extremes of a cylinder.
 
 use super::Cylinder;
+use crate::process::ProcessCoverage;
 use crate::sequential::Coverage;
 use crate::state::whole;
 use crate::verdict::Residuals;
@@ -20,9 +21,11 @@ pub struct Tally {
     pub worst: [Option<f64>; 3],
     /// Coverage of the sequential detector; `None` without one.
     pub sequential: Option<Coverage>,
+    /// Coverage of the process detector; `None` without one, or before the platform was monitored.
+    pub process: Option<ProcessCoverage>,
 }
 
-whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential } }
+whole! { Tally { cycles, gated, incomplete, implausible, worst, sequential, process } }
 
 impl Cylinder {
     /// Counts anew, also what is not judged at present.
