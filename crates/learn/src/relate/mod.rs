@@ -9,6 +9,7 @@ mod rows;
 mod scatter;
 mod spool;
 
+use crate::survey::Ranking;
 pub use rows::{ProcessRow, ProcessRows};
 use std::fmt;
 use tertius_config::settings::{ChambersTable, CylinderProcess, Settings, SpoolTable};
@@ -84,8 +85,10 @@ impl ProcessRows {
         has_spool(settings) || has_chambers(settings)
     }
 
-    /// What the rows of all cylinders teach.
-    pub fn learn(&self, settings: &Settings) -> Vec<LearntProcess> {
+    /// What the rows of all cylinders teach. They are taken in the order of the recording's
+    /// `ranking`, so that the same files teach the same whichever came first.
+    pub fn learn(mut self, settings: &Settings, ranking: &Ranking) -> Vec<LearntProcess> {
+        self.rank(ranking);
         let level = settings.process_level();
         let time = settings.machine.sample_time;
         let learn = |n: u8| LearntProcess {
