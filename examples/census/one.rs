@@ -15,7 +15,7 @@ use tertius::dbc::{Database, text};
 use tertius::inject::{Fault, Placed, Shape, Wanted, Window, place};
 use tertius::monitor::MonitorDesign;
 use tertius::simulator::Tables;
-use tertius::survey::{self, Origin, Timeline};
+use tertius::survey::{self, Origin};
 use tertius::time::Span;
 
 /// Inputs that all commissionings share.
@@ -110,11 +110,11 @@ pub fn commission(world: &World, task: &Task, hours: f64, faults: usize) -> Line
     let memory = Memory::record(task, &befallen, settings, database, &placed(task, world));
     let memory = memory.expect("a machine of the draw can be simulated");
     let recorded = cpu();
-    let [first, last] = memory.ends();
+    let timeline = memory.timeline();
     let origin = Origin {
         inputs: format!("census {}", task.number),
-        timeline: Timeline::unbroken(first, last),
-        window: survey::Window { from: 0.0, to: last.since(first).as_seconds() + 1e-9 },
+        window: survey::Window { from: 0.0, to: timeline.length() + 1e-9 },
+        timeline,
         remarks: Vec::new(),
     };
     let room = commission::Task {

@@ -8,7 +8,7 @@ use tertius::dbc::Database;
 use tertius::frame::{Frame, Id, Kind};
 use tertius::inject::Placed;
 use tertius::simulator::{EPOCH, Options, Simulator, SimulatorError, Tables};
-use tertius::survey::{Frames, Window};
+use tertius::survey::{Frames, Timeline, Window};
 use tertius::time::{Span, Timestamp};
 
 /// Significant wave height, m, and peak period, s.
@@ -31,6 +31,12 @@ struct Kept {
     id: Id,
     length: u8,
     data: [u8; 8],
+}
+
+impl Kept {
+    fn frame(&self) -> Frame {
+        Frame::new(self.at, self.id, Kind::Data, &self.data[..usize::from(self.length)])
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -87,9 +93,14 @@ impl Memory {
         self.frames.push(Kept { at, id, length, data });
     }
 
-    /// Time stamps of the first and the last frame.
-    pub fn ends(&self) -> [Timestamp; 2] {
-        [self.frames.first(), self.frames.last()].map(|it| it.map_or(EPOCH, |it| it.at))
+    /// Times of the frames.
+    pub fn timeline(&self) -> Timeline {
+        let mut timeline = Timeline::default();
+        self.frames.iter().for_each(|kept| {
+            timeline.take(kept.at);
+            timeline.read(&kept.frame());
+        });
+        timeline
     }
 }
 
@@ -105,11 +116,10 @@ impl Frames for Memory {
     type Error = Infallible;
 
     fn frames(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Infallible> {
-        let [first, _] = self.ends();
+        let first = self.frames.first().map_or(EPOCH, |kept| kept.at);
         for kept in &self.frames {
             if window.holds(kept.at.since(first).as_seconds()) {
-                let data = &kept.data[..usize::from(kept.length)];
-                take(&Frame::new(kept.at, kept.id, Kind::Data, data));
+                take(&kept.frame());
             }
         }
         Ok(())

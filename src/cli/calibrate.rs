@@ -125,10 +125,11 @@ impl Calibrate {
             Some(percent) => all.split(1.0 - f64::from(percent) / 100.0),
             None => [all, all],
         };
+        let (origin, per_year) = (study.origin(), self.false_alarms_per_year);
         let course =
-            CalibrationCourse { settings, fitted, tried, per_year: self.false_alarms_per_year };
+            CalibrationCourse { settings, timeline: &origin.timeline, fitted, tried, per_year };
         let recording = Without { recording: study, blocks: None, cuts: &study.cuts };
-        Calibration::of(&course, &recording, &study.origin())
+        Calibration::of(&course, &recording, &origin)
     }
 }
 

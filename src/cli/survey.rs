@@ -105,8 +105,10 @@ impl Extent {
         self.timeline.take(at);
         self.frames += 1;
         self.before += u64::from(at < self.timeline.first());
-        let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        self.used += u64::from(data && design.subscriptions.find(frame.id).is_some());
+        if reads(design, frame) {
+            self.timeline.read(frame);
+            self.used += 1;
+        }
     }
 
     /// Remark on frames from before the first one, if there are any.
@@ -219,8 +221,7 @@ impl Surveyed {
 
     /// Whether the configuration uses this frame.
     pub fn reads(&self, frame: &Frame) -> bool {
-        let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-        data && self.design.subscriptions.find(frame.id).is_some()
+        reads(&self.design, frame)
     }
 
     /// Names of the recordings, for people.
@@ -294,6 +295,12 @@ impl survey::Recording for Surveyed {
         let (design, first) = (&self.design, self.timeline.first());
         Rows { frames: self, design, first }.read_counted(window, surveyor)
     }
+}
+
+/// Whether the configuration of `design` uses this frame.
+fn reads(design: &MonitorDesign, frame: &Frame) -> bool {
+    let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
+    data && design.subscriptions.find(frame.id).is_some()
 }
 
 /// Passes a frame to `take` with its place on a timeline.

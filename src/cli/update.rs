@@ -82,15 +82,16 @@ impl Study {
             return Ok(None);
         }
         let mut study = Self::alone(surveyed);
-        if !earlier.pieces.is_empty() {
-            study.join(&earlier.pieces, &novel)?;
+        let keeping = Keeping { file, earlier, novel };
+        if !keeping.earlier.pieces.is_empty() {
+            study.join(&keeping)?;
         }
-        study.keeping = Some(Keeping { file, earlier, novel });
+        study.keeping = Some(keeping);
         Ok(Some(study))
     }
 
-    /// Judges the recording by the present tables, and adds it to the `pieces`.
-    fn join(&mut self, pieces: &[Piece], novel: &[Part]) -> Result<(), Failure> {
+    /// Judges the recording by the present tables, and adds it to the pieces that are kept.
+    fn join(&mut self, keeping: &Keeping) -> Result<(), Failure> {
         let surveyed = &self.surveyed;
         let mut judging = Judging::new(&surveyed.machine.loaded.settings, &surveyed.design);
         surveyed.read(surveyed.window, &mut judging)?;
@@ -107,12 +108,17 @@ impl Study {
         }
         let told: String = judgement.left_out.iter().map(|line| format!("{line}\n")).collect();
         say(&told)?;
-        let of_pieces = pieces.iter().map(|piece| [piece.first(), piece.last()]);
-        let of_parts = novel.iter().map(|part| [part.first, part.last]);
-        let mut spans: Vec<_> = of_pieces.chain(of_parts).collect();
-        spans.sort();
         let mut timeline = Timeline::default();
-        spans.iter().for_each(|[first, last]| timeline.span(*first, *last));
+        keeping.merged(
+            surveyed,
+            |_| true,
+            |frame| {
+                timeline.take(frame.timestamp);
+                if surveyed.reads(frame) {
+                    timeline.read(frame);
+                }
+            },
+        )?;
         self.cuts = judgement.cuts.moved(|t| timeline.seconds(surveyed.timeline.at(t)));
         self.window = Window { from: 0.0, to: timeline.length() + 1e-9 };
         self.timeline = timeline;
@@ -179,39 +185,51 @@ impl Study {
     }
 }
 
+impl Keeping {
+    /// Passes the frames of the pieces that are `wanted` and those that are new in `surveyed` to
+    /// `take`, in the order of time and with their original time stamps.
+    fn merged(
+        &self,
+        surveyed: &Surveyed,
+        wanted: impl Fn(&Piece) -> bool,
+        mut take: impl FnMut(&Frame),
+    ) -> Result<(), Failure> {
+        let mut waiting = self.earlier.pieces.iter().peekable();
+        let mut damage = None;
+        let mut unpack = |piece: &Piece, take: &mut dyn FnMut(&Frame)| {
+            if wanted(piece) {
+                damage = damage.or(piece.unpack(take).err());
+            }
+        };
+        surveyed.recorded(surveyed.window, |frame| {
+            while let Some(piece) = waiting.next_if(|piece| piece.first() <= frame.timestamp) {
+                unpack(piece, &mut take);
+            }
+            if holds(&self.novel, frame) {
+                take(frame);
+            }
+        })?;
+        waiting.for_each(|piece| unpack(piece, &mut take));
+        damage.map_or(Ok(()), |damage: Damage| {
+            Err(Failure::Wrong(format!("{}: {damage}", self.file.path().display())))
+        })
+    }
+}
+
 impl Frames for Study {
     type Error = Failure;
 
     fn frames(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
         let joined = self.keeping.as_ref().filter(|it| !it.earlier.pieces.is_empty());
-        let Some(Keeping { file, earlier, novel }) = joined else {
+        let Some(keeping) = joined else {
             return self.surveyed.frames(window, take);
         };
-        let mut waiting = earlier.pieces.iter().peekable();
-        let mut damage = None;
         let t = |at| self.timeline.seconds(at);
-        let mut give = |frame: &Frame| {
+        let wanted = |piece: &Piece| t(piece.last()) >= window.from && t(piece.first()) < window.to;
+        keeping.merged(&self.surveyed, wanted, |frame| {
             if window.holds(t(frame.timestamp)) {
                 placed(frame, &self.timeline, &mut take);
             }
-        };
-        let wanted = |piece: &Piece| t(piece.last()) >= window.from && t(piece.first()) < window.to;
-        let mut unpack = |piece: &Piece, give: &mut dyn FnMut(&Frame)| {
-            if wanted(piece) {
-                damage = damage.or(piece.unpack(give).err());
-            }
-        };
-        self.surveyed.recorded(self.surveyed.window, |frame| {
-            while let Some(piece) = waiting.next_if(|piece| piece.first() <= frame.timestamp) {
-                unpack(piece, &mut give);
-            }
-            if holds(novel, frame) {
-                give(frame);
-            }
-        })?;
-        waiting.for_each(|piece| unpack(piece, &mut give));
-        damage.map_or(Ok(()), |damage: Damage| {
-            Err(Failure::Wrong(format!("{}: {damage}", file.path().display())))
         })
     }
 }

@@ -11,7 +11,7 @@ use tertius::inject::{Fault, Wanted, place};
 use tertius::monitor::{Monitor, MonitorDesign};
 use tertius::relate::{LearntProcess, ProcessRows};
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
-use tertius::survey::{Survey, Window};
+use tertius::survey::{Ranking, Survey, Window};
 use tertius::verdict::{Fault as Kind, Suspect};
 use tertius_testing::support::top;
 
@@ -62,7 +62,7 @@ impl Taught {
         for _ in 0..(seconds / 0.02) as u64 {
             simulator.step(&mut |frame: &Frame| monitor.take(frame, &mut survey));
         }
-        let learnt = rows.learn(&settings);
+        let learnt = rows.learn(&settings, &Ranking::default());
         for one in &learnt {
             let process = one.table(0.02);
             match settings.cylinder.iter_mut().find(|own| own.n == one.number) {

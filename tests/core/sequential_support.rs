@@ -15,7 +15,7 @@ use tertius::inject::{Fault, place};
 use tertius::monitor::{Monitor, Notice, Sink};
 use tertius::sequential::Dwell;
 use tertius::simulator::{EPOCH, Options, Simulator, Tables};
-use tertius::survey::{Survey, Surveyor, Window};
+use tertius::survey::{Survey, Surveyor, Timeline, Window};
 use tertius::verdict::Suspect;
 
 pub const SAMPLE_TIME: f64 = 0.02;
@@ -112,7 +112,13 @@ impl Setup {
     fn calibrate(&mut self) {
         let [fitted, tried] = Window { from: 0.0, to: LENGTH }.split(0.5);
         let settings = &self.settings;
-        let course = CalibrationCourse { settings, fitted, tried, per_year: 1.0 };
+        let course = CalibrationCourse {
+            settings,
+            timeline: &Timeline::default(),
+            fitted,
+            tried,
+            per_year: 1.0,
+        };
         let calibrated = course.run(self).expect("it is simulated").cylinders.into_iter();
         let tables = calibrated.map(|cylinder| cylinder.table().expect("it is healthy"));
         self.settings.cylinder = tables.collect();

@@ -10,7 +10,7 @@ use tertius::calibrate::{
 use tertius::config;
 use tertius::sample::Quality;
 use tertius::sequential::whitening::Whitening;
-use tertius::survey::{Row, Surveyor, Window};
+use tertius::survey::{Row, Surveyor, Timeline, Window};
 use tertius_testing::oracle;
 use tertius_testing::support;
 
@@ -225,6 +225,7 @@ fn a_command_that_predicts_nothing_is_no_drive() {
     let half = 300.0;
     let course = CalibrationCourse {
         settings: &settings,
+        timeline: &Timeline::default(),
         fitted: Window { from: 0.0, to: half },
         tried: Window { from: half, to: 2.0 * half },
         per_year: 1.0,
@@ -269,7 +270,13 @@ fn a_cycle_that_is_lost_every_few_seconds_costs_no_calibration() {
     let settings =
         config::load(&support::top().join("config/e-type.toml")).expect("sound").settings;
     let all = Window { from: 0.0, to: 600.0 };
-    let course = CalibrationCourse { settings: &settings, fitted: all, tried: all, per_year: 1.0 };
+    let course = CalibrationCourse {
+        settings: &settings,
+        timeline: &Timeline::default(),
+        fitted: all,
+        tried: all,
+        per_year: 1.0,
+    };
     let rows = learning_support::rows(1, 30_000);
     let fitted = |calibrated: Result<tertius::calibrate::Calibrated, Infallible>| {
         let calibrated = calibrated.unwrap_or_else(|never| match never {});

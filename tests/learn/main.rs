@@ -13,6 +13,7 @@ mod in_place;
 mod learned_configuration;
 mod learning_support;
 mod nonlinear;
+mod order;
 mod rates;
 mod report_learning;
 mod tuning;

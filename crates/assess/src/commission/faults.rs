@@ -64,6 +64,8 @@ impl fmt::Display for FaultKind {
 /// A fault that is to be tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
+    /// Number of the fault, from 0, whenever it begins.
+    pub number: usize,
     pub kind: FaultKind,
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
@@ -95,7 +97,8 @@ pub fn plan(blocks: &Blocks, cylinders: &[u8], second: bool) -> Vec<Planned> {
         for kind in KINDS {
             for cylinder in cylinders {
                 for transducer in transducers {
-                    let along = (planned.len() as f64 * GOLDEN).fract() * spans.len() as f64;
+                    let place = planned.len();
+                    let along = (place as f64 * GOLDEN).fract() * spans.len() as f64;
                     let Some([from, to]) = spans.get(along as usize) else { continue };
                     let watch = kind.watch().min(to - from);
                     let latest = to - watch;
@@ -104,7 +107,15 @@ pub fn plan(blocks: &Blocks, cylinders: &[u8], second: bool) -> Vec<Planned> {
                     let up = (number + usize::from(*cylinder)).is_multiple_of(2);
                     let sign = if up { 1.0 } else { -1.0 };
                     let (cylinder, transducer) = (*cylinder, *transducer);
-                    planned.push(Planned { kind, cylinder, transducer, sign, begin, watch });
+                    planned.push(Planned {
+                        number: place,
+                        kind,
+                        cylinder,
+                        transducer,
+                        sign,
+                        begin,
+                        watch,
+                    });
                 }
             }
         }
@@ -120,7 +131,8 @@ mod tests {
 
     #[test]
     fn faults_begin_and_end_in_what_is_held_back() {
-        let blocks = Blocks::of(survey::Window { from: 0.0, to: 900.0 });
+        let window = survey::Window { from: 0.0, to: 900.0 };
+        let blocks = Blocks::of(window, survey::Ranking::default());
         let planned = plan(&blocks, &[1, 2, 4], true);
         assert_eq!(planned.len(), 2 * KINDS.len() * 3 * EACH);
         for one in &planned {

@@ -91,14 +91,14 @@ impl Task<'_> {
         let cuts = &taught.cuts().with(self.cuts);
         let mut rehearsed = None;
         if taught.is_whole() {
-            let blocks = Blocks::of(self.origin.window);
+            let blocks = Blocks::of(self.origin.window, self.origin.timeline.ranking());
             let told = |stage| tell(Step::Rehearse(stage));
-            rehearsed = Some((lesson(Some(blocks)).teach(cuts, told)?, blocks));
+            rehearsed = Some((lesson(Some(blocks.clone())).teach(cuts, told)?, blocks));
         }
         let trial = match &rehearsed {
             Some((rehearsal, blocks)) if rehearsal.is_whole() => {
                 tell(Step::Try);
-                let (refused, blocks) = (&taught.refused_cylinders()[..], *blocks);
+                let refused = &taught.refused_cylinders()[..];
                 trial::Course { task: self, rehearsal, blocks, refused, cuts }.run(frames)?
             }
             _ => None,

@@ -189,8 +189,13 @@ impl<F: Frames> Lesson<'_, F> {
         let (settings, design) = self.machine(taught).map_err(failed)?;
         let Task { origin, per_year, version, .. } = *self.task;
         let all = origin.window;
-        let course =
-            calibrate::CalibrationCourse { settings: &settings, fitted: all, tried: all, per_year };
+        let course = calibrate::CalibrationCourse {
+            settings: &settings,
+            timeline: &origin.timeline,
+            fitted: all,
+            tried: all,
+            per_year,
+        };
         let result = Calibration::of(&course, &self.recording(&design, cuts), origin)
             .map_err(Stopped::Recording)?;
         taught.refuse(Stage::Calibrate, result.refusals());
@@ -244,7 +249,7 @@ impl<F: Frames> Lesson<'_, F> {
     ) -> impl Recording<Error = F::Error> + 'b {
         let first = self.task.origin.timeline.first();
         let recording = Rows { frames: self.frames, design, first };
-        Without { recording, blocks: self.blocks, cuts }
+        Without { recording, blocks: self.blocks.clone(), cuts }
     }
 }
 

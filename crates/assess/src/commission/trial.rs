@@ -77,7 +77,7 @@ pub struct Trial {
 pub(super) struct Course<'a> {
     pub task: &'a Task<'a>,
     pub rehearsal: &'a Taught,
-    pub blocks: Blocks,
+    pub blocks: &'a Blocks,
     /// Cylinders that commissioning from the whole recording refuses.
     pub refused: &'a [u8],
     pub cuts: &'a Cuts,
@@ -132,10 +132,10 @@ impl Course<'_> {
         let sound = |n: &u8| !refused.contains(n) && !self.refused.contains(n);
         let cylinders: Vec<u8> = (1..=settings.machine.cylinders).filter(sound).collect();
         let second = settings.signals.cylinder.c2.is_some();
-        let planned = faults::plan(&self.blocks, &cylinders, second);
-        let injectors = planned.iter().enumerate().map(|(seed, one)| {
+        let planned = faults::plan(self.blocks, &cylinders, second);
+        let injectors = planned.iter().map(|one| {
             let placed = place(&one.fault(), &settings, database).ok()?;
-            Some((*one, Injector::new(&[placed], seed as u64)))
+            Some((*one, Injector::new(&[placed], one.number as u64)))
         });
         let mut waiting: Vec<(Planned, Injector)> = injectors.flatten().collect();
         waiting.reverse();

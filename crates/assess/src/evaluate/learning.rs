@@ -9,7 +9,7 @@ use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::sequential::{self, Sequential};
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
-use tertius_learn::survey::{Survey, Surveyor, Window};
+use tertius_learn::survey::{Survey, Surveyor, Timeline, Window};
 use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{EPOCH, Options};
 
@@ -96,7 +96,13 @@ impl Stand<'_> {
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
         let per_year = settings.sequential.false_alarms_per_year;
         let sample_time = settings.machine.sample_time;
-        let course = CalibrationCourse { settings: self.settings, fitted, tried, per_year };
+        let course = CalibrationCourse {
+            settings: self.settings,
+            timeline: &Timeline::default(),
+            fitted,
+            tried,
+            per_year,
+        };
         let tables = course.run(&run)?.cylinders.into_iter().map(|cylinder| {
             let missing = || format!("cylinder {} has no profile", cylinder.number);
             let table = cylinder.table().filter(|table| table.sequential.is_some());

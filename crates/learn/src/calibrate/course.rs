@@ -7,7 +7,7 @@ use super::{
     Halves, Profile, Profiling, Scatter, Scattering, Spreading, Trying,
 };
 use crate::relate::{LearntProcess, ProcessRows};
-use crate::survey::{Recording, Window};
+use crate::survey::{Recording, Timeline, Window};
 use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
 use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
@@ -17,6 +17,8 @@ use tertius_core::sequential::wild::Outliers;
 #[derive(Clone, Copy, Debug)]
 pub struct CalibrationCourse<'a> {
     pub settings: &'a Settings,
+    /// Times of the recording's frames; the default where the recording has no pause.
+    pub timeline: &'a Timeline,
     /// Part of the recording that is fitted; where it equals `tried`, its blocks alternate
     /// ([`Division`]).
     pub fitted: Window,
@@ -78,11 +80,11 @@ impl CalibrationCourse<'_> {
         }
         let mut rows = ProcessRows::new(self.settings);
         recording.read(self.whole(), cuts.around(&mut rows))?;
-        Ok(rows.learn(self.settings))
+        Ok(rows.learn(self.settings, &self.timeline.ranking()))
     }
 
     fn division(&self) -> Division {
-        Division::new(self.fitted, self.tried)
+        Division::new(self.fitted, self.tried, self.timeline.ranking())
     }
 
     const fn outliers(&self) -> Outliers {
@@ -105,7 +107,7 @@ impl CalibrationCourse<'_> {
             let (_, halves) = taught.as_ref()?;
             Some((fit?, halves))
         });
-        let mut spreading = Spreading::new(sample_time, division, halves);
+        let mut spreading = Spreading::new(sample_time, &division, halves);
         let mut trying = Trying::new(fits(), settings.warning_cycles());
         let both = (&mut trying, &mut spreading);
         recording.read(tried, cuts.around(both))?;
@@ -113,7 +115,7 @@ impl CalibrationCourse<'_> {
             .zip(&profiles)
             .enumerate()
             .map(|(index, (fit, taught))| Some((fit?, taught.as_ref()?, spreading.result(index)?)));
-        let mut scattering = Scattering::new(sample_time, self.outliers(), division, spread);
+        let mut scattering = Scattering::new(sample_time, self.outliers(), &division, spread);
         recording.read(tried, cuts.around(&mut scattering))?;
         let judge = |(i, taught): (usize, &Option<(Profile, Halves)>)| {
             judged(taught.as_ref()?.0.clone(), scattering.result(i)?)
@@ -200,7 +202,7 @@ impl CalibrationCourse<'_> {
             let halves = taught.as_ref().map(|(_, halves)| halves);
             design.as_ref().zip(halves)
         });
-        let mut watch = Watch::crossed(crossed, self.division(), cuts, sample_time);
+        let mut watch = Watch::crossed(crossed, &self.division(), cuts, sample_time);
         recording.read(self.tried, &mut watch)?;
         Ok(watch.levels(self.per_year))
     }

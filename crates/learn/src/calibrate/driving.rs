@@ -44,7 +44,8 @@ impl Drives {
 
     pub(super) fn clear(&mut self) {
         self.commands.clear();
-        self.held = 0;
+        // Displacements are counted from here on, whatever came before.
+        (self.held, self.cycle) = (0, 0);
     }
 
     pub(super) fn step(&mut self, length: Option<f64>, command: Option<f64>) {

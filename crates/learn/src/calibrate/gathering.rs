@@ -5,7 +5,7 @@ use super::refusal::CalibrationRefusal;
 use super::resolution::Resolution;
 use crate::extremes::Thinned;
 use crate::identify::moments::{Pair, Spread};
-use crate::survey::{Row, Surveyor};
+use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::sample::Quality;
 use tertius_core::sequential::Noise;
 
@@ -30,6 +30,7 @@ struct Gathered {
     qualities: [[u64; Quality::COUNT]; 2],
     /// C2 and C1 of single samples.
     points: Thinned<(f64, f64)>,
+    lull: Lull,
     /// Resolutions of C1 and C2.
     resolutions: [Resolution; 2],
 }
@@ -58,6 +59,7 @@ impl Gathering {
             raw: [Spread::default(); 2],
             qualities: [[0; Quality::COUNT]; 2],
             points: Thinned::new(KEPT),
+            lull: Lull::default(),
             resolutions: Default::default(),
         };
         Self {
@@ -190,6 +192,9 @@ impl Surveyor for Gathering {
 impl Gathered {
     fn take(&mut self, row: &Row) -> Option<(f64, f64)> {
         self.rows += 1;
+        if self.lull.ends(row.t) {
+            self.points.pause();
+        }
         for (i, (good, raw)) in [row.c1, row.c2].into_iter().zip(row.raw).enumerate() {
             if let Some(value) = good {
                 self.good[i].add(value);

@@ -41,6 +41,12 @@ pub(super) struct Predicting {
 }
 
 impl Predicting {
+    /// Cycles are missing: the filter starts again, and is over every wild reading.
+    pub(super) const fn restart(&mut self) {
+        self.interrupt();
+        self.disturbed = 0;
+    }
+
     /// What follows does not go on from what was before.
     pub(super) const fn interrupt(&mut self) {
         self.in_a_row = 0;

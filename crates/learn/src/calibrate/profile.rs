@@ -51,7 +51,7 @@ struct Gathered {
     first: f64,
     halves: [Equations; 2],
     /// The look that is being gathered, and the half that is learnt from it.
-    current: Option<(u64, usize)>,
+    current: Option<([u64; 2], usize)>,
     look: Look,
     samples: Vec<u64>,
     speed: Velocity,
@@ -118,7 +118,7 @@ impl Surveyor for Profiling {
 }
 
 impl Gathered {
-    fn take(&mut self, row: &Row, look: (u64, usize)) {
+    fn take(&mut self, row: &Row, look: ([u64; 2], usize)) {
         let speed = self.speed.step(row.c2, row.v2);
         let near = |(c1, c2): &(f64, f64)| self.line.error(*c2, *c1).abs() <= self.limit;
         let pair = row.c1.zip(row.c2).filter(|_| row.monitored).filter(near);

@@ -128,7 +128,7 @@ impl Scattering {
     pub fn new<'a>(
         sample_time: f64,
         outliers: Outliers,
-        division: Division,
+        division: &Division,
         cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a (Profile, Halves), ResidualSpread)>>,
     ) -> Self {
         let judged = |(fitted, taught, spread): (&Fitted, &(Profile, Halves), ResidualSpread)| {
@@ -141,7 +141,7 @@ impl Scattering {
             };
             let ResidualSpread { noise, resolution } = spread;
             Judged {
-                residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
+                residuals: Residuals::new(sample_time, fitted, division.clone(), halves.clone()),
                 spread,
                 noise: noise.relied_on(),
                 bands: Bands::new(noise.rest, DEAD_BAND, resolution, outliers),
@@ -151,7 +151,7 @@ impl Scattering {
                 largest: 0.0,
                 history: History::default(),
                 measuring: vec![Measuring::default(); division.lots()],
-                division,
+                division: division.clone(),
                 predicting: Predicting::default(),
             }
         };
@@ -225,7 +225,7 @@ impl Judged {
         if let Some(pair) = &mut self.pair {
             pair.reset();
         }
-        self.predicting.interrupt();
+        self.predicting.restart();
     }
 
     fn take(&mut self, row: &Row) {

@@ -59,11 +59,11 @@ impl Spreading {
     /// `division`, sampled every `sample_time` seconds.
     pub fn new<'a>(
         sample_time: f64,
-        division: Division,
+        division: &Division,
         cylinders: impl IntoIterator<Item = Option<(&'a Fitted, &'a Halves)>>,
     ) -> Self {
         let spreads = |(fitted, halves): (&Fitted, &Halves)| Spreads {
-            residuals: Residuals::new(sample_time, fitted, division, halves.clone()),
+            residuals: Residuals::new(sample_time, fitted, division.clone(), halves.clone()),
             resolutions: Default::default(),
             speeds: vec![(0.0, Magnitudes::new(BIN)); SPEEDS],
         };
@@ -238,7 +238,7 @@ mod tests {
             roughness: 1e-4,
         };
         let all = crate::survey::Window::ALL;
-        let division = Division::new(all, all);
+        let division = Division::new(all, all, crate::survey::Ranking::default());
         Spreads {
             residuals: Residuals::new(0.02, &fitted, division, [None, None]),
             resolutions: Default::default(),

@@ -4,7 +4,7 @@ use super::fitting::Fitted;
 use super::{Bound, LEAST_BOUND, Line};
 use crate::extremes::{Maxima, Sketch, Tail, common_level, per_second};
 use crate::identify::moments::Spread;
-use crate::survey::{Row, Surveyor};
+use crate::survey::{Lull, Row, Surveyor};
 
 /// Multiple of the limit of the fit beyond which a sample is faulty and excluded from the band. A
 /// bend that the first part of a recording did not show stays within it.
@@ -24,6 +24,7 @@ pub struct TriedBand {
     pub after: Spread,
     pub magnitudes: Sketch,
     maxima: Maxima,
+    lull: Lull,
     /// Number of samples taken for faulty.
     pub faulty: u64,
     /// Largest of the faulty samples, m.
@@ -46,6 +47,7 @@ impl Trying {
             after: Spread::default(),
             magnitudes: Sketch::new(),
             maxima: Maxima::of_runs(block),
+            lull: Lull::default(),
             faulty: 0,
             worst_faulty: 0.0,
         };
@@ -90,6 +92,9 @@ impl Surveyor for Trying {
     fn row(&mut self, row: &Row) {
         let tried = self.cylinders[usize::from(row.cylinder) - 1].as_mut();
         if let (Some(tried), Some((c1, c2))) = (tried, row.c1.zip(row.c2)) {
+            if tried.lull.ends(row.t) {
+                tried.maxima.pause();
+            }
             tried.take(c1, c2);
         }
     }
@@ -135,6 +140,7 @@ mod tests {
             after: Spread::default(),
             magnitudes: Sketch::new(),
             maxima: Maxima::of_runs(50),
+            lull: Lull::default(),
             faulty: 0,
             worst_faulty: 0.0,
         };

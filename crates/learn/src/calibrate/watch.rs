@@ -3,7 +3,7 @@
 
 use super::{Cuts, Division, Halves};
 use crate::extremes::{Asked, Maxima, levels};
-use crate::survey::{Row, Surveyor};
+use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::sequential::{Design, Input, Sequential};
 use tertius_core::time::Timestamp;
 
@@ -31,7 +31,10 @@ pub struct Watch {
 
 #[derive(Clone, Debug)]
 struct Watched {
+    /// The detector before it has seen anything.
+    fresh: Sequential,
     detector: Sequential,
+    lull: Lull,
     /// References from the halves of a recording, where each half is judged by the other.
     halves: Option<(Division, Halves)>,
     /// The half that the detector uses now.
@@ -40,6 +43,8 @@ struct Watched {
     worst: Option<Sight>,
     /// Largest evidence of each block that is worth reporting.
     sights: Vec<Sight>,
+    /// Beginning of the newest of these blocks, s.
+    begun: f64,
 }
 
 /// The largest evidence of a time, and its circumstances.
@@ -98,12 +103,13 @@ impl Watch {
     /// A watch of a recording whose halves judge each other, without the parts cut out.
     pub fn crossed<'a>(
         designs: impl IntoIterator<Item = Option<(&'a Design, &'a Halves)>>,
-        division: Division,
+        division: &Division,
         cuts: &Cuts,
         sample_time: f64,
     ) -> Self {
-        let crossed =
-            |(design, halves): (&'a Design, &Halves)| (design, Some((division, halves.clone())));
+        let crossed = |(design, halves): (&'a Design, &Halves)| {
+            (design, Some((division.clone(), halves.clone())))
+        };
         let all = designs.into_iter().map(|both| both.map(crossed)).collect();
         Self::of(all, Some(cuts.clone()), sample_time)
     }
@@ -183,13 +189,17 @@ impl Watched {
     fn new(design: &Design, sample_time: f64, halves: Option<(Division, Halves)>) -> Self {
         // With a finite level an alarm would hide what comes after it.
         let design = Design { level: f64::INFINITY, ..design.clone() };
+        let fresh = Sequential::new(design);
         Self {
-            detector: Sequential::new(design),
+            detector: fresh.clone(),
+            fresh,
+            lull: Lull::default(),
             halves,
             half: None,
             maxima: Maxima::new((BLOCK / sample_time).round() as u32),
             worst: None,
             sights: Vec::new(),
+            begun: f64::NEG_INFINITY,
         }
     }
 
@@ -237,18 +247,25 @@ impl Watched {
         self.keep(sight);
     }
 
+    /// Begins anew after a pause: neither what the detector has learnt of the bus nor a block goes
+    /// on from one file to the next.
+    fn begin(&mut self) {
+        self.detector.clone_from(&self.fresh);
+        self.half = None;
+        self.maxima.pause();
+    }
+
+    /// Keeps what is worth telling; a block begins with the first of it.
     fn keep(&mut self, sight: Sight) {
-        let block = |sight: &Sight| (sight.t / BLOCK).floor();
         if sight.nats < WORTH_TELLING {
             return;
         }
-        if let Some(last) = self.sights.last_mut()
-            && block(last) == block(&sight)
-        {
-            if sight.nats > last.nats {
+        if sight.t - self.begun < BLOCK {
+            if let Some(last) = self.sights.last_mut().filter(|last| sight.nats > last.nats) {
                 *last = sight;
             }
         } else if self.sights.len() < MOST {
+            self.begun = sight.t;
             self.sights.push(sight);
         }
     }
@@ -257,6 +274,9 @@ impl Watched {
 impl Surveyor for Watch {
     fn row(&mut self, row: &Row) {
         let Some(watched) = &mut self.watched[usize::from(row.cylinder) - 1] else { return };
+        if watched.lull.ends(row.t) {
+            watched.begin();
+        }
         if self.cuts.as_ref().is_some_and(|cuts| cuts.hold(row.cylinder, row.t)) {
             watched.detector.pause();
         } else {

@@ -21,7 +21,9 @@ pub struct Maxima {
     filled: u32,
     cycles: u64,
     blocks: u64,
-    /// Number of each kept block, from 0, and its maximum.
+    /// Number of the next block: one more than that of the block before it, and two after a pause.
+    number: u64,
+    /// Number of each kept block, and its maximum.
     largest: Vec<(u64, f64)>,
     all: Sketch,
     /// Whether blocks that are far from the ordinary are one where they follow each other.
@@ -37,6 +39,7 @@ impl Maxima {
             filled: 0,
             cycles: 0,
             blocks: 0,
+            number: 0,
             largest: Vec::new(),
             all: Sketch::new(),
             runs: false,
@@ -61,10 +64,22 @@ impl Maxima {
         }
     }
 
+    /// Begins a block anew after a pause, so that the blocks of a file do not depend on what was
+    /// recorded before it. What there is of a block counts as one if it is at least half a block,
+    /// and is left out otherwise.
+    pub fn pause(&mut self) {
+        if 2 * self.filled >= self.block {
+            self.close();
+        }
+        (self.newest, self.filled) = (0.0, 0);
+        self.number += 1;
+    }
+
     fn close(&mut self) {
-        self.largest.push((self.blocks, self.newest));
+        self.largest.push((self.number, self.newest));
         self.all.add(self.newest);
         self.blocks += 1;
+        self.number += 1;
         (self.newest, self.filled) = (0.0, 0);
         // Twice as many as are kept, so that sorting them out is seldom.
         if self.largest.len() == 2 * self.kept() {
@@ -160,6 +175,28 @@ mod tests {
         let each = take(Maxima::new(1));
         assert_eq!(each.largest().iter().filter(|it| **it > 2.0).count(), 65);
         assert_eq!((each.blocks(), each.worst()), (2000, 19.6));
+    }
+
+    #[test]
+    fn blocks_and_runs_begin_anew_after_a_pause() {
+        let of = |files: &[&[f64]]| {
+            let mut maxima = Maxima::new(4);
+            for file in files {
+                maxima.pause();
+                file.iter().for_each(|residual| maxima.add(*residual));
+            }
+            (maxima.blocks(), maxima.largest())
+        };
+        // Half a block counts, and less does not.
+        let (one, other) = ([1.0, 9.0, 2.0, 3.0, 5.0, 4.0], [8.0, 0.5, 0.5, 0.5, 7.0]);
+        assert_eq!(of(&[&one, &other, &[]]), (3, vec![9.0, 8.0, 5.0]));
+        assert_eq!(of(&[&other, &one, &[]]), of(&[&one, &other, &[]]));
+        // Far from the ordinary until the end of a file, and from the beginning of the next one.
+        let mut maxima = Maxima::of_runs(1);
+        (0..200).for_each(|k| maxima.add(if k < 190 { 1.0 } else { 5.0 }));
+        maxima.pause();
+        (0..200).for_each(|k| maxima.add(if k < 10 { 6.0 } else { 1.0 }));
+        assert_eq!(maxima.largest()[..3], [6.0, 5.0, 1.0]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::calibrate::watch::{Sight, Watch};
 use crate::calibrate::{Cuts, are_few, places};
-use crate::survey::{Row, Surveyor, Window};
+use crate::survey::{PAUSE, Row, Surveyor, Window};
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::sequential::Reference;
@@ -233,10 +233,12 @@ impl Compared {
 
     /// Time from which C1 − C2 differs too much from the tables, s, and the difference, m.
     fn off(&self, places: &[[f64; 2]]) -> Option<(f64, f64)> {
-        let long = self.blocks.iter().step_by(6);
-        let mut means = long.filter_map(|block| {
-            let from = block.from;
-            Some((from, self.mean([from, from + 6.0 * BLOCK], places)?))
+        let follow = |one: &Block, next: &Block| next.from - one.from < BLOCK + PAUSE.as_seconds();
+        // A minute begins anew after a pause, and ends before it.
+        let minutes = self.blocks.chunk_by(follow).flat_map(|file| file.chunks(6));
+        let mut means = minutes.filter_map(|minute| {
+            let [from, last] = [minute.first()?.from, minute.last()?.from];
+            Some((from, self.mean([from, last + BLOCK], places)?))
         });
         means.find(|(_, mean)| mean.abs() > MOST_OFF)
     }

@@ -9,6 +9,7 @@ mod rows;
 mod scatter;
 mod spool;
 
+use crate::survey::Ranking;
 pub use rows::{ProcessRow, ProcessRows};
 use std::fmt;
 use tertius_config::settings::{ChambersTable, CylinderProcess, Settings, SpoolTable};
@@ -25,8 +26,6 @@ pub struct LearntProcess {
     pub spool: Option<Result<SpoolTable, ProcessRefusal>>,
     /// `None` where the configuration does not name all three pressures.
     pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
-    /// Seconds that were used, where the recording has more than are kept.
-    pub used: Option<f64>,
 }
 
 /// Why a relation was not learnt.
@@ -74,11 +73,7 @@ impl LearntProcess {
         let of_spool = refused("the spool", self.spool.as_ref().and_then(|it| it.as_ref().err()));
         let of_chambers =
             refused("the pressures", self.chambers.as_ref().and_then(|it| it.as_ref().err()));
-        let used = self.used.map(|seconds| {
-            let hours = seconds / 3600.0;
-            format!("the process detectors are learnt from the first {hours:.1} h in monitored states; more are not kept")
-        });
-        of_spool.into_iter().chain(of_chambers).chain(used).collect()
+        of_spool.into_iter().chain(of_chambers).collect()
     }
 }
 
@@ -88,8 +83,10 @@ impl ProcessRows {
         has_spool(settings) || has_chambers(settings)
     }
 
-    /// What the rows of all cylinders teach.
-    pub fn learn(&self, settings: &Settings) -> Vec<LearntProcess> {
+    /// What the rows of all cylinders teach. They are taken in the order of the recording's
+    /// `ranking`, so that the same files teach the same whichever came first.
+    pub fn learn(mut self, settings: &Settings, ranking: &Ranking) -> Vec<LearntProcess> {
+        self.rank(ranking);
         let level = settings.process_level();
         let time = settings.machine.sample_time;
         let learn = |n: u8| LearntProcess {
@@ -97,7 +94,6 @@ impl ProcessRows {
             spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
             chambers: has_chambers(settings)
                 .then(|| chambers::learn(self.of(n), has_spool(settings), time, level)),
-            used: self.is_full(n).then(|| self.of(n).len() as f64 * time),
         };
         (1..=settings.machine.cylinders).map(learn).collect()
     }

@@ -125,12 +125,13 @@ fn run(rows: &[ProcessRow], design: &SpoolDesign, sample_time: f64) -> Vec<Left>
     for row in rows {
         if !row.follows {
             spool.reset();
-            is_joined = false;
+            (former, is_joined) = (None, false);
         }
         let stand = spool.step(Some(row.command.into()), row.spool.map(f64::from));
+        let before = former;
+        former = stand.as_ref().map(|stand| stand.expected);
         let Some(stand) = stand.filter(|stand| stand.is_settled) else { continue };
-        let way = former.map_or(0.0, |former| stand.expected - former);
-        former = Some(stand.expected);
+        let way = before.map_or(0.0, |before| stand.expected - before);
         left.push(Left { t: row.t, residual: stand.residual(), way, follows: is_joined });
         is_joined = true;
     }

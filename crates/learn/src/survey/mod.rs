@@ -7,14 +7,16 @@
 //! and reports gaps in the data. It keeps only the last cycle of each cylinder, so memory does not
 //! grow with the recording.
 
+mod ranking;
 mod recording;
 mod row;
 mod timeline;
 mod window;
 
+pub use ranking::{Lull, Ranked, Ranking};
 pub use recording::{Frames, Origin, Recording, Rows};
 pub use row::Row;
-pub use timeline::{LONGEST_PAUSE, Timeline};
+pub use timeline::{LONGEST_PAUSE, PAUSE, Timeline};
 pub use window::Window;
 
 use tertius_core::alarm::status::MAX_CYLINDERS;

@@ -1,6 +1,12 @@
 //! The time scale of learning: the recordings' own time, with long pauses shortened.
 
+use super::ranking::{Ranking, Stretch};
+use tertius_core::frame::Frame;
 use tertius_core::time::{Span, Timestamp};
+
+/// Time without frames that divides a recording, as between two files: long against the seconds of
+/// which only the extremes count. Nothing that is learnt goes on from before it.
+pub const PAUSE: Span = Span::from_nanos(10_000_000_000);
 
 /// Length to which longer pauses are shortened: nothing is learnt from them, and alternating blocks
 /// must not fall into them.
@@ -15,6 +21,8 @@ pub struct Timeline {
     ends: Option<(Timestamp, Timestamp)>,
     /// Long pauses, in order.
     pauses: Vec<Pause>,
+    /// Parts between the pauses, long or not, in order.
+    stretches: Vec<Stretch>,
 }
 
 /// A long pause.
@@ -30,22 +38,30 @@ struct Pause {
 impl Timeline {
     /// A timeline of frames between these time stamps, without a long pause.
     pub fn unbroken(first: Timestamp, last: Timestamp) -> Self {
-        Self { ends: Some((first, last)), pauses: Vec::new() }
+        let mut timeline = Self::default();
+        timeline.span(first, last);
+        timeline
     }
 
-    /// Adds frames between these time stamps, without a long pause.
+    /// Adds frames between these time stamps, without a pause.
     pub fn span(&mut self, first: Timestamp, last: Timestamp) {
         self.take(first);
         self.ends = self.ends.map(|(begin, end)| (begin, end.max(last)));
+        self.stretch(last);
     }
 
     /// Takes the time stamp of the next frame.
     pub fn take(&mut self, at: Timestamp) {
         let Some((first, last)) = self.ends else {
             self.ends = Some((at, at));
+            self.stretches.push(Stretch::new(at));
             return;
         };
         let ahead = at.since(last).as_nanos();
+        if Self::is_pause(at.since(last)) {
+            self.stretches.push(Stretch::new(at));
+        }
+        self.stretch(at);
         if ahead > LONGEST {
             let before = self.off(last);
             let behind = before.as_nanos().saturating_add(ahead - LONGEST);
@@ -55,10 +71,31 @@ impl Timeline {
         self.ends = Some((first, last.max(at)));
     }
 
-    /// Whether a place that is `ahead` of the latest frame's place is behind a long pause: nothing
-    /// is then known of the time before, however short the pause has become.
+    /// Takes the content of the newest frame, if the configuration reads it: the stretches of a
+    /// recording are ranked by their contents.
+    pub fn read(&mut self, frame: &Frame) {
+        if let Some(newest) = self.stretches.last_mut() {
+            newest.read(frame);
+        }
+    }
+
+    /// Extends the newest stretch.
+    fn stretch(&mut self, at: Timestamp) {
+        if let Some(newest) = self.stretches.last_mut() {
+            newest.ends[1] = newest.ends[1].max(at);
+        }
+    }
+
+    /// Whether a place that is `ahead` of the latest frame's place is behind a pause: nothing is
+    /// then known of the time before, however short a long pause has become.
     pub const fn is_pause(ahead: Span) -> bool {
-        ahead.as_nanos() >= LONGEST
+        ahead.as_nanos() >= PAUSE.as_nanos()
+    }
+
+    /// The stretches between the pauses, ranked by their contents.
+    pub fn ranking(&self) -> Ranking {
+        let begin = |stretch: &Stretch| (self.seconds(stretch.ends[0]), *stretch);
+        Ranking::new(&self.stretches.iter().map(begin).collect::<Vec<_>>())
     }
 
     /// The first time stamp and the latest; `None` before a frame.

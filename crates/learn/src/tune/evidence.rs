@@ -5,12 +5,14 @@ use super::pause::Pause;
 use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
-use crate::survey::{Row, Surveyor};
+use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::observe::observer::{Observer, ObserverDesign, Restart};
 
 /// The residuals of one observer.
 #[derive(Clone, Debug)]
 struct Witness {
+    /// The observer before it has seen anything.
+    fresh: Observer,
     observer: Observer,
     residuals: Spread,
     magnitudes: Sketch,
@@ -45,6 +47,7 @@ pub struct Detector {
 pub struct Evidence {
     cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
     pauses: Vec<Pause>,
+    lulls: Vec<Lull>,
 }
 
 impl Evidence {
@@ -53,8 +56,10 @@ impl Evidence {
     pub fn new(cylinders: &[CylinderModel], designs: &[[ObserverDesign; 2]], block: u32) -> Self {
         let witnesses = |(cylinder, designs): (&CylinderModel, &[ObserverDesign; 2])| {
             let witness = |i: usize| {
+                let fresh = Observer::new(designs[i].clone());
                 cylinder.transducers[i].then(|| Witness {
-                    observer: Observer::new(designs[i].clone()),
+                    observer: fresh.clone(),
+                    fresh,
                     residuals: Spread::default(),
                     magnitudes: Sketch::new(),
                     maxima: Maxima::new(block),
@@ -63,7 +68,8 @@ impl Evidence {
             (*cylinder, [witness(0), witness(1)])
         };
         let pauses = vec![Pause::default(); cylinders.len()];
-        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses }
+        let lulls = vec![Lull::default(); cylinders.len()];
+        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses, lulls }
     }
 
     /// Results of every observer; with a tail where there are enough data.
@@ -96,8 +102,13 @@ impl Surveyor for Evidence {
         let (cylinder, witnesses) = &mut self.cylinders[index];
         let cycle = Cycle::new(row, cylinder.command_offset);
         let missing = self.pauses[index].before(row.cycle, cylinder.max_gap);
+        let begins_anew = self.lulls[index].ends(row.t);
         for (transducer, witness) in witnesses.iter_mut().enumerate() {
             let Some(witness) = witness else { continue };
+            if begins_anew {
+                witness.observer.clone_from(&witness.fresh);
+                witness.maxima.pause();
+            }
             match missing {
                 Some(missing) => (0..missing).for_each(|_| {
                     _ = Cycle::NONE.step(&mut witness.observer, transducer);

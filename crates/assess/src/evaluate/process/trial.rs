@@ -14,7 +14,7 @@ use tertius_core::process::ProcessParameters;
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::{Fault as Kind, Suspect};
 use tertius_learn::relate::ProcessRows;
-use tertius_learn::survey::{Survey, Window};
+use tertius_learn::survey::{Ranking, Survey, Window};
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, place};
 use tertius_machine::plant::{Ailment, CYLINDERS};
 use tertius_machine::simulator::{Change, EPOCH, Options, Simulator};
@@ -85,7 +85,7 @@ impl Stand<'_> {
         for _ in 0..self.cycles(LESSON) {
             simulator.step(&mut |frame| monitor.take(frame, &mut survey));
         }
-        for learnt in rows.learn(&settings) {
+        for learnt in rows.learn(&settings, &Ranking::default()) {
             if let Some(why) = learnt.remarks().first() {
                 return Err(StandError::Untaught(format!("cylinder {}: {why}", learnt.number)));
             }
