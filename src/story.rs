@@ -51,6 +51,7 @@ fn process_size(incident: &Incident) -> Option<String> {
     let size = finding.evidence?.size.filter(|_| finding.fault == incident.fault)?;
     Some(match finding.fault {
         Fault::ValveSticking => format!("within {size:.2} of the spool's unit"),
+        Fault::Leakage => format!("{:.1} mm/s at 24 bar", size * 1e3),
         Fault::ValveOffset => format!("{size:+.2} of the spool's unit"),
         Fault::Supply | Fault::PressureSensor => format!("{size:+.1} bar"),
         Fault::Command if size == 1.0 => "1 cycle late".to_owned(),
@@ -70,7 +71,8 @@ pub const fn fault(fault: Fault) -> &'static str {
         Fault::Frozen => "frozen reading",
         Fault::Stale => "no readings",
         Fault::ValveSticking => "sticking valve",
-        Fault::ValveOffset => "valve beside its command",
+        Fault::Leakage => "internal leakage",
+        Fault::ValveOffset => "valve beside its command, or its null has moved",
         Fault::Supply => "supply pressure, or its sensor",
         Fault::PressureSensor => "pressure sensor",
         Fault::Command => "late or wrong command of the valve",
@@ -222,6 +224,9 @@ pub fn advice(incident: &Incident) -> String {
     match (incident.suspect, incident.fault) {
         (_, Fault::ValveSticking) => {
             "Have the valve's spool and pilot looked at, and the oil's cleanliness; it may stick more.".to_owned()
+        }
+        (_, Fault::Leakage) => {
+            "Have the piston's seals and the valve's edges looked at; compare with the other cylinders.".to_owned()
         }
         (_, Fault::ValveOffset) => {
             "Check the valve's null and the sensor of its spool's position.".to_owned()

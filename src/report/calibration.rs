@@ -105,22 +105,24 @@ pub fn sequential(result: &Calibration) -> Section {
 
 /// Basis of the process detectors.
 pub fn process(result: &Calibration) -> Section {
-    let mut table = Sheet::new(&["cylinder", "spool", "largest", "chambers"]);
+    let mut table = Sheet::new(&["cylinder", "spool", "largest", "chambers", "flow"]);
     let none = || "none".to_owned();
     for cylinder in &result.cylinders {
         let learnt = cylinder.process.as_ref().and_then(|it| it.table(cylinder.sample_time));
-        let Some(CylinderProcess { spool, chambers, .. }) = learnt else { continue };
+        let Some(CylinderProcess { spool, chambers, flow, .. }) = learnt else { continue };
         let of_spool = spool.as_ref().map(|it| [it.deviation, it.largest]);
         table.add_row([
             cylinder.number.to_string(),
             of_spool.map_or_else(none, |[deviation, _]| format!("{deviation:.3}")),
             of_spool.map_or_else(none, |[_, largest]| format!("{largest:.1}")),
             chambers.map_or_else(none, |it| format!("{:.2} bar", it.deviation)),
+            flow.map_or_else(none, |it| format!("{:.2} mm/s a bar", it.leakage * 1e3)),
         ]);
     }
     table.about(
         "for the process detectors: the deviation of the spool beside what its command says and its largest position, \
-         in the signal's unit, and that of the sum of the chambers' pressures",
+         in the signal's unit, the deviation of the sum of the chambers' \
+         pressures, and what leaks of the flow",
     )
 }
 

@@ -79,15 +79,17 @@ pub fn tables(result: &Commissioned) -> Section {
         add("levels, sequential", format!("{} nats", range(low, high, 1)), of);
     }
     let process = cylinders().filter_map(|it| it.process.as_ref()?.table(it.sample_time));
-    let (spools, chambers): (Vec<_>, Vec<_>) =
-        process.map(|it| (it.spool.is_some(), it.chambers.is_some())).unzip();
-    for (name, learnt) in
-        [("process, by the spool", spools), ("process, by the pressures", chambers)]
-    {
-        let count = learnt.iter().filter(|is_learnt| **is_learnt).count();
+    let learnt: Vec<[bool; 3]> =
+        process.map(|it| [it.spool.is_some(), it.chambers.is_some(), it.flow.is_some()]).collect();
+    let relations = [
+        ("process, by the spool", "a valve that sticks, an offset, a late or other command"),
+        ("process, by the pressures", "a pressure sensor, the supply's sensor"),
+        ("process, by the flow", "leakage, a null that has moved"),
+    ];
+    for (which, (name, finds)) in relations.into_iter().enumerate() {
+        let count = learnt.iter().filter(|learnt| learnt[which]).count();
         if count > 0 {
-            let of = "they do not use the readings of C1 and C2".to_owned();
-            add(name, super::wording::counted(count as u64, "cylinder"), of);
+            add(name, super::wording::counted(count as u64, "cylinder"), format!("finds {finds}"));
         }
     }
     table.about("what was learnt")

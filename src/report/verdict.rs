@@ -103,7 +103,7 @@ fn sequential(summary: &Summary<'_>) -> Option<String> {
 /// How much of the monitored time the process detectors judged; `None` without one.
 fn process(summary: &Summary<'_>) -> Option<String> {
     let coverages: Vec<_> = summary.tallies.iter().filter_map(|tally| tally.process).collect();
-    let parts = ["the spools", "the chambers' pressures"].into_iter().enumerate();
+    let parts = ["the spools", "the chambers' pressures", "the flow"].into_iter().enumerate();
     let told = parts.filter_map(|(which, name)| {
         let own = coverages.iter().filter_map(|it| Some([it.judged[which]?, it.monitored]));
         let [judged, monitored] =
@@ -112,7 +112,7 @@ fn process(summary: &Summary<'_>) -> Option<String> {
     });
     let told: Vec<String> = told.collect();
     (!told.is_empty()).then(|| {
-        format!("Of the monitored time, the process detectors judged {}.", told.join(" and "))
+        format!("Of the monitored time, the process detectors judged {}.", told.join(", "))
     })
 }
 

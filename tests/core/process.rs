@@ -62,7 +62,8 @@ impl Taught {
         for _ in 0..(seconds / 0.02) as u64 {
             simulator.step(&mut |frame: &Frame| monitor.take(frame, &mut survey));
         }
-        let learnt = rows.learn(&settings, &Ranking::default());
+        let gains: Vec<f64> = (1..=6).map(|n| settings.comparator_of(n).0).collect();
+        let learnt = rows.learn(&settings, &Ranking::default(), &gains);
         for one in &learnt {
             let process = one.table(0.02);
             match settings.cylinder.iter_mut().find(|own| own.n == one.number) {
@@ -105,8 +106,11 @@ fn a_fault_of_a_cylinder_is_found_and_named_with_its_size() {
             0.5,
         ),
         ("freeze,sensor=pressure_bottom,cylinder=4,at=25", Kind::PressureSensor, None, 10.0),
+        ("leakage,cylinder=2,at=25,rate=2.2", Kind::Leakage, Some(2.2 / 7000.0 * 24.0), 8.0),
+        ("null_shift,cylinder=5,at=25,size=0.01", Kind::ValveOffset, Some(1.0), 8.0),
+        ("dead_band,cylinder=3,at=25,size=0.02", Kind::Unclassified, None, 8.0),
     ] {
-        let warnings = TAUGHT.warnings(21, &[fault], 45.0);
+        let warnings = TAUGHT.warnings(21, &[fault], 55.0);
         let found = of_process(&warnings);
         let first = found.first().unwrap_or_else(|| panic!("{fault}: nothing was found"));
         let delay = first.timestamp.since(EPOCH).as_seconds() - 25.0;
@@ -183,5 +187,5 @@ fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
     assert!(told[0].contains("by the spool") && told[0].contains("is there a fault"), "{told:?}");
     // A minute is no lesson.
     let short = Taught::by(&[], 60.0);
-    assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 2));
+    assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 3));
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use super::document::Document;
 use super::problem::{Problems, table_of};
-use super::settings::{Canopen, CylinderSequential, Settings};
+use super::settings::{Canopen, CylinderProcess, CylinderSequential, Settings};
 use super::text::other_count;
 use tertius_core::alarm::own::FRAME_BITS;
 
@@ -274,16 +274,24 @@ impl Relations<'_> {
             if let Some(fitted) = &cylinder.sequential {
                 self.fitted(&format!("cylinder[{index}].sequential"), fitted);
             }
-            if let Some(spool) = cylinder.process.as_ref().and_then(|it| it.spool.as_ref()) {
-                let key = format!("cylinder[{index}].process.spool.samples");
-                let (count, pieces) = (spool.samples.len(), spool.curve.len() - 1);
-                self.require(
-                    count == pieces,
-                    &[&key],
-                    format!("`{key}` has {count} values, but `curve` has {pieces} pieces"),
-                    "take the table as `tertius calibrate` writes it",
-                );
+            if let Some(process) = &cylinder.process {
+                self.process(&format!("cylinder[{index}].process"), process);
             }
+        }
+    }
+
+    fn process(&mut self, table: &str, process: &CylinderProcess) {
+        let spool = process.spool.as_ref().map(|it| ("spool", &it.samples, &it.curve));
+        let flow = process.flow.as_ref().map(|it| ("flow", &it.samples, &it.curve));
+        for (name, samples, curve) in spool.into_iter().chain(flow) {
+            let key = format!("{table}.{name}.samples");
+            let (count, pieces) = (samples.len(), curve.len() - 1);
+            self.require(
+                count == pieces,
+                &[&key],
+                format!("`{key}` has {count} values, but `curve` has {pieces} pieces"),
+                "take the table as `tertius calibrate` writes it",
+            );
         }
     }
 

@@ -33,7 +33,7 @@ pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
 pub use machine::{Bus, Machine};
 use process::PROCESS;
-pub use process::{ChambersTable, CylinderProcess, ProcessSettings, SpoolTable};
+pub use process::{ChambersTable, CylinderProcess, FlowTable, ProcessSettings, SpoolTable};
 use recorder::RECORDER;
 pub use recorder::Recorder;
 use sequential::SEQUENTIAL;

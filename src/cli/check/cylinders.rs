@@ -75,10 +75,13 @@ fn process(machine: &Machine, n: u8) -> Option<String> {
         let absent = "not judged, as `tertius commission` or `calibrate` has not taught it";
         return is_read.then(|| absent.to_owned());
     };
-    let parts =
-        [("spool", design.spool.is_some()), ("chambers' pressures", design.chambers.is_some())];
+    let parts = [
+        ("spool", design.spool.is_some()),
+        ("chambers' pressures", design.chambers.is_some()),
+        ("flow", design.flow.is_some()),
+    ];
     let parts: Vec<&str> = parts.into_iter().filter(|it| it.1).map(|it| it.0).collect();
-    Some(format!("{}; level {:.1} nats", parts.join(" and "), design.level))
+    Some(format!("{}; level {:.1} nats", parts.join(", "), design.level))
 }
 
 fn estimate(settings: &Settings, n: u8) -> String {

@@ -1,8 +1,12 @@
 //! From the fitted tables to a process detector.
 
 use super::{Connector, Flaw};
-use crate::settings::{ChambersTable, CylinderProcess, SpoolTable};
-use tertius_core::process::{ChambersDesign, Curve, ProcessDesign, ProcessParameters, SpoolDesign};
+use crate::settings::{ChambersTable, CylinderProcess, FlowTable, SpoolTable};
+use tertius_core::process::flow::FlowWeighing;
+use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
+use tertius_core::process::{
+    ChambersDesign, Curve, FlowDesign, ProcessDesign, ProcessParameters, SpoolDesign,
+};
 
 /// Least number of samples with which the commands between two knots are taught.
 const LEAST_SAMPLES: u64 = 100;
@@ -16,6 +20,7 @@ impl Connector<'_> {
         Some(ProcessDesign {
             spool: fitted.spool.as_ref().map(spool),
             chambers: fitted.chambers.as_ref().map(chambers),
+            flow: fitted.flow.as_ref().and_then(|it| self.flow(n, it)),
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
             clear: settings.warning_cycles(),
@@ -33,8 +38,18 @@ impl Connector<'_> {
             ("signals.supply", signals.supply.is_some()),
         ];
         let of_spool = [("signals.cylinder.spool", own.spool.is_some())];
-        let wanted =
-            [(fitted.spool.is_some(), &of_spool[..]), (fitted.chambers.is_some(), &of_chambers)];
+        let has_load = own.load_pressure.is_some() || of_chambers[0].1 && of_chambers[1].1;
+        let of_flow = [
+            of_spool[0],
+            ("signals.cylinder.c2", own.c2.is_some()),
+            ("signals.cylinder.pressure_bottom and pressure_rod, or load_pressure", has_load),
+            of_chambers[2],
+        ];
+        let wanted = [
+            (fitted.spool.is_some(), &of_spool[..]),
+            (fitted.chambers.is_some(), &of_chambers),
+            (fitted.flow.is_some(), &of_flow),
+        ];
         for (_, keys) in wanted.into_iter().filter(|(is_there, _)| *is_there) {
             for (key, _) in keys.iter().filter(|(_, is_named)| !is_named) {
                 self.flaws.push(Flaw::new(
@@ -45,6 +60,41 @@ impl Connector<'_> {
             }
         }
     }
+
+    fn flow(&mut self, n: u8, fitted: &FlowTable) -> Option<FlowDesign> {
+        let design = FlowDesign {
+            limit: fitted.limit,
+            curve: Curve::new(fitted.limit, fitted.curve.clone()),
+            taught: fitted
+                .samples
+                .iter()
+                .map(|samples| *samples >= ProcessParameters::DEFAULT.flow_samples)
+                .collect(),
+            between: fitted.between,
+            leakage: fitted.leakage,
+            compression: fitted.compression,
+            area_ratio: self.settings.machine.area_ratio,
+            scatter: [&fitted.scatter_c1, &fitted.scatter_c2].map(symmetric),
+        };
+        let is_sound = design.slope() > 0.0 && FlowWeighing::new(&design).is_some();
+        if !is_sound {
+            self.flaws.push(Flaw::new(
+                "cylinder.process.flow",
+                format!("cylinder {n}: `curve` does not rise, or `scatter_c1` or `scatter_c2` is no covariance"),
+                "let `tertius calibrate` write the table anew, or leave it out",
+            ));
+        }
+        is_sound.then_some(design)
+    }
+}
+
+fn symmetric(half: &[f64; HALF]) -> [[f64; DIRECTIONS]; DIRECTIONS] {
+    let mut whole = [[0.0; DIRECTIONS]; DIRECTIONS];
+    for (value, (i, j)) in half.iter().zip(upper()) {
+        whole[i][j] = *value;
+        whole[j][i] = *value;
+    }
+    whole
 }
 
 fn spool(fitted: &SpoolTable) -> SpoolDesign {
@@ -69,6 +119,7 @@ fn chambers(fitted: &ChambersTable) -> ChambersDesign {
     ChambersDesign {
         coefficients: fitted.coefficients,
         deviation: fitted.deviation.max(least),
+        growth: fitted.growth,
         dependence: [fitted.mean_dependence, fitted.square_dependence],
     }
 }

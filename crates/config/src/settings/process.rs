@@ -4,6 +4,7 @@ use super::fitted::{FITTED, dependence, fitted};
 use crate::kinds::number;
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use tertius_core::process::chambers::TERMS;
+use tertius_core::process::flow::directions::HALF;
 use tertius_core::sequential::windows::WIDTHS;
 
 table! {
@@ -26,6 +27,8 @@ table! {
             "", "where the spool stands by the command";
         chambers: Option<ChambersTable> = None => Kind::Table(&CHAMBERS),
             "", "what the pressures of both chambers add up to";
+        flow: Option<FlowTable> = None => Kind::Table(&FLOW),
+            "", "how far the oil that passes the valve moves the rod";
     }
 }
 
@@ -65,11 +68,38 @@ table! {
             "[0.0, 1.0, 0.02, 0.0]", "what each of them counts, bar, bar/bar, bar/bar, bar per unit of the spool";
         deviation: f64 => number(Limits::above(0.0, FITTED)),
             "0.5", "the standard deviation of the sum beside it, bar";
+        growth: f64 = 0.0 => number(Limits::least(0.0, FITTED)),
+            "0.0002", "its growth with the square of the spool's position, bar per squared unit";
         mean_dependence: [f64; WIDTHS.len()] => dependence(),
             "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
             "samples of the mean that carry as much information as one, by the width of the window";
         square_dependence: [f64; WIDTHS.len()] => dependence(),
             "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
             "samples of the mean square that carry as much information as one, by the width of the window";
+    }
+}
+
+table! {
+    /// ΔC = Ts Σ f(x̄) √((P_S ∓ P_L)/210 bar) + c₁ Ts Σ P_L + c₂ ΔP_L, positions of the spool in the unit of its signal.
+    pub struct FlowTable = FLOW {
+        limit: f64 => number(Limits::above(0.0, FITTED)),
+            "45.0", "the position of the spool at the outermost knots";
+        curve: Vec<f64> => fitted(3, 1001),
+            "[-0.8, 0.0, 0.9]", "f at its knots, m/s";
+        samples: Vec<u64> =>
+            Kind::List { least: 2, most: 1000, of: Scalar::Whole(WholeLimits::new(0, i64::MAX as i128, FITTED)) },
+            "[5000, 5000]", "samples that the calibration had between each two knots";
+        between: f64 => number(Limits::least(0.0, FITTED).most(2.0)),
+            "0.6", "where the spool is in the mean between two cycles: 0 at the first, 1 at the second one";
+        leakage: f64 => number(Limits::finite(FITTED)),
+            "-0.00014", "c₁, m/s per bar";
+        compression: f64 => number(Limits::finite(FITTED)),
+            "-0.00014", "c₂, m per bar";
+        scatter_c1: [f64; HALF] => fitted(HALF, HALF),
+            "[1e-9, 0, 0, 0, 0, 0, 1e-9, 0, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9, 0, 0, 1e-9, 0, 1e-9]",
+            "the scatter of what is left by C1 along each two directions of a fault: the upper half, row by row";
+        scatter_c2: [f64; HALF] => fitted(HALF, HALF),
+            "[1e-9, 0, 0, 0, 0, 0, 1e-9, 0, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9, 0, 0, 1e-9, 0, 1e-9]",
+            "the same by C2";
     }
 }

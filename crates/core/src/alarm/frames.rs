@@ -262,6 +262,7 @@ pub const fn fault_code(fault: Fault) -> (u64, u64) {
         Fault::BrokenWire => (0, 5),
         Fault::Frozen => (0, 6),
         Fault::Stale => (0, 7),
+        Fault::Leakage => (1, 1),
         Fault::ValveSticking => (1, 2),
         Fault::ValveOffset => (1, 3),
         Fault::Supply => (1, 4),
@@ -310,6 +311,7 @@ mod tests {
             assert_eq!(told(fault, Suspect::C1), [code, 1, 0], "{fault:?}");
         }
         for (fault, code) in [
+            (Fault::Leakage, 1),
             (Fault::ValveSticking, 2),
             (Fault::ValveOffset, 3),
             (Fault::Supply, 4),

@@ -237,7 +237,7 @@ impl Cylinder {
             self.judge_sequentially(now, good, &residuals);
         }
         if self.process.is_some() {
-            self.judge_process(now);
+            self.judge_process(now, good);
         }
         self.judge_precedence();
         if self.sensor.is_some() {

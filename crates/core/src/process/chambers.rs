@@ -14,8 +14,10 @@ pub const TERMS: usize = 4;
 pub struct ChambersDesign {
     /// c₀, bar, c₁, c₂, and c₃, bar per unit of the spool's position (0 without one).
     pub coefficients: [f64; TERMS],
-    /// Standard deviation of the sum beside it, bar.
+    /// Standard deviation of the sum beside it at rest, bar, and its growth with the square of the spool's position,
+    /// bar per squared unit: at high speed the ports and the oil's lag are not linear.
     pub deviation: f64,
+    pub growth: f64,
     /// Numbers of dependent samples of mean and spread, see [`super::Weighing`].
     pub dependence: [[f64; WIDTHS.len()]; 2],
 }
@@ -34,6 +36,12 @@ impl ChambersDesign {
         let expected: f64 = terms.iter().zip(self.coefficients).map(|(term, of)| term * of).sum();
         Some(chambers[0] + chambers[1] - expected)
     }
+
+    /// Standard deviation of the residual with the spool there, bar.
+    pub fn deviation(&self, spool: Option<f64>) -> f64 {
+        let grown = self.growth * spool.map_or(0.0, |spool| spool * spool);
+        libm::sqrt(self.deviation * self.deviation + grown * grown)
+    }
 }
 
 #[cfg(test)]
@@ -44,12 +52,16 @@ mod tests {
     fn a_spool_that_is_needed_and_not_read_leaves_nothing_to_say() {
         let of = |by_spool| ChambersDesign {
             coefficients: [1.0, 1.0, 0.5, by_spool],
-            deviation: 0.5,
+            deviation: 0.3,
+            growth: 0.01,
             dependence: [[1.0; WIDTHS.len()]; 2],
         };
         let read = |by_spool, spool| of(by_spool).residual([110.0, 90.0], 190.0, spool);
         assert_eq!(read(0.1, Some(20.0)), Some(-3.0));
         assert_eq!(read(0.1, None), None);
+        let deviations = [None, Some(0.0)].map(|spool| of(0.1).deviation(spool));
+        assert!(deviations.iter().all(|it| (it - 0.3).abs() < 1e-12));
+        assert!((of(0.1).deviation(Some(-libm::sqrt(40.0))) - 0.5).abs() < 1e-12);
         assert_eq!([read(0.0, None), read(0.0, Some(20.0))], [Some(-1.0); 2]);
     }
 }

@@ -7,7 +7,7 @@ use crate::state::whole;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProcessCoverage {
     pub monitored: u64,
-    /// By spool and by chambers; `None` without the relation.
+    /// By spool, by chambers and by flow; `None` without the relation.
     pub judged: [Option<u64>; RELATIONS],
 }
 

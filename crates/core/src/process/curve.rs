@@ -1,4 +1,5 @@
-//! A function of the command by linear pieces, which are short where valves are least linear: near rest.
+//! A function of the command, or of the spool's position, by linear pieces, which are short where valves are least
+//! linear: near rest.
 
 use alloc::vec::Vec;
 
@@ -8,31 +9,49 @@ pub type PiecePart = (usize, f64);
 /// Values at knots, linear between them. Knot i of n + 1 stands at ± w² times the limit, with w = 2 i/n − 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Command of the last knot, m/s; that of the first one is its negative.
+    /// Place of the last knot, m/s or a unit of the spool; that of the first one is its negative.
     limit: f64,
     values: Vec<f64>,
 }
 
 impl Curve {
-    /// The curve with these `values` at its knots, at least two, and the last knot at the command `limit`.
+    /// The curve with these `values` at its knots, at least two, and the last knot at `limit`.
     pub fn new(limit: f64, values: Vec<f64>) -> Self {
         debug_assert!(values.len() > 1 && limit > 0.0);
         Self { limit, values }
+    }
+
+    /// Place of the last knot; that of the first one is its negative.
+    pub const fn limit(&self) -> f64 {
+        self.limit
     }
 
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// The value at `command`, m/s; beyond the outermost knots theirs.
+    /// The value at `command`; beyond the outermost knots theirs.
     pub fn at(&self, command: f64) -> f64 {
-        let (piece, part) = place(self.limit, self.values.len() - 1, command);
+        self.at_place(place(self.limit, self.values.len() - 1, command))
+    }
+
+    /// The value at a place among its own pieces.
+    #[inline]
+    pub fn at_place(&self, (piece, part): PiecePart) -> f64 {
         let [low, high] = [self.values[piece], self.values[piece + 1]];
         low + part * (high - low)
     }
+
+    /// The slope of a piece.
+    #[inline]
+    pub fn slope(&self, piece: usize) -> f64 {
+        let pieces = self.values.len() - 1;
+        let [from, to] = [piece, piece + 1].map(|index| knot(self.limit, pieces, index));
+        (self.values[piece + 1] - self.values[piece]) / (to - from)
+    }
 }
 
-/// Where `command`, m/s, lies among `pieces` whose outermost knots stand at ± `limit`.
+/// Where `command` lies among `pieces` whose outermost knots stand at ± `limit`.
 pub fn place(limit: f64, pieces: usize, command: f64) -> PiecePart {
     let count = pieces as f64;
     let command = command.clamp(-limit, limit);
@@ -40,11 +59,13 @@ pub fn place(limit: f64, pieces: usize, command: f64) -> PiecePart {
     let warped = if command < 0.0 { -warped } else { warped };
     let piece = (0.5 * (warped + 1.0) * count) as usize;
     let piece = piece.min(pieces - 1);
-    let [low, high] = [piece, piece + 1].map(|index| knot(limit, pieces, index));
+    let low = 2.0 * piece as f64 / count - 1.0;
+    let high = low + 2.0 / count;
+    let [low, high] = [low, high].map(|warped| limit * warped * warped.abs());
     (piece, ((command - low) / (high - low)).clamp(0.0, 1.0))
 }
 
-/// Command at which the knot of `index` among `pieces` stands, m/s.
+/// Where the knot of `index` among `pieces` stands.
 pub fn knot(limit: f64, pieces: usize, index: usize) -> f64 {
     let warped = 2.0 * index as f64 / pieces as f64 - 1.0;
     limit * warped * warped.abs()

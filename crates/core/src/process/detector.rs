@@ -1,56 +1,25 @@
 //! The process detector of one cylinder.
 
+use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
+use super::flow::directions::Direction;
+use super::flow::{
+    Flow, FlowDesign, FlowKind, FlowSample, FlowWeighing, FlowWindows, block_cycles,
+};
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
 use crate::sequential::statistic::Peak;
-use crate::state::{choice, state, whole};
+use crate::state::state;
 use crate::time::{self, Span, Timestamp};
-
-/// What is wrong with a cylinder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Malfunction {
-    /// Its hydraulics; nobody knows what yet.
-    Unclassified,
-    /// The spool sticks. Sizes are in the unit of the spool's signal.
-    Sticking,
-    /// The spool stands beside its command.
-    Offset,
-    /// The command comes late; the size is in cycles.
-    Late,
-    /// The valve gets, or follows, another command.
-    OtherCommand,
-    /// The pressures do not add up. The size is in bar.
-    Chambers,
-}
-
-choice! { Malfunction { Unclassified, Sticking, Offset, Late, OtherCommand, Chambers } }
-
-/// An alarm that stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProcessAlarm {
-    pub malfunction: Malfunction,
-    /// Its size, in the unit of the malfunction, where it is known.
-    pub size: Option<f64>,
-    /// The most evidence so far, nats.
-    pub nats: f64,
-    /// Begin of the window in which it was found.
-    pub onset: Timestamp,
-    /// Cycles since it was raised.
-    age: u32,
-    /// Cycles without evidence.
-    quiet: u32,
-}
-
-whole! { ProcessAlarm { malfunction, size, nats, onset, age, quiet } }
 
 /// What a process detector is made from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProcessDesign {
     pub spool: Option<SpoolDesign>,
     pub chambers: Option<ChambersDesign>,
+    pub flow: Option<FlowDesign>,
     /// h, nats.
     pub level: f64,
     /// s.
@@ -58,6 +27,15 @@ pub struct ProcessDesign {
     /// Cycles without evidence that end an alarm.
     pub clear: u32,
     pub parameters: &'static ProcessParameters,
+}
+
+impl ProcessDesign {
+    /// h of each relation, nats: blocks of the flow come more rarely than cycles, and as much rarer are their false
+    /// alarms.
+    pub fn levels(&self) -> [f64; RELATIONS] {
+        let of_flow = self.level - libm::log(f64::from(block_cycles(self.sample_time)));
+        [self.level, self.level, of_flow]
+    }
 }
 
 /// Inputs of a cycle; `None` where nothing came.
@@ -69,8 +47,11 @@ pub struct ProcessInput {
     pub spool: Option<f64>,
     /// P_bot and P_rod, bar.
     pub chambers: [Option<f64>; 2],
-    /// P_S, bar.
+    /// P_L as the machine sends it, and P_S, bar.
+    pub load: Option<f64>,
     pub supply: Option<f64>,
+    /// C1 and the corrected C2, m.
+    pub lengths: [Option<f64>; 2],
     /// Whether the platform is in a monitored state.
     pub monitored: bool,
     /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
@@ -82,11 +63,17 @@ pub struct ProcessInput {
 #[derive(Clone, Debug)]
 pub struct Process {
     design: ProcessDesign,
-    weighings: [Option<Weighing>; RELATIONS],
+    /// h of each relation, nats.
+    levels: [f64; RELATIONS],
+    weighings: [Option<Weighing>; 2],
     counts: Counts,
     spool: Option<Spool>,
     of_spool: EvidenceWindows,
     of_chambers: EvidenceWindows,
+    /// The balance of oil and rod, with what weighs its evidence.
+    flow: Option<Flow>,
+    flow_weighing: Option<FlowWeighing>,
+    of_flow: FlowWindows,
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
@@ -96,9 +83,9 @@ pub struct Process {
 }
 
 state! {
-    Process { of_spool, of_chambers, trace, open, alarms }
-    parts { spool }
-    but { design, weighings, counts, judged }
+    Process { of_spool, of_chambers, of_flow, trace, open, alarms }
+    parts { spool, flow }
+    but { design, levels, weighings, counts, judged, flow_weighing }
 }
 
 /// Times of [`ProcessParameters`] in cycles.
@@ -107,13 +94,15 @@ struct Counts {
     opening: u32,
     looks: [u32; 2],
     company: u32,
+    flow_look: u32,
 }
 
 const SPOOL: usize = 0;
 const CHAMBERS: usize = 1;
+const FLOW: usize = 2;
 
-/// Number of relations: spool and chambers.
-pub const RELATIONS: usize = 2;
+/// Number of relations: spool, chambers and flow.
+pub const RELATIONS: usize = 3;
 
 impl Process {
     pub fn new(design: ProcessDesign) -> Self {
@@ -122,7 +111,9 @@ impl Process {
         let weighing = |band, dependence| Weighing::new(band, dependence, sample_time);
         let of_spool = design.spool.as_ref();
         let of_chambers = design.chambers.as_ref();
+        let flow_weighing = design.flow.as_ref().and_then(FlowWeighing::new);
         Self {
+            levels: design.levels(),
             weighings: [
                 of_spool.map(|it| weighing(by.spool_band * it.largest, it.dependence)),
                 of_chambers.map(|it| weighing(by.chambers_band, it.dependence)),
@@ -131,10 +122,14 @@ impl Process {
                 opening: cycles(by.opening),
                 looks: by.looks.map(|seconds| time::samples(seconds, sample_time)),
                 company: cycles(by.company),
+                flow_look: cycles(by.flow_look),
             },
             spool: design.spool.clone().map(|it| Spool::new(it, sample_time)),
             of_spool: EvidenceWindows::default(),
             of_chambers: EvidenceWindows::default(),
+            flow: design.flow.clone().map(|it| Flow::new(it, sample_time)),
+            flow_weighing,
+            of_flow: FlowWindows::default(),
             trace: Trace::default(),
             open: 0,
             judged: [false; RELATIONS],
@@ -155,14 +150,24 @@ impl Process {
     fn forget(&mut self) {
         self.of_spool.clear();
         self.of_chambers.clear();
+        self.forget_flow();
         self.trace.clear();
     }
 
-    /// The alarm that counts: pressures that do not add up explain a spool that is off, and not the other way round.
+    fn forget_flow(&mut self) {
+        self.of_flow.clear();
+        if let Some(flow) = &mut self.flow {
+            flow.reset();
+        }
+    }
+
+    /// The alarm that counts: pressures that do not add up explain a spool that is off, and either of them what the oil
+    /// does; not the other way round.
     #[inline]
     pub fn alarm(&self) -> Option<&ProcessAlarm> {
-        let chambers = self.alarms[CHAMBERS].as_ref();
-        chambers.filter(|alarm| alarm.age >= self.counts.company).or(self.alarms[SPOOL].as_ref())
+        let [spool, chambers, flow] = &self.alarms;
+        let chambers = chambers.as_ref().filter(|alarm| alarm.age >= self.counts.company);
+        chambers.or(spool.as_ref()).or(flow.as_ref())
     }
 
     /// Whether the chambers' pressures do not add up.
@@ -178,7 +183,9 @@ impl Process {
 
     /// Whether each relation judged the newest cycle; `None` for one that it does not know.
     pub fn judged(&self) -> [Option<bool>; RELATIONS] {
-        core::array::from_fn(|which| self.weighings[which].as_ref().map(|_| self.judged[which]))
+        let [spool, chambers] = &self.weighings;
+        let known = [spool.is_some(), chambers.is_some(), self.flow_weighing.is_some()];
+        core::array::from_fn(|which| known[which].then_some(self.judged[which]))
     }
 
     /// Takes a cycle.
@@ -205,11 +212,37 @@ impl Process {
         let residual = self.design.chambers.as_ref().zip(chambers).and_then(|(design, read)| {
             let ((bottom, rod), supply) = read;
             let residual = design.residual([bottom, rod], supply, input.spool)?;
-            Some((residual, design.deviation))
+            Some((residual, design.deviation(input.spool)))
         });
         if let Some((residual, deviation)) = residual {
             self.of_chambers.push(residual, deviation);
             self.weigh(CHAMBERS, input.at);
+        }
+        if self.flow_weighing.is_some() {
+            self.step_flow(input);
+        }
+    }
+
+    /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
+    fn step_flow(&mut self, input: &ProcessInput) {
+        if self.alarms[CHAMBERS].is_some() {
+            self.forget_flow();
+            return;
+        }
+        let (Some(flow), Some(weighing)) = (&mut self.flow, &self.flow_weighing) else { return };
+        let sample = flow_sample(input, flow.design().area_ratio);
+        let block = flow.step(sample);
+        self.judged[FLOW] = flow.is_judging();
+        let Some(block) = block else { return };
+        self.of_flow.push(&block);
+        let cycles = flow.block();
+        let level = self.levels[FLOW];
+        let peak = match self.alarms[FLOW] {
+            None => self.of_flow.peak_in_turn(weighing, level),
+            Some(_) => self.of_flow.peak(weighing, self.design.parameters.over * level),
+        };
+        if self.alarms[FLOW].is_some() || peak.width > 0 {
+            self.follow(FLOW, peak, cycles, input.at);
         }
     }
 
@@ -218,26 +251,31 @@ impl Process {
         let Some(weighing) = &self.weighings[which] else { return };
         self.judged[which] = true;
         let evidence = [&self.of_spool, &self.of_chambers][which];
-        let [mean, spread] = evidence.peaks(weighing);
+        // An alarm is followed by all there is.
+        let [mean, spread] = match self.alarms[which] {
+            None => evidence.peaks_in_turn(weighing),
+            Some(_) => evidence.peaks(weighing),
+        };
         let peak = if spread.nats > mean.nats { spread } else { mean };
-        if self.alarms[which].is_none() && peak.nats < self.design.level {
+        if self.alarms[which].is_none() && peak.nats < self.levels[which] {
             return;
         }
-        self.follow(which, peak, at);
+        self.follow(which, peak, 1, at);
     }
 
+    /// Raises, follows or ends an alarm by evidence that is of so many `cycles` a sample.
     #[cold]
-    fn follow(&mut self, which: usize, peak: Peak, at: Timestamp) {
+    fn follow(&mut self, which: usize, peak: Peak, cycles: u32, at: Timestamp) {
         let ended = match &mut self.alarms[which] {
             None => {
-                self.alarms[which] = Some(self.raised(which, peak, at));
+                self.alarms[which] = Some(self.raised(which, peak, cycles, at));
                 false
             }
             Some(alarm) => {
-                alarm.age = alarm.age.saturating_add(1);
+                alarm.age = alarm.age.saturating_add(cycles);
                 alarm.nats = alarm.nats.max(peak.nats);
-                let over = peak.nats < self.design.parameters.over * self.design.level;
-                alarm.quiet = if over { alarm.quiet + 1 } else { 0 };
+                let over = peak.nats < self.design.parameters.over * self.levels[which];
+                alarm.quiet = if over { alarm.quiet + cycles } else { 0 };
                 alarm.quiet > self.design.clear
             }
         };
@@ -248,10 +286,15 @@ impl Process {
         }
     }
 
-    fn raised(&self, which: usize, peak: Peak, at: Timestamp) -> ProcessAlarm {
-        let back = self.design.sample_time * peak.width.saturating_sub(1) as f64;
+    fn raised(&self, which: usize, peak: Peak, cycles: u32, at: Timestamp) -> ProcessAlarm {
+        let sample = self.design.sample_time * f64::from(cycles);
+        let back = sample * peak.width.saturating_sub(1) as f64;
         ProcessAlarm {
-            malfunction: [Malfunction::Unclassified, Malfunction::Chambers][which],
+            malfunction: if which == CHAMBERS {
+                Malfunction::Chambers
+            } else {
+                Malfunction::Unclassified
+            },
             size: None,
             nats: peak.nats,
             onset: at.after(Span::from_seconds(-back)),
@@ -262,6 +305,10 @@ impl Process {
 
     /// Looks at the kind and size of an alarm while it is young, or while nobody knows its kind.
     fn look(&mut self, which: usize, width: usize) {
+        if which == FLOW {
+            self.look_at_flow();
+            return;
+        }
         let Some(alarm) = &mut self.alarms[which] else { return };
         let [from, until] = self.counts.looks;
         if which == CHAMBERS {
@@ -282,6 +329,42 @@ impl Process {
             (alarm.malfunction, alarm.size) = named(form);
         }
     }
+
+    /// Looks at what explains the oil and the rod since an alarm was raised, each time so much more of it has come.
+    fn look_at_flow(&mut self) {
+        let (Some(alarm), Some(flow), Some(weighing)) =
+            (&mut self.alarms[FLOW], &self.flow, &self.flow_weighing)
+        else {
+            return;
+        };
+        let blocks = (alarm.age / flow.block()) as usize;
+        let often = (self.counts.flow_look / flow.block()).max(1) as usize;
+        if blocks == 0 || !blocks.is_multiple_of(often) || blocks > LOOKS * often {
+            return;
+        }
+        let width = blocks.min(self.of_flow.held());
+        let kind = self.of_flow.kind(weighing, width);
+        if let Some(FlowKind { direction, size }) = kind {
+            let slope = flow.design().slope();
+            (alarm.malfunction, alarm.size) = match direction {
+                Direction::Leakage | Direction::ValveLeakage => (Malfunction::Leakage, Some(size)),
+                Direction::Null => (Malfunction::Null, Some(size / slope)),
+                Direction::DeadBand => (Malfunction::DeadBand, None),
+                Direction::Gain | Direction::Pressing => (Malfunction::Unclassified, None),
+            };
+        }
+    }
+}
+
+/// Times that the kind of an alarm by the flow is decided.
+const LOOKS: usize = 5;
+
+/// What the balance of oil and rod needs; `None` without all of it.
+fn flow_sample(input: &ProcessInput, area_ratio: f64) -> Option<FlowSample> {
+    let [bottom, rod] = input.chambers;
+    let load = input.load.or_else(|| Some(bottom? - area_ratio * rod?))?;
+    let [c1, c2] = input.lengths;
+    Some(FlowSample { lengths: [c1?, c2?], spool: input.spool?, load, supply: input.supply? })
 }
 
 fn named(form: SpoolForm) -> (Malfunction, Option<f64>) {

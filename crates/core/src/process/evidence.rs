@@ -4,6 +4,7 @@ use super::parameters::ProcessParameters;
 use crate::sequential::statistic::Peak;
 use crate::sequential::windows::{Sums, VALUES, WIDTHS};
 use crate::state::state;
+use core::ops::Range;
 
 const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 
@@ -32,6 +33,13 @@ impl Weighing {
         Self { dead_band, dependence, widths: [before(shortest), before(longest.min(WIDEST) + 1)] }
     }
 
+    /// Whether the sums over the window of `index` are evidence of anything.
+    #[inline]
+    fn is_evidence(&self, index: usize, [sum, weight, square, _]: &[f64; 4]) -> bool {
+        let beyond = sum.abs() > self.dead_band * weight;
+        beyond || *square > P.spread_band * WIDTHS[index] as f64
+    }
+
     /// Nats of the sums over the window of `index`: of the mean beyond the dead band, (|Σ y/s²| − ε Σ 1/s²)²
     /// over 2 κ Σ 1/s², and of the variance, n/2κ (ρ − 1 − ln ρ), ρ being the mean (y/s)² over the band.
     fn nats(&self, index: usize, [sum, weight, square, _]: [f64; 4]) -> [f64; 2] {
@@ -51,6 +59,12 @@ impl Weighing {
         };
         [mean, spread]
     }
+}
+
+/// How many widths, from the shortest one on, have their turn after `count` samples.
+#[inline]
+pub const fn in_turn(count: usize) -> usize {
+    2 * (count.trailing_zeros() as usize + 1)
 }
 
 /// The newest residuals of one relation.
@@ -86,15 +100,38 @@ impl EvidenceWindows {
         self.sums.over(width)
     }
 
-    /// The windows of mean and of spread with the most evidence.
+    /// The windows of mean and of spread with the most evidence, of all widths.
     pub fn peaks(&self, by: &Weighing) -> [Peak; 2] {
-        let mut peaks = [Peak::default(); 2];
         let [first, end] = by.widths;
-        for (index, width) in WIDTHS.into_iter().enumerate().take(end).skip(first) {
-            let Some(sums) = self.sums.over(width) else { break };
-            for (peak, nats) in peaks.iter_mut().zip(by.nats(index, sums)) {
-                if nats > peak.nats {
-                    *peak = Peak { nats, width };
+        self.among(by, first..end)
+    }
+
+    /// The same of the widths whose turn it is: the two shortest at every second sample, the next two at every fourth
+    /// one, and so on, so that half its width is the longest that one waits.
+    #[inline]
+    pub fn peaks_in_turn(&self, by: &Weighing) -> [Peak; 2] {
+        let [first, end] = by.widths;
+        let count = self.sums.count();
+        if count % 2 == 1 {
+            return [Peak::default(); 2];
+        }
+        self.among(by, first..end.min(first + in_turn(count / 2)))
+    }
+
+    #[inline]
+    fn among(&self, by: &Weighing, indices: Range<usize>) -> [Peak; 2] {
+        let mut peaks = [Peak::default(); 2];
+        let held = self.sums.held();
+        for (index, &width) in indices.clone().zip(&WIDTHS[indices]) {
+            if width > held {
+                break;
+            }
+            let sums = self.sums.newest(width);
+            if by.is_evidence(index, &sums) {
+                for (peak, nats) in peaks.iter_mut().zip(by.nats(index, sums)) {
+                    if nats > peak.nats {
+                        *peak = Peak { nats, width };
+                    }
                 }
             }
         }
@@ -161,6 +198,26 @@ mod tests {
         for deviation in [f64::NAN, 0.0] {
             assert!(after(0.6, deviation), "{deviation}");
         }
+    }
+
+    #[test]
+    fn each_width_has_its_turn_within_half_of_it() {
+        let by = Weighing::new(0.1, ONE, 0.02);
+        let (mut evidence, mut seen) = (EvidenceWindows::default(), [0; WIDTHS.len()]);
+        for k in 1..=3000 {
+            evidence.push(0.6, 0.5);
+            let [first, end] = by.widths;
+            let turns = if k % 2 == 0 { in_turn(k / 2) } else { 0 };
+            for index in first..end.min(first + turns) {
+                assert!(k - seen[index] <= WIDTHS[index] / 2, "{k}: {}", WIDTHS[index]);
+                seen[index] = k;
+            }
+            let in_turn = evidence.peaks_in_turn(&by)[0].nats;
+            let all = evidence.peaks(&by)[0].nats;
+            assert!(in_turn <= all && (k % 256 != 0 || in_turn == all), "{k}");
+        }
+        let [first, end] = by.widths;
+        assert!(seen[first..end].iter().all(|seen| *seen > 3000 - 256), "{seen:?}");
     }
 
     #[test]

@@ -5,25 +5,32 @@
 //! spool x ───────────────────────┘
 //! P_S, P_L, x ─→ sum of the chambers ─┐ ───→ evidence ─ h ─→ pressure sensor; of many cylinders: the supply's
 //! P_bot + P_rod ──────────────────────┘
+//! x, P_S, P_L ─→ way of the rod by the oil ─┐ ─→ evidence ─ h ─→ leakage, null, dead band
+//! C1, corrected C2 ─────────────────────────┘
 //! ```
 //!
-//! Both relations are learnt from a healthy recording. Neither knows C1 or C2, so that a transducer's fault leaves
-//! them alone but by what the controller then commands, and nothing is judged on commands that were not taught.
+//! All relations are learnt from a healthy recording. The first two do not know C1 and C2, and the third one asks both, so
+//! that a transducer's fault leaves them alone but by what the controller then commands. Nothing is judged on commands
+//! and positions that were not taught.
 //! Memory is bounded, and a step allocates nothing.
 
+pub mod alarm;
 pub mod chambers;
 pub mod coverage;
 pub mod curve;
 pub mod detector;
 pub mod evidence;
+pub mod flow;
 pub mod parameters;
 pub mod spool;
 mod trace;
 
+pub use alarm::{Malfunction, ProcessAlarm};
 pub use chambers::ChambersDesign;
 pub use coverage::ProcessCoverage;
 pub use curve::Curve;
-pub use detector::{Malfunction, Process, ProcessAlarm, ProcessDesign, ProcessInput};
+pub use detector::{Process, ProcessDesign, ProcessInput};
 pub use evidence::{EvidenceWindows, Weighing};
+pub use flow::{FlowDesign, FlowSample};
 pub use parameters::ProcessParameters;
 pub use spool::{Spool, SpoolDesign};

@@ -1,5 +1,6 @@
 //! What the process detectors judge by: every number of the family, with its unit and source.
 
+use super::flow::directions::DIRECTIONS;
 use crate::time;
 
 /// All of them. Those without a source were chosen on simulated machines (docs/PROCESS.md).
@@ -38,6 +39,18 @@ pub struct ProcessParameters {
     pub company: f64,
     /// Least number of cylinders whose sums of chambers are off when it is the supply's sensor, as a part of all.
     pub many: f64,
+    /// Least number of samples with which the spool's positions between two knots of f are taught.
+    pub flow_samples: u64,
+    /// Time of a block of rod and oil, s, and the shortest time over which a kind is sought by the flow, s.
+    pub flow_block: f64,
+    pub flow_look: f64,
+    /// What may have changed without a fault: leakage at 24 bar, null, gain, dead band, worn edges (m/s but for the
+    /// gain), and compressibility, m/bar. Warm oil leaks more, and its density changes.
+    pub flow_tolerances: [f64; DIRECTIONS],
+    /// What of each of them is no fault.
+    pub flow_bands: [f64; DIRECTIONS],
+    /// Distance of the spool from its middle within which worn edges leak, as a speed by the mean slope of f, m/s.
+    pub edges: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
 }
@@ -59,6 +72,12 @@ impl ProcessParameters {
         moving: 4e-3,
         company: 0.1,
         many: 0.6,
+        flow_samples: 400,
+        flow_block: 0.2,
+        flow_look: 10.0,
+        flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],
+        flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
+        edges: 0.022,
         over: 0.5,
     };
 

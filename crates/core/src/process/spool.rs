@@ -72,13 +72,13 @@ state! {
 struct Run {
     /// x̂ of this cycle, once there is one, and of the one before.
     expected: Option<[f64; 2]>,
-    /// Command of the cycle before.
-    command: Option<f64>,
+    /// g₂ of the command of the cycle before.
+    before: Option<f64>,
     /// Cycles that are left until it is right.
     unsettled: u32,
 }
 
-whole! { Run { expected, command, unsettled } }
+whole! { Run { expected, before, unsettled } }
 
 impl Spool {
     pub fn new(design: SpoolDesign, sample_time: f64) -> Self {
@@ -101,7 +101,9 @@ impl Spool {
             *run = Run::default();
             return None;
         };
-        let last = run.command.replace(command).unwrap_or(command);
+        let at = curve::place(design.limit, design.taught.len(), command);
+        let own = design.before.at(command);
+        let before = run.before.replace(own).unwrap_or(own);
         if run.expected.is_none() {
             run.unsettled = *settling;
         }
@@ -112,20 +114,13 @@ impl Spool {
             let (deviation, is_settled) = (libm::sqrt(variance), run.unsettled == 0);
             Stand { position, expected, deviation, is_settled }
         });
-        run.unsettled = match design.is_taught(command) {
+        run.unsettled = match command.abs() <= design.limit && design.taught[at.0] {
             true => run.unsettled.saturating_sub(1),
             false => *settling,
         };
-        let next = design.retained * expected + design.curve.at(command) + design.before.at(last);
+        let next = design.retained * expected + design.curve.at_place(at) + before;
         // Whatever is not finite gets there first.
         run.expected = next.is_finite().then_some([next, expected]);
         stand
-    }
-}
-
-impl SpoolDesign {
-    fn is_taught(&self, command: f64) -> bool {
-        let (piece, _) = curve::place(self.limit, self.taught.len(), command);
-        command.abs() <= self.limit && self.taught[piece]
     }
 }

@@ -11,27 +11,27 @@ pub const WIDTHS: [usize; 20] =
 /// Values that are summed.
 pub const VALUES: usize = 4;
 
-/// Running sums of some values over at most the newest `N` samples, in constant time; `N` is a
+/// Running sums of `V` values over at most the newest `N` samples, in constant time; `N` is a
 /// power of two, so that a place in the ring is a few bits of a number.
 #[derive(Clone, Debug)]
-pub struct Sums<const N: usize> {
+pub struct Sums<const N: usize, const V: usize = VALUES> {
     /// Sums of everything before each of the newest samples; a ring.
-    before: Box<[[f64; VALUES]; N]>,
-    total: [f64; VALUES],
+    before: Box<[[f64; V]; N]>,
+    total: [f64; V],
     /// Number of samples that came.
     count: usize,
 }
 
-state! { Sums<N> [const N: usize] { before, total, count } }
+state! { Sums<N, V> [const N: usize, const V: usize] { before, total, count } }
 
-impl<const N: usize> Sums<N> {
+impl<const N: usize, const V: usize> Sums<N, V> {
     pub fn new() -> Self {
         const { assert!(N.is_power_of_two()) };
-        Self { before: Box::new([[0.0; VALUES]; N]), total: [0.0; VALUES], count: 0 }
+        Self { before: Box::new([[0.0; V]; N]), total: [0.0; V], count: 0 }
     }
 
     pub const fn clear(&mut self) {
-        (self.total, self.count) = ([0.0; VALUES], 0);
+        (self.total, self.count) = ([0.0; V], 0);
     }
 
     /// Number of samples that are held.
@@ -40,9 +40,15 @@ impl<const N: usize> Sums<N> {
         self.count.min(N)
     }
 
+    /// Number of samples that came since it was cleared.
+    #[inline]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
     /// Takes a sample.
     #[inline]
-    pub fn push(&mut self, values: [f64; VALUES]) {
+    pub fn push(&mut self, values: [f64; V]) {
         self.before[self.count % N] = self.total;
         for (total, value) in self.total.iter_mut().zip(values) {
             *total += value;
@@ -55,13 +61,13 @@ impl<const N: usize> Sums<N> {
 
     /// The sums over the newest `width` samples; `None` if there are not so many.
     #[inline]
-    pub fn over(&self, width: usize) -> Option<[f64; VALUES]> {
+    pub fn over(&self, width: usize) -> Option<[f64; V]> {
         (width <= self.held()).then(|| self.newest(width))
     }
 
     /// The sums over the newest `width` samples, which are known to be held.
     #[inline]
-    pub fn newest(&self, width: usize) -> [f64; VALUES] {
+    pub fn newest(&self, width: usize) -> [f64; V] {
         let before = &self.before[self.count.wrapping_sub(width) % N];
         core::array::from_fn(|i| self.total[i] - before[i])
     }
@@ -75,11 +81,11 @@ impl<const N: usize> Sums<N> {
                 *before -= base;
             }
         }
-        self.total = [0.0; VALUES];
+        self.total = [0.0; V];
     }
 }
 
-impl<const N: usize> Default for Sums<N> {
+impl<const N: usize, const V: usize> Default for Sums<N, V> {
     fn default() -> Self {
         Self::new()
     }

@@ -32,7 +32,9 @@ pub enum Fault {
     Stale,
     /// The valve's spool sticks.
     ValveSticking,
-    /// The valve's spool stands beside its command.
+    /// Oil passes the piston or the valve's edges.
+    Leakage,
+    /// The valve's spool stands beside its command, or its null has moved.
     ValveOffset,
     /// The supply, or the sensor of its pressure.
     Supply,
@@ -45,13 +47,13 @@ pub enum Fault {
 choice! {
     Fault {
         Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale,
-        ValveSticking, ValveOffset, Supply, PressureSensor, Command,
+        ValveSticking, Leakage, ValveOffset, Supply, PressureSensor, Command,
     }
 }
 
 impl Fault {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Unclassified,
         Self::Abrupt,
         Self::Noise,
@@ -61,6 +63,7 @@ impl Fault {
         Self::Frozen,
         Self::Stale,
         Self::ValveSticking,
+        Self::Leakage,
         Self::ValveOffset,
         Self::Supply,
         Self::PressureSensor,
@@ -79,6 +82,7 @@ impl Fault {
             Self::Frozen => "frozen",
             Self::Stale => "stale",
             Self::ValveSticking => "valve_sticking",
+            Self::Leakage => "leakage",
             Self::ValveOffset => "valve_offset",
             Self::Supply => "supply",
             Self::PressureSensor => "pressure_sensor",

@@ -64,7 +64,7 @@ impl CalibrationCourse<'_> {
         let taught = self.teach(recording, &none)?;
         let (cuts, cut) = self.cuts(&taught);
         let mut taught = if cut { self.teach(recording, &cuts)? } else { taught };
-        taught.process = self.process(recording, &cuts)?;
+        taught.process = self.process(recording, &cuts, &taught)?;
         Ok(self.conclude(taught, &cuts))
     }
 
@@ -74,13 +74,17 @@ impl CalibrationCourse<'_> {
         &self,
         recording: &R,
         cuts: &Cuts,
+        taught: &Taught,
     ) -> Result<Vec<LearntProcess>, R::Error> {
         if !ProcessRows::are_named(self.settings) {
             return Ok(Vec::new());
         }
         let mut rows = ProcessRows::new(self.settings);
         recording.read(self.whole(), cuts.around(&mut rows))?;
-        Ok(rows.learn(self.settings, &self.timeline.ranking()))
+        let gain =
+            |fitted: &Result<super::Fitted, _>| fitted.as_ref().map_or(1.0, |it| it.line.gain);
+        let gains: Vec<f64> = taught.results.iter().map(gain).collect();
+        Ok(rows.learn(self.settings, &self.timeline.ranking(), &gains))
     }
 
     fn division(&self) -> Division {

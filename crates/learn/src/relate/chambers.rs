@@ -24,19 +24,20 @@ pub(super) fn learn(
         return Err(ProcessRefusal::Short { seconds });
     }
     let coefficients = fit(&known).ok_or(ProcessRefusal::Undetermined)?;
-    let (deviation, dependence) = (1.0, [[1.0; WIDTHS.len()]; 2]);
-    let design = ChambersDesign { coefficients, deviation, dependence };
+    let (deviation, growth, dependence) = (1.0, 0.0, [[1.0; WIDTHS.len()]; 2]);
+    let design = ChambersDesign { coefficients, deviation, growth, dependence };
     let left = |row: &&ProcessRow| {
         let ([bottom, rod, supply], spool) = values(row)?;
         let residual = design.residual([bottom, rod], supply, spool)?;
-        Some(Left { t: row.t, residual, way: 0.0, follows: row.follows })
+        let way = spool.map_or(0.0, |spool| spool * spool);
+        Some(Left { t: row.t, residual, way, follows: row.follows })
     };
     let left: Vec<Left> = known.iter().filter_map(left).collect();
     let by = &ProcessParameters::DEFAULT;
     let (least, band) = (by.least_deviations[1], by.chambers_band);
-    let Scatter { parts: [deviation, _], dependence: [mean_dependence, square_dependence] } =
+    let Scatter { parts: [deviation, growth], dependence: [mean_dependence, square_dependence] } =
         scatter::measure(&left, least, band, sample_time, level)?;
-    Ok(ChambersTable { coefficients, deviation, mean_dependence, square_dependence })
+    Ok(ChambersTable { coefficients, deviation, growth, mean_dependence, square_dependence })
 }
 
 /// P_bot, P_rod and P_S, bar, and the spool's position.

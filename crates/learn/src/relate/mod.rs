@@ -5,6 +5,7 @@
 //! and evidence as strong as that of a fault refuses the relation.
 
 mod chambers;
+mod flow;
 mod rows;
 mod scatter;
 mod spool;
@@ -12,7 +13,7 @@ mod spool;
 use crate::survey::Ranking;
 pub use rows::{ProcessRow, ProcessRows};
 use std::fmt;
-use tertius_config::settings::{ChambersTable, CylinderProcess, Settings, SpoolTable};
+use tertius_config::settings::{ChambersTable, CylinderProcess, FlowTable, Settings, SpoolTable};
 
 /// Shortest time from which a relation is learnt, s.
 pub const LEAST_TIME: f64 = 600.0;
@@ -26,6 +27,8 @@ pub struct LearntProcess {
     pub spool: Option<Result<SpoolTable, ProcessRefusal>>,
     /// `None` where the configuration does not name all three pressures.
     pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
+    /// `None` where the configuration does not name the spool, the load pressure, the supply's or C2.
+    pub flow: Option<Result<FlowTable, ProcessRefusal>>,
 }
 
 /// Why a relation was not learnt.
@@ -61,8 +64,9 @@ impl LearntProcess {
     pub fn table(&self, sample_time: f64) -> Option<CylinderProcess> {
         let spool = self.spool.as_ref().and_then(|it| it.as_ref().ok()).cloned();
         let chambers = self.chambers.as_ref().and_then(|it| it.as_ref().ok()).cloned();
-        let any = spool.is_some() || chambers.is_some();
-        any.then_some(CylinderProcess { sample_time, spool, chambers })
+        let flow = self.flow.as_ref().and_then(|it| it.as_ref().ok()).cloned();
+        let any = spool.is_some() || chambers.is_some() || flow.is_some();
+        any.then_some(CylinderProcess { sample_time, spool, chambers, flow })
     }
 
     /// What was not learnt, and why.
@@ -73,7 +77,8 @@ impl LearntProcess {
         let of_spool = refused("the spool", self.spool.as_ref().and_then(|it| it.as_ref().err()));
         let of_chambers =
             refused("the pressures", self.chambers.as_ref().and_then(|it| it.as_ref().err()));
-        of_spool.into_iter().chain(of_chambers).collect()
+        let of_flow = refused("the flow", self.flow.as_ref().and_then(|it| it.as_ref().err()));
+        of_spool.into_iter().chain(of_chambers).chain(of_flow).collect()
     }
 }
 
@@ -84,8 +89,14 @@ impl ProcessRows {
     }
 
     /// What the rows of all cylinders teach. They are taken in the order of the recording's
-    /// `ranking`, so that the same files teach the same whichever came first.
-    pub fn learn(mut self, settings: &Settings, ranking: &Ranking) -> Vec<LearntProcess> {
+    /// `ranking`, so that the same files teach the same whichever came first; `gains` are a of (5-20)
+    /// of each cylinder.
+    pub fn learn(
+        mut self,
+        settings: &Settings,
+        ranking: &Ranking,
+        gains: &[f64],
+    ) -> Vec<LearntProcess> {
         self.rank(ranking);
         let level = settings.process_level();
         let time = settings.machine.sample_time;
@@ -94,6 +105,10 @@ impl ProcessRows {
             spool: has_spool(settings).then(|| spool::learn(self.of(n), time, level)),
             chambers: has_chambers(settings)
                 .then(|| chambers::learn(self.of(n), has_spool(settings), time, level)),
+            flow: has_flow(settings).then(|| {
+                let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
+                flow::learn(self.of(n), geometry, time, level)
+            }),
         };
         (1..=settings.machine.cylinders).map(learn).collect()
     }
@@ -101,6 +116,13 @@ impl ProcessRows {
 
 const fn has_spool(settings: &Settings) -> bool {
     settings.signals.cylinder.spool.is_some()
+}
+
+const fn has_flow(settings: &Settings) -> bool {
+    let own = &settings.signals.cylinder;
+    let of_chambers = own.pressure_bottom.is_some() && own.pressure_rod.is_some();
+    let has_load = own.load_pressure.is_some() || of_chambers;
+    has_spool(settings) && has_load && own.c2.is_some() && settings.signals.supply.is_some()
 }
 
 const fn has_chambers(settings: &Settings) -> bool {

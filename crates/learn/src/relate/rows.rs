@@ -6,9 +6,9 @@ use tertius_core::alarm::status::MAX_CYLINDERS;
 use tertius_core::process::ProcessParameters;
 use tertius_core::time;
 
-/// Rows of one cylinder that are kept: four hours at 50 Hz, 29 MB. Of a longer recording every other
+/// Rows of one cylinder that are kept: three hours at 50 Hz, 35 MB. Of a longer recording every other
 /// piece is kept, or every fourth, and so on: more teach nothing new.
-const MOST: usize = 720_000;
+const MOST: usize = 540_000;
 
 /// Rows of a piece: a minute at 50 Hz.
 const PIECE: usize = 3000;
@@ -25,8 +25,20 @@ pub struct ProcessRow {
     pub spool: Option<f32>,
     /// P_bot, P_rod and P_S, bar.
     pub pressures: Option<[f32; 3]>,
+    /// What the flow is learnt from.
+    pub flow: Option<FlowRow>,
     /// Whether the row before is that of the cycle before.
     pub follows: bool,
+}
+
+/// What moves the rod, and the rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlowRow {
+    /// C1 and C2, m.
+    pub lengths: [f32; 2],
+    /// P_L and P_S, bar.
+    pub load: f32,
+    pub supply: f32,
 }
 
 /// The rows of all cylinders.
@@ -37,6 +49,8 @@ pub struct ProcessRows {
     open: [u32; MAX_CYLINDERS],
     opening: u32,
     lulls: [Lull; MAX_CYLINDERS],
+    /// α of (3-5).
+    area_ratio: f64,
 }
 
 /// Every n-th piece of the rows of one cylinder, counted anew after each pause, so that what is kept
@@ -110,6 +124,7 @@ impl ProcessRows {
             open: [0; MAX_CYLINDERS],
             opening: time::cycles(opening, settings.machine.sample_time),
             lulls: Default::default(),
+            area_ratio: settings.machine.area_ratio,
         }
     }
 
@@ -149,6 +164,7 @@ impl Surveyor for ProcessRows {
             spool: row.spool.map(|spool| spool as f32),
             pressures: chambers
                 .map(|((bottom, rod), supply)| [bottom, rod, supply].map(|it| it as f32)),
+            flow: flow_row(row, self.area_ratio),
             follows: *open > self.opening,
         });
     }
@@ -158,6 +174,14 @@ impl Surveyor for ProcessRows {
         // The first row after it has none before, and the spool has moved on by less than a cycle or two.
         self.open[index] = self.open[index].min(self.opening - 1);
     }
+}
+
+fn flow_row(row: &Row, area_ratio: f64) -> Option<FlowRow> {
+    Some(FlowRow {
+        lengths: [row.c1? as f32, row.c2? as f32],
+        load: row.load_pressure(area_ratio)? as f32,
+        supply: row.supply? as f32,
+    })
 }
 
 #[cfg(test)]
@@ -171,8 +195,9 @@ mod tests {
             pieces.pause();
             for number in file.clone() {
                 let follows = number != file.start;
-                let (command, spool, pressures) = (number as f32, None, None);
-                pieces.push(ProcessRow { t: 0.0, command, spool, pressures, follows });
+                let command = number as f32;
+                let (spool, pressures, flow) = (None, None, None);
+                pieces.push(ProcessRow { t: 0.0, command, spool, pressures, flow, follows });
             }
         }
         assert!(pieces.rows.len() <= most);

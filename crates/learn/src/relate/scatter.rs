@@ -11,7 +11,7 @@ use tertius_core::sequential::windows::{VALUES, WIDTHS};
 pub(super) struct Left {
     pub t: f64,
     pub residual: f64,
-    /// Movement within the cycle.
+    /// What the scatter grows with: the movement within the cycle, or the square of a position.
     pub way: f64,
     /// Whether the sample before is that of the cycle before.
     pub follows: bool,

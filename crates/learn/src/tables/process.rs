@@ -2,17 +2,20 @@
 
 use super::calibration::six;
 use std::fmt::Write as _;
-use tertius_config::settings::{ChambersTable, CylinderProcess, SpoolTable};
+use tertius_config::settings::{ChambersTable, CylinderProcess, FlowTable, SpoolTable};
 
 /// `[cylinder.process]` and its parts.
 pub(super) fn table(process: &CylinderProcess) -> String {
-    let CylinderProcess { sample_time, spool, chambers } = process;
+    let CylinderProcess { sample_time, spool, chambers, flow } = process;
     let mut text = format!("\n[cylinder.process]\nsample_time = {sample_time:?}\n");
     if let Some(spool) = spool {
         text += &of_spool(spool);
     }
     if let Some(chambers) = chambers {
         text += &of_chambers(chambers);
+    }
+    if let Some(flow) = flow {
+        text += &of_flow(flow);
     }
     text
 }
@@ -45,14 +48,30 @@ fn of_spool(table: &SpoolTable) -> String {
 }
 
 fn of_chambers(table: &ChambersTable) -> String {
-    let ChambersTable { coefficients, deviation, mean_dependence, square_dependence } = table;
+    let ChambersTable { coefficients, deviation, growth, mean_dependence, square_dependence } =
+        table;
     let mut text = "\n[cylinder.process.chambers]\n".to_owned();
     _ = write!(
         text,
-        "coefficients = {}\ndeviation = {deviation:e}\nmean_dependence = {}\nsquare_dependence = {}\n",
+        "coefficients = {}\ndeviation = {deviation:e}\ngrowth = {growth:e}\nmean_dependence = {}\nsquare_dependence = {}\n",
         six(coefficients),
         six(mean_dependence),
         six(square_dependence),
+    );
+    text
+}
+
+fn of_flow(table: &FlowTable) -> String {
+    let FlowTable { limit, curve, samples, between, leakage, compression, scatter_c1, scatter_c2 } =
+        table;
+    let mut text = "\n[cylinder.process.flow]\n".to_owned();
+    _ = write!(
+        text,
+        "limit = {limit:?}\ncurve = {}\nsamples = {samples:?}\nbetween = {between:?}\nleakage = {leakage:e}\n\
+         compression = {compression:e}\nscatter_c1 = {}\nscatter_c2 = {}\n",
+        six(curve),
+        six(scatter_c1),
+        six(scatter_c2),
     );
     text
 }

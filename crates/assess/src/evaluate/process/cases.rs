@@ -21,6 +21,7 @@ pub struct ProcessCase {
 
 /// How long a fault is watched, s.
 const WATCH: f64 = 25.0;
+const LONG_WATCH: f64 = 75.0;
 
 const fn of_the_machine(
     label: &'static str,
@@ -30,6 +31,21 @@ const fn of_the_machine(
 ) -> ProcessCase {
     let wanted = Wanted::Machine(ailment);
     ProcessCase { label, sensor: "machine", wanted, expected: Some(expected), size, watch: WATCH }
+}
+
+/// A fault that shows in the flow alone: it takes longer.
+const fn by_flow(
+    label: &'static str,
+    ailment: Ailment,
+    expected: Fault,
+    size: Option<f64>,
+) -> ProcessCase {
+    ProcessCase { watch: LONG_WATCH, ..of_the_machine(label, ailment, expected, size) }
+}
+
+/// Oil that passes the piston at `speed`, m/s at 24 bar: β / α of (3-8) times the load, with α of the default plant.
+const fn leakage(speed: f64) -> Ailment {
+    Ailment::Leakage { rate: speed * 7000.0 / 24.0 }
 }
 
 const fn of_pressure(label: &'static str, shape: Shape, size: Option<f64>) -> ProcessCase {
@@ -49,7 +65,7 @@ const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
 }
 
 /// Sizes of spools are in the unit of the default machine's signal, %.
-pub const CASES: [ProcessCase; 21] = [
+pub const CASES: [ProcessCase; 30] = [
     of_the_machine(
         "sticking 0.5 %",
         Ailment::Sticking { band: 0.005 },
@@ -110,6 +126,15 @@ pub const CASES: [ProcessCase; 21] = [
         Fault::Command,
         None,
     ),
+    by_flow("leakage 2.5 mm/s", leakage(2.5e-3), Fault::Leakage, Some(2.5e-3)),
+    by_flow("leakage 5 mm/s", leakage(5e-3), Fault::Leakage, Some(5e-3)),
+    by_flow("leakage 12.5 mm/s", leakage(12.5e-3), Fault::Leakage, Some(12.5e-3)),
+    by_flow("null 0.25 %", Ailment::NullShift { size: 0.0025 }, Fault::ValveOffset, Some(0.25)),
+    by_flow("null 0.5 %", Ailment::NullShift { size: 0.005 }, Fault::ValveOffset, Some(0.5)),
+    by_flow("null 1 %", Ailment::NullShift { size: 0.01 }, Fault::ValveOffset, Some(1.0)),
+    by_flow("dead band 0.5 %", Ailment::DeadBand { size: 0.005 }, Fault::Unclassified, None),
+    by_flow("dead band 1 %", Ailment::DeadBand { size: 0.01 }, Fault::Unclassified, None),
+    by_flow("worn edges 12.5 mm/s", Ailment::ValveLeakage { speed: 0.0125 }, Fault::Leakage, None),
     of_pressure("pressure 3 bar off", Shape::Step { size: 3.0 }, Some(3.0)),
     of_pressure("pressure 10 bar off", Shape::Step { size: 10.0 }, Some(10.0)),
     of_pressure("pressure drifts 0.2 bar/s", Shape::Drift { rate: 0.2 }, None),

@@ -85,7 +85,9 @@ impl Stand<'_> {
         for _ in 0..self.cycles(LESSON) {
             simulator.step(&mut |frame| monitor.take(frame, &mut survey));
         }
-        for learnt in rows.learn(&settings, &Ranking::default()) {
+        let gains: Vec<f64> =
+            (1..=settings.machine.cylinders).map(|n| settings.comparator_of(n).0).collect();
+        for learnt in rows.learn(&settings, &Ranking::default(), &gains) {
             if let Some(why) = learnt.remarks().first() {
                 return Err(StandError::Untaught(format!("cylinder {}: {why}", learnt.number)));
             }
@@ -174,6 +176,9 @@ fn fault(case: &ProcessCase, cylinder: u8, (at, sign): (f64, f64)) -> Fault {
     let wanted = match case.wanted {
         Wanted::Machine(Ailment::SpoolOffset { size }) => {
             Wanted::Machine(Ailment::SpoolOffset { size: sign * size })
+        }
+        Wanted::Machine(Ailment::NullShift { size }) => {
+            Wanted::Machine(Ailment::NullShift { size: sign * size })
         }
         Wanted::Shape(Shape::Step { size }) => Wanted::Shape(Shape::Step { size: sign * size }),
         Wanted::Shape(Shape::Drift { rate }) => Wanted::Shape(Shape::Drift { rate: sign * rate }),

@@ -107,9 +107,10 @@ impl Cylinder {
     fn process_finding(&self) -> Option<Finding> {
         let alarm = self.process.as_ref()?.alarm()?;
         let fault = match alarm.malfunction {
-            Malfunction::Unclassified => Fault::Unclassified,
+            Malfunction::Unclassified | Malfunction::DeadBand => Fault::Unclassified,
+            Malfunction::Leakage => Fault::Leakage,
             Malfunction::Sticking => Fault::ValveSticking,
-            Malfunction::Offset => Fault::ValveOffset,
+            Malfunction::Offset | Malfunction::Null => Fault::ValveOffset,
             Malfunction::Late | Malfunction::OtherCommand => Fault::Command,
             Malfunction::Chambers if self.supply_is_odd => Fault::Supply,
             Malfunction::Chambers => Fault::PressureSensor,

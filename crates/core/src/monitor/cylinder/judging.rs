@@ -78,16 +78,22 @@ impl Cylinder {
     }
 
     #[inline(never)]
-    pub(super) fn judge_process(&mut self, now: Evaluation) {
+    pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
         let Some(process) = &mut self.process else { return };
         let doubted = |suspect: Suspect| suspect != Suspect::Process;
-        let difference = self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
+        let difference = self.bank.any_found()
+            && self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
         let sequential = self.sequential.as_ref().and_then(|it| it.alarm());
         let monitored = now.gate == Opening::Open;
+        let [bottom, rod, load] = self.inputs.pressures();
+        let [c1, c2] = good.map(|reading| reading.map(|it| it.position));
+        let c2 = c2.map(|c2| self.design.comparator.corrected(c2));
         process.step(&ProcessInput {
             command: self.inputs.command_value(),
             spool: self.inputs.spool_value(),
-            chambers: [self.inputs.pressures()[0], self.inputs.pressures()[1]],
+            chambers: [bottom, rod],
+            load,
+            lengths: [c1, c2],
             supply: self.inputs.supply_value(),
             monitored,
             held: difference
