@@ -65,11 +65,7 @@ impl Connector<'_> {
         let design = FlowDesign {
             limit: fitted.limit,
             curve: Curve::new(fitted.limit, fitted.curve.clone()),
-            taught: fitted
-                .samples
-                .iter()
-                .map(|samples| *samples >= ProcessParameters::DEFAULT.flow_samples)
-                .collect(),
+            taught: FlowDesign::taught(&fitted.samples),
             between: fitted.between,
             leakage: fitted.leakage,
             compression: fitted.compression,

@@ -74,6 +74,17 @@ impl Passage {
 }
 
 impl FlowDesign {
+    /// Which pieces are taught by so many `samples` in each: those of which the neighbours are, too, since a knot with
+    /// few samples beyond it may be anywhere.
+    pub fn taught(samples: &[u64]) -> Vec<bool> {
+        let enough = |index: Option<usize>| {
+            let count = index.and_then(|index| samples.get(index));
+            count.is_some_and(|count| *count >= ProcessParameters::DEFAULT.flow_samples)
+        };
+        let piece = |i: usize| enough(Some(i)) && enough(i.checked_sub(1)) && enough(Some(i + 1));
+        (0..samples.len()).map(piece).collect()
+    }
+
     /// Mean slope of f, m/s per unit of the spool's position.
     pub fn slope(&self) -> f64 {
         let values = self.curve.values();
@@ -245,6 +256,12 @@ mod tests {
             assert!(block.left[0].abs() < 1e-12, "{block:?}");
             assert!((block.left[1] - 0.02).abs() < 1e-12, "{block:?}");
         }
+    }
+
+    #[test]
+    fn a_piece_is_taught_where_its_knots_are() {
+        let taught = FlowDesign::taught(&[500, 400, 400, 600, 399, 900]);
+        assert_eq!(taught, [false, true, true, false, false, false]);
     }
 
     #[test]

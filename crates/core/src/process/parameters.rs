@@ -51,6 +51,8 @@ pub struct ProcessParameters {
     pub flow_bands: [f64; DIRECTIONS],
     /// Distance of the spool from its middle within which worn edges leak, as a speed by the mean slope of f, m/s.
     pub edges: f64,
+    /// Blocks near the middle from which worn edges are judged.
+    pub edges_least: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
 }
@@ -78,6 +80,7 @@ impl ProcessParameters {
         flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],
         flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
         edges: 0.022,
+        edges_least: 2.0,
         over: 0.5,
     };
 

@@ -11,7 +11,7 @@ use tertius_core::process::flow::{
 use tertius_core::process::{Curve, FlowDesign, FlowSample, ProcessParameters, curve};
 
 /// Pieces of f.
-const PIECES: usize = 26;
+const PIECES: usize = 40;
 /// Unknowns: f at its knots, c₁ and c₂.
 const UNKNOWNS: usize = PIECES + 3;
 
@@ -21,7 +21,7 @@ const BEYOND: f64 = 1e-4;
 /// Places of the spool between two cycles that are tried: the valve may be read before the Sync or after it.
 const BETWEEN: [f64; 11] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
-/// What keeps values at knots near which no position was from running away, as a part of the mean diagonal.
+/// What keeps values at knots near which no position was from running away, as a part of the mean diagonal of f.
 const RIDGE: f64 = 1e-7;
 
 /// Blocks over which what is left may depend on itself: 12 s.
@@ -61,8 +61,7 @@ pub(super) fn learn(
     if design.slope() <= 0.0 {
         return Err(ProcessRefusal::Undetermined);
     }
-    design.taught =
-        samples.iter().map(|count| *count >= ProcessParameters::DEFAULT.flow_samples).collect();
+    design.taught = FlowDesign::taught(&samples);
     let blocks = lesson.blocks(&design);
     design.scatter = [0, 1].map(|of| scatter(&blocks, of));
     lesson.verify(&blocks, &design, level)?;
@@ -118,7 +117,8 @@ impl Lesson<'_> {
             }
             squares += way * way;
         });
-        let ridge = RIDGE * normal.trace() / UNKNOWNS as f64;
+        let of_curve: f64 = (0..=PIECES).map(|i| normal[(i, i)]).sum();
+        let ridge = RIDGE * of_curve / (PIECES + 1) as f64;
         (0..=PIECES).for_each(|i| normal[(i, i)] += ridge);
         let solved = normal.cholesky()?.solve(&right);
         let values = solved.as_slice();

@@ -180,6 +180,14 @@ impl Window {
     }
 }
 
+impl Window {
+    /// Whether the spool was near its middle for as much as so many blocks: a few of them may say anything.
+    fn has_edges(&self) -> bool {
+        let square = |direction: Direction| self.squares[(direction as usize, direction as usize)];
+        self.count * square(Direction::ValveLeakage) >= P.edges_least * square(Direction::Leakage)
+    }
+}
+
 impl FlowWeighing {
     /// Whether any direction can have that much evidence: with Λ there is less than Gᵀ(nΩ)⁻¹G / 2, by Cauchy-Schwarz.
     fn may_reach(&self, sums: &[f64; SUMMED], width: usize, nats: f64) -> bool {
@@ -213,6 +221,9 @@ impl FlowWeighing {
 impl Factor {
     /// mᵀC⁻¹m and mᵀC⁻¹G with all of Λ; `None` for a direction that did not occur.
     fn along(&self, window: &Window, direction: Direction) -> Option<Solved> {
+        if direction == Direction::ValveLeakage && !window.has_edges() {
+            return None;
+        }
         let along: Vector = window.squares.column(direction as usize).into_owned();
         let product = along.dot(&self.solution);
         let weight = self.lower.solve_lower_triangular(&along)?.norm_squared();
