@@ -62,13 +62,15 @@ fn judged(summary: &Summary<'_>) -> String {
             judged += tally.cycles - unjudged;
         }
     }
-    match (judged, cycles) {
-        (0, _) => "none".to_owned(),
-        (judged, cycles) if judged == cycles => "all".to_owned(),
-        // Only what is all is shown as all.
-        (judged, cycles) => {
-            format!("{:.1} %", (1e2 * judged as f64 / cycles as f64).min(99.9))
-        }
+    share(judged, cycles)
+}
+
+/// A part of the whole in words; only what is all of it is shown as all.
+fn share(part: u64, whole: u64) -> String {
+    match part {
+        0 => "none".to_owned(),
+        part if part == whole => "all".to_owned(),
+        part => format!("{:.1} %", (1e2 * part as f64 / whole as f64).min(99.9)),
     }
 }
 
@@ -84,15 +86,11 @@ fn sequential(summary: &Summary<'_>) -> Option<String> {
     if cycles == 0 {
         return None;
     }
-    let share = |count: u64| match count {
-        0 => "none".to_owned(),
-        count => format!("{:.1} %", 1e2 * count as f64 / cycles as f64),
-    };
-    let mut text = format!("The sequential detectors judged {} of the time", share(judged));
+    let mut text = format!("The sequential detectors judged {} of the time", share(judged, cycles));
     let reasons = super::wording::UNKNOWN.into_iter().zip(unknown);
     let reasons: Vec<String> = reasons
         .filter(|(_, count)| 1000 * count >= cycles)
-        .map(|(reason, count)| format!("{reason} {}", share(count)))
+        .map(|(reason, count)| format!("{reason} {}", share(count, cycles)))
         .collect();
     if !reasons.is_empty() {
         text += &format!("; {}", reasons.join(", "));
@@ -103,17 +101,19 @@ fn sequential(summary: &Summary<'_>) -> Option<String> {
 /// How much of the monitored time the process detectors judged; `None` without one.
 fn process(summary: &Summary<'_>) -> Option<String> {
     let coverages: Vec<_> = summary.tallies.iter().filter_map(|tally| tally.process).collect();
-    let parts = ["the spools", "the chambers' pressures", "the flow"].into_iter().enumerate();
-    let told = parts.filter_map(|(which, name)| {
-        let own = coverages.iter().filter_map(|it| Some([it.judged[which]?, it.monitored]));
-        let [judged, monitored] =
-            own.reduce(|[a, b], [judged, monitored]| [a + judged, b + monitored])?;
-        Some(format!("{name} {:.1} %", 1e2 * judged as f64 / monitored as f64))
-    });
-    let told: Vec<String> = told.collect();
-    (!told.is_empty()).then(|| {
-        format!("Of the monitored time, the process detectors judged {}.", told.join(", "))
-    })
+    let told: Vec<String> = (0..)
+        .zip(super::wording::RELATIONS)
+        .filter_map(|(which, name)| {
+            let own = coverages.iter().filter_map(|it| Some([it.judged[which]?, it.monitored]));
+            let [judged, monitored] =
+                own.reduce(|[a, b], [judged, monitored]| [a + judged, b + monitored])?;
+            Some(format!("by {name} {}", share(judged, monitored)))
+        })
+        .collect();
+    let (last, others) = told.split_last()?;
+    let told =
+        if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
+    Some(format!("The process detectors judged {told} of the monitored time."))
 }
 
 impl Blanks {

@@ -5,6 +5,7 @@ use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::incident::Incident;
 use crate::monitor::Notice;
+use crate::process::ProcessCoverage;
 use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
@@ -20,6 +21,13 @@ pub const COVERAGE_COLUMNS: [&str; 6] =
 /// Reasons for which a sequential detector did not judge, in the order of [`Unknown::ALL`].
 pub const UNKNOWN: [&str; Unknown::ALL.len()] =
     ["not monitored", "no reading", "not calibrated", "no baseline"];
+
+/// What the process detectors judge by, in the order of [`ProcessCoverage::judged`].
+pub const RELATIONS: [&str; 3] = ["the spools", "the chambers' pressures", "the flow"];
+
+/// Columns of the time in which the process detectors judged.
+pub const PROCESS_COLUMNS: [&str; 5] =
+    ["cylinder", "monitored", "by the spool", "by the pressures", "by the flow"];
 
 pub const EPISODE_COLUMNS: [&str; 10] = [
     "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
@@ -93,6 +101,22 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }
+
+/// Seconds of coverage, a row for each cylinder with a process detector; a dash stands for what none of its
+/// detectors judges by.
+pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; 5]> {
+    let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
+    let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
+        let ProcessCoverage { monitored, judged } = tally.process?;
+        let [spool, chambers, flow] = judged.map(|it| it.map_or("–".to_owned(), seconds));
+        Some([number.to_string(), seconds(monitored), spool, chambers, flow])
+    };
+    (1..).zip(summary.tallies).filter_map(row).collect()
+}
+
+/// Introduction to the rows of [`process_rows`].
+pub const PROCESS_COVERAGE: &str = "Process detectors: how long the platform was in a monitored \
+    state, and how long they judged by each of what they compare";
 
 /// Introduction to the rows of [`coverage_rows`].
 pub const COVERAGE: &str = "Sequential detectors: how long they judged, and how long they could \

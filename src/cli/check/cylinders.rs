@@ -80,8 +80,9 @@ fn process(machine: &Machine, n: u8) -> Option<String> {
         ("chambers' pressures", design.chambers.is_some()),
         ("flow", design.flow.is_some()),
     ];
-    let parts: Vec<&str> = parts.into_iter().filter(|it| it.1).map(|it| it.0).collect();
-    Some(format!("{}; level {:.1} nats", parts.join(", "), design.level))
+    let known = parts.into_iter().zip(design.levels()).filter(|((_, is_known), _)| *is_known);
+    let known = known.map(|((name, _), level)| format!("{name} (level {level:.1} nats)"));
+    Some(known.collect::<Vec<_>>().join(", "))
 }
 
 fn estimate(settings: &Settings, n: u8) -> String {

@@ -46,6 +46,12 @@ pub fn page(
         page.paragraph(&format!("{}.", wording::COVERAGE));
         page.table(&wording::COVERAGE_COLUMNS, &known);
     }
+    let known: Vec<Vec<String>> =
+        wording::process_rows(summary).into_iter().map(Vec::from).collect();
+    if !known.is_empty() {
+        page.paragraph(&format!("{}.", wording::PROCESS_COVERAGE));
+        page.table(&wording::PROCESS_COLUMNS, &known);
+    }
     stops::section(&mut page, summary.stops);
     over_time(&mut page, recorded);
     histograms(&mut page, recorded);

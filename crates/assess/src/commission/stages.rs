@@ -82,21 +82,8 @@ impl Taught {
     /// Leaves out the process detectors that warn in the trial, which may be wrong with a valve that is not like itself
     /// for long; the transducers are watched all the same.
     pub(super) fn without_process(&mut self, alarms: &[FalseAlarm]) {
-        for FalseAlarm { t, cylinder, .. } in alarms {
-            let of_n =
-                |it: &&mut CylinderCalibration| it.number == *cylinder && it.process.is_some();
-            let taught = self.calibration.iter_mut().flat_map(|it| &mut it.cylinders).find(of_n);
-            let (Some(taught), Ok(text)) =
-                (taught, edit::without(&self.text, *cylinder, "process"))
-            else {
-                continue;
-            };
-            self.text = text;
-            taught.process = None;
-            taught.remarks.push(format!(
-                "no process detector: the one of the trial, which does not know that block, warns {t:.1} s after the \
-                 first frame; is there a fault in the recording?"
-            ));
+        if let Some(calibration) = &mut self.calibration {
+            leave_out(&mut self.text, &mut calibration.cylinders, alarms);
         }
     }
 
@@ -109,6 +96,25 @@ impl Taught {
         self.text = edit::put(&self.text, tables, anew)
             .map_err(|error| format!("the configuration cannot be edited: {error}"))?;
         Ok(())
+    }
+}
+
+/// Takes the process detectors that raised these `alarms` out of the configuration's `text`, and says so in the
+/// remarks of their cylinders.
+fn leave_out(text: &mut String, cylinders: &mut [CylinderCalibration], alarms: &[FalseAlarm]) {
+    for FalseAlarm { t, cylinder, .. } in alarms {
+        let of_n = |it: &&mut CylinderCalibration| it.number == *cylinder && it.process.is_some();
+        let taught = cylinders.iter_mut().find(of_n);
+        let (Some(taught), Ok(without)) = (taught, edit::without(text, *cylinder, "process"))
+        else {
+            continue;
+        };
+        *text = without;
+        taught.process = None;
+        taught.remarks.push(format!(
+            "no process detector: the one of the trial, which does not know that block, warns {t:.1} s after the \
+             first frame; is there a fault in the recording?"
+        ));
     }
 }
 
@@ -264,5 +270,44 @@ fn nothing(taught: &Taught, what: &str) -> String {
     match taught.refused.len() {
         0 => what.to_owned(),
         _ => format!("{what}, as every cylinder is refused"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tertius_core::alarm::Detector;
+    use tertius_learn::calibrate::CalibrationRefusal;
+    use tertius_learn::relate::LearntProcess;
+
+    fn cylinder(number: u8) -> CylinderCalibration {
+        CylinderCalibration {
+            sample_time: 0.02,
+            number,
+            result: Err(CalibrationRefusal::NoSecond),
+            tried: None,
+            sequential: None,
+            level: None,
+            contradiction: None,
+            process: Some(LearntProcess { number, spool: None, chambers: None, flow: None }),
+            left_out: Vec::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_warns_in_the_trial_is_left_out_of_its_cylinder_alone_and_said_once() {
+        let own =
+            |n: u8| format!("[[cylinder]] # the {n}\nn = {n}\n[cylinder.process]\nlevel = {n}\n\n");
+        let mut text = own(1) + &own(2);
+        let mut cylinders = [cylinder(1), cylinder(2)];
+        let alarm = |t| FalseAlarm { t, cylinder: 2, detector: Detector::Process };
+        leave_out(&mut text, &mut cylinders, &[alarm(61.25), alarm(75.0)]);
+        assert!(text.starts_with(&own(1)), "{text}");
+        assert!(text.contains("\nn = 2") && !text.contains("level = 2"), "{text}");
+        assert!(cylinders[0].process.is_some() && cylinders[0].remarks.is_empty());
+        assert!(cylinders[1].process.is_none());
+        let [remark] = &cylinders[1].remarks[..] else { panic!("{:?}", cylinders[1].remarks) };
+        assert!(remark.contains("61.2 s"), "{remark}");
     }
 }

@@ -3,10 +3,7 @@
 use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
-use super::flow::directions::Direction;
-use super::flow::{
-    Flow, FlowDesign, FlowKind, FlowSample, FlowWeighing, FlowWindows, block_cycles,
-};
+use super::flow::{self, FlowDesign, FlowSample, FlowWatch};
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
@@ -30,11 +27,9 @@ pub struct ProcessDesign {
 }
 
 impl ProcessDesign {
-    /// h of each relation, nats: blocks of the flow come more rarely than cycles, and as much rarer are their false
-    /// alarms.
+    /// h of each relation, nats.
     pub fn levels(&self) -> [f64; RELATIONS] {
-        let of_flow = self.level - libm::log(f64::from(block_cycles(self.sample_time)));
-        [self.level, self.level, of_flow]
+        [self.level, self.level, flow::level(self.level, self.sample_time)]
     }
 }
 
@@ -65,15 +60,13 @@ pub struct Process {
     design: ProcessDesign,
     /// h of each relation, nats.
     levels: [f64; RELATIONS],
-    weighings: [Option<Weighing>; 2],
+    /// Of spool and chambers.
+    weighings: [Option<Weighing>; FLOW],
     counts: Counts,
     spool: Option<Spool>,
     of_spool: EvidenceWindows,
     of_chambers: EvidenceWindows,
-    /// The balance of oil and rod, with what weighs its evidence.
-    flow: Option<Flow>,
-    flow_weighing: Option<FlowWeighing>,
-    of_flow: FlowWindows,
+    flow: Option<FlowWatch>,
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
@@ -83,9 +76,9 @@ pub struct Process {
 }
 
 state! {
-    Process { of_spool, of_chambers, of_flow, trace, open, alarms }
+    Process { of_spool, of_chambers, trace, open, alarms }
     parts { spool, flow }
-    but { design, levels, weighings, counts, judged, flow_weighing }
+    but { design, levels, weighings, counts, judged }
 }
 
 /// Times of [`ProcessParameters`] in cycles.
@@ -94,7 +87,6 @@ struct Counts {
     opening: u32,
     looks: [u32; 2],
     company: u32,
-    flow_look: u32,
 }
 
 const SPOOL: usize = 0;
@@ -111,7 +103,7 @@ impl Process {
         let weighing = |band, dependence| Weighing::new(band, dependence, sample_time);
         let of_spool = design.spool.as_ref();
         let of_chambers = design.chambers.as_ref();
-        let flow_weighing = design.flow.as_ref().and_then(FlowWeighing::new);
+        let flow = design.flow.clone();
         Self {
             levels: design.levels(),
             weighings: [
@@ -122,14 +114,11 @@ impl Process {
                 opening: cycles(by.opening),
                 looks: by.looks.map(|seconds| time::samples(seconds, sample_time)),
                 company: cycles(by.company),
-                flow_look: cycles(by.flow_look),
             },
             spool: design.spool.clone().map(|it| Spool::new(it, sample_time)),
             of_spool: EvidenceWindows::default(),
             of_chambers: EvidenceWindows::default(),
-            flow: design.flow.clone().map(|it| Flow::new(it, sample_time)),
-            flow_weighing,
-            of_flow: FlowWindows::default(),
+            flow: flow.and_then(|it| FlowWatch::new(it, by, sample_time)),
             trace: Trace::default(),
             open: 0,
             judged: [false; RELATIONS],
@@ -155,9 +144,8 @@ impl Process {
     }
 
     fn forget_flow(&mut self) {
-        self.of_flow.clear();
         if let Some(flow) = &mut self.flow {
-            flow.reset();
+            flow.forget();
         }
     }
 
@@ -184,7 +172,7 @@ impl Process {
     /// Whether each relation judged the newest cycle; `None` for one that it does not know.
     pub fn judged(&self) -> [Option<bool>; RELATIONS] {
         let [spool, chambers] = &self.weighings;
-        let known = [spool.is_some(), chambers.is_some(), self.flow_weighing.is_some()];
+        let known = [spool.is_some(), chambers.is_some(), self.flow.is_some()];
         core::array::from_fn(|which| known[which].then_some(self.judged[which]))
     }
 
@@ -218,9 +206,7 @@ impl Process {
             self.of_chambers.push(residual, deviation);
             self.weigh(CHAMBERS, input.at);
         }
-        if self.flow_weighing.is_some() {
-            self.step_flow(input);
-        }
+        self.step_flow(input);
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
@@ -229,17 +215,18 @@ impl Process {
             self.forget_flow();
             return;
         }
-        let (Some(flow), Some(weighing)) = (&mut self.flow, &self.flow_weighing) else { return };
-        let sample = flow_sample(input, flow.design().area_ratio);
-        let block = flow.step(sample);
+        let Some(flow) = &mut self.flow else { return };
+        let sample = flow_sample(input, flow.area_ratio());
+        let is_complete = flow.step(sample);
         self.judged[FLOW] = flow.is_judging();
-        let Some(block) = block else { return };
-        self.of_flow.push(&block);
+        if !is_complete {
+            return;
+        }
         let cycles = flow.block();
         let level = self.levels[FLOW];
         let peak = match self.alarms[FLOW] {
-            None => self.of_flow.peak_in_turn(weighing, level),
-            Some(_) => self.of_flow.peak(weighing, self.design.parameters.over * level),
+            None => flow.peak(level, false),
+            Some(_) => flow.peak(self.design.parameters.over * level, true),
         };
         if self.alarms[FLOW].is_some() || peak.width > 0 {
             self.follow(FLOW, peak, cycles, input.at);
@@ -330,34 +317,13 @@ impl Process {
         }
     }
 
-    /// Looks at what explains the oil and the rod since an alarm was raised, each time so much more of it has come.
     fn look_at_flow(&mut self) {
-        let (Some(alarm), Some(flow), Some(weighing)) =
-            (&mut self.alarms[FLOW], &self.flow, &self.flow_weighing)
-        else {
-            return;
-        };
-        let blocks = (alarm.age / flow.block()) as usize;
-        let often = (self.counts.flow_look / flow.block()).max(1) as usize;
-        if blocks == 0 || !blocks.is_multiple_of(often) || blocks > LOOKS * often {
-            return;
-        }
-        let width = blocks.min(self.of_flow.held());
-        let kind = self.of_flow.kind(weighing, width);
-        if let Some(FlowKind { direction, size }) = kind {
-            let slope = flow.design().slope();
-            (alarm.malfunction, alarm.size) = match direction {
-                Direction::Leakage | Direction::ValveLeakage => (Malfunction::Leakage, Some(size)),
-                Direction::Null => (Malfunction::Null, Some(size / slope)),
-                Direction::DeadBand => (Malfunction::DeadBand, None),
-                Direction::Gain | Direction::Pressing => (Malfunction::Unclassified, None),
-            };
+        let (Some(alarm), Some(flow)) = (&mut self.alarms[FLOW], &self.flow) else { return };
+        if let Some((malfunction, size)) = flow.malfunction(alarm.age) {
+            (alarm.malfunction, alarm.size) = (malfunction, size);
         }
     }
 }
-
-/// Times that the kind of an alarm by the flow is decided.
-const LOOKS: usize = 5;
 
 /// What the balance of oil and rod needs; `None` without all of it.
 fn flow_sample(input: &ProcessInput, area_ratio: f64) -> Option<FlowSample> {

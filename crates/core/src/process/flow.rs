@@ -6,6 +6,7 @@
 
 pub mod directions;
 pub mod evidence;
+mod watch;
 
 use super::curve::{self, Curve};
 use super::parameters::ProcessParameters;
@@ -14,6 +15,7 @@ use crate::time;
 use alloc::vec::Vec;
 use directions::{Along, DIRECTIONS};
 pub use evidence::{FlowKind, FlowWeighing, FlowWindows};
+pub use watch::FlowWatch;
 
 /// Pressure drop at which f holds, bar.
 const DROP: f64 = 210.0;
@@ -208,6 +210,12 @@ impl OpenBlock {
 /// Cycles of a block at this sample time, s.
 pub fn block_cycles(sample_time: f64) -> u32 {
     time::samples(ProcessParameters::DEFAULT.flow_block, sample_time)
+}
+
+/// h of the flow, nats, where `level` is that of a relation with a sample a cycle: blocks come more rarely, and as much
+/// rarer are their false alarms.
+pub fn level(level: f64, sample_time: f64) -> f64 {
+    level - libm::log(f64::from(block_cycles(sample_time)))
 }
 
 #[cfg(test)]

@@ -41,9 +41,10 @@ pub struct ProcessParameters {
     pub many: f64,
     /// Least number of samples with which the spool's positions between two knots of f are taught.
     pub flow_samples: u64,
-    /// Time of a block of rod and oil, s, and the shortest time over which a kind is sought by the flow, s.
+    /// Time of a block of rod and oil, s.
     pub flow_block: f64,
-    pub flow_look: f64,
+    /// Time of an alarm by the flow after which its kind is sought, each time anew, s, and until it is sought, s.
+    pub flow_looks: [f64; 2],
     /// What may have changed without a fault: leakage at 24 bar, null, gain, dead band, worn edges (m/s but for the
     /// gain), and compressibility, m/bar. Warm oil leaks more, and its density changes.
     pub flow_tolerances: [f64; DIRECTIONS],
@@ -76,7 +77,7 @@ impl ProcessParameters {
         many: 0.6,
         flow_samples: 400,
         flow_block: 0.2,
-        flow_look: 10.0,
+        flow_looks: [10.0, 50.0],
         flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],
         flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
         edges: 0.022,

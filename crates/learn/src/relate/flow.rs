@@ -1,12 +1,12 @@
 //! How far the oil that passes the valve moves the rod.
 
 use super::rows::ProcessRow;
-use super::{LEAST_TIME, ProcessRefusal};
+use super::{LEAST_TIME, ProcessRefusal, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::FlowTable;
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::flow::{
-    Flow, FlowBlock, FlowWeighing, FlowWindows, Passage, block_cycles,
+    self, Flow, FlowBlock, FlowWeighing, FlowWindows, Passage, block_cycles,
 };
 use tertius_core::process::{Curve, FlowDesign, FlowSample, ProcessParameters, curve};
 
@@ -14,9 +14,6 @@ use tertius_core::process::{Curve, FlowDesign, FlowSample, ProcessParameters, cu
 const PIECES: usize = 40;
 /// Unknowns: f at its knots, c₁ and c₂.
 const UNKNOWNS: usize = PIECES + 3;
-
-/// Part of the positions beyond the outermost knots, on both sides together.
-const BEYOND: f64 = 1e-4;
 
 /// Places of the spool between two cycles that are tried: the valve may be read before the Sync or after it.
 const BETWEEN: [f64; 11] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
@@ -47,14 +44,14 @@ pub(super) fn learn(
     level: f64,
 ) -> Result<FlowTable, ProcessRefusal> {
     let lesson = Lesson { rows, sample_time, gain, area_ratio };
-    let spools: Vec<f32> =
-        (0..rows.len()).filter_map(|i| Some(lesson.sample(i)?.spool.abs() as f32)).collect();
-    let seconds = spools.len() as f64 * sample_time;
+    let sizes: Vec<f32> = lesson.positions().map(|position| position.abs() as f32).collect();
+    let seconds = sizes.len() as f64 * sample_time;
     if seconds < LEAST_TIME {
         return Err(ProcessRefusal::Short { seconds });
     }
-    let limit = limit(spools).filter(|limit| *limit > 0.0).ok_or(ProcessRefusal::Undetermined)?;
-    let samples = lesson.samples(limit);
+    let limit = pieces::limit(sizes).filter(|limit| *limit > 0.0);
+    let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
+    let samples = pieces::samples(lesson.positions(), limit, PIECES);
     let fitted = BETWEEN.into_iter().filter_map(|between| lesson.fit(limit, between));
     let best = fitted.min_by(|one, other| one.0.total_cmp(&other.0));
     let (_, mut design) = best.ok_or(ProcessRefusal::Undetermined)?;
@@ -77,14 +74,6 @@ pub(super) fn learn(
     })
 }
 
-/// The position that hardly any other exceeds.
-fn limit(mut sizes: Vec<f32>) -> Option<f64> {
-    let last = sizes.len().checked_sub(1)?;
-    let place = ((1.0 - BEYOND) * sizes.len() as f64) as usize;
-    let (_, limit, _) = sizes.select_nth_unstable_by(place.min(last), f32::total_cmp);
-    Some(f64::from(*limit))
-}
-
 impl Lesson<'_> {
     /// The row of this index, if it has everything.
     fn sample(&self, index: usize) -> Option<FlowSample> {
@@ -95,14 +84,9 @@ impl Lesson<'_> {
         Some(FlowSample { lengths: [c1, self.gain * c2], spool: row.spool?.into(), load, supply })
     }
 
-    /// Samples between each two knots of f.
-    fn samples(&self, limit: f64) -> Vec<u64> {
-        let mut samples = vec![0; PIECES];
-        let spools = (0..self.rows.len()).filter_map(|index| Some(self.sample(index)?.spool));
-        for position in spools.filter(|position| position.abs() <= limit) {
-            samples[curve::place(limit, PIECES, position).0] += 1;
-        }
-        samples
+    /// Positions of the spool in the rows that have everything.
+    fn positions(&self) -> impl Iterator<Item = f64> {
+        (0..self.rows.len()).filter_map(|index| Some(self.sample(index)?.spool))
     }
 
     /// Least squares of the mean way of both transducers over blocks: what it leaves, and the relation.
@@ -192,6 +176,7 @@ impl Lesson<'_> {
         level: f64,
     ) -> Result<(), ProcessRefusal> {
         let weighing = FlowWeighing::new(design).ok_or(ProcessRefusal::Undetermined)?;
+        let level = flow::level(level, self.sample_time);
         let least = ProcessParameters::DEFAULT.doubtful * level;
         let mut windows = FlowWindows::default();
         let (mut worst, mut at) = (0.0, 0.0);

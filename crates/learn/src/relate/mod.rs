@@ -1,11 +1,12 @@
 //! Learning what spool and pressures say of each other, for the process detectors.
 //!
-//! Both relations are linear in their coefficients, and found by least squares on a healthy recording. The detector's
+//! The relations are linear in their coefficients, and found by least squares on a healthy recording. The detector's
 //! own prediction then runs over the same recording: what it leaves gives the scatter and the dependence of its samples,
 //! and evidence as strong as that of a fault refuses the relation.
 
 mod chambers;
 mod flow;
+mod pieces;
 mod rows;
 mod scatter;
 mod spool;

@@ -2,7 +2,7 @@
 
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
-use super::{LEAST_TIME, ProcessRefusal};
+use super::{LEAST_TIME, ProcessRefusal, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::SpoolTable;
 use tertius_core::process::{Curve, ProcessParameters, Spool, SpoolDesign, curve};
@@ -14,9 +14,6 @@ const PIECES: usize = 64;
 const PIECES_BEFORE: usize = 32;
 /// Unknowns: a, and the values of both curves at their knots.
 const UNKNOWNS: usize = 1 + (PIECES + 1) + (PIECES_BEFORE + 1);
-
-/// Part of the commands beyond the outermost knots, on both sides together.
-const BEYOND: f64 = 1e-4;
 
 /// What keeps values at knots near which no command came from running away, as a part of the mean diagonal.
 const RIDGE: f64 = 1e-9;
@@ -35,7 +32,8 @@ pub(super) fn learn(
     if seconds < LEAST_TIME {
         return Err(ProcessRefusal::Short { seconds });
     }
-    let limit = limit(rows).filter(|limit| *limit > LEAST_LIMIT);
+    let commands = rows.iter().map(|row| row.command.abs()).collect();
+    let limit = pieces::limit(commands).filter(|limit| *limit > LEAST_LIMIT);
     let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
     let design = fit(rows, limit).ok_or(ProcessRefusal::Undetermined)?;
     let left = run(rows, &design, sample_time);
@@ -44,27 +42,19 @@ pub(super) fn learn(
         [by.least_deviations[0], by.spool_band].map(|part| part * design.largest);
     let Scatter { parts: [deviation, timing], dependence: [mean_dependence, square_dependence] } =
         scatter::measure(&left, least, dead_band, sample_time, level)?;
+    let known = rows.iter().filter(|row| row.spool.is_some()).map(|row| f64::from(row.command));
     Ok(SpoolTable {
         retained: design.retained,
         limit,
         curve: design.curve.values().to_vec(),
         before: design.before.values().to_vec(),
-        samples: samples(rows, limit),
+        samples: pieces::samples(known, limit, PIECES),
         deviation,
         timing,
         largest: design.largest,
         mean_dependence,
         square_dependence,
     })
-}
-
-/// The command that hardly any other exceeds, m/s.
-fn limit(rows: &[ProcessRow]) -> Option<f64> {
-    let mut sizes: Vec<f32> = rows.iter().map(|row| row.command.abs()).collect();
-    let place = ((1.0 - BEYOND) * sizes.len() as f64) as usize;
-    let last = sizes.len().checked_sub(1)?;
-    let (_, limit, _) = sizes.select_nth_unstable_by(place.min(last), f32::total_cmp);
-    Some(f64::from(*limit))
 }
 
 /// Least squares of x(k+1) by x(k), u(k) and u(k−1).
@@ -136,14 +126,4 @@ fn run(rows: &[ProcessRow], design: &SpoolDesign, sample_time: f64) -> Vec<Left>
         is_joined = true;
     }
     left
-}
-
-/// Samples between each two knots of g.
-fn samples(rows: &[ProcessRow], limit: f64) -> Vec<u64> {
-    let mut samples = vec![0; PIECES];
-    let known = rows.iter().filter(|row| row.spool.is_some()).map(|row| f64::from(row.command));
-    for command in known.filter(|command| command.abs() <= limit) {
-        samples[curve::place(limit, PIECES, command).0] += 1;
-    }
-    samples
 }

@@ -22,7 +22,7 @@ const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 /// Blocks that are held.
 const MOST_BLOCKS: usize = 512;
 
-/// Widths of the windows, blocks.
+/// Widths of the windows, blocks: from 1 s to a minute, at [`ProcessParameters::flow_block`].
 const BLOCKS: [usize; 10] = [5, 8, 12, 20, 32, 50, 80, 120, 200, 300];
 
 /// Values of a block that are summed: G of C1 and of C2, and the upper half of W.
@@ -42,6 +42,34 @@ impl FlowWeighing {
         let scatter = design.scatter.map(|rows| Matrix::from_fn(|i, j| rows[i][j]));
         let [one, two] = scatter.map(|it| it.cholesky().map(|it| it.inverse()));
         Some(Self { scatter, inverse: [one?, two?] })
+    }
+
+    /// Whether any direction can have that much evidence: with Λ there is less than Gᵀ(nΩ)⁻¹G / 2, by Cauchy-Schwarz.
+    fn may_reach(&self, sums: &[f64; SUMMED], width: usize, nats: f64) -> bool {
+        self.inverse.iter().zip([0, DIRECTIONS]).all(|(inverse, from)| {
+            let products = &sums[from..from + DIRECTIONS];
+            let mut square = 0.0;
+            for (column, product) in inverse.column_iter().zip(products) {
+                let along = column.iter().zip(products).fold(0.0, |sum, (a, b)| sum + a * b);
+                square += along * product;
+            }
+            square > 2.0 * nats * width as f64
+        })
+    }
+
+    /// C with all of Λ for one transducer, factored, and C⁻¹G.
+    fn factor(&self, window: &Window, transducer: usize) -> Option<Factor> {
+        let Window { count, products, squares } = window;
+        let mut covariance = self.scatter[transducer] * *count;
+        for (i, j) in upper() {
+            let doubt = (0..DIRECTIONS)
+                .fold(0.0, |sum, k| sum + squares[(i, k)] * TOLERANCES[k] * squares[(k, j)]);
+            covariance[(i, j)] += doubt;
+            covariance[(j, i)] = covariance[(i, j)];
+        }
+        let lower = covariance.cholesky()?;
+        let solution = lower.solve(&products[transducer]);
+        Some(Factor { lower: lower.unpack(), solution })
     }
 }
 
@@ -178,43 +206,11 @@ impl Window {
         let products = [0, DIRECTIONS].map(|from| Vector::from_fn(|i, _| sums[from + i]));
         Self { count: width as f64, products, squares }
     }
-}
 
-impl Window {
     /// Whether the spool was near its middle for as much as so many blocks: a few of them may say anything.
     fn has_edges(&self) -> bool {
         let square = |direction: Direction| self.squares[(direction as usize, direction as usize)];
         self.count * square(Direction::ValveLeakage) >= P.edges_least * square(Direction::Leakage)
-    }
-}
-
-impl FlowWeighing {
-    /// Whether any direction can have that much evidence: with Λ there is less than Gᵀ(nΩ)⁻¹G / 2, by Cauchy-Schwarz.
-    fn may_reach(&self, sums: &[f64; SUMMED], width: usize, nats: f64) -> bool {
-        self.inverse.iter().zip([0, DIRECTIONS]).all(|(inverse, from)| {
-            let products = &sums[from..from + DIRECTIONS];
-            let mut square = 0.0;
-            for (column, product) in inverse.column_iter().zip(products) {
-                let along = column.iter().zip(products).fold(0.0, |sum, (a, b)| sum + a * b);
-                square += along * product;
-            }
-            square > 2.0 * nats * width as f64
-        })
-    }
-
-    /// C with all of Λ for one transducer, factored, and C⁻¹G.
-    fn factor(&self, window: &Window, transducer: usize) -> Option<Factor> {
-        let Window { count, products, squares } = window;
-        let mut covariance = self.scatter[transducer] * *count;
-        for (i, j) in upper() {
-            let doubt = (0..DIRECTIONS)
-                .fold(0.0, |sum, k| sum + squares[(i, k)] * TOLERANCES[k] * squares[(k, j)]);
-            covariance[(i, j)] += doubt;
-            covariance[(j, i)] = covariance[(i, j)];
-        }
-        let lower = covariance.cholesky()?;
-        let solution = lower.solve(&products[transducer]);
-        Some(Factor { lower: lower.unpack(), solution })
     }
 }
 

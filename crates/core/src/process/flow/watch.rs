@@ -1,0 +1,90 @@
+//! Rod and oil of one cylinder, watched: blocks in, evidence out.
+
+use super::super::alarm::Malfunction;
+use super::super::parameters::ProcessParameters;
+use super::directions::Direction;
+use super::{Flow, FlowDesign, FlowKind, FlowSample, FlowWeighing, FlowWindows};
+use crate::sequential::statistic::Peak;
+use crate::state::state;
+use crate::time;
+
+/// The balance of oil and rod, with its newest blocks and by what their evidence is weighed.
+#[derive(Clone, Debug)]
+pub struct FlowWatch {
+    flow: Flow,
+    windows: FlowWindows,
+    weighing: FlowWeighing,
+    /// Blocks after which a kind is sought anew, and after which it stands.
+    looks: [u32; 2],
+}
+
+state! {
+    FlowWatch { flow, windows }
+    but { weighing, looks }
+}
+
+impl FlowWatch {
+    /// `None` if the scatter of `design` is no covariance.
+    pub fn new(design: FlowDesign, by: &ProcessParameters, sample_time: f64) -> Option<Self> {
+        let weighing = FlowWeighing::new(&design)?;
+        let flow = Flow::new(design, sample_time);
+        let looks =
+            by.flow_looks.map(|seconds| (time::cycles(seconds, sample_time) / flow.block()).max(1));
+        Some(Self { flow, windows: FlowWindows::default(), weighing, looks })
+    }
+
+    pub const fn area_ratio(&self) -> f64 {
+        self.flow.design().area_ratio
+    }
+
+    /// Cycles of a block.
+    pub const fn block(&self) -> u32 {
+        self.flow.block()
+    }
+
+    /// Whether the newest cycle was judged.
+    pub fn is_judging(&self) -> bool {
+        self.flow.is_judging()
+    }
+
+    pub const fn forget(&mut self) {
+        self.flow.reset();
+        self.windows.clear();
+    }
+
+    /// Takes a cycle; `None` without all of it. Returns whether a block was completed with it.
+    pub fn step(&mut self, sample: Option<FlowSample>) -> bool {
+        let block = self.flow.step(sample);
+        if let Some(block) = &block {
+            self.windows.push(block);
+        }
+        block.is_some()
+    }
+
+    /// The window with the most evidence, if it is more than `least`, nats, of the widths whose turn it is or of all.
+    pub fn peak(&self, least: f64, of_all: bool) -> Peak {
+        if of_all {
+            self.windows.peak(&self.weighing, least)
+        } else {
+            self.windows.peak_in_turn(&self.weighing, least)
+        }
+    }
+
+    /// What explains the oil and the rod since an alarm was raised `age` cycles ago; `None` where it is not the time
+    /// to ask, or nothing does.
+    pub fn malfunction(&self, age: u32) -> Option<(Malfunction, Option<f64>)> {
+        let blocks = age / self.flow.block();
+        let [often, until] = self.looks;
+        if blocks == 0 || !blocks.is_multiple_of(often) || blocks > until {
+            return None;
+        }
+        let width = (blocks as usize).min(self.windows.held());
+        let FlowKind { direction, size } = self.windows.kind(&self.weighing, width)?;
+        Some(match direction {
+            Direction::Leakage | Direction::ValveLeakage => (Malfunction::Leakage, Some(size)),
+            Direction::Null => (Malfunction::Null, Some(size / self.flow.design().slope())),
+            Direction::DeadBand => (Malfunction::DeadBand, None),
+            Direction::Gain | Direction::Pressing => (Malfunction::Unclassified, None),
+        })
+    }
+}

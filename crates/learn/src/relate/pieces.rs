@@ -1,0 +1,23 @@
+//! The pieces of a curve that is learnt: where the outermost knots are, and how many samples taught each piece.
+
+use tertius_core::process::curve;
+
+/// Part of the samples beyond the outermost knots, on both sides together.
+const BEYOND: f64 = 1e-4;
+
+/// The size that hardly any of these exceeds; `None` without any.
+pub(super) fn limit(mut sizes: Vec<f32>) -> Option<f64> {
+    let last = sizes.len().checked_sub(1)?;
+    let place = ((1.0 - BEYOND) * sizes.len() as f64) as usize;
+    let (_, limit, _) = sizes.select_nth_unstable_by(place.min(last), f32::total_cmp);
+    Some(f64::from(*limit))
+}
+
+/// Samples in each of so many `pieces`, of those `values` that lie between the outermost knots.
+pub(super) fn samples(values: impl Iterator<Item = f64>, limit: f64, pieces: usize) -> Vec<u64> {
+    let mut samples = vec![0; pieces];
+    for value in values.filter(|value| value.abs() <= limit) {
+        samples[curve::place(limit, pieces, value).0] += 1;
+    }
+    samples
+}
