@@ -6,6 +6,7 @@ use super::overriding::SetOptions;
 use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
+use crate::appliance::flight::FlightPlan;
 use clap::{Args, ValueEnum};
 use console::style;
 use serde::Serialize;
@@ -118,7 +119,22 @@ pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
         status: machine.design.encoder.status_id(),
         messages: messages.collect(),
         realtime: settings.realtime,
+        files: machine.files(config).map(Path::to_owned).collect(),
+        keeps: keeps(machine, config),
+        calibrated: settings.calibration.recorded.clone(),
     }
+}
+
+/// What the gateway of `machine` keeps, and where.
+fn keeps(machine: &Machine, config: &Path) -> Vec<(&'static str, PathBuf)> {
+    let loaded = &machine.loaded;
+    let recordings = FlightPlan::new(config, loaded, &machine.design).map(|plan| plan.folder);
+    let all = [
+        ("the events", loaded.store_path.clone()),
+        ("the history of the stops", loaded.history_path.clone()),
+        ("the recordings", recordings),
+    ];
+    all.into_iter().filter_map(|(what, path)| Some((what, path?))).collect()
 }
 
 /// The finding in a line, its verdict in colour where the terminal has colours.

@@ -1,6 +1,7 @@
 //! `tertius doctor`: what facts of a box lead to, and what the program says on this one.
 
 mod facts;
+mod wear;
 
 use facts::{hear, machine, set, sound};
 use serde_json::Value;
@@ -65,6 +66,7 @@ fn a_sound_box_is_right_in_every_line() {
             "frame size",
             "receive buffer",
             "time stamps",
+            "overload",
             "frames",
             "cycle",
             "bus load",
@@ -76,6 +78,9 @@ fn a_sound_box_is_right_in_every_line() {
             "clock",
             "http",
             "service",
+            "program",
+            "disk",
+            "disk",
         ]
     );
     for finding in &findings {

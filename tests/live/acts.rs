@@ -198,6 +198,9 @@ fn the_doctor_examines_this_computer_when_somebody_asks() {
         status: Id::standard(0x1D1).expect("eleven bits"),
         messages: vec![],
         realtime: Realtime::default(),
+        files: Vec::new(),
+        keeps: vec![("the events", std::env::temp_dir().join("none/such.events"))],
+        calibrated: None,
     };
     office.desk.follow(DeskPlan { patient: Some(patient.clone()), ..DeskPlan::default() });
     let answer = office.get("/api/doctor");
@@ -208,6 +211,7 @@ fn the_doctor_examines_this_computer_when_somebody_asks() {
     };
     assert_eq!(verdict("dbc"), Some("warn".into()), "{report}");
     assert_eq!(verdict("interface"), Some("fail".into()), "{report}");
+    assert!(verdict("disk").is_some(), "{report}");
     // Within a minute it is the same examination.
     let patient = Some(Wanted { interface: "virtual".to_owned(), ..patient });
     office.desk.follow(DeskPlan { patient, ..DeskPlan::default() });

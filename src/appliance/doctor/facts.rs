@@ -21,6 +21,8 @@ pub struct Facts {
 #[derive(Clone, Debug)]
 pub struct Wanted {
     pub config: PathBuf,
+    /// Day of the newest recording that the calibration was learnt from, as `2026-03-14`.
+    pub calibrated: Option<String>,
     /// Name of the DBC.
     pub dbc: String,
     /// Number of findings in the DBC.
@@ -38,6 +40,10 @@ pub struct Wanted {
     pub status: Id,
     pub messages: Vec<Message>,
     pub realtime: Realtime,
+    /// The files that the configuration is in.
+    pub files: Vec<PathBuf>,
+    /// What the gateway keeps, in words, and where.
+    pub keeps: Vec<(&'static str, PathBuf)>,
 }
 
 /// A message that the monitor uses.
@@ -78,8 +84,42 @@ pub struct InterfaceFacts {
     pub port: Result<Receiving, String>,
     /// Kernel setting net.core.rmem_max, bytes.
     pub rmem_max: Option<u64>,
+    /// Counts of the interface before and after listening; `None` if the kernel does not show them.
+    pub counts: Option<[LinkCounts; 2]>,
+    /// Whether the controller can stamp frames by itself; `None` if not known.
+    pub hardware_stamps: Option<bool>,
     /// Frames heard; `None` if nobody listened.
     pub hearing: Option<Hearing>,
+}
+
+/// What the kernel has counted of an interface since it appeared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LinkCounts {
+    /// Frames received.
+    pub frames: u64,
+    /// Frames that the controller lost because nobody fetched them in time.
+    pub overruns: u64,
+    /// Frames that the kernel dropped ahead of all sockets.
+    pub dropped: u64,
+    /// Errors on the wire: of bits, stuffing, form and CRC.
+    pub errors: u64,
+}
+
+impl LinkCounts {
+    /// Frames that a computer lost which was too slow for them.
+    pub const fn lost(&self) -> u64 {
+        self.overruns.saturating_add(self.dropped)
+    }
+
+    /// What was counted since `before`.
+    pub const fn since(&self, before: &Self) -> Self {
+        Self {
+            frames: self.frames.saturating_sub(before.frames),
+            overruns: self.overruns.saturating_sub(before.overruns),
+            dropped: self.dropped.saturating_sub(before.dropped),
+            errors: self.errors.saturating_sub(before.errors),
+        }
+    }
 }
 
 /// Settings of a socket that the kernel has granted.
@@ -99,6 +139,9 @@ pub struct Host {
     pub rights: Rights,
     pub clock: ClockFacts,
     pub service: Service,
+    /// The disks on which the gateway keeps something, each once.
+    pub disks: Vec<DiskFacts>,
+    pub ages: Ages,
     /// Address at which the gateway serves HTTP, and why it could not, if so; `None` if HTTP is
     /// off.
     pub http: Option<(SocketAddr, Option<String>)>,
@@ -130,6 +173,57 @@ pub struct ClockFacts {
     pub step: Span,
     /// Time in which the step was observed, s.
     pub watched: f64,
+    /// What chrony follows, where it runs.
+    pub source: Option<ClockSource>,
+}
+
+/// What the clock is synchronised with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClockSource {
+    /// Name or address.
+    pub name: String,
+    /// Number of computers between it and a reference clock.
+    pub stratum: u8,
+    /// Most by which the clock may be wrong, s.
+    pub bound: f64,
+}
+
+/// A disk on which the gateway keeps something.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DiskFacts {
+    /// What is kept there, in words.
+    pub keeps: Vec<&'static str>,
+    /// The nearest folder that exists.
+    pub folder: PathBuf,
+    /// Bytes that are free for the gateway, and those of the whole file system.
+    pub free: u64,
+    pub size: u64,
+    pub is_read_only: bool,
+    /// Bytes that were written since the computer started, per day; `None` if not known.
+    pub written_per_day: Option<f64>,
+    pub wear: Option<Wear>,
+}
+
+/// How far a flash memory is used up, as it says by itself (eMMC, JESD84-B51).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wear {
+    /// Life used up: n stands for at most n tenths, 11 for more than was promised.
+    pub tenths: u8,
+    /// State of the blocks in reserve: 1 normal, 2 four fifths are used, 3 urgent.
+    pub reserve: u8,
+}
+
+/// How old things are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ages {
+    /// Time since this program was installed, s.
+    pub program: Option<f64>,
+    /// Time since the configuration or its DBC was changed, s.
+    pub configuration: Option<f64>,
+    /// Time since the running gateway was started, s.
+    pub gateway: Option<f64>,
+    /// Whether the running gateway's program has been replaced since.
+    pub is_replaced: bool,
 }
 
 /// The service manager's settings for the gateway.

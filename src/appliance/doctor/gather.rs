@@ -1,14 +1,18 @@
 //! Collects the facts. Listens and reads; sends and changes nothing.
 
+mod ages;
+mod clock;
+mod disks;
+
 use super::facts::{
-    Bus, ClockFacts, Facts, Host, InterfaceFacts, Receiving, Rights, Service, Wanted,
+    Bus, Facts, Host, InterfaceFacts, LinkCounts, Receiving, Rights, Service, Wanted,
 };
 use super::hearing::Hearing;
+use super::kernel;
 use super::load::Rates;
 use super::process::gateway_config;
 use crate::bus::socket::{LinkState, OpenError, Options, SocketPort};
 use crate::bus::{Identifiers, Port, embedded};
-use crate::time::Span;
 use std::fs;
 use std::net::{SocketAddr, TcpListener};
 use std::path::Path;
@@ -39,10 +43,12 @@ pub fn gather(wanted: Wanted, http: Option<SocketAddr>, listen: Duration) -> Fac
         true => Bus::Embedded,
         false => Bus::Socket(Box::new(interface(&wanted, listen))),
     };
-    let clock = clock(monotonic, system);
+    let clock = clock::read(monotonic, system);
     let http = http.map(|address| (address, TcpListener::bind(address).err()));
     let http = http.map(|(address, error)| (address, error.map(|error| error.to_string())));
-    Facts { wanted, bus, host: Host { rights, clock, service: service(), http } }
+    let (disks, ages) = (disks::of(&wanted.keeps), ages::of(&wanted.files, rights.gateway));
+    let host = Host { rights, clock, service: service(), disks, ages, http };
+    Facts { wanted, bus, host }
 }
 
 fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
@@ -56,9 +62,13 @@ fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
         rmem_max: fs::read_to_string("/proc/sys/net/core/rmem_max")
             .ok()
             .and_then(|text| text.trim().parse().ok()),
+        counts: None,
+        hardware_stamps: said_by("ethtool", &["-T", name])
+            .and_then(|text| kernel::stamps_by_itself(&text)),
         hearing: None,
         link: link.map_err(|error| error.to_string()),
     };
+    let before = counts(name);
     let options = Options { identifiers: Identifiers::All, ..Options::default() };
     match SocketPort::open(name, &options) {
         Ok(mut port) => {
@@ -81,7 +91,21 @@ fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {
             found.port = Err(error.to_string());
         }
     }
+    found.counts = before.zip(counts(name)).map(|(before, after)| [before, after]);
     found
+}
+
+fn counts(interface: &str) -> Option<LinkCounts> {
+    let folder = Path::new("/sys/class/net").join(interface).join("statistics");
+    LinkCounts::read(|name| fs::read_to_string(folder.join(name)).ok())
+}
+
+/// What another program prints; `None` without it, or where it fails.
+fn said_by(program: &str, arguments: &[&str]) -> Option<String> {
+    let mut command = Command::new(program);
+    let output = command.args(arguments).stdin(Stdio::null()).stderr(Stdio::null()).output();
+    let output = output.ok().filter(|output| output.status.success())?;
+    String::from_utf8(output.stdout).ok()
 }
 
 fn rates(wanted: &Wanted, link: Option<&LinkState>) -> Rates {
@@ -124,39 +148,6 @@ fn gateway(config: &Path) -> Option<u32> {
         let its = fs::canonicalize(folder.join(gateway_config(&cmdline)?)).ok()?;
         (its == config).then_some(process)
     })
-}
-
-fn clock(monotonic: Instant, system: SystemTime) -> ClockFacts {
-    let watched = monotonic.elapsed();
-    let signed = |time: Duration| Span::from_seconds(time.as_secs_f64()).as_nanos();
-    let passed = match SystemTime::now().duration_since(system) {
-        Ok(ahead) => signed(ahead),
-        Err(back) => -signed(back.duration()),
-    };
-    ClockFacts {
-        synchronised: synchronised(),
-        step: Span::from_nanos(passed.saturating_sub(signed(watched))),
-        watched: watched.as_secs_f64(),
-    }
-}
-
-/// Whether systemd-timesyncd synchronises the clock, or another daemon has told the kernel that it
-/// does (chrony, ntpd, PTP). No safe interface to `adjtimex` was found; timedatectl asks it.
-fn synchronised() -> Option<bool> {
-    if Path::new("/run/systemd/timesync/synchronized").exists() {
-        return Some(true);
-    }
-    let output = Command::new("timedatectl")
-        .args(["show", "--property=NTPSynchronized", "--value"])
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    match output.stdout.trim_ascii() {
-        b"yes" => Some(true),
-        b"no" => Some(false),
-        _ => None,
-    }
 }
 
 fn service() -> Service {

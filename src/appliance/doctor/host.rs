@@ -1,6 +1,7 @@
 //! Checks of the computer apart from the bus: rights, clock, HTTP, service.
 
-use super::facts::{ClockFacts, Host, Rights, Service, Wanted};
+use super::disk;
+use super::facts::{Ages, ClockFacts, Host, Rights, Service, Wanted};
 use super::finding::Finding;
 use std::net::SocketAddr;
 
@@ -8,6 +9,9 @@ use std::net::SocketAddr;
 const READING: f64 = 2e-3;
 /// Largest steering of a clock, as a part of the time.
 const STEERING: f64 = 5e-4;
+
+/// Uncertainty of a clock beyond which warnings of two computers can no longer be put into order, s.
+const UNCERTAIN: f64 = 0.1;
 
 const DROP_IN: &str = "tertius-realtime.conf";
 
@@ -22,6 +26,8 @@ pub(super) fn judge(wanted: &Wanted, host: &Host) -> Vec<Finding> {
         Some((address, trouble)) => http(*address, trouble.as_deref(), rights),
     });
     findings.push(service(&host.service));
+    findings.push(program(&host.ages, rights));
+    findings.extend(disk::judge(&host.disks));
     findings
 }
 
@@ -84,8 +90,23 @@ fn clock(clock: &ClockFacts) -> Vec<Finding> {
     let subject = "clock";
     let keep = "enable systemd-timesyncd, chrony or PTP: warnings and recordings are compared by \
                 time";
+    let source = clock.source.as_ref();
+    let by = source.map_or(String::new(), |source| {
+        format!(
+            " with {} (chrony, stratum {}), wrong by {:.1} ms at most",
+            source.name,
+            source.stratum,
+            source.bound * 1e3
+        )
+    });
+    let is_vague = source.is_some_and(|source| source.bound > UNCERTAIN);
     let mut findings = vec![match clock.synchronised {
-        Some(true) => Finding::ok(subject, "synchronised"),
+        Some(true) if is_vague => Finding::warn(
+            subject,
+            format!("synchronised{by}"),
+            "give chrony a nearer source: warnings and recordings are compared by time",
+        ),
+        Some(true) => Finding::ok(subject, format!("synchronised{by}")),
         Some(false) => Finding::warn(subject, "not synchronised", keep),
         None => Finding::warn(subject, "not known to be synchronised", keep),
     }];
@@ -112,6 +133,37 @@ fn http(address: SocketAddr, trouble: Option<&str>, rights: &Rights) -> Finding 
             format!("cannot listen on {address}: {reason}"),
             "set http.listen to another port, or \"off\"; `ss -ltnp` shows who has it",
         ),
+    }
+}
+
+fn program(ages: &Ages, rights: &Rights) -> Finding {
+    let subject = "program";
+    let mut found = concat!("tertius ", env!("CARGO_PKG_VERSION")).to_owned();
+    if let Some(age) = ages.program {
+        found += &format!(", installed {} ago", span(age));
+    }
+    let (Some(process), Some(running)) = (rights.gateway, ages.gateway) else {
+        return Finding::ok(subject, found);
+    };
+    found += &format!("; the gateway (process {process}) has been running for {}", span(running));
+    match ages.is_replaced {
+        true => Finding::warn(
+            subject,
+            format!("{found}, and its program has been replaced since"),
+            "`systemctl restart tertius`, so that the new one watches",
+        ),
+        false => Finding::ok(subject, found),
+    }
+}
+
+/// A time, s, in the unit that leaves two digits or three of it.
+pub(super) fn span(seconds: f64) -> String {
+    let [minutes, hours, days] = [60.0, 3600.0, 86_400.0].map(|unit| seconds / unit);
+    match seconds {
+        ..100.0 => format!("{seconds:.0} s"),
+        ..6_000.0 => format!("{minutes:.0} min"),
+        ..172_800.0 => format!("{hours:.0} h"),
+        _ => format!("{days:.0} days"),
     }
 }
 

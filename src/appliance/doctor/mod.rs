@@ -3,12 +3,14 @@
 //! [`gather`] collects [`facts`] from kernel, bus and files, and changes nothing; [`examine`]
 //! judges them without further access to the system.
 
+mod disk;
 pub mod facts;
 mod finding;
 pub mod gather;
 pub mod hearing;
 mod host;
 mod interface;
+mod kernel;
 pub mod load;
 mod process;
 mod receiving;
@@ -17,13 +19,12 @@ mod traffic;
 pub use facts::Facts;
 pub use finding::{Finding, Verdict};
 
-use facts::{Bus, InterfaceFacts, Wanted};
+use facts::{Bus, Host, InterfaceFacts, Wanted};
 
 /// Judges the facts; one finding for each subject.
 pub fn examine(facts: &Facts) -> Vec<Finding> {
     let wanted = &facts.wanted;
-    let mut findings =
-        vec![Finding::ok("configuration", format!("{} is sound", wanted.config.display()))];
+    let mut findings = vec![configuration(wanted, &facts.host)];
     findings.push(dbc(wanted));
     match &facts.bus {
         Bus::Embedded => findings.push(Finding::ok(
@@ -39,11 +40,27 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
 
 fn socket(wanted: &Wanted, interface: &InterfaceFacts, facts: &Facts) -> Vec<Finding> {
     let mut findings = interface::judge(wanted, interface);
-    findings.extend(receiving::judge(interface, &facts.host.rights));
+    findings.extend(receiving::judge(wanted, interface, &facts.host.rights));
     if let Some(hearing) = &interface.hearing {
-        findings.extend(traffic::judge(wanted, hearing, &facts.host.rights));
+        let newly = interface.counts.map(|[before, after]| after.since(&before));
+        let rights = &facts.host.rights;
+        findings.extend(traffic::judge(wanted, hearing, newly.unwrap_or_default(), rights));
     }
     findings
+}
+
+fn configuration(wanted: &Wanted, host: &Host) -> Finding {
+    let mut found = format!("{} is sound", wanted.config.display());
+    if let Some(age) = host.ages.configuration {
+        found += &format!(", changed {} ago", host::span(age));
+        if host.ages.gateway.is_some_and(|running| running > age) {
+            found += ", after the gateway was started, which knows it if it was reloaded since";
+        }
+    }
+    if let Some(day) = &wanted.calibrated {
+        found += &format!("; calibrated by recordings of {day}");
+    }
+    Finding::ok("configuration", found)
 }
 
 fn dbc(wanted: &Wanted) -> Finding {

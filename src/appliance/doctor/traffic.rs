@@ -1,8 +1,9 @@
 //! Checks of the traffic on the bus against the configuration.
 
-use super::facts::{Message, Rights, Wanted};
+use super::facts::{LinkCounts, Message, Rights, Wanted};
 use super::finding::Finding;
 use super::hearing::{Errors, Hearing, Intervals};
+use super::receiving::OVERLOAD;
 use crate::error_frame::ControllerState;
 
 /// Most messages that are named in a line.
@@ -22,11 +23,17 @@ const ONCE: [f64; 2] = [0.9, 1.1];
 /// Load of the bus beyond which low priorities wait long.
 const BUSY: f64 = 0.7;
 
-pub(super) fn judge(wanted: &Wanted, hearing: &Hearing, rights: &Rights) -> Vec<Finding> {
+/// `newly` is what the kernel counted of the interface in this time.
+pub(super) fn judge(
+    wanted: &Wanted,
+    hearing: &Hearing,
+    newly: LinkCounts,
+    rights: &Rights,
+) -> Vec<Finding> {
     let mut findings = frames(wanted, hearing);
     findings.extend(cycle(wanted, hearing));
     findings.extend(load(hearing));
-    findings.push(errors(&hearing.errors));
+    findings.push(errors(&hearing.errors, newly.errors));
     if hearing.dropped > 0 {
         findings.push(Finding::warn(
             "lost",
@@ -136,11 +143,20 @@ fn not_once(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
     })
 }
 
-fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
+/// The message that opens cycles, or else one that comes in each, with its intervals.
+pub(super) fn opening<'a>(
+    wanted: &'a Wanted,
+    hearing: &Hearing,
+) -> Option<(&'a Message, Intervals)> {
     let opens = wanted.messages.iter().find(|message| message.sync);
     let reads = |message: &&Message| message.reading && message.pages <= 1;
     let message = opens.or_else(|| wanted.messages.iter().find(reads))?;
-    let Intervals { mean, jitter, largest_deviation } = hearing.of(message.id)?.intervals()?;
+    Some((message, hearing.of(message.id)?.intervals()?))
+}
+
+fn cycle(wanted: &Wanted, hearing: &Hearing) -> Option<Finding> {
+    let (message, intervals) = opening(wanted, hearing)?;
+    let Intervals { mean, jitter, largest_deviation } = intervals;
     let found = format!(
         "{} each {:.3} ms, jitter {:.3} ms (at most {:.3} ms)",
         message.name,
@@ -176,9 +192,10 @@ fn load(hearing: &Hearing) -> Option<Finding> {
     })
 }
 
-fn errors(errors: &Errors) -> Finding {
+/// Error frames, and `counted` errors on the wire, of which a driver may tell nobody else.
+fn errors(errors: &Errors, counted: u64) -> Finding {
     let subject = "error frames";
-    if errors.frames == 0 {
+    if errors.frames == 0 && counted == 0 {
         return Finding::ok(subject, "none");
     }
     let mut found = vec![format!("{}", errors.frames)];
@@ -187,6 +204,7 @@ fn errors(errors: &Errors) -> Finding {
         (errors.unacknowledged, "frames that nobody acknowledged"),
         (errors.transceiver, "faults of the line"),
         (errors.receive_overflows, "overflows of the controller"),
+        (counted, "errors on the wire that the driver counted"),
     ] {
         if count > 0 {
             found.push(format!("{count} {what}"));
@@ -194,10 +212,19 @@ fn errors(errors: &Errors) -> Finding {
     }
     found.extend(errors.state.map(|state| format!("the controller came to {}", state.name())));
     let found = found.join(", ");
-    let wires = "look at wires, termination and the bit rate of every node";
+    let of_bus = errors.protocol + errors.unacknowledged + errors.transceiver + counted;
+    let is_overload = errors.receive_overflows > 0 && of_bus == 0 && errors.state.is_none();
+    let advice = if is_overload {
+        OVERLOAD
+    } else if errors.receive_overflows == 0 && errors.protocol + counted > 0 {
+        "not overload, but the wire: look at its ends and termination, and whether all nodes have one bit rate and \
+         sample point"
+    } else {
+        "look at wires, termination and the bit rate of every node"
+    };
     match errors.state {
-        Some(ControllerState::BusOff) => Finding::fail(subject, found, wires),
-        _ => Finding::warn(subject, found, wires),
+        Some(ControllerState::BusOff) => Finding::fail(subject, found, advice),
+        _ => Finding::warn(subject, found, advice),
     }
 }
 

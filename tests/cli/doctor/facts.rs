@@ -3,7 +3,8 @@
 use std::net::SocketAddr;
 use tertius::appliance::doctor::Facts;
 use tertius::appliance::doctor::facts::{
-    Bus, ClockFacts, Host, InterfaceFacts, Message, Receiving, Rights, Service, Wanted,
+    Ages, Bus, ClockFacts, DiskFacts, Host, InterfaceFacts, LinkCounts, Message, Receiving, Rights,
+    Service, Wanted, Wear,
 };
 use tertius::appliance::doctor::hearing::Hearing;
 use tertius::appliance::doctor::load::Rates;
@@ -89,6 +90,9 @@ fn wanted() -> Wanted {
         status: standard(0x1D1),
         messages,
         realtime: Realtime { priority: 20, lock_memory: true },
+        files: Vec::new(),
+        keeps: Vec::new(),
+        calibrated: Some("2026-03-14".to_owned()),
     }
 }
 
@@ -111,6 +115,8 @@ fn interface(hearing: Hearing) -> InterfaceFacts {
         is_can: Some(true),
         port: Ok(Receiving { buffer: 13_617_920, lasts: 1.0, stamps: Stamps::Hardware }),
         rmem_max: Some(8 << 20),
+        counts: Some([LinkCounts { frames: 1000, ..LinkCounts::default() }; 2]),
+        hardware_stamps: Some(true),
         hearing: Some(hearing),
     }
 }
@@ -124,6 +130,16 @@ fn host() -> Host {
             unit: Some("/etc/systemd/system/tertius.service".to_owned()),
             watchdog: Some("2".to_owned()),
         },
+        disks: vec![DiskFacts {
+            keeps: vec!["the events", "the recordings"],
+            folder: "/var/lib/tertius".into(),
+            free: 20 << 30,
+            size: 32 << 30,
+            is_read_only: false,
+            written_per_day: Some(1.5e9),
+            wear: Some(Wear { tenths: 2, reserve: 1 }),
+        }],
+        ages: Ages { program: Some(3e6), configuration: Some(7200.0), ..Ages::default() },
         http: Some((SocketAddr::from(([127, 0, 0, 1], 9481)), None)),
     }
 }
@@ -138,6 +154,12 @@ pub fn status(counter: u8) -> Frame {
 pub fn error_frame(class: u32) -> Frame {
     let id = Id::extended(class).expect("classes fit an extended identifier");
     Frame::new(Timestamp::default(), id, Kind::Error, &[0; 8])
+}
+
+/// An error frame of a controller whose receive buffer was full.
+pub fn overflow() -> Frame {
+    let id = Id::extended(0x004).expect("classes fit an extended identifier");
+    Frame::new(Timestamp::default(), id, Kind::Error, &[0, 0x01, 0, 0, 0, 0, 0, 0])
 }
 
 fn standard(id: u32) -> Id {
