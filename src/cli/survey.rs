@@ -12,6 +12,7 @@ use crate::frame::{Frame, Kind};
 use crate::monitor::{Counts, MonitorDesign};
 use crate::report::judgement::RecordedFacts;
 use crate::survey::{self, Frames, Origin, Rows, Surveyor, Timeline, Window};
+use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -80,7 +81,12 @@ struct Extent {
     used: u64,
     /// Number of frames with a time stamp before the first one: time went backwards.
     before: u64,
+    /// Number of frames with times that had been recorded already.
+    again: u64,
 }
+
+/// Time by which a frame may be earlier than the latest one, as where several senders are stamped apart.
+const OUT_OF_ORDER: Span = Span::from_nanos(1_000_000_000);
 
 /// Largest part of frames from before the first one with which a recording is accepted, since
 /// learning would leave them out.
@@ -102,6 +108,8 @@ impl Extent {
 
     fn take(&mut self, frame: &Frame, design: &MonitorDesign) {
         let at = frame.timestamp;
+        let latest = self.timeline.ends().map(|(_, latest)| latest);
+        self.again += u64::from(latest.is_some_and(|latest| latest.since(at) > OUT_OF_ORDER));
         self.timeline.take(at);
         self.frames += 1;
         self.before += u64::from(at < self.timeline.first());
@@ -115,7 +123,7 @@ impl Extent {
     fn backwards(&self) -> Result<Option<String>, Failure> {
         let Self { frames, before, .. } = *self;
         if before == 0 {
-            return Ok(None);
+            return self.once().map(|()| None);
         }
         let first = self.timeline.first();
         let told = format!(
@@ -123,11 +131,24 @@ impl Extent {
             {first}"
         );
         if before as f64 <= LARGEST_LOSS * frames as f64 {
+            self.once()?;
             return Ok(Some(format!("{told}, and are left out")));
         }
         Err(Failure::Wrong(format!(
             "{told}, and would be left out: the clock was set back, or recordings are not in the order \
              of time; learn from one part at a time"
+        )))
+    }
+
+    /// Refuses what has the same times twice, of which nobody knows what was when.
+    fn once(&self) -> Result<(), Failure> {
+        let Self { frames, again, .. } = *self;
+        if again as f64 <= LARGEST_LOSS * frames as f64 {
+            return Ok(());
+        }
+        Err(Failure::Wrong(format!(
+            "{again} of {frames} frames have times that had been recorded before: recordings overlap, one is \
+             named twice, or the clock was set back; name each recording once, and learn from one part at a time"
         )))
     }
 }

@@ -192,6 +192,29 @@ fn what_cannot_teach_is_refused_in_words_and_nothing_is_written() {
     refused(&sound, &["check unit, factor and offset of both in the DBC"]);
 }
 
+/// As a glob gives them that also finds a copy: evidence would count twice.
+#[test]
+fn what_was_recorded_twice_at_the_same_time_is_refused() {
+    let yard = Yard::new();
+    let before = yard.read("config.toml");
+    let log = yard.simulate("once.log", ROUGH, 60, &[]);
+    let text = fs::read_to_string(&log).expect("it was written");
+    let copy = yard.0.write("copy.log", &text);
+    let overlapping = yard.0.write("overlapping.log", moved(&text, 30));
+    for logs in [[&*log, &*copy], [&*log, &*log], [&*log, &*overlapping]] {
+        yard.commission(&logs, &[]).failed(2, &["recordings overlap, one is named twice"]);
+        yard.is_untouched(&before);
+    }
+    // Senders that are stamped a little apart are not meant.
+    let late = text.lines().map(|line| match line.contains(" 1C1#") {
+        true => moved(line, -1),
+        false => format!("{line}\n"),
+    });
+    let late = yard.0.write("late.log", late.collect::<String>());
+    let run = yard.commission(&[&late], &[]);
+    assert!(!run.stderr.contains("overlap"), "{}", run.stderr);
+}
+
 /// The DBC with each C2 at a tenth of its length.
 fn wrong(dbc: &str) -> String {
     let mut of_c2 = false;
