@@ -67,7 +67,7 @@ impl Trying {
         let own: Vec<&TriedBand> = own.filter_map(|(_, tried)| tried.as_ref()).collect();
         let tried = || own.iter();
         let tails: Option<Vec<Tail>> =
-            tried().map(|tried| Tail::fit(&tried.maxima, sample_time)).collect();
+            tried().map(|tried| Tail::fit_farther(&tried.maxima, sample_time)).collect();
         let tails = tails.filter(|tails| !tails.is_empty())?;
         let worst = tried().map(|tried| tried.magnitudes.largest()).fold(0.0, f64::max);
         let level = common_level(&tails, per_second(per_year)).max(MARGIN * worst);

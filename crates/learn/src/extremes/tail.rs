@@ -10,6 +10,12 @@ pub const LEAST_BLOCKS: u64 = 50;
 /// One block in this many is part of the tail.
 const TAIL: u64 = 5;
 
+/// The same of a tail that begins where it may.
+const TAILS: [u64; 4] = [TAIL, 10, 20, 40];
+
+/// Fewest blocks of a tail that is made of fewer.
+const LEAST_PEAKS: u64 = 25;
+
 /// Most blocks in a tail; of a long recording they are the outermost ones.
 const MOST: usize = 500;
 
@@ -133,29 +139,58 @@ impl Tail {
     /// The tail of `maxima` of cycles of `sample_time` seconds; `None` with fewer than
     /// [`LEAST_BLOCKS`], or if all that is kept is one run.
     pub fn fit(maxima: &Maxima, sample_time: f64) -> Option<Self> {
+        Self::among(maxima, sample_time, &TAILS[..1])
+    }
+
+    /// As [`Self::fit`], but farther out where the largest blocks lie closer together than an exponential tail has them.
+    /// Their scale is then that of something else, as of the ends of a rod's way, at each of which a line is off: an
+    /// exponential tail of it would reach far beyond all that was ever seen.
+    pub fn fit_farther(maxima: &Maxima, sample_time: f64) -> Option<Self> {
+        Self::among(maxima, sample_time, &TAILS)
+    }
+
+    fn among(maxima: &Maxima, sample_time: f64, tails: &[u64]) -> Option<Self> {
         if maxima.blocks() < LEAST_BLOCKS {
             return None;
         }
         let largest = maxima.largest();
-        let peaks = ((maxima.blocks() / TAIL) as usize).min(MOST).min(largest.len() - 1);
-        if peaks == 0 {
-            return None;
+        let mut found = None;
+        for share in tails {
+            let peaks = maxima.blocks() / share;
+            if found.is_some() && peaks < LEAST_PEAKS {
+                break;
+            }
+            let peaks = (peaks as usize).min(MOST).min(largest.len() - 1);
+            let (tail, is_bounded) = Self::of(maxima, &largest[..=peaks], sample_time)?;
+            found = Some(tail);
+            if !is_bounded {
+                break;
+            }
         }
-        let floor = largest[peaks];
-        let excesses: Vec<f64> = largest[..peaks].iter().map(|peak| peak - floor).collect();
+        found
+    }
+
+    /// The tail of the `largest` blocks, of which the last one is the floor, and whether it is lighter than an exponential
+    /// one, beyond chance.
+    fn of(maxima: &Maxima, largest: &[f64], sample_time: f64) -> Option<(Self, bool)> {
+        let (floor, peaks) = largest.split_last().filter(|(_, peaks)| !peaks.is_empty())?;
+        let excesses: Vec<f64> = peaks.iter().map(|peak| peak - floor).collect();
+        let peaks = excesses.len();
         let mean = excesses.iter().sum::<f64>() / peaks as f64;
         let exponential = Pareto { shape: 0.0, scale: mean, likelihood: f64::NEG_INFINITY };
         let pareto = Pareto::fit(&excesses).unwrap_or(exponential);
         let gain = 2.0 * (pareto.likelihood + peaks as f64 * (mean.ln() + 1.0));
-        Some(Self {
-            floor,
+        let is_other = gain > SIGNIFICANT && distinct(&excesses);
+        let tail = Self {
+            floor: *floor,
             peaks,
             seconds: (maxima.blocks() * u64::from(maxima.block())) as f64 * sample_time,
             mean,
             worst: maxima.worst(),
             pareto,
-            heavy: pareto.shape > 0.0 && gain > SIGNIFICANT && distinct(&excesses),
-        })
+            heavy: pareto.shape > 0.0 && is_other,
+        };
+        Some((tail, pareto.shape < 0.0 && is_other))
     }
 
     /// Rate at which blocks exceed `level`, 1/s; the rate of all peaks where `level` is not above
@@ -292,6 +327,24 @@ mod tests {
         }
         let tail = Tail::fit(&maxima, 1.0).expect("900 blocks");
         assert!(tail.level(per_day(1.0 / 365.0)) < 4e-3, "{tail:?}");
+    }
+
+    /// At the ends of its way, one block in eight, a rod is where the line is off by half a millimetre. That is no scale
+    /// of a tail: an exponential one of it would reach millimetres beyond what was seen.
+    #[test]
+    fn the_ends_of_the_way_are_no_tail() {
+        let mut maxima = Maxima::new(1);
+        for k in 0..2400_u32 {
+            let part = (f64::from(k * 7919 % 2401) + 0.5) / 2401.0;
+            let spread = -2e-5 * part.ln();
+            maxima.add(if k % 8 == 0 { 8e-4 } else { 3e-4 } + spread);
+        }
+        assert!(Tail::fit(&maxima, 1.0).expect("2400 blocks").level(per_day(1.0 / 365.0)) > 3e-3);
+        let tail = Tail::fit_farther(&maxima, 1.0).expect("2400 blocks");
+        assert!(tail.floor > 8e-4 && (1.5e-5..3e-5).contains(&tail.mean), "{tail:?}");
+        // Once a year is 13,000 times as rare as what was seen: 9.5 nats.
+        let level = tail.level(per_day(1.0 / 365.0));
+        assert!((1.0e-3..1.4e-3).contains(&level), "{level}");
     }
 
     /// A bounded tail is not trusted, since it was never seen that nothing lies beyond.
