@@ -123,7 +123,7 @@ impl Extent {
     fn backwards(&self) -> Result<Option<String>, Failure> {
         let Self { frames, before, .. } = *self;
         if before == 0 {
-            return self.once().map(|()| None);
+            return Ok(None);
         }
         let first = self.timeline.first();
         let told = format!(
@@ -131,7 +131,6 @@ impl Extent {
             {first}"
         );
         if before as f64 <= LARGEST_LOSS * frames as f64 {
-            self.once()?;
             return Ok(Some(format!("{told}, and are left out")));
         }
         Err(Failure::Wrong(format!(
@@ -141,7 +140,7 @@ impl Extent {
     }
 
     /// Refuses what has the same times twice, of which nobody knows what was when.
-    fn once(&self) -> Result<(), Failure> {
+    fn all_once(&self) -> Result<(), Failure> {
         let Self { frames, again, .. } = *self;
         if again as f64 <= LARGEST_LOSS * frames as f64 {
             return Ok(());
@@ -181,6 +180,7 @@ impl Field {
             return Err(Failure::Failed(format!("nothing was judged: {reasons}")));
         }
         let backwards = extent.backwards()?;
+        extent.all_once()?;
         let timeline = extent.timeline;
         let window = self.window(timeline.length())?;
         let reordered = logs != self.logs;

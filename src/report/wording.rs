@@ -5,7 +5,7 @@ use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::process::ProcessCoverage;
+use crate::process::{ProcessCoverage, detector};
 use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
@@ -23,7 +23,8 @@ pub const UNKNOWN: [&str; Unknown::ALL.len()] =
     ["not monitored", "no reading", "not calibrated", "no baseline"];
 
 /// What the process detectors judge by, in the order of [`ProcessCoverage::judged`].
-pub const RELATIONS: [&str; 3] = ["the spools", "the chambers' pressures", "the flow"];
+pub const RELATIONS: [&str; detector::RELATIONS] =
+    ["the spools", "the chambers' pressures", "the flow"];
 
 /// Columns of the time in which the process detectors judged.
 pub const PROCESS_COLUMNS: [&str; 5] =

@@ -205,13 +205,13 @@ fn what_was_recorded_twice_at_the_same_time_is_refused() {
         yard.commission(&logs, &[]).failed(2, &["recordings overlap, one is named twice"]);
         yard.is_untouched(&before);
     }
-    // Senders that are stamped a little apart are not meant.
-    let late = text.lines().map(|line| match line.contains(" 1C1#") {
-        true => moved(line, -1),
+    // A sender whose clock is a second ahead of the others' is not meant: all others are then earlier than it.
+    let ahead = text.lines().map(|line| match line.contains(" 181#") {
+        true => moved(line, 1),
         false => format!("{line}\n"),
     });
-    let late = yard.0.write("late.log", late.collect::<String>());
-    let run = yard.commission(&[&late], &[]);
+    let ahead = yard.0.write("ahead.log", ahead.collect::<String>());
+    let run = yard.commission(&[&ahead], &[]);
     assert!(!run.stderr.contains("overlap"), "{}", run.stderr);
 }
 

@@ -180,7 +180,7 @@ pub struct ClockFacts {
 /// What the clock is synchronised with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClockSource {
-    /// Name or address.
+    /// Address, or the name of a reference clock.
     pub name: String,
     /// Number of computers between it and a reference clock.
     pub stratum: u8,
@@ -216,12 +216,12 @@ pub struct Wear {
 /// How old things are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ages {
-    /// Time since this program was installed, s.
-    pub program: Option<f64>,
-    /// Time since the configuration or its DBC was changed, s.
-    pub configuration: Option<f64>,
-    /// Time since the running gateway was started, s.
-    pub gateway: Option<f64>,
+    /// Time since this program was installed.
+    pub program: Option<Span>,
+    /// Time since the configuration or its DBC was changed.
+    pub configuration: Option<Span>,
+    /// Time since the running gateway was started.
+    pub gateway: Option<Span>,
     /// Whether the running gateway's program has been replaced since.
     pub is_replaced: bool,
 }

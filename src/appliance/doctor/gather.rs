@@ -100,6 +100,12 @@ fn counts(interface: &str) -> Option<LinkCounts> {
     LinkCounts::read(|name| fs::read_to_string(folder.join(name)).ok())
 }
 
+/// Time since the computer was started, s.
+fn uptime() -> Option<f64> {
+    let text = fs::read_to_string("/proc/uptime").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
+
 /// What another program prints; `None` without it, or where it fails.
 fn said_by(program: &str, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new(program);

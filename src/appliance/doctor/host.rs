@@ -3,6 +3,7 @@
 use super::disk;
 use super::facts::{Ages, ClockFacts, Host, Rights, Service, Wanted};
 use super::finding::Finding;
+use crate::story;
 use std::net::SocketAddr;
 
 /// Largest difference between readings of two clocks, s, apart from [`STEERING`].
@@ -140,12 +141,13 @@ fn program(ages: &Ages, rights: &Rights) -> Finding {
     let subject = "program";
     let mut found = concat!("tertius ", env!("CARGO_PKG_VERSION")).to_owned();
     if let Some(age) = ages.program {
-        found += &format!(", installed {} ago", span(age));
+        found += &format!(", installed {} ago", story::span(age));
     }
     let (Some(process), Some(running)) = (rights.gateway, ages.gateway) else {
         return Finding::ok(subject, found);
     };
-    found += &format!("; the gateway (process {process}) has been running for {}", span(running));
+    found +=
+        &format!("; the gateway (process {process}) has been running for {}", story::span(running));
     match ages.is_replaced {
         true => Finding::warn(
             subject,
@@ -153,17 +155,6 @@ fn program(ages: &Ages, rights: &Rights) -> Finding {
             "`systemctl restart tertius`, so that the new one watches",
         ),
         false => Finding::ok(subject, found),
-    }
-}
-
-/// A time, s, in the unit that leaves two digits or three of it.
-pub(super) fn span(seconds: f64) -> String {
-    let [minutes, hours, days] = [60.0, 3600.0, 86_400.0].map(|unit| seconds / unit);
-    match seconds {
-        ..100.0 => format!("{seconds:.0} s"),
-        ..6_000.0 => format!("{minutes:.0} min"),
-        ..172_800.0 => format!("{hours:.0} h"),
-        _ => format!("{days:.0} days"),
     }
 }
 

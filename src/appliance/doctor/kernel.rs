@@ -1,6 +1,7 @@
 //! What kernel, chrony and ethtool say, read from their texts.
 
 use super::facts::{ClockSource, LinkCounts, Wear};
+use crate::time::Span;
 use std::path::{Path, PathBuf};
 
 impl LinkCounts {
@@ -83,15 +84,14 @@ pub(super) fn written(stat: &str) -> Option<u64> {
     stat.split_whitespace().nth(6)?.parse::<u64>().ok()?.checked_mul(512)
 }
 
-/// Time since the start of a process, s, by the texts of /proc/…/stat and /proc/uptime.
-pub(super) fn running(stat: &str, uptime: &str) -> Option<f64> {
+/// Time since the start of a process, by the text of /proc/…/stat, on a computer that was started `uptime` seconds ago.
+pub(super) fn running(stat: &str, uptime: f64) -> Option<Span> {
     /// USER_HZ, which is the same on all processors that Linux has now.
     const TICKS: f64 = 100.0;
     // The name, in brackets, may have anything in it.
     let (_, fields) = stat.rsplit_once(')')?;
     let started: f64 = fields.split_whitespace().nth(19)?.parse().ok()?;
-    let uptime: f64 = uptime.split_whitespace().next()?.parse().ok()?;
-    Some((uptime - started / TICKS).max(0.0))
+    Some(Span::from_seconds((uptime - started / TICKS).max(0.0)))
 }
 
 #[cfg(test)]
@@ -163,7 +163,7 @@ mod tests {
         let stat = "  100 0 800 5 200 0 4096 9 0 10 11 0 0 0 0";
         assert_eq!(written(stat), Some(4096 * 512));
         let process = "77 (a (strange) name) S 1 77 77 0 -1 0 0 0 0 0 0 0 0 0 20 0 4 0 250000 1 2";
-        assert_eq!(running(process, "9000.25 100.0\n"), Some(6500.25));
-        assert_eq!(running("77", "9000.25"), None);
+        assert_eq!(running(process, 9000.25), Some(Span::from_seconds(6500.25)));
+        assert_eq!(running("77", 9000.25), None);
     }
 }

@@ -19,6 +19,7 @@ mod traffic;
 pub use facts::Facts;
 pub use finding::{Finding, Verdict};
 
+use crate::story;
 use facts::{Bus, Host, InterfaceFacts, Wanted};
 
 /// Judges the facts; one finding for each subject.
@@ -52,7 +53,7 @@ fn socket(wanted: &Wanted, interface: &InterfaceFacts, facts: &Facts) -> Vec<Fin
 fn configuration(wanted: &Wanted, host: &Host) -> Finding {
     let mut found = format!("{} is sound", wanted.config.display());
     if let Some(age) = host.ages.configuration {
-        found += &format!(", changed {} ago", host::span(age));
+        found += &format!(", changed {} ago", story::span(age));
         if host.ages.gateway.is_some_and(|running| running > age) {
             found += ", after the gateway was started, which knows it if it was reloaded since";
         }

@@ -12,7 +12,7 @@ use tertius::bus::Stamps;
 use tertius::bus::socket::{ControllerState, LinkState};
 use tertius::config::settings::Realtime;
 use tertius::frame::{Frame, Id, Kind};
-use tertius::time::Timestamp;
+use tertius::time::{Span, Timestamp};
 
 const CYCLE: i64 = 20_000_000;
 
@@ -139,9 +139,13 @@ fn host() -> Host {
             written_per_day: Some(1.5e9),
             wear: Some(Wear { tenths: 2, reserve: 1 }),
         }],
-        ages: Ages { program: Some(3e6), configuration: Some(7200.0), ..Ages::default() },
+        ages: Ages { program: span(3e6), configuration: span(7200.0), ..Ages::default() },
         http: Some((SocketAddr::from(([127, 0, 0, 1], 9481)), None)),
     }
+}
+
+pub fn span(seconds: f64) -> Option<Span> {
+    Some(Span::from_seconds(seconds))
 }
 
 /// A status of a gateway at node 81.

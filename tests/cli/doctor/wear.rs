@@ -97,20 +97,25 @@ fn a_disk_that_is_full_or_worn_or_cannot_be_written() {
 
 #[test]
 fn how_old_program_and_configuration_are() {
-    judged(&sound(), "program", Verdict::Ok, &["tertius 0.1.0, installed 35 days ago"]);
-    let words = ["is sound, changed 2 h ago; calibrated by recordings of 2026-03-14"];
+    judged(&sound(), "program", Verdict::Ok, &["tertius 0.1.0, installed 34.7 days ago"]);
+    let words = ["is sound, changed 2.0 h ago; calibrated by recordings of 2026-03-14"];
     judged(&sound(), "configuration", Verdict::Ok, &words);
     let running = |seconds, is_replaced| {
         set(|facts| {
             facts.host.rights.gateway = Some(77);
-            facts.host.ages.gateway = Some(seconds);
+            facts.host.ages.gateway = super::facts::span(seconds);
             facts.host.ages.is_replaced = is_replaced;
         })
     };
-    let late = ["changed 2 h ago, after the gateway was started", "reloaded"];
+    let late = ["changed 2.0 h ago, after the gateway was started", "reloaded"];
     judged(&running(9000.0, false), "configuration", Verdict::Ok, &late);
     let facts = running(90.0, false);
-    judged(&facts, "program", Verdict::Ok, &["the gateway (process 77) has been running for 90 s"]);
+    judged(
+        &facts,
+        "program",
+        Verdict::Ok,
+        &["the gateway (process 77) has been running for 90.0 s"],
+    );
     let words = ["its program has been replaced", "systemctl restart tertius"];
     judged(&running(90.0, true), "program", Verdict::Warn, &words);
 }

@@ -225,8 +225,8 @@ impl Process {
         let cycles = flow.block();
         let level = self.levels[FLOW];
         let peak = match self.alarms[FLOW] {
-            None => flow.peak(level, false),
-            Some(_) => flow.peak(self.design.parameters.over * level, true),
+            None => flow.peak_in_turn(level),
+            Some(_) => flow.peak(self.design.parameters.over * level),
         };
         if self.alarms[FLOW].is_some() || peak.width > 0 {
             self.follow(FLOW, peak, cycles, input.at);

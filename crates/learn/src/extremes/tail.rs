@@ -139,7 +139,7 @@ impl Tail {
     /// The tail of `maxima` of cycles of `sample_time` seconds; `None` with fewer than
     /// [`LEAST_BLOCKS`], or if all that is kept is one run.
     pub fn fit(maxima: &Maxima, sample_time: f64) -> Option<Self> {
-        Self::among(maxima, sample_time, &TAILS[..1])
+        Self::among(maxima, sample_time, &[TAIL])
     }
 
     /// As [`Self::fit`], but farther out where the largest blocks lie closer together than an exponential tail has them.

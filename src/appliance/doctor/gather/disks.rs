@@ -2,6 +2,7 @@
 
 use super::super::facts::{DiskFacts, Wear};
 use super::super::kernel::{Mount, written};
+use super::uptime;
 use nix::sys::statvfs::statvfs;
 use std::collections::BTreeMap;
 use std::fs;
@@ -39,8 +40,6 @@ fn disk(folder: PathBuf, device: &str, is_read_only: bool) -> DiskFacts {
     });
     let of_device = Path::new("/sys/dev/block").join(device);
     let written = fs::read_to_string(of_device.join("stat")).ok().and_then(|stat| written(&stat));
-    let up = fs::read_to_string("/proc/uptime").ok();
-    let up = up.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok());
     let rate = |(bytes, seconds): (u64, f64)| bytes as f64 * DAY / seconds;
     DiskFacts {
         keeps: Vec::new(),
@@ -48,7 +47,7 @@ fn disk(folder: PathBuf, device: &str, is_read_only: bool) -> DiskFacts {
         free,
         size,
         is_read_only,
-        written_per_day: written.zip(up.filter(|seconds| *seconds > SHORT)).map(rate),
+        written_per_day: written.zip(uptime().filter(|seconds| *seconds > SHORT)).map(rate),
         wear: wear(&of_device),
     }
 }

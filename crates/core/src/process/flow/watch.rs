@@ -61,13 +61,14 @@ impl FlowWatch {
         block.is_some()
     }
 
-    /// The window with the most evidence, if it is more than `least`, nats, of the widths whose turn it is or of all.
-    pub fn peak(&self, least: f64, of_all: bool) -> Peak {
-        if of_all {
-            self.windows.peak(&self.weighing, least)
-        } else {
-            self.windows.peak_in_turn(&self.weighing, least)
-        }
+    /// See [`FlowWindows::peak`].
+    pub fn peak(&self, least: f64) -> Peak {
+        self.windows.peak(&self.weighing, least)
+    }
+
+    /// See [`FlowWindows::peak_in_turn`].
+    pub fn peak_in_turn(&self, least: f64) -> Peak {
+        self.windows.peak_in_turn(&self.weighing, least)
     }
 
     /// What explains the oil and the rod since an alarm was raised `age` cycles ago; `None` where it is not the time
