@@ -231,9 +231,16 @@ impl Journal for Appliance {
             Notice::TimeJump { by, .. } => {
                 warn!(seconds = by.as_seconds(), "time stamps jumped, everything restarts");
             }
-            Notice::Interruption { .. } => {
+            Notice::Interruption { bus: None, .. } => {
                 warn!("the bus was lost, everything restarts");
             }
+            Notice::Interruption { bus: Some(bus), .. } => {
+                warn!(%bus, "a bus was lost, what it carries restarts");
+            }
+            Notice::Silence { bus, silent: true, .. } => {
+                warn!(%bus, "a bus is silent, what it carries is unknown");
+            }
+            Notice::Silence { bus, silent: false, .. } => info!(%bus, "a bus is heard again"),
             Notice::Restart { cylinder, detector, reason, .. } => {
                 let (detector, reason) = (detector.name(), restart_name(reason));
                 info!(cylinder, detector, reason, "observer restarts");

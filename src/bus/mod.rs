@@ -18,8 +18,10 @@ mod format;
 mod formats;
 mod input;
 mod listening;
+mod merge;
 mod order;
 mod port;
+mod progress;
 mod reason;
 mod recording;
 mod selection;
@@ -34,11 +36,13 @@ pub use format::{MAX_LINE, TimeStamps};
 pub use formats::candump::writer::{LogWriter, append_log_line};
 pub use formats::{names as format_names, written};
 pub use listening::ListeningPort;
+pub(crate) use merge::Sorter;
 pub use order::sorted as in_order;
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
+pub use progress::Progress;
 pub use reason::{Found, Reason};
-pub use recording::{Options, Progress, Recording};
-pub use selection::{Ambiguous, Interfaces, Selected, Selection};
+pub use recording::{Options, Recording};
+pub use selection::{Ambiguous, Interfaces, Selected, Selection, SeveralInterfaces};
 pub use source::{Source, SourceError};
 pub use statistics::{
     BadLine, BadPlace, Damage, INTERFACES_KEPT, Interface, KEPT_BAD_LINES, KEPT_BARREN,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::frame::Frame;
 use crate::time::Timestamp;
 
 use super::format::{End, Item, TimeStamps, Unread, blank_frame};
@@ -56,27 +57,46 @@ pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {
 
 /// Time stamp of the first frame of a file, of the interface that is meant if it comes soon.
 fn beginning(place: &InputPlace, interfaces: &Interfaces) -> Option<Timestamp> {
+    let mut first = None;
+    let found = first_frames(place, |frame, interface, absolute| {
+        first = first.or(absolute.then_some(frame.timestamp));
+        (absolute && interfaces.mean(interface)).then_some(frame.timestamp)
+    });
+    // Of another interface, which is read where the one that is meant is nowhere.
+    found.or(first.filter(|_| matches!(interfaces, Interfaces::One(_))))
+}
+
+/// The interface that is meant and comes first in a file; `None` if none does soon, or it is not a file.
+pub fn first_interface(place: &InputPlace, interfaces: &Interfaces) -> Option<Vec<u8>> {
+    first_frames(place, |_, interface, _| interfaces.mean(interface).then(|| interface.to_vec()))
+}
+
+/// Passes the first frames of a file to `find`, with their interface and whether their time stamp is absolute, until it
+/// finds something.
+fn first_frames<T>(
+    place: &InputPlace,
+    mut find: impl FnMut(&Frame, &[u8], bool) -> Option<T>,
+) -> Option<T> {
     let InputPlace::File(path) = place else { return None };
     let (head, end) = first_bytes(path)?;
     let mut reader = (formats::recognise(&head, true)?.reader)(TimeStamps::Absolute);
-    let (mut frame, mut first, mut bytes) = (blank_frame(), None, &head[..]);
+    let (mut frame, mut bytes) = (blank_frame(), &head[..]);
     loop {
-        let taken = match reader.read(Unread { bytes, end }, &mut frame) {
-            Item::Frame { taken, interface, absolute } => {
-                if absolute && interfaces.mean(interface) {
-                    return Some(frame.timestamp);
-                }
-                first = first.or(absolute.then_some(frame.timestamp));
-                taken
+        let (taken, found) = match reader.read(Unread { bytes, end }, &mut frame) {
+            Item::Frame { taken, interface, absolute } => (taken, Some((interface, absolute))),
+            Item::Nothing { taken } | Item::Bad { taken, .. } => (taken, None),
+            Item::LongLine => {
+                (memchr::memchr(b'\n', bytes).map_or(bytes.len(), |line| line + 1), None)
             }
-            Item::Nothing { taken } | Item::Bad { taken, .. } => taken,
-            Item::LongLine => memchr::memchr(b'\n', bytes).map_or(bytes.len(), |line| line + 1),
-            Item::More => break,
+            Item::More => return None,
         };
+        if let Some((interface, absolute)) = found
+            && let Some(found) = find(&frame, interface, absolute)
+        {
+            return Some(found);
+        }
         bytes = &bytes[taken..];
     }
-    // Of another interface, which is read where the one that is meant is nowhere.
-    first.filter(|_| matches!(interfaces, Interfaces::One(_)))
 }
 
 /// First bytes of a file, and whether they are all; `None` for anything else: opening and closing a pipe would end its

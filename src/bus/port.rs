@@ -2,10 +2,11 @@
 
 use std::fmt;
 use std::io;
+use std::os::fd::BorrowedFd;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::alarm::OwnFrame;
-use crate::frame::{Frame, Id, Kind};
+use crate::frame::{Buses, Frame, Id, Kind};
 use crate::time::{Span, Timestamp};
 
 /// A live CAN interface. It is the only object with a clock: it tells the time on the clock of its
@@ -48,6 +49,12 @@ pub trait Port {
 
     /// Description for the log at the start: interface, filters, time stamps, buffer.
     fn description(&self) -> String;
+
+    /// What is readable while frames or the end of the interface are to be received, for waiting on several at once;
+    /// `None` where there is nothing to wait for.
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        None
+    }
 }
 
 /// Frames to receive. Error frames are always received, own frames never.
@@ -69,6 +76,8 @@ pub struct Received {
     /// controller to the queue (the caller's guard). `None` while more frames are or may be
     /// waiting.
     pub drained_at: Option<Timestamp>,
+    /// Buses whose interfaces were lost, of several; the others go on.
+    pub lost: Buses,
 }
 
 /// Result of sending a frame.
@@ -117,6 +126,23 @@ pub struct PortCounts {
     pub sent: u64,
     /// Frames refused as [`Sent::Full`].
     pub refused: u64,
+}
+
+impl PortCounts {
+    /// The counts of this port and of another one.
+    pub fn with(&self, other: &Self) -> Self {
+        Self {
+            received: self.received + other.received,
+            error_frames: self.error_frames + other.error_frames,
+            dropped: self.dropped + other.dropped,
+            batches: self.batches + other.batches,
+            largest_batch: self.largest_batch.max(other.largest_batch),
+            malformed: self.malformed + other.malformed,
+            unstamped: self.unstamped + other.unstamped,
+            sent: self.sent + other.sent,
+            refused: self.refused + other.refused,
+        }
+    }
 }
 
 /// Source of the frames' time stamps.

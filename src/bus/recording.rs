@@ -14,7 +14,9 @@ use super::format::{
 use super::formats;
 use super::formats::candump::{self, Common, Known};
 use super::input::{Input, InputPlace};
+use super::merge::Merge;
 use super::order;
+use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
@@ -28,16 +30,8 @@ pub struct Options {
     pub interfaces: Interfaces,
 }
 
-/// Progress in a recording, in bytes of its files as stored: compressed if they are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    /// Bytes taken from the files so far; up to some hundred kilobytes ahead of the frames.
-    pub consumed: u64,
-    /// Size of all files; `None` if one of them is a pipe.
-    pub total: Option<u64>,
-}
-
-/// The frames of recordings, one file after the other.
+/// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
+/// time stamps, from one file or each from its own.
 ///
 /// Frames and counts depend on the bytes alone, not on the sizes of the reads. Memory is bounded
 /// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
@@ -68,6 +62,8 @@ pub struct Recording {
     /// Bytes of the inputs before the current one.
     consumed_before: u64,
     total: Option<u64>,
+    /// The recordings of several buses, by which everything is read then.
+    merge: Option<Box<Merge>>,
 }
 
 /// Result of a step.
@@ -87,6 +83,15 @@ impl Recording {
     /// # Errors
     /// A file does not exist, may not be read or is a directory; files are not in the order of time.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
+        if let Interfaces::Several(several) = &options.interfaces {
+            let merge = Box::new(Merge::open(paths, &options, several.disorder)?);
+            return Ok(Self { merge: Some(merge), ..Self::over(VecDeque::new(), None, options) });
+        }
+        Self::lane(paths, options)
+    }
+
+    /// A recording of files that follow each other, whatever buses it has.
+    pub(super) fn lane<P: AsRef<Path>>(paths: &[P], options: Options) -> Result<Self, SourceError> {
         Self::new(paths.iter().map(|path| InputPlace::of(path.as_ref())).collect(), options)
     }
 
@@ -127,11 +132,15 @@ impl Recording {
             frames_before: 0,
             consumed_before: 0,
             total,
+            merge: None,
         }
     }
 
     /// Statistics of what was read so far.
     pub fn statistics(&mut self) -> &Statistics {
+        if let Some(merge) = &mut self.merge {
+            self.statistics = merge.statistics();
+        }
         self.count();
         &self.statistics
     }
@@ -153,6 +162,9 @@ impl Recording {
 
     /// Progress so far.
     pub fn progress(&self) -> Progress {
+        if let Some(merge) = &self.merge {
+            return merge.progress();
+        }
         let current = self.input.as_ref().map_or(0, Input::consumed);
         Progress { consumed: self.consumed_before + current, total: self.total }
     }
@@ -182,8 +194,9 @@ impl Recording {
     fn read_new(&mut self) -> Option<usize> {
         self.count();
         self.reader.as_ref().filter(|(format, _)| std::ptr::eq(*format, &candump::FORMAT))?;
-        let (statistics, selection, held) = (&self.statistics, &self.selection, &self.held);
-        let find = |name: &[u8]| known(statistics, selection, held, name);
+        let (statistics, held) = (&self.statistics, &self.held);
+        let choice = (&self.selection, &self.interfaces);
+        let find = |name: &[u8]| known(statistics, choice, held, name);
         self.common.read_new(self.buffer.unread(), &mut self.frame, find)
     }
 
@@ -211,6 +224,7 @@ impl Recording {
             Item::Frame { taken, interface, .. } => {
                 self.statistics.add_frame(self.frame.kind, interface);
                 let selected = self.selection.judge(interface);
+                self.frame.bus = self.interfaces.bus(interface).unwrap_or_default();
                 self.buffer.consume(taken);
                 self.give(selected.map_err(|_| self.undecided(&self.interfaces))?)
             }
@@ -330,6 +344,11 @@ impl Recording {
         Step::On
     }
 
+    #[inline(never)]
+    fn next_merged(&mut self) -> Result<Option<&Frame>, SourceError> {
+        self.merge.as_mut().map_or(Ok(None), |merge| merge.next_frame())
+    }
+
     fn end_input(&mut self) -> Step {
         if let Some((input, (format, _))) = self.input.take().zip(self.reader.take()) {
             self.consumed_before += input.consumed();
@@ -352,19 +371,24 @@ impl Recording {
 /// earlier frames are held back.
 fn known(
     statistics: &Statistics,
-    selection: &Selection,
+    (selection, interfaces): (&Selection, &Interfaces),
     held: &VecDeque<Frame>,
     name: &[u8],
 ) -> Option<Known> {
     let place = statistics.interface(name)?;
     let wanted = selection.known(name).filter(|_| held.is_empty())?;
-    Some(Known { place, wanted })
+    // What is not wanted is on no bus.
+    let bus = interfaces.bus(name).unwrap_or_default();
+    Some(Known { place, wanted, bus })
 }
 
 impl Source for Recording {
     // Inlined: a call by itself costs a sixth of reading a line.
     #[inline(always)]
     fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError> {
+        if self.merge.is_some() {
+            return self.next_merged();
+        }
         Ok(if self.advance()? { Some(&self.frame) } else { None })
     }
 }

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+use crate::frame::BusNumber;
+use crate::time::Span;
+
 /// Interfaces whose frames are returned.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Interfaces {
@@ -14,6 +17,17 @@ pub enum Interfaces {
     /// only one in the recording. Two others are [`Ambiguous`], since it cannot be told which is
     /// meant.
     One(String),
+    /// The buses of a machine that has several.
+    Several(SeveralInterfaces),
+}
+
+/// The interfaces of several buses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SeveralInterfaces {
+    /// Each bus with its interface, by name or number.
+    pub buses: Vec<(BusNumber, String)>,
+    /// Time by which frames of different interfaces may be out of order.
+    pub disorder: Span,
 }
 
 /// What interfaces are called, before the number, that their format knows by number only.
@@ -33,7 +47,15 @@ impl Interfaces {
             Self::All => true,
             Self::Only(wanted) => is_named(name, wanted),
             Self::One(configured) => configured.as_bytes() == name,
+            Self::Several(_) => self.bus(name).is_some(),
         }
+    }
+
+    /// The bus that the interface `name` is; `None` if it is none of several.
+    pub fn bus(&self, name: &[u8]) -> Option<BusNumber> {
+        let Self::Several(several) = self else { return Some(BusNumber::FIRST) };
+        let found = several.buses.iter().find(|(_, wanted)| is_named(name, wanted));
+        found.map(|(bus, _)| *bus)
     }
 }
 
@@ -121,7 +143,7 @@ impl Selection {
     pub fn known(&self, name: &[u8]) -> Option<bool> {
         match &self.interfaces {
             Interfaces::All => Some(true),
-            Interfaces::Only(wanted) => Some(is_named(name, wanted)),
+            Interfaces::Only(_) | Interfaces::Several(_) => Some(self.interfaces.mean(name)),
             Interfaces::One(configured) => {
                 let read = self.read.as_ref()?;
                 let wanted = read.as_bytes() == name;
@@ -133,17 +155,22 @@ impl Selection {
     fn configured(&self) -> Option<&str> {
         match &self.interfaces {
             Interfaces::One(name) => Some(name),
-            Interfaces::All | Interfaces::Only(_) => None,
+            Interfaces::All | Interfaces::Only(_) | Interfaces::Several(_) => None,
         }
     }
 }
 
 impl fmt::Display for Interfaces {
-    /// Writes the name of the interface that is meant.
+    /// Writes the names of the interfaces that are meant.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::All => f.write_str("all"),
             Self::Only(name) | Self::One(name) => f.write_str(name),
+            Self::Several(several) => {
+                let names: Vec<&str> =
+                    several.buses.iter().map(|(_, name)| name.as_str()).collect();
+                f.write_str(&names.join(" or "))
+            }
         }
     }
 }

@@ -134,6 +134,30 @@ impl Statistics {
         }
     }
 
+    /// Adds those of another recording that was read beside this one.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.lines += other.lines;
+        self.frames += other.frames;
+        self.error_frames += other.error_frames;
+        self.remote_frames += other.remote_frames;
+        self.other_interface_frames += other.other_interface_frames;
+        self.bad_lines += other.bad_lines;
+        self.unlisted_interface_frames += other.unlisted_interface_frames;
+        self.damaged_inputs += other.damaged_inputs;
+        for Interface { name, frames } in &other.interfaces {
+            match self.interface(name.as_bytes()) {
+                Some(place) => self.interfaces[place].frames += frames,
+                None if self.interfaces.len() < INTERFACES_KEPT => {
+                    self.interfaces.push(Interface { name: name.clone(), frames: *frames });
+                }
+                None => self.unlisted_interface_frames += frames,
+            }
+        }
+        add_some(&mut self.first_bad_lines, &other.first_bad_lines, KEPT_BAD_LINES);
+        add_some(&mut self.damage, &other.damage, KEPT_DAMAGE);
+        add_some(&mut self.barren, &other.barren, KEPT_BARREN);
+    }
+
     /// The interfaces with their numbers of frames, for people.
     pub fn interfaces_found(&self) -> String {
         let found = self.interfaces.iter().map(ToString::to_string);
@@ -165,6 +189,12 @@ impl Statistics {
             self.unlisted_interface_frames += 1;
         }
     }
+}
+
+/// Adds as many as may be kept.
+fn add_some<T: Clone>(kept: &mut Vec<T>, more: &[T], most: usize) {
+    let room = most.saturating_sub(kept.len());
+    kept.extend(more.iter().take(room).cloned());
 }
 
 /// The beginning of a record as bytes in hexadecimal.

@@ -8,7 +8,7 @@ use super::history;
 use super::machine::Machine;
 use super::overriding::SetOptions;
 use crate::config::Settings;
-use crate::config::settings::CylinderSignals;
+use crate::config::settings::{CylinderSignals, bus_of};
 use crate::decode::Raw;
 use crate::report::stops::millimetres;
 use crate::sequential::SequentialParameters;
@@ -65,6 +65,7 @@ fn describe(machine: &Machine) -> String {
             None => "FDE1 and FDE2 always judge".to_owned(),
         }
     );
+    text += &buses(machine);
     text += &format!("judged by {}\n", machine.loaded.fingerprints());
     text += &overrides(machine);
     text += &cylinders::describe(machine);
@@ -74,6 +75,20 @@ fn describe(machine: &Machine) -> String {
     text += &findings(machine);
     text += &objects::findings(machine);
     text
+}
+
+/// The buses and what is on them; empty for a machine with one.
+fn buses(machine: &Machine) -> String {
+    let bus = &machine.loaded.settings.bus;
+    if !bus.is_several() {
+        return String::new();
+    }
+    let buses = bus.interfaces().map(|(bus, interface)| {
+        let all = machine.design.subscriptions.all();
+        let messages = all.iter().filter(|line| line.bus == bus && line.service.is_none()).count();
+        format!("the {bus} bus, {interface}, has {messages} of them")
+    });
+    format!("{}\n", buses.collect::<Vec<_>>().join("; "))
 }
 
 /// The values that come from outside the file; empty without.
@@ -109,7 +124,8 @@ fn broken_wire_doubts(machine: &Machine) -> Vec<String> {
     let mut doubts = Vec::new();
     for name in [Some(&signals.c1), signals.c2.as_ref()].into_iter().flatten() {
         let name = CylinderSignals::of_cylinder(name, 1);
-        let Ok((_, signal)) = machine.database.signal(&name) else { continue };
+        let Some((_, bare)) = bus_of(&name) else { continue };
+        let Ok((_, signal)) = machine.database.signal(bare) else { continue };
         let [lowest, highest] = signal.range.unwrap_or(settings.machine.stroke);
         for code in settings.broken_wire_codes(signal) {
             let length = signal.plan.physical(Raw::Signed(code));

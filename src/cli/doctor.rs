@@ -7,6 +7,7 @@ use crate::appliance::doctor::facts::{Message, Wanted};
 use crate::appliance::doctor::gather::gather;
 use crate::appliance::doctor::{Finding, Verdict, examine};
 use crate::appliance::flight::FlightPlan;
+use crate::frame::BusNumber;
 use clap::{Args, ValueEnum};
 use console::style;
 use serde::Serialize;
@@ -92,7 +93,30 @@ impl Doctor {
 /// What the doctor has to know of `machine`, whose configuration is the file `config`.
 pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
     let settings = &machine.loaded.settings;
-    let messages = machine.design.subscriptions.all().iter().map(|line| {
+    let others = settings.bus.interfaces().filter(|(bus, _)| *bus != BusNumber::FIRST);
+    Wanted {
+        config: config.to_owned(),
+        dbc: machine.loaded.dbc_path.display().to_string(),
+        dbc_findings: machine.database.findings().len() + machine.database.findings_left_out(),
+        interface: settings.bus.interface.clone(),
+        bit_rate: settings.bus.bitrate,
+        sample_time: settings.machine.sample_time,
+        node: settings.gateway.node,
+        own: settings.own_identifiers(),
+        status: machine.design.encoder.status_id(),
+        messages: messages(machine, BusNumber::FIRST),
+        others: others.map(|(bus, name)| (name.to_owned(), messages(machine, bus))).collect(),
+        realtime: settings.realtime,
+        files: machine.files(config).map(Path::to_owned).collect(),
+        keeps: keeps(machine, config),
+        calibrated: settings.calibration.recorded.clone(),
+    }
+}
+
+/// The messages on `bus` that the monitor of `machine` uses.
+fn messages(machine: &Machine, bus: BusNumber) -> Vec<Message> {
+    let all = machine.design.subscriptions.all().iter().filter(|line| line.bus == bus);
+    let messages = all.map(|line| {
         let message = machine.database.message_by_id(line.id);
         Message {
             id: line.id,
@@ -107,22 +131,7 @@ pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
             pages: line.pages(),
         }
     });
-    Wanted {
-        config: config.to_owned(),
-        dbc: machine.loaded.dbc_path.display().to_string(),
-        dbc_findings: machine.database.findings().len() + machine.database.findings_left_out(),
-        interface: settings.bus.interface.clone(),
-        bit_rate: settings.bus.bitrate,
-        sample_time: settings.machine.sample_time,
-        node: settings.gateway.node,
-        own: settings.own_identifiers(),
-        status: machine.design.encoder.status_id(),
-        messages: messages.collect(),
-        realtime: settings.realtime,
-        files: machine.files(config).map(Path::to_owned).collect(),
-        keeps: keeps(machine, config),
-        calibrated: settings.calibration.recorded.clone(),
-    }
+    messages.collect()
 }
 
 /// What the gateway of `machine` keeps, and where.

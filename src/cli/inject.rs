@@ -85,7 +85,8 @@ pub struct Inject {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
     /// Puts faults only into frames of this interface, by its name or number [default: the
-    /// configuration's if the recording has it, else the only one]; the others are passed on
+    /// configuration's if the recording has it, else the only one]; the others are passed on. For a machine
+    /// with several buses those of each: first=can0,second=can1
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
 }
@@ -106,6 +107,7 @@ impl Inject {
         let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let mut injector = Injector::new(&faults::place_all(&faults, &machine)?, self.seed);
         if let (Some(from), Some(to)) = (&self.from, &self.to) {
+            machine.refuse_several("`inject` between interfaces", "inject into a recording")?;
             let (from, to) = (from.clone(), to.clone());
             let ends = Ends { from, to, lasts: self.lasts, max_age: self.max_age };
             let injector = proxy::run(&ends, injector)?;
@@ -118,7 +120,7 @@ impl Inject {
             .claim([(Some(self.output.as_path()), Mark::None)], self.overwriting)?;
         let out = output.expect("it was asked for").open()?;
         let mut passage = Passage { injector: &mut injector, out, line: Vec::new(), written: 0 };
-        let interfaces = machine.interfaces(self.interface.as_deref());
+        let interfaces = machine.interfaces(self.interface.as_deref())?;
         let fallback = &machine.loaded.settings.bus.interface;
         let read = pump(&mut recording, &mut passage, &interfaces, fallback)?;
         let written = passage.written;
@@ -182,8 +184,9 @@ fn pump(
     let mut read = 0_u64;
     while let Some(frame) = recording.next_frame()? {
         // The recording is asked about the frame's interface once it no longer lends the frame.
-        let frame = frame.clone();
+        let mut frame = frame.clone();
         let name = newest.interface(recording.statistics()).unwrap_or(fallback);
+        frame.bus = interfaces.bus(name.as_bytes()).unwrap_or_default();
         let Ok(selected) = selection.judge(name.as_bytes()) else {
             return Err(recording.ambiguous(interfaces).into());
         };

@@ -1,11 +1,13 @@
 //! A configuration with its DBC, ready to be monitored.
 
 use super::Failure;
-use crate::bus::Interfaces;
+use crate::bus::{Interfaces, SeveralInterfaces};
 use crate::config::design::{self, Flaw};
 use crate::config::{self, Document, Loaded, Overrides, Settings, Sheet};
 use crate::dbc::{self, Database};
+use crate::frame::BusNumber;
 use crate::monitor::MonitorDesign;
+use crate::time::Span;
 use std::path::{Path, PathBuf};
 
 /// Configuration of the simulated machine for the monitor; built in with its DBC, so that a
@@ -102,12 +104,33 @@ impl Machine {
     }
 
     /// Interfaces of a recording whose frames are read: `asked`, if given, or else the
-    /// configuration's.
-    pub fn interfaces(&self, asked: Option<&str>) -> Interfaces {
+    /// configuration's. For a machine with several buses, `asked` has the form `first=vcan0,second=vcan1`.
+    ///
+    /// # Errors `asked` has not the form that this machine needs.
+    pub fn interfaces(&self, asked: Option<&str>) -> Result<Interfaces, Failure> {
+        let bus = &self.loaded.settings.bus;
+        let disorder = Span::from_seconds(self.loaded.settings.gateway.guard);
+        let several = |buses| Interfaces::Several(SeveralInterfaces { buses, disorder });
+        let configured = bus.interfaces().map(|(bus, name)| (bus, name.to_owned()));
         match asked {
-            Some(name) => Interfaces::Only(name.to_owned()),
-            None => Interfaces::One(self.loaded.settings.bus.interface.clone()),
+            None if bus.is_several() => Ok(several(configured.collect())),
+            Some(asked) if bus.is_several() => Ok(several(mapped(configured.collect(), asked)?)),
+            Some(name) => Ok(Interfaces::Only(name.to_owned())),
+            None => Ok(Interfaces::One(bus.interface.clone())),
         }
+    }
+
+    /// Refuses a machine with several buses, for what knows one: `what`, and what to do instead.
+    ///
+    /// # Errors The machine has several buses.
+    pub fn refuse_several(&self, what: &str, instead: &str) -> Result<(), Failure> {
+        if !self.loaded.settings.bus.is_several() {
+            return Ok(());
+        }
+        let name = self.loaded.document.name();
+        Err(Failure::Wrong(format!(
+            "{name} has several buses ([bus.second]), and {what} knows only one; {instead}"
+        )))
     }
 
     fn new(loaded: Loaded, design: Designer) -> Result<Self, Failure> {
@@ -137,6 +160,31 @@ impl Machine {
         let kept = history.into_iter().chain(store);
         [config, self.loaded.dbc_path.as_path()].into_iter().chain(sheets).chain(kept)
     }
+}
+
+/// The interfaces of several buses, with those that `asked` names instead of the `configured` ones.
+fn mapped(
+    mut configured: Vec<(BusNumber, String)>,
+    asked: &str,
+) -> Result<Vec<(BusNumber, String)>, Failure> {
+    for part in asked.split(',') {
+        let named = part.split_once('=').and_then(|(bus, name)| {
+            let wanted = bus.trim();
+            let own = configured.iter_mut().find(|(bus, _)| bus.to_string() == wanted)?;
+            Some((own, name.trim()))
+        });
+        let Some((own, name)) = named.filter(|(_, name)| !name.is_empty()) else {
+            let buses: Vec<String> =
+                configured.iter().map(|(bus, name)| format!("{bus}={name}")).collect();
+            return Err(Failure::Wrong(format!(
+                "--interface {asked}: found {part:?}, expected a bus of the configuration and its interface in the \
+                 recording, such as {}",
+                buses.join(",")
+            )));
+        };
+        own.1 = name.to_owned();
+    }
+    Ok(configured)
 }
 
 fn refusal(loaded: &Loaded, flaws: &[Flaw]) -> Failure {

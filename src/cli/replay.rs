@@ -63,7 +63,8 @@ pub struct Replay {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Takes only the frames of this interface, by its name or, where a format has none, its number
-    /// [default: the configuration's if the recording has it, else the only one]
+    /// [default: the configuration's if the recording has it, else the only one]. For a machine with several
+    /// buses that of each: first=can0,second=can1
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     interface: Option<String>,
     /// Time zone of the text and the page, by its name in the IANA database
@@ -125,7 +126,7 @@ impl Replay {
             // What the monitor knew by another configuration.
             inputs.state = None;
         }
-        let interfaces = machine.interfaces(self.interface.as_deref());
+        let interfaces = machine.interfaces(self.interface.as_deref())?;
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
         let mut recording = Recording::open(&inputs.logs, options)?;

@@ -19,9 +19,11 @@ use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::canopen::node::Node;
 use crate::config::Overrides;
-use crate::frame::Id;
+use crate::config::settings::bus_of;
+use crate::frame::{BusNumber, Id};
 use crate::live::gateway::Gateway;
 use crate::live::outbox::{Outbox, OutboxLimits};
+use crate::live::several::SeveralOpener;
 use crate::live::supervisor::{self, Opener};
 use crate::monitor::Monitor;
 use crate::time::Span;
@@ -103,12 +105,13 @@ pub fn gateway(machine: Machine) -> Gateway {
     }
 }
 
-/// Identifiers that the gateway of a machine receives.
-pub fn identifiers(machine: &Machine) -> Vec<Id> {
+/// Identifiers that the gateway of a machine receives on `bus`.
+pub fn identifiers(machine: &Machine, bus: BusNumber) -> Vec<Id> {
     let settings = &machine.loaded.settings;
     let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));
-    let inputs = machine.design.subscriptions.all().iter().map(|line| line.id);
-    inputs.chain(node.into_iter().flatten()).collect()
+    let node = node.filter(|_| bus == BusNumber::FIRST);
+    let inputs = machine.design.subscriptions.all().iter().filter(|line| line.bus == bus);
+    inputs.map(|line| line.id).chain(node.into_iter().flatten()).collect()
 }
 
 /// What is monitored by the configuration of `machine`.
@@ -129,7 +132,7 @@ pub fn facts(machine: &Machine) -> MachineFacts {
 /// Numbers and names of the platform's states, as far as the DBC names them.
 fn platform_states(machine: &Machine) -> Vec<(i64, String)> {
     let signal = machine.loaded.settings.signals.state.as_deref();
-    let found = signal.and_then(|name| machine.database.signal(name).ok());
+    let found = signal.and_then(bus_of).and_then(|(_, name)| machine.database.signal(name).ok());
     found.map_or_else(Vec::new, |(_, signal)| signal.values.clone())
 }
 
@@ -142,16 +145,10 @@ fn prepare(
 ) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path, overrides)?;
     let settings = &machine.loaded.settings;
-    let identifiers = if settings.recorder.records_all() {
-        // The monitor ignores the frames of others.
-        Identifiers::All
-    } else {
-        Identifiers::Only(identifiers(&machine))
-    };
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
-        Some(stage) => (stage.opener(identifiers), None),
-        None => (Box::new(Interface { name: name.clone(), identifiers }), Some(name)),
+        Some(stage) => (stage.opener(received(&machine, BusNumber::FIRST)), None),
+        None => (opener(&machine), Some(name)),
     };
     let realtime = settings.realtime;
     let history = Kept {
@@ -205,8 +202,37 @@ fn store_plan(machine: &Machine) -> Option<StorePlan> {
     })
 }
 
+/// What the gateway of a machine receives on `bus`.
+fn received(machine: &Machine, bus: BusNumber) -> Identifiers {
+    if machine.loaded.settings.recorder.records_all() {
+        // The monitor ignores the frames of others.
+        Identifiers::All
+    } else {
+        Identifiers::Only(identifiers(machine, bus))
+    }
+}
+
+/// The opener of the interfaces of a machine.
+pub fn opener(machine: &Machine) -> Box<dyn Opener> {
+    let settings = &machine.loaded.settings;
+    let interfaces = settings.bus.interfaces().map(|(bus, name)| {
+        (bus, Interface { name: name.to_owned(), identifiers: received(machine, bus) })
+    });
+    let interfaces: Vec<(BusNumber, Interface)> = interfaces.collect();
+    match interfaces.as_slice() {
+        [(_, only)] => Box::new(only.clone()),
+        _ => {
+            let boxed = |(bus, it): &(BusNumber, Interface)| -> (BusNumber, Box<dyn Opener>) {
+                (*bus, Box::new(it.clone()))
+            };
+            let openers = move || interfaces.iter().map(boxed).collect();
+            Box::new(SeveralOpener::new(openers, Span::from_seconds(settings.gateway.guard)))
+        }
+    }
+}
+
 /// A SocketCAN interface by name.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Interface {
     name: String,
     identifiers: Identifiers,

@@ -176,7 +176,8 @@ impl Simulate {
         let table = truth::table(&faults.iter().map(|named| named.fault).collect::<Vec<Fault>>());
         let [output, truth] = self.outputs(&machine, &table)?;
         let simulation = Simulation::new(simulator, cycles).asked_for(requests);
-        let simulation = self.go(simulation, &settings.bus.interface, output)?;
+        let names: Vec<&str> = settings.bus.interfaces().map(|(_, name)| name).collect();
+        let simulation = self.go(simulation, &names, output)?;
         if let Some(truth) = truth {
             truth.write(&table)?;
         }
@@ -193,13 +194,13 @@ impl Simulate {
         inputs.claim([recording, (self.truth.as_deref(), Mark::Text(truth))], self.overwriting)
     }
 
-    /// Simulates to the end, into the recording and onto the interface. `name` is the interface's
-    /// name in the recording: that of the configuration, so that the same call gives the same bytes
-    /// wherever it sends them.
+    /// Simulates to the end, into the recording and onto the interface. `names` are the interfaces'
+    /// names in the recording, by bus: those of the configuration, so that the same call gives the same
+    /// bytes wherever it sends them.
     fn go(
         &self,
         mut simulation: Simulation,
-        name: &str,
+        names: &[&str],
         output: Option<Claimed>,
     ) -> Result<Simulation, Failure> {
         let mut broadcast = match &self.interface {
@@ -216,7 +217,7 @@ impl Simulate {
             }
             if let Some(recording) = &mut recording {
                 line.clear();
-                append_log_line(&mut line, name, frame);
+                append_log_line(&mut line, names[frame.bus.index()], frame);
                 recording.put(&line)?;
             }
             frames += 1;

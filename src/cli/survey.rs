@@ -35,7 +35,8 @@ pub struct Field {
     #[arg(long, value_name = "TIME")]
     pub to: Option<Place>,
     /// Takes only the frames of this interface, by its name or, where a format has none, its number
-    /// [default: the configuration's if the recording has it, else the only one]
+    /// [default: the configuration's if the recording has it, else the only one]. For a machine with several
+    /// buses that of each: first=can0,second=can1
     #[arg(long, value_name = "NAME", visible_alias = "channel")]
     pub interface: Option<String>,
     /// The meaning of the time stamps of a console recording
@@ -166,7 +167,7 @@ impl Field {
         }
         let machine = Machine::load_surveying(&self.config, &self.set.overrides()?)?;
         let design = machine.design.clone();
-        let interfaces = machine.interfaces(self.interface.as_deref());
+        let interfaces = machine.interfaces(self.interface.as_deref())?;
         let options = Options { time_stamps: self.time_stamps.into(), interfaces };
         let logs = self.in_order(&options);
         let mut recording = Recording::open(&logs, options.clone())?;
@@ -321,7 +322,7 @@ impl survey::Recording for Surveyed {
 /// Whether the configuration of `design` uses this frame.
 fn reads(design: &MonitorDesign, frame: &Frame) -> bool {
     let data = matches!(frame.kind, Kind::Data | Kind::Fd { .. });
-    data && design.subscriptions.find(frame.id).is_some()
+    data && design.subscriptions.find(frame.bus, frame.id).is_some()
 }
 
 /// Passes a frame to `take` with its place on a timeline.

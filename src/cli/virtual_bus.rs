@@ -47,7 +47,7 @@ impl PlayOptions {
         let machine = Machine::load(config, overrides)?;
         let settings = &machine.loaded.settings;
         wanted(Some(()), &settings.bus.interface)?;
-        let interfaces = machine.interfaces(self.interface.as_deref());
+        let interfaces = machine.interfaces(self.interface.as_deref())?;
         let options = Options { interfaces, ..Options::default() };
         let recording = Recording::open(&self.logs, options)?;
         let record = self.record(config, &machine)?;

@@ -7,7 +7,7 @@ use crate::bus::{Port, PortError, Sent};
 use crate::canopen::node::{NmtEvent, Node, NodeView};
 use crate::error_frame::ErrorFrame;
 use crate::estimate::Estimate;
-use crate::frame::Frame;
+use crate::frame::{BusNumber, Frame};
 use crate::incident::Incident;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell};
@@ -214,16 +214,28 @@ impl Gateway {
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
             outlet.journal.frame(frame);
+            // The state of the bus on which it sends.
+            let is_first = frame.bus == BusNumber::FIRST;
             let changed = match ErrorFrame::read(frame) {
+                _ if !is_first => false,
                 Some(error) => health.take(&error),
                 None => health.spoke(),
             };
             if changed {
                 outlet.journal.bus(health);
             }
-            outlet.hear(frame, monitor);
+            if is_first {
+                outlet.hear(frame, monitor);
+            }
             monitor.take(frame, &mut outlet);
         })?;
+        for bus in received.lost.iter() {
+            if bus == BusNumber::FIRST {
+                outlet.outbox.clear();
+                *health = BusHealth::default();
+            }
+            monitor.interrupt_bus(bus, *now, &mut outlet);
+        }
         if let Some(drained) = received.drained_at {
             *now = drained;
             let back = Span::from_nanos(guard.as_nanos().saturating_neg());

@@ -6,6 +6,7 @@ use crate::alarm::Warning;
 use crate::bus::{ListeningPort, PortError};
 use crate::error_frame::ErrorFrame;
 use crate::estimate::Estimate;
+use crate::frame::BusNumber;
 use crate::incident::Incident;
 use crate::monitor::{Monitor, Notice, Record, Sink};
 use crate::sequential::{Archive, Dwell};
@@ -56,6 +57,7 @@ impl ListeningMonitor {
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
             let changed = match ErrorFrame::read(frame) {
+                _ if frame.bus != BusNumber::FIRST => false,
                 Some(error) => health.take(&error),
                 None => health.spoke(),
             };
@@ -64,6 +66,9 @@ impl ListeningMonitor {
             }
             monitor.take(frame, &mut ear);
         })?;
+        for bus in received.lost.iter() {
+            monitor.interrupt_bus(bus, *now, &mut ear);
+        }
         if let Some(drained) = received.drained_at {
             *now = drained;
             let back = Span::from_nanos(guard.as_nanos().saturating_neg());

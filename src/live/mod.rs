@@ -5,4 +5,5 @@ pub mod health;
 pub mod listener;
 pub mod outbox;
 pub mod proxy;
+pub mod several;
 pub mod supervisor;

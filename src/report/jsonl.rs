@@ -6,6 +6,7 @@ use super::Summary;
 use super::device::{DeviceFields, EmergencyFields};
 use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
+use crate::frame::BusNumber;
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
@@ -71,6 +72,9 @@ struct NoticeLine {
     notice: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     seconds: Option<Digits>,
+    /// One of several buses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bus: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     cylinder: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -241,6 +245,7 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
         timestamp: digits(at),
         notice,
         seconds: seconds.map(digits),
+        bus: None,
         cylinder: None,
         detector: None,
         reason: None,
@@ -254,7 +259,13 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
     let line = match *notice {
         Notice::Gap { at, length } => line(at, "gap", Some(length)),
         Notice::TimeJump { at, by } => line(at, "time_jump", Some(by)),
-        Notice::Interruption { at } => line(at, "interruption", None),
+        Notice::Interruption { at, bus } => {
+            NoticeLine { bus: bus.map(name_of), ..line(at, "interruption", None) }
+        }
+        Notice::Silence { at, bus, silent } => {
+            let what = if silent { "silence" } else { "heard_again" };
+            NoticeLine { bus: Some(name_of(bus)), ..line(at, what, None) }
+        }
         Notice::Restart { at, cylinder, detector, reason } => NoticeLine {
             cylinder: Some(cylinder),
             detector: Some(detector.name()),
@@ -351,6 +362,11 @@ pub const fn restart_name(reason: Restart) -> &'static str {
         Restart::TimeJump => "time_jump",
         Restart::Interruption => "interruption",
     }
+}
+
+/// Name of a bus in the configuration.
+fn name_of(bus: BusNumber) -> &'static str {
+    BusNumber::NAMES[bus.index()]
 }
 
 fn write_line(out: &mut impl Write, line: &impl Serialize) -> io::Result<()> {

@@ -204,7 +204,12 @@ pub fn notice(first: Timestamp, notice: &Notice) -> [String; 2] {
         Notice::TimeJump { at, by } => {
             (at, format!("time stamps jumped by {:+.3} s", by.as_seconds()))
         }
-        Notice::Interruption { at } => (at, "the bus was lost".to_owned()),
+        Notice::Interruption { at, bus: None } => (at, "the bus was lost".to_owned()),
+        Notice::Interruption { at, bus: Some(bus) } => (at, format!("the {bus} bus was lost")),
+        Notice::Silence { at, bus, silent: true } => {
+            (at, format!("the {bus} bus is silent: what it carries is unknown"))
+        }
+        Notice::Silence { at, bus, silent: false } => (at, format!("the {bus} bus is heard again")),
         Notice::Restart { at, cylinder, detector, reason } => {
             let (label, reason) = (detector.label(), spaced(restart_name(reason)));
             (at, format!("cylinder {cylinder}: {label}'s observer restarts ({reason})"))

@@ -1,5 +1,6 @@
 //! Configurations: what is read, and what is refused in which words.
 
+mod buses;
 mod common;
 mod design;
 mod documents;

@@ -1,7 +1,7 @@
 //! CANopen devices that tell of themselves: emergency messages and heartbeats beside the readings.
 
 use tertius::alarm::{Detector, State, Warning};
-use tertius::frame::{Frame, Id, Kind};
+use tertius::frame::{BusNumber, Frame, Id, Kind};
 use tertius::monitor::subscriptions::{DeviceService, SubscribedService, Target};
 use tertius::monitor::{Monitor, Notice};
 use tertius::sample::device::{DeviceDesign, DeviceNews, DeviceState};
@@ -33,7 +33,7 @@ fn monitor() -> Monitor {
                 let id = Id::standard(base + u32::from(node)).expect("11 bits");
                 let devices = vec![(index, role)];
                 let of_device = SubscribedService { service, devices };
-                design.subscriptions.subscribe(id).service = Some(of_device);
+                design.subscriptions.subscribe(BusNumber::FIRST, id).service = Some(of_device);
             }
         }
     }

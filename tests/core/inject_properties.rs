@@ -4,14 +4,14 @@ use crate::dbc_support::{Dice, random_dbc};
 use proptest::prelude::*;
 use tertius::dbc::{Database, Message, Signal};
 use tertius::decode::{Decoded, Raw, SignalPlan};
-use tertius::frame::{Frame, Id, Kind, MAX_DATA};
+use tertius::frame::{BusNumber, Frame, Id, Kind, MAX_DATA};
 use tertius::inject::{Code, Injector, Placed, Shape, Tally, Window};
 use tertius::time::{Span, Timestamp};
 
 const ALWAYS: Window = Window { from: Span::ZERO, until: None };
 
 fn placed(message: &Message, signal: &Signal, shape: Shape, window: Window) -> Placed {
-    Placed { id: message.id, plan: signal.plan.clone(), shape, window }
+    Placed { bus: BusNumber::FIRST, id: message.id, plan: signal.plan.clone(), shape, window }
 }
 
 fn random_frame(dice: &mut Dice, message: &Message, t: i64) -> Frame {

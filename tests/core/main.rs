@@ -5,6 +5,7 @@ mod ailments;
 mod arrival_healthy;
 mod asc;
 mod blf;
+mod buses;
 mod candump;
 mod candump_inputs;
 mod candump_properties;

@@ -293,7 +293,8 @@ fn told_at(notice: &Notice) -> Timestamp {
     match *notice {
         Notice::Gap { at, .. }
         | Notice::TimeJump { at, .. }
-        | Notice::Interruption { at }
+        | Notice::Interruption { at, .. }
+        | Notice::Silence { at, .. }
         | Notice::Restart { at, .. }
         | Notice::Timing { at, .. }
         | Notice::Device { at, .. } => at,

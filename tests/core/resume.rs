@@ -3,25 +3,18 @@
 
 use crc::{CRC_64_XZ, Crc};
 use std::fmt::{self, Write as _};
-use tertius::config::{self, design};
-use tertius::dbc::{Database, text};
-use tertius::frame::{Frame, Id, Kind};
+use tertius::frame::{BusNumber, Frame, Id, Kind};
 use tertius::monitor::{Estimates, MAX_STATE, Monitor, MonitorDesign, SavedState, StateRefusal};
 use tertius::time::Timestamp;
 use tertius_testing::candump::read;
-use tertius_testing::machine::{Collected, Cycle, design_of_default, design_without};
+use tertius_testing::machine::{self, Collected, Cycle, design_of_default, design_without};
 use tertius_testing::support::{Scratch, Seeded, between, recorded, tertius};
-use tertius_testing::top;
 
 const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
 /// The design of a configuration, with estimates.
 fn design_of(config: &str) -> MonitorDesign {
-    let loaded = config::load(&top().join(config)).expect("it is a configuration");
-    let mut database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is a DBC");
-    config::devices::connect(&loaded.settings, &loaded.sheets, &mut database).expect("EDS files");
-    let design = design::judging(&loaded.settings, &database).expect("it can be monitored");
-    MonitorDesign { estimates: Estimates::Sent, ..design }
+    MonitorDesign { estimates: Estimates::Sent, ..machine::design_of(config) }
 }
 
 fn frames_of(log: &str) -> Vec<Frame> {
@@ -139,11 +132,33 @@ fn a_disturbed_bus_is_cut_anywhere() {
     }
     let mut by_timers = design_of_default();
     for id in 0x191..=0x196 {
-        by_timers.subscriptions.subscribe(Id::standard(id).expect("11 bits")).by_timer = true;
+        by_timers
+            .subscriptions
+            .subscribe(BusNumber::FIRST, Id::standard(id).expect("11 bits"))
+            .by_timer = true;
     }
     for design in [design_of_default(), by_timers, design_without(&["sync = "])] {
         cut(&design, &frames, 40, 300);
     }
+}
+
+/// A machine with two buses, one of which falls silent, is lost, and comes back.
+#[test]
+fn several_buses_are_cut_anywhere() {
+    let second = BusNumber::ALL[1];
+    let mut frames: Vec<Frame> = Vec::new();
+    for k in 0..300 {
+        let cycle = Cycle { offset: if k > 250 { 40 } else { 0 }, ..Cycle::new(k) };
+        let on = |frame: Frame| match frame.id.value() {
+            0x191..=0x196 => frame.on(second),
+            _ => frame,
+        };
+        let heard = |frame: &Frame| frame.bus != second || !(100..140).contains(&k);
+        frames.extend(cycle.frames().into_iter().map(on).filter(heard));
+    }
+    let (at, id) = (frames[4000].timestamp, Id::extended(0x40).expect("29 bits"));
+    frames.insert(4000, Frame::new(at, id, Kind::Error, &[0; 8]).on(second));
+    cut(&design_of("config/e-type-two-buses.toml"), &frames, 40, 300);
 }
 
 /// A monitor of the default machine in the middle of a cycle, with a warning.

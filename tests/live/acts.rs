@@ -197,6 +197,7 @@ fn the_doctor_examines_this_computer_when_somebody_asks() {
         own: vec![],
         status: Id::standard(0x1D1).expect("eleven bits"),
         messages: vec![],
+        others: Vec::new(),
         realtime: Realtime::default(),
         files: Vec::new(),
         keeps: vec![("the events", std::env::temp_dir().join("none/such.events"))],

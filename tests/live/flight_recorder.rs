@@ -193,7 +193,7 @@ fn plan(folder: &Path) -> FlightPlan {
         size: 10_000_000,
         machine: "made by hand".to_owned(),
         fingerprints: Fingerprints::default(),
-        interface: "can0".to_owned(),
+        interfaces: vec!["can0".to_owned()],
         files: Vec::new(),
         design: design_of_default().checksum(),
     }

@@ -1,6 +1,7 @@
 //! The gateway and the proxy on buses that are not in the kernel, and the HTTP of the gateway.
 
 mod acts;
+mod buses;
 mod canopen;
 mod devices;
 mod embedded_bus;

@@ -9,6 +9,7 @@ use super::settings::ROOT;
 use super::text::{LONGEST_NAME, LONGEST_PATH, LONGEST_TEXT, TextRule};
 use serde_json::{Map, Value, json};
 use std::ops::Bound;
+use tertius_core::frame::BusNumber;
 
 /// The schema as text that ends with a newline.
 pub fn json_schema() -> String {
@@ -116,13 +117,16 @@ fn text(rule: TextRule) -> Value {
     const NAME: &str = "[A-Za-z_][A-Za-z0-9_]*";
     // Not blank, and without control characters.
     const LINE: &str = r"^[^\x00-\x1f\x7f-\x9f]*[^\s\x00-\x1f\x7f-\x9f][^\x00-\x1f\x7f-\x9f]*$";
+    let bus = format!("(({}):)?", BusNumber::NAMES.join("|"));
     let pattern = match rule {
         TextRule::Name | TextRule::Path => LINE.to_owned(),
         TextRule::Interface => r"^[^\s/\x00-\x1f\x7f-\x9f]{1,15}$".to_owned(),
-        TextRule::Message => format!("^{NAME}$"),
-        TextRule::Signal => format!(r"^{NAME}\.{NAME}$"),
+        TextRule::Message => format!("^{bus}{NAME}$"),
+        TextRule::Signal => format!(r"^{bus}{NAME}\.{NAME}$"),
         TextRule::CylinderSignal => {
-            r"^(object +0[xX][0-9A-Fa-f]+(:[0-9A-Fa-f]+)? *|[A-Za-z0-9_{},. ]*\.[A-Za-z0-9_{},. ]*)$".to_owned()
+            const LISTED: &str = "[A-Za-z0-9_{},. ]*";
+            let object = "object +0[xX][0-9A-Fa-f]+(:[0-9A-Fa-f]+)? *";
+            format!(r"^({object}|{bus}{LISTED}\.{LISTED})$")
         }
         TextRule::Listen => r"^(off|[0-9.]+:[0-9]{1,5}|\[[0-9A-Fa-f:.%]+\]:[0-9]{1,5})$".to_owned(),
         TextRule::Digest => "^[0-9A-Fa-f]{64}$".to_owned(),

@@ -1,5 +1,6 @@
 //! Relations that must hold between the values of different keys.
 
+mod buses;
 mod devices;
 
 use std::collections::BTreeSet;
@@ -20,6 +21,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.share(settings);
     relations.heartbeat(settings);
     relations.tls(settings);
+    relations.buses(settings);
     relations.signals(settings);
     relations.cylinders(settings);
     relations.devices(settings);

@@ -31,7 +31,7 @@ pub use gateway::{Gateway, Http, Realtime, Store};
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
-pub use machine::{Bus, Machine};
+pub use machine::{Bus, Machine, OtherBus};
 use process::PROCESS;
 pub use process::{ChambersTable, CylinderProcess, FlowTable, ProcessSettings, SpoolTable};
 use recorder::RECORDER;
@@ -42,7 +42,7 @@ use signals::SIGNALS;
 pub use signals::{CylinderSignals, Signals};
 
 use super::schema::{Kind, table};
-pub use super::text::{HTTP_OFF, PLACEHOLDER, object_of};
+pub use super::text::{HTTP_OFF, PLACEHOLDER, bus_of, object_of};
 
 table! {
     /// The whole file.

@@ -1,6 +1,7 @@
 //! Rules for texts in the configuration.
 
 use std::net::SocketAddr;
+use tertius_core::frame::BusNumber;
 
 /// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
@@ -26,9 +27,9 @@ pub(super) enum TextRule {
     /// A network interface.
     Interface,
     Path,
-    /// `MESSAGE` of the DBC.
+    /// `MESSAGE` of the DBC, or `second:MESSAGE` on another bus than the first.
     Message,
-    /// `MESSAGE.SIGNAL` of the DBC.
+    /// `MESSAGE.SIGNAL` of the DBC, or `second:MESSAGE.SIGNAL`.
     Signal,
     /// `MESSAGE.SIGNAL`, where `{n}` stands for the cylinder's number and `{A,B,C}` for the names of its place, or
     /// `object 0x6020:01`.
@@ -47,9 +48,11 @@ pub(super) struct TextFault {
     pub help: &'static str,
 }
 
-const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState";
+const SIGNAL_HELP: &str = "names are those of the DBC, for example Plc_State.PlatformState; on another bus than the \
+                           first with its name before them, second:Plc_State.PlatformState";
 const CYLINDER_HELP: &str = "names are those of the DBC, for example Cyl{n}_C1.Position; {n} is \
-                             replaced by the cylinder's number, {Port,Starboard} by the name in its place";
+                             replaced by the cylinder's number, {Port,Starboard} by the name in its place; on \
+                             another bus than the first with its name before it, second:Cyl{n}_C1.Position";
 const OBJECT_HELP: &str = "index and sub-index are hexadecimal, for example object 0x6020:01; the \
                            device is a [[canopen.device]]";
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
@@ -80,7 +83,7 @@ impl TextRule {
             Self::Name => bounded(text, LONGEST_TEXT, "it is shown to people"),
             Self::Path => bounded(text, LONGEST_PATH, "a path relative to this file"),
             Self::Interface => interface(text),
-            Self::Message if is_name(text) => Ok(()),
+            Self::Message if bus_of(text).is_some_and(|(_, name)| is_name(name)) => Ok(()),
             Self::Message => fault("the bare name of a message", MESSAGE_HELP),
             Self::Signal if is_signal(text) => Ok(()),
             Self::Signal if text.contains(PLACEHOLDER) => {
@@ -183,6 +186,14 @@ pub(super) fn other_count(signal: &str, wanted: usize) -> Option<usize> {
     None
 }
 
+/// The bus that the name of a message or signal begins with, `second:`, and the name in the DBC; without one it is the
+/// first bus.
+pub fn bus_of(name: &str) -> Option<(BusNumber, &str)> {
+    let Some((bus, name)) = name.split_once(':') else { return Some((BusNumber::FIRST, name)) };
+    let number = BusNumber::NAMES.iter().position(|known| *known == bus)?;
+    Some((BusNumber::ALL[number], name))
+}
+
 /// Whether the name of each cylinder is a signal's.
 fn are_signals(text: &str) -> bool {
     let listed = text.matches(',').count().min(MOST_LISTED) as u8;
@@ -190,5 +201,6 @@ fn are_signals(text: &str) -> bool {
 }
 
 fn is_signal(text: &str) -> bool {
-    text.split_once('.').is_some_and(|(message, signal)| is_name(message) && is_name(signal))
+    let parts = bus_of(text).and_then(|(_, text)| text.split_once('.'));
+    parts.is_some_and(|(message, signal)| is_name(message) && is_name(signal))
 }

@@ -1,11 +1,14 @@
-//! A CAN frame with the time at which it was on the bus, and its conversion to and from the drivers
-//! of `embedded_can`.
+//! A CAN frame with the time at which it was on the bus.
+
+mod bus;
+mod driver;
+
+pub use bus::{BusNumber, Buses};
 
 use crate::state::{
     StateError, StateReader, StateWriter, Stateful, Whole, shape_of_both, shape_of_name,
 };
 use crate::time::Timestamp;
-use embedded_can::{ExtendedId, StandardId};
 
 /// Length of the longest payload, CAN FD's, bytes.
 pub const MAX_DATA: usize = 64;
@@ -79,6 +82,8 @@ pub enum Kind {
 #[derive(Clone, Debug)]
 pub struct Frame {
     pub timestamp: Timestamp,
+    /// Bus of the machine on which it was; the first one, unless the source of the frame knows another.
+    pub bus: BusNumber,
     pub id: Id,
     pub kind: Kind,
     length: u8,
@@ -92,7 +97,13 @@ impl Frame {
     pub fn new(timestamp: Timestamp, id: Id, kind: Kind, data: &[u8]) -> Self {
         let mut bytes = [0; MAX_DATA];
         bytes[..data.len()].copy_from_slice(data);
-        Self { timestamp, id, kind, length: data.len() as u8, bytes }
+        Self { timestamp, bus: BusNumber::FIRST, id, kind, length: data.len() as u8, bytes }
+    }
+
+    /// This frame, as one of `bus`.
+    pub const fn on(mut self, bus: BusNumber) -> Self {
+        self.bus = bus;
+        self
     }
 
     /// The payload.
@@ -159,11 +170,13 @@ impl Whole for Id {
 }
 
 impl Stateful for Frame {
-    const SHAPE: u64 = shape_of_both(shape_of_name("Frame"), MAX_DATA as u64);
+    const SHAPE: u64 =
+        shape_of_both(shape_of_both(shape_of_name("Frame"), BusNumber::SHAPE), MAX_DATA as u64);
 
     fn save(&self, into: &mut StateWriter) {
-        let Self { timestamp, id, kind, length, bytes } = self;
+        let Self { timestamp, bus, id, kind, length, bytes } = self;
         timestamp.save(into);
+        bus.save(into);
         id.save(into);
         into.put(match kind {
             Kind::Data => [0, 0],
@@ -183,7 +196,8 @@ impl Stateful for Frame {
 
 impl Whole for Frame {
     fn read(from: &mut StateReader<'_>) -> Result<Self, StateError> {
-        let (timestamp, id) = (Timestamp::read(from)?, Id::read(from)?);
+        let (timestamp, bus) = (Timestamp::read(from)?, BusNumber::read(from)?);
+        let id = Id::read(from)?;
         let kind = match from.take()? {
             [0, 0] => Kind::Data,
             [1, flags] => Kind::Fd { flags },
@@ -195,104 +209,18 @@ impl Whole for Frame {
         if usize::from(length) > MAX_DATA {
             return Err(StateError::Unsound { what: "length of a frame" });
         }
-        Ok(Self { timestamp, id, kind, length, bytes: from.take()? })
+        Ok(Self { timestamp, bus, id, kind, length, bytes: from.take()? })
     }
 }
 
 impl PartialEq for Frame {
     fn eq(&self, other: &Self) -> bool {
-        (self.timestamp, self.id, self.kind) == (other.timestamp, other.id, other.kind)
-            && self.data() == other.data()
+        let key = |frame: &Self| (frame.timestamp, frame.bus, frame.id, frame.kind);
+        key(self) == key(other) && self.data() == other.data()
     }
 }
 
 impl Eq for Frame {}
-
-impl Frame {
-    /// A frame that a driver has received, at `timestamp`.
-    pub fn received(timestamp: Timestamp, frame: &impl embedded_can::Frame) -> Self {
-        let id = frame.id().into();
-        if frame.is_remote_frame() {
-            let kind = Kind::Remote { length: frame.dlc() as u8 };
-            return Self::new(timestamp, id, kind, &[]);
-        }
-        let data = frame.data();
-        Self::new(timestamp, id, Kind::Data, &data[..data.len().min(CLASSIC_DATA)])
-    }
-
-    /// The frame for a driver to send; `None` if the driver's type cannot represent it: CAN FD and
-    /// error frames.
-    pub fn for_driver<F: embedded_can::Frame>(&self) -> Option<F> {
-        match self.kind {
-            Kind::Data => F::new(self.id, self.data()),
-            Kind::Remote { length } => F::new_remote(self.id, usize::from(length)),
-            Kind::Fd { .. } | Kind::Error => None,
-        }
-    }
-}
-
-impl From<Id> for embedded_can::Id {
-    fn from(id: Id) -> Self {
-        const FITS: &str = "an identifier is within its format";
-        if id.is_extended() {
-            Self::Extended(ExtendedId::new(id.value()).expect(FITS))
-        } else {
-            Self::Standard(StandardId::new(id.value() as u16).expect(FITS))
-        }
-    }
-}
-
-impl From<embedded_can::Id> for Id {
-    fn from(id: embedded_can::Id) -> Self {
-        match id {
-            embedded_can::Id::Standard(id) => Self(id.as_raw().into()),
-            embedded_can::Id::Extended(id) => Self(id.as_raw() | Self::EXTENDED),
-        }
-    }
-}
-
-/// A frame made through this trait has the time stamp 0. Its payload is longer than eight bytes
-/// only in a CAN FD frame.
-impl embedded_can::Frame for Frame {
-    fn new(id: impl Into<embedded_can::Id>, data: &[u8]) -> Option<Self> {
-        let id: embedded_can::Id = id.into();
-        let fits = data.len() <= CLASSIC_DATA;
-        fits.then(|| Self::new(Timestamp::default(), id.into(), Kind::Data, data))
-    }
-
-    fn new_remote(id: impl Into<embedded_can::Id>, dlc: usize) -> Option<Self> {
-        let id: embedded_can::Id = id.into();
-        let kind = Kind::Remote { length: dlc as u8 };
-        (dlc <= CLASSIC_DATA).then(|| Self::new(Timestamp::default(), id.into(), kind, &[]))
-    }
-
-    fn is_extended(&self) -> bool {
-        self.id.is_extended()
-    }
-
-    fn is_remote_frame(&self) -> bool {
-        matches!(self.kind, Kind::Remote { .. })
-    }
-
-    fn is_data_frame(&self) -> bool {
-        matches!(self.kind, Kind::Data | Kind::Fd { .. })
-    }
-
-    fn id(&self) -> embedded_can::Id {
-        self.id.into()
-    }
-
-    fn dlc(&self) -> usize {
-        match self.kind {
-            Kind::Remote { length } => usize::from(length),
-            Kind::Data | Kind::Fd { .. } | Kind::Error => self.length(),
-        }
-    }
-
-    fn data(&self) -> &[u8] {
-        self.data()
-    }
-}
 
 #[cfg(test)]
 mod tests {
@@ -328,6 +256,7 @@ mod tests {
             frame(7, 1, Kind::Error, &[1, 2]),
             frame(7, 1, Kind::Data, &[1, 3]),
             frame(7, 1, Kind::Data, &[1]),
+            one.clone().on(BusNumber::ALL[1]),
         ] {
             assert_ne!(other, one);
         }
@@ -337,50 +266,5 @@ mod tests {
     fn an_identifier_in_a_dbc_says_its_format_in_bit_31() {
         let [short, long] = [Id::standard(0x181), Id::extended(0x181)].map(|id| id.expect("fits"));
         assert_eq!((short.to_dbc(), long.to_dbc()), (0x181, 0x8000_0181));
-    }
-
-    #[test]
-    fn a_driver_is_told_the_kind_the_format_and_the_length() {
-        use embedded_can::Frame as Driven;
-        let [short, long] = [Id::standard(0x181), Id::extended(0x181)].map(|id| id.expect("fits"));
-        let payload: &[u8] = &[1, 2, 3];
-        for (id, kind, data, expected) in [
-            (short, Kind::Data, payload, (false, false, true, 3)),
-            (long, Kind::Fd { flags: 0 }, payload, (true, false, true, 3)),
-            (short, Kind::Remote { length: 5 }, &[], (false, true, false, 5)),
-            (long, Kind::Error, payload, (true, false, false, 3)),
-        ] {
-            let frame = Frame::new(Timestamp::default(), id, kind, data);
-            let told = (
-                Driven::is_extended(&frame),
-                Driven::is_remote_frame(&frame),
-                Driven::is_data_frame(&frame),
-                Driven::dlc(&frame),
-            );
-            assert_eq!(told, expected, "{kind:?}");
-            assert_eq!((Id::from(Driven::id(&frame)), Driven::data(&frame)), (id, data));
-        }
-    }
-
-    #[test]
-    fn what_a_driver_brings_and_takes_is_the_same_frame() {
-        let ids =
-            [Id::standard(0), Id::standard(0x7FF), Id::extended(0), Id::extended(0x1FFF_FFFF)];
-        for id in ids.map(|id| id.expect("it is in range")) {
-            let at = Timestamp::from_nanos(7);
-            for length in 0..=8 {
-                let remote = Frame::new(at, id, Kind::Remote { length: length as u8 }, &[]);
-                for frame in [Frame::new(at, id, Kind::Data, &[0xA5; 8][..length]), remote] {
-                    let driven: Frame = frame.for_driver().expect("it is a classic frame");
-                    assert_eq!((driven.timestamp, driven.id), (Timestamp::default(), id));
-                    assert_eq!(Frame::received(at, &driven), frame);
-                }
-            }
-            for kind in [Kind::Error, Kind::Fd { flags: 0 }] {
-                assert!(Frame::new(at, id, kind, &[0; 8]).for_driver::<Frame>().is_none());
-            }
-            assert!(<Frame as embedded_can::Frame>::new(id, &[0; 9]).is_none());
-            assert!(<Frame as embedded_can::Frame>::new_remote(id, 9).is_none());
-        }
     }
 }

@@ -127,6 +127,14 @@ impl Cycle {
     }
 }
 
+/// The design of a configuration that ships.
+pub fn design_of(config: &str) -> MonitorDesign {
+    let loaded = config::load(&crate::top().join(config)).expect("it is a configuration");
+    let mut database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is a DBC");
+    config::devices::connect(&loaded.settings, &loaded.sheets, &mut database).expect("EDS files");
+    design::judging(&loaded.settings, &database).expect("it can be monitored")
+}
+
 /// A monitor of the default machine that reads the pressures, too.
 pub fn surveying() -> Monitor {
     let design = from_files("no such line", design::surveying);

@@ -14,6 +14,8 @@ use std::path::PathBuf;
 pub struct Facts {
     pub wanted: Wanted,
     pub bus: Bus,
+    /// The interfaces of the other buses, by [`Wanted::others`].
+    pub others: Vec<InterfaceFacts>,
     pub host: Host,
 }
 
@@ -39,11 +41,26 @@ pub struct Wanted {
     /// That of its status.
     pub status: Id,
     pub messages: Vec<Message>,
+    /// Interfaces of the other buses of a machine with several, and the messages on them.
+    pub others: Vec<(String, Vec<Message>)>,
     pub realtime: Realtime,
     /// The files that the configuration is in.
     pub files: Vec<PathBuf>,
     /// What the gateway keeps, in words, and where.
     pub keeps: Vec<(&'static str, PathBuf)>,
+}
+
+impl Wanted {
+    /// What is wanted of each of the other buses, on which the gateway sends nothing.
+    pub fn of_others(&self) -> impl Iterator<Item = Self> {
+        self.others.iter().map(|(interface, messages)| Self {
+            interface: interface.clone(),
+            messages: messages.clone(),
+            own: Vec::new(),
+            others: Vec::new(),
+            ..self.clone()
+        })
+    }
 }
 
 /// A message that the monitor uses.

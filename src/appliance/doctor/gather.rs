@@ -43,12 +43,13 @@ pub fn gather(wanted: Wanted, http: Option<SocketAddr>, listen: Duration) -> Fac
         true => Bus::Embedded,
         false => Bus::Socket(Box::new(interface(&wanted, listen))),
     };
+    let others = wanted.of_others().map(|wanted| interface(&wanted, listen)).collect();
     let clock = clock::read(monotonic, system);
     let http = http.map(|address| (address, TcpListener::bind(address).err()));
     let http = http.map(|(address, error)| (address, error.map(|error| error.to_string())));
     let (disks, ages) = (disks::of(&wanted.keeps), ages::of(&wanted.files, rights.gateway));
     let host = Host { rights, clock, service: service(), disks, ages, http };
-    Facts { wanted, bus, host }
+    Facts { wanted, bus, others, host }
 }
 
 fn interface(wanted: &Wanted, listen: Duration) -> InterfaceFacts {

@@ -35,6 +35,13 @@ pub fn examine(facts: &Facts) -> Vec<Finding> {
         )),
         Bus::Socket(interface) => findings.extend(socket(wanted, interface, facts)),
     }
+    for (wanted, interface) in wanted.of_others().zip(&facts.others) {
+        let of_it = |finding: Finding| Finding {
+            found: format!("{}: {}", wanted.interface, finding.found),
+            ..finding
+        };
+        findings.extend(socket(&wanted, interface, facts).into_iter().map(of_it));
+    }
     findings.extend(host::judge(wanted, &facts.host));
     findings
 }

@@ -1,6 +1,6 @@
 //! Frames on their way from the data path to the worker, in memory that was reserved before.
 
-use crate::frame::{Frame, Id, Kind};
+use crate::frame::{BusNumber, Frame, Id, Kind};
 use crate::incident::Incident;
 use crate::monitor::Monitor;
 use crate::time::Timestamp;
@@ -21,6 +21,9 @@ const DATA: u8 = 0x00;
 const FD: u8 = 0x10;
 const REMOTE: u8 = 0x20;
 const ERROR: u8 = 0x30;
+
+/// Place of the bus in the byte of the kind, whose two highest bits it takes.
+const BUS_SHIFT: u32 = 6;
 
 /// Frames, and what was found while they came.
 #[derive(Debug)]
@@ -77,6 +80,7 @@ impl Block {
             Kind::Remote { length } => REMOTE | (length & 0xF),
             Kind::Error => ERROR,
         };
+        head[12] |= (frame.bus.index() as u8) << BUS_SHIFT;
         // At most 64.
         head[13] = length as u8;
         self.used += HEAD + length;
@@ -111,13 +115,14 @@ fn unpack(head: &[u8; HEAD], data: &[u8]) -> Option<Frame> {
         _ => Id::extended(bits & Id::EXTENDED_MAX)?,
     };
     let low = head[12] & 0xF;
-    let kind = match head[12] & 0xF0 {
+    let bus = BusNumber::ALL[usize::from(head[12] >> BUS_SHIFT)];
+    let kind = match head[12] & 0x30 {
         DATA => Kind::Data,
         FD => Kind::Fd { flags: low },
         REMOTE => Kind::Remote { length: low },
         _ => Kind::Error,
     };
-    Some(Frame::new(Timestamp::from_nanos(nanos), id, kind, data))
+    Some(Frame::new(Timestamp::from_nanos(nanos), id, kind, data).on(bus))
 }
 
 #[cfg(test)]
@@ -138,8 +143,9 @@ mod tests {
             ),
             Frame::new(at(-1), extended, Kind::Data, &[]),
             Frame::new(at(2), extended, Kind::Fd { flags: 3 }, &[9; 64]),
-            Frame::new(at(3), standard, Kind::Remote { length: 8 }, &[]),
-            Frame::new(at(4), Id::extended(0x40).unwrap(), Kind::Error, &[0; 8]),
+            Frame::new(at(3), standard, Kind::Remote { length: 8 }, &[]).on(BusNumber::ALL[1]),
+            Frame::new(at(4), Id::extended(0x40).unwrap(), Kind::Error, &[0; 8])
+                .on(BusNumber::ALL[3]),
         ];
         let mut block = Block::new();
         assert!(frames.iter().all(|frame| block.push(frame.timestamp, frame)));

@@ -38,21 +38,22 @@ impl Piece {
 
 /// Packs blocks, with buffers that it keeps.
 pub(super) struct Packer {
-    interface: String,
+    /// Names of the buses, by number.
+    interfaces: Vec<String>,
     design: DesignChecksum,
     text: Vec<u8>,
     compressor: Compressor<'static>,
 }
 
 impl Packer {
-    /// A packer whose lines have `interface` as the name of the bus, and whose states are of `design`.
+    /// A packer whose lines have `interfaces` as the names of the buses, and whose states are of `design`.
     ///
     /// # Errors There is no memory for the compressor.
-    pub fn new(interface: &str, design: DesignChecksum) -> io::Result<Self> {
+    pub fn new(interfaces: &[String], design: DesignChecksum) -> io::Result<Self> {
         let mut compressor = Compressor::new(LEVEL)?;
         compressor.set_parameter(CParameter::WindowLog(WINDOW))?;
         compressor.set_parameter(CParameter::ChecksumFlag(true))?;
-        Ok(Self { interface: interface.to_owned(), design, text: Vec::new(), compressor })
+        Ok(Self { interfaces: interfaces.to_owned(), design, text: Vec::new(), compressor })
     }
 
     /// The piece of `block`; `None` if nothing is in it.
@@ -63,7 +64,8 @@ impl Packer {
         let mut ends = None;
         let mut frames = 0;
         for frame in block.frames() {
-            append_log_line(&mut self.text, &self.interface, &frame);
+            let name = self.interfaces.get(frame.bus.index()).map_or("can0", String::as_str);
+            append_log_line(&mut self.text, name, &frame);
             let [first, _] = ends.unwrap_or([frame.timestamp; 2]);
             ends = Some([first, frame.timestamp]);
             frames += 1;

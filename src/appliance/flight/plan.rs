@@ -21,11 +21,12 @@ pub struct FlightPlan {
     pub after: Span,
     /// Most bytes that all recordings take.
     pub size: u64,
-    /// Name of the machine, and of its bus.
+    /// Name of the machine.
     pub machine: String,
     /// Which configuration the recordings are judged by.
     pub fingerprints: Fingerprints,
-    pub interface: String,
+    /// Names of the buses, by number.
+    pub interfaces: Vec<String>,
     /// The configuration and all that it names, as they were read.
     pub files: Vec<PortableFile>,
     /// What the states of the monitor belong to.
@@ -46,7 +47,7 @@ impl FlightPlan {
             size: u64::from(settings.size) * 1_000_000,
             machine: loaded.settings.machine.name.clone(),
             fingerprints: loaded.fingerprints(),
-            interface: loaded.settings.bus.interface.clone(),
+            interfaces: loaded.settings.bus.interfaces().map(|(_, name)| name.to_owned()).collect(),
             // It was loaded, so it is TOML.
             files: loaded.portable(&taken).unwrap_or_default(),
             design: design.checksum(),

@@ -98,7 +98,7 @@ impl Worker {
     fn new(plan: FlightPlan, telemetry: Arc<Telemetry>) -> io::Result<Self> {
         let keep = plan.before.as_nanos().saturating_add(MARGIN.as_nanos());
         Ok(Self {
-            packer: Packer::new(&plan.interface, plan.design)?,
+            packer: Packer::new(&plan.interfaces, plan.design)?,
             ring: Ring::new(Span::from_nanos(keep)),
             open: Vec::new(),
             folder: RecordingFolder::new(plan.folder.clone(), plan.size),

@@ -231,7 +231,10 @@ fn event_of(notice: &Notice) -> Option<Event> {
             let text = format!("node {node} ({}) {}", role.label(), story::news(*news));
             (EventKind::Device, *at, Some(*cylinder), text)
         }
-        Notice::Gap { .. } | Notice::Interruption { .. } | Notice::Restart { .. } => return None,
+        Notice::Gap { .. }
+        | Notice::Interruption { .. }
+        | Notice::Silence { .. }
+        | Notice::Restart { .. } => return None,
     };
     Some(Event { kind, at, cylinder, text })
 }

@@ -203,6 +203,10 @@ impl Port for SocketPort {
         self.intake.choice.stamps()
     }
 
+    fn descriptor(&self) -> Option<BorrowedFd<'_>> {
+        Some(self.opened.socket.as_fd())
+    }
+
     fn description(&self) -> String {
         let opened = &self.opened;
         let filters = match opened.filters {

@@ -3,6 +3,7 @@
 use super::super::machine::Machine;
 use super::objects;
 use crate::config::Settings;
+use crate::frame::BusNumber;
 use crate::monitor::subscriptions::{Subscription, Target};
 use crate::observe::model::Model;
 
@@ -107,9 +108,15 @@ fn identifiers(n: u8, lines: &[Subscription]) -> String {
             .iter()
             .any(|signal| matches!(signal.target, Target::Cylinder(i, _) if i + 1 == n))
     };
-    let name = |line: &Subscription| match line.pages() {
-        0 | 1 => format!("0x{}", line.id),
-        pages => format!("0x{} ({pages} pages)", line.id),
+    let name = |line: &Subscription| {
+        let bus = match line.bus {
+            BusNumber::FIRST => String::new(),
+            other => format!("{other}:"),
+        };
+        match line.pages() {
+            0 | 1 => format!("{bus}0x{}", line.id),
+            pages => format!("{bus}0x{} ({pages} pages)", line.id),
+        }
     };
     let ids: Vec<String> = lines.iter().filter(of_cylinder).map(name).collect();
     format!("  frames    {}\n", ids.join(" "))

@@ -18,6 +18,7 @@ use super::simulation::Simulation;
 use super::stage::Stage;
 use crate::bus::Identifiers;
 use crate::controller::State;
+use crate::frame::BusNumber;
 use crate::inject::{Placed, place};
 use crate::live::supervisor;
 use crate::simulator::{Options, Simulator, Tables};
@@ -76,7 +77,7 @@ impl Demo {
             if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
         let stage = self.stage(&machine)?;
         let mut audience = self.audience(&machine, &stage)?;
-        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine)));
+        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine, BusNumber::FIRST)));
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(run::gateway(machine), opener, &mut audience);
@@ -129,7 +130,10 @@ impl Demo {
         Ok(Audience {
             stage: stage.clone(),
             ear: stage.listener()?,
-            listener: Listener::new(&machine.database, run::identifiers(machine))?,
+            listener: Listener::new(
+                &machine.database,
+                run::identifiers(machine, BusNumber::FIRST),
+            )?,
             screen,
             record,
             pace,

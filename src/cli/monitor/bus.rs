@@ -12,6 +12,7 @@ use crate::cli::machine::Machine;
 use crate::cli::run;
 use crate::config::Overrides;
 use crate::estimate::Estimate;
+use crate::frame::BusNumber;
 use crate::incident::Incident;
 use crate::live::gateway::Journal;
 use crate::live::listener::ListeningMonitor;
@@ -60,12 +61,17 @@ impl BusSource {
                  CAN interface (--interface can0)"
             )));
         }
+        machine.refuse_several(
+            "`tertius monitor` on a bus",
+            "watch the gateway's page instead: tertius monitor http://127.0.0.1:9481",
+        )?;
         let (name, cylinders) = (settings.machine.name.clone(), settings.machine.cylinders);
         let file = machine.loaded.history_path.clone().map(HistoryFile::new);
         // It is another process's file: one that cannot be read is as good as none.
         let kept = file.and_then(|file| file.read(&name, cylinders).ok().flatten());
         let archive = kept.unwrap_or_else(|| Archive::new(&name, cylinders));
-        let (identifiers, facts) = (run::identifiers(&machine), run::facts(&machine));
+        let (identifiers, facts) =
+            (run::identifiers(&machine, BusNumber::FIRST), run::facts(&machine));
         let guard = Span::from_seconds(settings.gateway.guard);
         let limits = settings.drift_limits();
         let mut listener = ListeningMonitor::new(Monitor::new(machine.design), guard);

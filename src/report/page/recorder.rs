@@ -171,7 +171,7 @@ impl PageRecorder {
                 self.axis.jump(first, at, by);
                 self.interrupt(self.axis.place(first, at));
             }
-            Notice::Interruption { at } => {
+            Notice::Interruption { at, bus: None } => {
                 let t = self.axis.place(first, at);
                 if self.lost_at.len() < MARKED {
                     self.lost_at.push(t);
@@ -179,6 +179,8 @@ impl PageRecorder {
                 self.interrupt(t);
             }
             Notice::Gap { .. }
+            | Notice::Interruption { bus: Some(_), .. }
+            | Notice::Silence { .. }
             | Notice::Restart { .. }
             | Notice::Timing { .. }
             | Notice::Device { .. } => {}

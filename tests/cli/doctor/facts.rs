@@ -48,7 +48,8 @@ pub fn hear(mut take: impl FnMut(&mut Hearing, &Frame)) -> Facts {
         }
     }
     hearing.seconds = 2.0;
-    Facts { wanted, bus: Bus::Socket(Box::new(interface(hearing))), host: host() }
+    let bus = Bus::Socket(Box::new(interface(hearing)));
+    Facts { wanted, bus, others: Vec::new(), host: host() }
 }
 
 /// What a machine sends in a cycle: identifiers and lengths, two of them nobody listens to.
@@ -89,6 +90,7 @@ fn wanted() -> Wanted {
         own: [0x1D1, 0x2D1, 0x3D1, 0x0D1, 0x5D1, 0x751].map(standard).into(),
         status: standard(0x1D1),
         messages,
+        others: Vec::new(),
         realtime: Realtime { priority: 20, lock_memory: true },
         files: Vec::new(),
         keeps: Vec::new(),

@@ -1,5 +1,6 @@
 //! `tertius run` on a real SocketCAN.
 
+mod buses;
 mod canopen;
 mod devices;
 mod doctor;

@@ -2,7 +2,7 @@
 
 use super::{Connector, Flaw};
 use crate::settings::{Device, DeviceKind, Role};
-use tertius_core::frame::Id;
+use tertius_core::frame::{BusNumber, Id};
 use tertius_core::monitor::subscriptions::{
     DeviceService, SubscribedService, SubscribedSignal, Target,
 };
@@ -87,7 +87,7 @@ impl Connector<'_> {
         place: (u8, DeviceRole),
     ) {
         let devices = self.settings.devices();
-        let subscription = self.subscriptions.subscribe(id);
+        let subscription = self.subscriptions.subscribe(BusNumber::FIRST, id);
         let is_input = subscription.sync || !subscription.signals.is_empty();
         let node = devices[index].node;
         match &mut subscription.service {

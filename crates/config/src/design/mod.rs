@@ -10,7 +10,9 @@ mod surveyed;
 mod times;
 
 use super::settings::{CylinderSignals, Settings};
+use super::text::bus_of;
 use tertius_core::compare::Comparator;
+use tertius_core::frame::BusNumber;
 use tertius_core::monitor::cylinder::CylinderDesign;
 use tertius_core::monitor::gate::Gate;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
@@ -91,6 +93,7 @@ struct Connector<'a> {
 
 /// What is known of a signal once it is connected.
 struct Connected<'a> {
+    bus: BusNumber,
     message: &'a Message,
     signal: &'a Signal,
 }
@@ -134,8 +137,9 @@ impl<'a> Connector<'a> {
 
     fn connect_sync(&mut self) {
         let Some(name) = &self.settings.signals.sync else { return };
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
         match self.database.message(name) {
-            Ok(message) => self.subscriptions.subscribe(message.id).sync = true,
+            Ok(message) => self.subscriptions.subscribe(bus, message.id).sync = true,
             Err(error) => self.flaws.push(Flaw::new(
                 "signals.sync",
                 error,
@@ -169,6 +173,7 @@ impl<'a> Connector<'a> {
             number: n,
             required,
             awaited: self.connected(n),
+            buses: self.buses(n),
             devices: self.watched(n),
             command_offset: settings.command_offset_of(n),
             command_stale: settings.cycles(settings.plausibility.stale).max(1),
@@ -195,6 +200,17 @@ impl<'a> Connector<'a> {
             levels: settings.alarm.levels.clone(),
             coincidence: settings.cycles(settings.alarm.coincidence),
             clear,
+        })
+    }
+
+    /// Buses of C1, C2 and the command of cylinder `n`; what is not connected is on none that matters.
+    fn buses(&self, n: u8) -> [BusNumber; 3] {
+        let fields =
+            [Field::Position(Transducer::C1), Field::Position(Transducer::C2), Field::Command];
+        fields.map(|field| {
+            let target = Target::Cylinder(n - 1, field);
+            let has = |it: &&Subscription| it.signals.iter().any(|signal| signal.target == target);
+            self.subscriptions.all().iter().find(has).map_or(BusNumber::FIRST, |it| it.bus)
         })
     }
 
@@ -291,7 +307,7 @@ impl<'a> Connector<'a> {
         let found = self.find(&key, &name)?;
         self.refuse_unit(&key, &name, found.signal, field);
         self.refuse_twice(&key, &name, &found, Target::Cylinder(n - 1, field));
-        let subscription = self.subscriptions.subscribe(found.message.id);
+        let subscription = self.subscriptions.subscribe(found.bus, found.message.id);
         subscription.reading |= field.is_reading();
         subscription.cyclic = true;
         let target = Target::Cylinder(n - 1, field);
@@ -300,8 +316,9 @@ impl<'a> Connector<'a> {
     }
 
     fn find(&mut self, key: &str, name: &str) -> Option<Connected<'a>> {
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
         match self.database.signal(name) {
-            Ok((message, signal)) => Some(Connected { message, signal }),
+            Ok((message, signal)) => Some(Connected { bus, message, signal }),
             Err(error) => {
                 let help = match error {
                     LookupError::Refused { .. } => "correct the message in the DBC",
@@ -335,8 +352,8 @@ impl<'a> Connector<'a> {
     }
 
     fn refuse_twice(&mut self, key: &str, name: &str, found: &Connected<'_>, target: Target) {
-        let subscription =
-            self.subscriptions.find(found.message.id).map(|place| &self.subscriptions.all()[place]);
+        let subscription = self.subscriptions.find(found.bus, found.message.id);
+        let subscription = subscription.map(|place| &self.subscriptions.all()[place]);
         let used =
             |one: &SubscribedSignal| one.plan == found.signal.plan && !one.shares_with(target);
         let alone = |subscription: &&Subscription| !subscription.has_position_of(target);
@@ -356,8 +373,11 @@ impl<'a> Connector<'a> {
 
     fn refuse_own_identifiers(&mut self) {
         let own = self.settings.own_identifiers();
-        for subscription in
-            self.subscriptions.all().iter().filter(|subscription| own.contains(&subscription.id))
+        for subscription in self
+            .subscriptions
+            .all()
+            .iter()
+            .filter(|it| it.bus == BusNumber::FIRST && own.contains(&it.id))
         {
             self.flaws.push(Flaw::new(
                 "gateway.node",

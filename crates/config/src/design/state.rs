@@ -25,7 +25,7 @@ impl Connector<'_> {
         };
         let Some(found) = self.find("signals.state", name) else { return (None, vec![]) };
         let signal = SubscribedSignal { plan: found.signal.plan.clone(), target: Target::State };
-        self.subscriptions.subscribe(found.message.id).signals.push(signal);
+        self.subscriptions.subscribe(found.bus, found.message.id).signals.push(signal);
         let settings = self.settings;
         let mut numbers = |key: &str, names: &[String]| -> Vec<i64> {
             names.iter().flat_map(|name| self.state_numbers(key, found.signal, name)).collect()

@@ -41,7 +41,7 @@ impl Connector<'_> {
         let Some(found) = self.find("signals.supply", name) else { return };
         self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
         if self.reads_all_of(n) {
-            let subscription = self.subscriptions.subscribe(found.message.id);
+            let subscription = self.subscriptions.subscribe(found.bus, found.message.id);
             subscription.cyclic = true;
             let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));
             subscription.signals.push(SubscribedSignal { plan: found.signal.plan.clone(), target });

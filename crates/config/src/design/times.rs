@@ -2,6 +2,7 @@
 
 use super::{Connector, Flaw};
 use crate::settings::Cylinder;
+use tertius_core::frame::BusNumber;
 
 /// Sample times that differ by less than this, s, are equal and only written differently.
 const SAME: f64 = 1e-9;
@@ -83,7 +84,7 @@ impl Connector<'_> {
             .subscriptions
             .all()
             .iter()
-            .filter(|message| message.sync || message.cyclic)
+            .filter(|message| message.bus == BusNumber::FIRST && (message.sync || message.cyclic))
             .count();
         let least = frames as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
         if machine.sample_time < least {

@@ -3,6 +3,7 @@
 use crate::kinds::{DURATION, MOST_CYLINDERS, number, numbers, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
 use crate::text::TextRule;
+use tertius_core::frame::BusNumber;
 
 table! {
     pub struct Machine = MACHINE {
@@ -41,5 +42,34 @@ table! {
             "\"../dbc/e-type.dbc\"", "the DBC file, relative to this file";
         bitrate: u32 = 500_000 => whole(10_000, 8_000_000, "CAN has 10 kbit/s to 8 Mbit/s"),
             "500000", "bit rate of the bus, bit/s; the gateway's share is computed from it";
+        second: Option<OtherBus> = None => Kind::Table(&OTHER_BUS),
+            "", "a second bus, whose signals are named second:MESSAGE.SIGNAL";
+        third: Option<OtherBus> = None => Kind::Table(&OTHER_BUS),
+            "", "a third bus";
+        fourth: Option<OtherBus> = None => Kind::Table(&OTHER_BUS),
+            "", "a fourth bus";
+    }
+}
+
+table! {
+    /// A bus beside the first one. Its messages are those of the same DBC; the gateway sends nothing on it.
+    pub struct OtherBus = OTHER_BUS {
+        interface: String => text(TextRule::Interface),
+            "\"can1\"", "its SocketCAN interface";
+    }
+}
+
+impl Bus {
+    /// The interfaces of the configured buses, in their order.
+    pub fn interfaces(&self) -> impl Iterator<Item = (BusNumber, &str)> {
+        let others = [&self.second, &self.third, &self.fourth];
+        let others = others.into_iter().map(|bus| bus.as_ref().map(|bus| bus.interface.as_str()));
+        let all = [Some(self.interface.as_str())].into_iter().chain(others);
+        BusNumber::ALL.into_iter().zip(all).filter_map(|(bus, name)| Some((bus, name?)))
+    }
+
+    /// Whether the machine has more than one bus.
+    pub fn is_several(&self) -> bool {
+        self.interfaces().count() > 1
     }
 }

@@ -5,7 +5,7 @@ use crate::schema::{Kind, table};
 use crate::text::TextRule;
 
 table! {
-    /// Where the signals are: `MESSAGE.SIGNAL` of the DBC.
+    /// Where the signals are: `MESSAGE.SIGNAL` of the DBC, on another bus than the first `second:MESSAGE.SIGNAL`.
     pub struct Signals = SIGNALS {
         sync: Option<String> = None => text(TextRule::Message),
             "\"Sync\"", "the message that opens a cycle";

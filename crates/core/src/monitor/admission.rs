@@ -1,6 +1,6 @@
 //! Admission of frames: those of the open cycle, once each, and those that were kept for it.
 
-use super::page::{Newest, Page, Station, StationKind};
+use super::page::{Page, Station, StationKind};
 use super::sink::Sink;
 use super::{Monitor, Place};
 use crate::frame::Frame;
@@ -42,7 +42,7 @@ impl Monitor {
         let index = intake.cylinder();
         let cylinder = &mut cylinders[index];
         intake.fill(word, &mut cylinder.inputs);
-        self.live = true;
+        self.heard.insert(frame.bus);
         if cylinder.pending && cylinder.is_done() {
             self.evaluate(index, now, sink);
         }
@@ -57,7 +57,7 @@ impl Monitor {
         frame: &Frame,
         sink: &mut impl Sink,
     ) {
-        self.live = true;
+        self.heard.insert(frame.bus);
         let station = &mut self.stations[place.0];
         let is_sync = station.is_sync();
         let page = &mut station.pages[place.1];
@@ -192,9 +192,7 @@ impl Monitor {
     /// Forgets the arrivals, because the frames so far say nothing about the next ones.
     pub(super) fn forget_arrivals(&mut self) {
         self.keeps = false;
-        let newest = self.stations.iter_mut().filter_map(Station::newest);
-        newest.for_each(Newest::forget);
-        self.each_page(|monitor, place| monitor.stations[place.0].pages[place.1].slot.reset());
+        self.stations.iter_mut().for_each(Station::forget);
     }
 
     fn each_page(&mut self, mut act: impl FnMut(&mut Self, Place)) {

@@ -9,6 +9,7 @@ mod devices;
 mod estimating;
 mod findings;
 mod judging;
+mod losing;
 mod precedence;
 mod saved;
 mod tally;
@@ -18,6 +19,7 @@ use super::gate::Opening;
 use super::implausible::{Checked, Implausible};
 use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
+use crate::frame::Buses;
 use crate::incident::Quantities;
 use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
 use crate::process::Process;
@@ -45,8 +47,8 @@ pub struct Evaluation {
     pub at: Timestamp,
     pub cycle: u64,
     pub opened: Timestamp,
-    /// Whether anything was on the bus, see [`Moment::live`].
-    pub live: bool,
+    /// Buses that were heard, see [`Moment::live`].
+    pub heard: Buses,
     pub gate: Opening,
     /// Whether the rods stand on their mechanical stops.
     pub at_stop: bool,
@@ -92,6 +94,8 @@ pub struct Cylinder {
     apart: f64,
     was_critical: bool,
     command_missing: u32,
+    /// Whether no command came because its bus is silent.
+    command_silent: bool,
     push: Option<Push>,
     judged: [bool; 2],
     blanks: Blanks,
@@ -131,6 +135,7 @@ impl Cylinder {
             apart: 0.0,
             was_critical: false,
             command_missing: 0,
+            command_silent: false,
             push: None,
             judged: [false; 2],
             blanks: Blanks::default(),
@@ -208,19 +213,19 @@ impl Cylinder {
         self.pending = false;
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
         let moment = Moment {
-            live: now.live,
+            live: true,
             push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
         };
         let readings = TRANSDUCERS.map(|t| self.inputs.reading(t, self.design.required));
         if self.speaks() {
-            self.step_devices(now.live, &readings);
+            self.step_devices(now.heard, &readings);
         }
         for (motion, reading) in self.motions.iter_mut().zip(&readings) {
             motion.follow(reading.as_ref().map(|reading| reading.position));
         }
-        let c1 = self.follow::<0>(&readings, moment, command, now.at);
-        let c2 = self.follow::<1>(&readings, moment, command, now.at);
+        let c1 = self.follow::<0>(&readings, moment, command, now);
+        let c2 = self.follow::<1>(&readings, moment, command, now);
         for (transducer, followed) in TRANSDUCERS.into_iter().zip([&c1, &c2]) {
             if let Some(reason) = followed.restart {
                 restarted(transducer, reason);
@@ -264,46 +269,20 @@ impl Cylinder {
         readings: &[Option<Reading>; 2],
         moment: Moment,
         command: Option<f64>,
-        at: Timestamp,
+        now: Evaluation,
     ) -> Followed {
         if !self.has(TRANSDUCERS[I]) {
             return Followed::default();
         }
-        let moment = Moment { other: self.relied_on(1 - I, readings), ..moment };
+        let other = self.relied_on(1 - I, readings);
+        let moment = Moment { live: now.heard.has(self.design.buses[I]), other, ..moment };
         let reading = readings[I].as_ref();
-        let is_good = self.check(I, reading, moment, at);
+        let is_good = self.check(I, reading, moment, now.at);
         let good = reading
             .filter(|_| is_good)
             .map(|reading| Measurement { position: reading.position, velocity: reading.velocity });
         let (innovation, restart) = self.observers[I].step(good, command);
         Followed { good, innovation, restart }
-    }
-
-    /// Restarts what was learnt of the motion after a time jump or lost frames, of which `last` is the time before;
-    /// findings stand.
-    pub fn interrupt(&mut self, reason: Restart, last: Timestamp) {
-        self.observers.iter_mut().for_each(|observer| observer.stop(reason));
-        self.plausibility.iter_mut().for_each(Plausibility::reset);
-        self.bank.interrupt();
-        if let Some(sequential) = &mut self.sequential {
-            sequential.interrupt();
-        }
-        if let Some(process) = &mut self.process {
-            process.interrupt();
-        }
-        if let Some(sensor) = &mut self.sensor {
-            sensor.interrupt();
-        }
-        self.implausible.iter_mut().for_each(|implausible| implausible.trigger.interrupt());
-        self.judged = [false; 2];
-        self.blanks.interrupt(last, self.tally.cycles);
-        self.motions = Default::default();
-        self.interrupt_devices();
-        self.critical.interrupt();
-        self.precedence.interrupt();
-        self.push = None;
-        self.pending = false;
-        self.inputs.clear();
     }
 
     /// Reading of a transducer, if it was sound when it was last judged.
@@ -344,6 +323,7 @@ impl Cylinder {
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {
+        let heard = now.heard.has(self.design.buses[DeviceRole::Valve as usize]);
         match command {
             Some(u) => {
                 self.command_missing = 0;
@@ -351,10 +331,11 @@ impl Cylinder {
                 self.push = (u.abs() > self.design.moving_speed).then_some(push);
             }
             None => {
-                let aged = u32::from(now.live);
+                let aged = u32::from(heard);
                 self.command_missing = self.command_missing.saturating_add(aged);
             }
         }
+        self.command_silent = command.is_none() && !heard;
         let stale = self.command_missing >= self.design.command_stale;
         let quality = match (command, stale) {
             (Some(_), _) => Quality::Good,

@@ -24,7 +24,7 @@ impl Monitor {
         let service = match &mut self.stations[place].kind {
             StationKind::Usual | StationKind::Sync => return false,
             StationKind::Timed(newest) => {
-                self.live = true;
+                self.heard.insert(frame.bus);
                 newest.keep(frame);
                 return true;
             }

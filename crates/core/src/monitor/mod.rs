@@ -19,6 +19,7 @@ mod page;
 mod passage;
 mod sampling;
 mod saved;
+mod silence;
 pub mod sink;
 pub mod subscriptions;
 mod supply;
@@ -28,7 +29,7 @@ use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
-use crate::frame::{Frame, Kind};
+use crate::frame::{Buses, Frame, Kind};
 use crate::incident::Incidents;
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
@@ -41,6 +42,7 @@ use gate::{Gate, Opening};
 use page::Station;
 use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use saved::{DesignChecksum, MAX_STATE, SavedState, StateRefusal};
+use silence::Silence;
 pub use sink::{Notice, Record, Sink};
 use subscriptions::{Subscriptions, Target};
 
@@ -87,8 +89,10 @@ pub struct Monitor {
     incomplete: bool,
     /// Number of missing cycles since the last real one.
     missing_run: u64,
-    /// Whether anything that belongs to a cycle has arrived since the last cycle closed.
-    live: bool,
+    /// Buses from which anything that belongs to a cycle has arrived since the last cycle closed.
+    heard: Buses,
+    /// `None` if the machine has a single bus.
+    silence: Option<Silence>,
     monitored_once: bool,
     /// Whether the platform was in a monitored state in some cycle.
     opened_once: bool,
@@ -106,6 +110,7 @@ pub struct Monitor {
 impl Monitor {
     pub fn new(design: MonitorDesign) -> Self {
         debug_assert!(design.cylinders.len() <= MAX_CYLINDERS);
+        let silence = Silence::of(&design);
         let of_incidents = |it: &CylinderDesign| (it.limits(), it.bank.coincidence);
         let incidents = Incidents::new(design.cylinders.iter().map(of_incidents));
         let cylinders = design.cylinders.into_iter().map(Cylinder::new);
@@ -130,7 +135,8 @@ impl Monitor {
             sends_estimates: design.estimates == Estimates::Sent,
             incomplete: false,
             missing_run: 0,
-            live: false,
+            heard: Buses::NONE,
+            silence,
             monitored_once: false,
             opened_once: false,
             encoder: design.encoder,
@@ -156,12 +162,12 @@ impl Monitor {
     /// frame, by less than a cycle, is taken now, but classified by its time stamp.
     pub fn take(&mut self, frame: &Frame, sink: &mut impl Sink) {
         let place = match frame.kind {
-            Kind::Data | Kind::Fd { .. } => self.subscriptions.find(frame.id),
+            Kind::Data | Kind::Fd { .. } => self.subscriptions.find(frame.bus, frame.id),
             Kind::Remote { .. } => None,
             Kind::Error => {
                 self.counts.errors += 1;
                 if ErrorFrame::read(frame).is_some_and(|error| error.is_bus_off()) {
-                    self.interrupt(frame.timestamp, sink);
+                    self.interrupt_bus(frame.bus, frame.timestamp, sink);
                 }
                 None
             }
@@ -322,7 +328,7 @@ impl Monitor {
             self.follow_supply();
         }
         self.clock.close();
-        self.live = false;
+        self.end_hearing(at, sink);
     }
 
     /// Handles a cycle that did not open: the observers predict over it.
@@ -331,12 +337,12 @@ impl Monitor {
         self.counts.missing += 1;
         self.missing_run += 1;
         // Beyond that the observers stand still and nothing is judged any more.
-        if self.live || self.missing_run <= self.gap_cycles + 1 {
+        if !self.heard.is_empty() || self.missing_run <= self.gap_cycles + 1 {
             for index in 0..self.cylinders.len() {
                 self.evaluate(index, at, sink);
             }
         }
-        self.live = false;
+        self.end_hearing(at, sink);
     }
 
     fn evaluate(&mut self, index: usize, at: Timestamp, sink: &mut impl Sink) {
@@ -346,7 +352,7 @@ impl Monitor {
             at,
             cycle: self.clock.number(),
             opened: self.clock.opened().unwrap_or(at),
-            live: self.live,
+            heard: self.heard,
             gate: self.gate.opening(at),
             at_stop: self.gate.stop(at).is_some(),
         };

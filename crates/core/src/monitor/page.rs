@@ -124,6 +124,14 @@ impl Station {
         }
     }
 
+    /// Forgets the arrivals, because the frames so far say nothing about the next ones.
+    pub fn forget(&mut self) {
+        if let Some(newest) = self.newest() {
+            newest.forget();
+        }
+        self.pages.iter_mut().for_each(|page| page.slot.reset());
+    }
+
     pub fn new(message: &Subscription) -> Self {
         let mut drafts: Vec<Draft<'_>> = Vec::new();
         for signal in &message.signals {

@@ -2,7 +2,9 @@
 
 use super::Monitor;
 use super::sink::{Notice, Sink};
+use super::subscriptions::Target;
 use super::telling::STATUS_PERIOD;
+use crate::frame::BusNumber;
 use crate::observe::observer::Restart;
 use crate::sample::cycle::Due;
 use crate::time::{Span, Timestamp};
@@ -82,10 +84,35 @@ impl Monitor {
         self.advance(at, sink);
         // Not before what was told already; a clock that was set has told so, and counts anew.
         let at = self.last.map_or(at, |last| last.max(at));
-        sink.notice(&Notice::Interruption { at });
+        sink.notice(&Notice::Interruption { at, bus: None });
         self.incidents.cut(at, |incident| sink.incident(incident));
         self.start_anew(Restart::Interruption);
         self.reckon_due();
+    }
+
+    /// Forgets what was learnt by what `bus` carries after it was lost, because frames may be missing without a trace.
+    /// What the other buses carry goes on. See [`Self::interrupt`].
+    pub fn interrupt_bus(&mut self, bus: BusNumber, at: Timestamp, sink: &mut impl Sink) {
+        if self.silence.is_none() {
+            return self.interrupt(at, sink);
+        }
+        if self.last.is_none() {
+            return;
+        }
+        self.counts.interruptions += 1;
+        self.advance(at, sink);
+        let at = self.last.map_or(at, |last| last.max(at));
+        sink.notice(&Notice::Interruption { at, bus: Some(bus) });
+        for (message, station) in self.subscriptions.all().iter().zip(&mut self.stations) {
+            if message.bus != bus {
+                continue;
+            }
+            station.forget();
+            if message.signals.iter().any(|signal| signal.target == Target::State) {
+                self.gate.reset();
+            }
+        }
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.lose(bus));
     }
 
     fn start_anew(&mut self, reason: Restart) {
@@ -109,7 +136,7 @@ impl Monitor {
     /// Handles the cycle due at `at`, which did not open. Once nothing is predicted any more, a
     /// missing cycle changes nothing but its number, so all that are due before `now` are one step.
     fn miss_cycles(&mut self, at: Timestamp, now: Timestamp, sink: &mut impl Sink) {
-        if self.live || self.missing_run <= self.gap_cycles {
+        if !self.heard.is_empty() || self.missing_run <= self.gap_cycles {
             return self.miss_cycle(at, sink);
         }
         let count = self.clock.missing_until(now);

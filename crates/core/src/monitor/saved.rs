@@ -28,10 +28,10 @@ use thiserror::Error;
 
 state! {
     Monitor {
-        keeps, clock, gate, sampling, pending, incomplete, missing_run, live, monitored_once, opened_once, register,
+        keeps, clock, gate, sampling, pending, incomplete, missing_run, heard, monitored_once, opened_once, register,
         incidents, encoder, counts, last, next_status, last_status, next_due,
     }
-    parts { stations, cylinders }
+    parts { stations, cylinders, silence }
     but { subscriptions, by_timers, has_process, gap_cycles, sends_estimates }
     sound |it| it.is_sound()
 }

@@ -2,6 +2,7 @@
 
 use crate::alarm::{Detector, OwnFrame, Warning};
 use crate::estimate::Estimate;
+use crate::frame::BusNumber;
 use crate::incident::Incident;
 use crate::observe::observer::Restart;
 use crate::sample::device::DeviceNews;
@@ -57,8 +58,12 @@ pub enum Notice {
     Gap { at: Timestamp, length: Span },
     /// Time stamps went backwards, or too far forwards for a pause.
     TimeJump { at: Timestamp, by: Span },
-    /// The bus was lost: bus-off, or the interface went down. Frames may be missing without a trace.
-    Interruption { at: Timestamp },
+    /// A bus was lost: bus-off, or the interface went down. Frames may be missing without a trace. `None`: all of the
+    /// machine's buses, or its only one.
+    Interruption { at: Timestamp, bus: Option<BusNumber> },
+    /// A bus has fallen silent while another one is heard, or is heard again. What it carries is unknown meanwhile, and
+    /// nobody is to blame.
+    Silence { at: Timestamp, bus: BusNumber, silent: bool },
     /// The observer of one transducer restarts.
     Restart { at: Timestamp, cylinder: u8, detector: Detector, reason: Restart },
     /// In most cylinders, C1 and C2 are sampled further apart in time than when they were

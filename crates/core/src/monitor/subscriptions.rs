@@ -1,9 +1,8 @@
 //! Subscriptions: the messages and signals that the monitor uses, and their destinations.
 
 use crate::decode::SignalPlan;
-use crate::frame::Id;
+use crate::frame::{BusNumber, Id};
 use crate::sample::{DeviceRole, Field, Transducer};
-use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -43,6 +42,7 @@ pub struct SubscribedService {
 /// A message that the monitor uses.
 #[derive(Clone, Debug)]
 pub struct Subscription {
+    pub bus: BusNumber,
     pub id: Id,
     /// Whether the message opens a cycle.
     pub sync: bool,
@@ -144,34 +144,44 @@ impl Subscription {
 
 const NONE: u16 = u16::MAX;
 
-/// All messages that the monitor uses; standard identifiers are found without a search.
+/// Number of standard identifiers of a bus.
+const IDENTIFIERS: usize = Id::STANDARD_MAX as usize + 1;
+
+/// Place of a standard identifier among those of all buses.
+#[inline(always)]
+const fn place_of(bus: BusNumber, id: Id) -> usize {
+    bus.index() * IDENTIFIERS + id.value() as usize
+}
+
+/// All messages that the monitor uses; standard identifiers are found without a search. Each bus has identifiers of its
+/// own.
 #[derive(Clone, Debug)]
 pub struct Subscriptions {
     all: Vec<Subscription>,
-    standard: Box<[u16]>,
-    extended: Vec<(Id, u16)>,
+    /// Places of the standard identifiers of each bus up to the last that has any.
+    standard: Vec<u16>,
+    extended: Vec<((BusNumber, Id), u16)>,
 }
 
 impl Subscriptions {
     pub fn new() -> Self {
-        let identifiers = Id::STANDARD_MAX as usize + 1;
-        Self { all: Vec::new(), standard: vec![NONE; identifiers].into(), extended: vec![] }
+        Self { all: Vec::new(), standard: vec![NONE; IDENTIFIERS], extended: vec![] }
     }
 
-    /// Index of the message `id`, which is added if it is new.
-    pub fn subscribe(&mut self, id: Id) -> &mut Subscription {
-        let place = self.find(id).unwrap_or_else(|| self.add(id));
+    /// The message `id` of `bus`, which is added if it is new.
+    pub fn subscribe(&mut self, bus: BusNumber, id: Id) -> &mut Subscription {
+        let place = self.find(bus, id).unwrap_or_else(|| self.add(bus, id));
         &mut self.all[place]
     }
 
-    /// Index of the message `id` among [`Self::all`].
+    /// Index of the message `id` of `bus` among [`Self::all`].
     #[inline]
-    pub fn find(&self, id: Id) -> Option<usize> {
+    pub fn find(&self, bus: BusNumber, id: Id) -> Option<usize> {
         let place = if id.is_extended() {
-            let found = self.extended.binary_search_by_key(&id, |(id, _)| *id).ok()?;
+            let found = self.extended.binary_search_by_key(&(bus, id), |(key, _)| *key).ok()?;
             self.extended[found].1
         } else {
-            self.standard[id.value() as usize]
+            *self.standard.get(place_of(bus, id))?
         };
         (place != NONE).then_some(usize::from(place))
     }
@@ -191,17 +201,20 @@ impl Subscriptions {
         &self.all
     }
 
-    fn add(&mut self, id: Id) -> usize {
+    fn add(&mut self, bus: BusNumber, id: Id) -> usize {
         let place = self.all.len();
         // A configuration names at most some dozen messages, far fewer than a u16 counts.
         let short = place as u16;
         if id.is_extended() {
-            let at = self.extended.partition_point(|(known, _)| *known < id);
-            self.extended.insert(at, (id, short));
+            let at = self.extended.partition_point(|(known, _)| *known < (bus, id));
+            self.extended.insert(at, ((bus, id), short));
         } else {
-            self.standard[id.value() as usize] = short;
+            let identifiers = (bus.index() + 1) * IDENTIFIERS;
+            self.standard.resize(self.standard.len().max(identifiers), NONE);
+            self.standard[place_of(bus, id)] = short;
         }
         self.all.push(Subscription {
+            bus,
             id,
             sync: false,
             reading: false,

@@ -121,13 +121,24 @@ impl Bank {
     /// forgotten, since in the unknown time one transducer may have been repaired and the other
     /// have failed.
     pub fn interrupt(&mut self) {
+        self.interrupt_of([true; 2]);
+    }
+
+    /// As [`Self::interrupt`], where only what one or both of the observers follow was `lost`, C1 first.
+    pub fn interrupt_of(&mut self, lost: [bool; 2]) {
         if let Some(found) = &mut self.found[FDE3] {
             found.suspect = Suspect::Undecided;
         }
-        self.triggers.iter_mut().for_each(Trigger::interrupt);
-        self.observed.iter_mut().for_each(ResidualHistory::clear);
+        for (i, lost) in [lost[0], lost[1], true].into_iter().enumerate() {
+            if lost {
+                self.triggers[i].interrupt();
+                self.verdicts[i] = Verdict::Unknown;
+            }
+        }
+        for (observed, _) in self.observed.iter_mut().zip(lost).filter(|(_, lost)| *lost) {
+            observed.clear();
+        }
         self.difference.clear();
-        self.verdicts = [Verdict::Unknown; 3];
     }
 
     /// The verdicts of FDE1, FDE2 and FDE3.

@@ -5,7 +5,7 @@
 //! and the time from frame to frame, which repeat from cycle to cycle. zstd then compresses well.
 //! Nothing is lost: the monitor gets the frames that were recorded.
 
-use tertius_core::frame::{Frame, Id, Kind, MAX_DATA};
+use tertius_core::frame::{BusNumber, Frame, Id, Kind, MAX_DATA};
 use tertius_core::time::{Span, Timestamp};
 use thiserror::Error;
 
@@ -35,9 +35,13 @@ pub struct Piece {
 #[error("a piece of it cannot be unpacked")]
 pub struct Damage;
 
+/// Place of the bus in the number of an identifier, between its 29 bits and that of the extended format.
+const BUS_SHIFT: u32 = 29;
+
 /// Properties that frames of one stream share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Key {
+    bus: BusNumber,
     id: Id,
     kind: Kind,
     length: usize,
@@ -137,7 +141,7 @@ fn pack(frames: &[Frame]) -> Option<Piece> {
     let mut keys: Vec<(Key, Vec<&Frame>)> = Vec::new();
     let (mut order, mut steps, mut before) = (Vec::new(), Vec::new(), first);
     for frame in frames {
-        let key = Key { id: frame.id, kind: frame.kind, length: frame.length() };
+        let key = Key { bus: frame.bus, id: frame.id, kind: frame.kind, length: frame.length() };
         let known = keys.iter().position(|(known, _)| *known == key);
         let which = known.unwrap_or_else(|| {
             keys.push((key, Vec::new()));
@@ -168,7 +172,8 @@ fn pack(frames: &[Frame]) -> Option<Piece> {
 
 /// The frames of one key, byte by byte of the payload.
 fn stream(bytes: &mut Vec<u8>, key: &Key, frames: &[&Frame]) {
-    number(bytes, key.id.to_dbc().into());
+    let bus = (key.bus.index() as u32) << BUS_SHIFT;
+    number(bytes, (key.id.to_dbc() | bus).into());
     let flags = if let Kind::Fd { flags } = key.kind { 1 + u64::from(flags) } else { 0 };
     number(bytes, flags);
     number(bytes, key.length as u64);
@@ -202,7 +207,7 @@ impl Stream<'_> {
             *value = value.wrapping_add(columns[byte * *count + *given]);
         }
         *given += 1;
-        Ok(Frame::new(at, key.id, key.kind, &payload[..key.length]))
+        Ok(Frame::new(at, key.id, key.kind, &payload[..key.length]).on(key.bus))
     }
 }
 
@@ -232,8 +237,9 @@ impl<'a> Reader<'a> {
 
     fn stream(&mut self) -> Result<Stream<'a>, Damage> {
         let bits = u32::try_from(self.number()?).map_err(|_| Damage)?;
-        let extended = bits & 1 << 31 != 0;
-        let id = if extended { Id::extended(bits & !(1 << 31)) } else { Id::standard(bits) };
+        let bus = BusNumber::ALL[(bits >> BUS_SHIFT) as usize % BusNumber::ALL.len()];
+        let (extended, bits) = (bits & 1 << 31 != 0, bits & Id::EXTENDED_MAX);
+        let id = if extended { Id::extended(bits) } else { Id::standard(bits) };
         let id = id.ok_or(Damage)?;
         let kind = match self.number()? {
             0 => Kind::Data,
@@ -244,7 +250,7 @@ impl<'a> Reader<'a> {
             return Err(Damage);
         }
         let columns = self.bytes(length * count)?;
-        let key = Key { id, kind, length };
+        let key = Key { bus, id, kind, length };
         Ok(Stream { key, columns, count, given: 0, payload: [0; MAX_DATA] })
     }
 }
@@ -286,9 +292,10 @@ mod tests {
         ];
         let data = proptest::collection::vec(any::<u8>(), 0..=MAX_DATA);
         let kind = prop_oneof![Just(Kind::Data), any::<u8>().prop_map(|flags| Kind::Fd { flags })];
-        (0..200_000_000_000_i64, id, kind, data).prop_map(|(at, id, kind, data)| {
+        let bus = proptest::sample::select(BusNumber::ALL.to_vec());
+        (0..200_000_000_000_i64, bus, id, kind, data).prop_map(|(at, bus, id, kind, data)| {
             let at = Timestamp::from_nanos(at);
-            Frame::new(at, id.expect("it is in range"), kind, &data)
+            Frame::new(at, id.expect("it is in range"), kind, &data).on(bus)
         })
     }
 

@@ -6,7 +6,7 @@ use super::tally::Tally;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_core::decode::{Decoded, Inserted, SignalPlan};
-use tertius_core::frame::{Frame, Id, Kind};
+use tertius_core::frame::{BusNumber, Frame, Id, Kind};
 use tertius_core::time::{Span, Timestamp};
 
 /// Puts faults into frames, one frame at a time. It allocates only when it is made.
@@ -23,7 +23,7 @@ pub struct Injector {
 /// Faults of one message, in the order in which they act.
 #[derive(Clone, Debug)]
 struct Line {
-    id: Id,
+    place: (BusNumber, Id),
     stages: Vec<Stage>,
 }
 
@@ -64,9 +64,10 @@ impl Injector {
             rng.set_stream(index as u64);
             let (shape, window) = (placed.shape, placed.window);
             let active = Active { index, shape, window, rng, held: None };
-            let at = lines.partition_point(|line| line.id < placed.id);
-            if lines.get(at).is_none_or(|line| line.id != placed.id) {
-                lines.insert(at, Line { id: placed.id, stages: Vec::new() });
+            let place = (placed.bus, placed.id);
+            let at = lines.partition_point(|line| line.place < place);
+            if lines.get(at).is_none_or(|line| line.place != place) {
+                lines.insert(at, Line { place, stages: Vec::new() });
             }
             lines[at].add(active, &placed.plan);
         }
@@ -96,7 +97,8 @@ impl Injector {
         if !matches!(frame.kind, Kind::Data | Kind::Fd { .. }) {
             return Some(frame);
         }
-        let Ok(place) = self.lines.binary_search_by_key(&frame.id, |line| line.id) else {
+        let key = (frame.bus, frame.id);
+        let Ok(place) = self.lines.binary_search_by_key(&key, |line| line.place) else {
             return Some(frame);
         };
         self.changed.clone_from(frame);

@@ -4,14 +4,15 @@ use super::fault::{Fault, Wanted};
 use super::kind::nearest;
 use super::service;
 use super::shape::{Code, Shape, Window};
-use tertius_config::settings::{CylinderSignals, Settings};
+use tertius_config::settings::{CylinderSignals, Settings, bus_of};
 use tertius_core::decode::{Raw, SignalPlan};
-use tertius_core::frame::Id;
+use tertius_core::frame::{BusNumber, Id};
 use tertius_dbc::{Database, LookupError, Signal};
 
 /// A fault of a signal of a message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
+    pub bus: BusNumber,
     pub id: Id,
     pub plan: SignalPlan,
     pub shape: Shape,
@@ -79,10 +80,11 @@ pub fn place(
         return Err(PlaceError::Sensor { sensor, nearest: nearest(sensor, named) });
     };
     let name = CylinderSignals::of_cylinder(pattern, fault.cylinder);
+    let (bus, name) = bus_of(&name).unwrap_or((BusNumber::FIRST, &name));
     let (message, signal) =
-        database.signal(&name).map_err(|error| PlaceError::Lookup { sensor, error })?;
-    if settings.own_identifiers().contains(&message.id) {
-        return Err(PlaceError::OwnFrame { signal: name, id: message.id });
+        database.signal(name).map_err(|error| PlaceError::Lookup { sensor, error })?;
+    if bus == BusNumber::FIRST && settings.own_identifiers().contains(&message.id) {
+        return Err(PlaceError::OwnFrame { signal: name.to_owned(), id: message.id });
     }
     let is_position = matches!(sensor, "c1" | "c2");
     let shape = match fault.wanted {
@@ -94,10 +96,10 @@ pub fn place(
         }
         Wanted::OutOfRange(code) => {
             let valid = Valid::new(settings, signal, is_position);
-            Shape::Constant(valid.beyond(&name, &signal.plan, code)?)
+            Shape::Constant(valid.beyond(name, &signal.plan, code)?)
         }
     };
-    Ok(Placed { id: message.id, plan: signal.plan.clone(), shape, window: fault.window })
+    Ok(Placed { bus, id: message.id, plan: signal.plan.clone(), shape, window: fault.window })
 }
 
 /// The range that the monitor takes for valid.

@@ -5,6 +5,7 @@ use super::place::{PlaceError, Placed};
 use super::shape::{Code, Shape};
 use tertius_config::settings::{Device, Role, Settings};
 use tertius_core::decode::{BitField, NumberForm, SignalPlan};
+use tertius_core::frame::BusNumber;
 use tertius_dbc::Database;
 
 /// EMCY *device hardware*, as of a transducer without its magnet.
@@ -41,5 +42,5 @@ pub(super) fn place(
         Wanted::BrokenWire(code) => Shape::Constant(Code::Raw(code.unwrap_or(HARDWARE))),
     };
     let plan = SignalPlan::new(field, NumberForm::Integer, 1.0, 0.0, Box::new([]));
-    Some(Ok(Placed { id, plan, shape, window: fault.window }))
+    Some(Ok(Placed { bus: BusNumber::FIRST, id, plan, shape, window: fault.window }))
 }

@@ -5,9 +5,9 @@ use crate::controller::Readings;
 use crate::inject::Unrounded;
 use crate::plant::CYLINDERS;
 use crate::transducer::Grid;
-use tertius_config::settings::{CylinderSignals, Settings};
+use tertius_config::settings::{CylinderSignals, Settings, bus_of};
 use tertius_core::decode::{Inserted, Raw, SignalPlan};
-use tertius_core::frame::{Frame, Kind};
+use tertius_core::frame::{BusNumber, Frame, Kind};
 use tertius_core::time::Timestamp;
 use tertius_dbc::{Database, LookupError, Message};
 
@@ -215,9 +215,10 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn sync(&mut self, name: &str) -> Result<(), LayoutError> {
         let lookup = |error| LayoutError::Lookup { key: "signals.sync".to_owned(), error };
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
         let message = self.database.message(name).map_err(lookup)?;
         let counter = message.signal("Counter").filter(|signal| !signal.plan.is_multiplexed());
-        let planned = self.message(message, SendPhase::Sampled)?;
+        let planned = self.message(bus, message, SendPhase::Sampled)?;
         planned.fields.extend(counter.map(|signal| (signal.plan.clone(), Origin::Counter)));
         Ok(())
     }
@@ -245,12 +246,13 @@ impl Builder<'_> {
 
     fn add(&mut self, key: &str, name: &str, origin: Origin) -> Result<(), LayoutError> {
         let lookup = |error| LayoutError::Lookup { key: key.to_owned(), error };
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
         let (message, signal) = self.database.signal(name).map_err(lookup)?;
         if signal.plan.is_multiplexed() {
             return Err(LayoutError::Multiplexed { signal: name.to_owned() });
         }
         let plan = signal.plan.clone();
-        let planned = self.message(message, origin.phase())?;
+        let planned = self.message(bus, message, origin.phase())?;
         // A counter that the configuration names, too.
         if planned.fields.iter().all(|(known, _)| *known != plan) {
             planned.fields.push((plan, origin));
@@ -261,14 +263,17 @@ impl Builder<'_> {
     /// The planned message, which is created if it is new.
     fn message(
         &mut self,
+        bus: BusNumber,
         message: &Message,
         phase: SendPhase,
     ) -> Result<&mut Planned, LayoutError> {
-        let known = self.messages.iter().position(|planned| planned.frame.id == message.id);
+        let is_it = |frame: &Frame| (frame.bus, frame.id) == (bus, message.id);
+        let known = self.messages.iter().position(|planned| is_it(&planned.frame));
         let place = known.unwrap_or_else(|| {
             let kind = if message.length > 8 { Kind::Fd { flags: 0 } } else { Kind::Data };
             let zeros = vec![0; message.length];
             let frame = Frame::new(Timestamp::default(), message.id, kind, &zeros);
+            let frame = frame.on(bus);
             self.messages.push(Planned { frame, phase, early: false, fields: Vec::new() });
             self.messages.len() - 1
         });

@@ -2,7 +2,7 @@
 //! `(1700000000.000516) can0 181#E02D00000000`. Other lines are left to [`super::Line`], which
 //! reads these lines the same way.
 
-use crate::frame::{Frame, Id, Kind, MAX_DATA};
+use crate::frame::{BusNumber, Frame, Id, Kind, MAX_DATA};
 use crate::time::Timestamp;
 
 use crate::bus::formats::hex;
@@ -29,6 +29,8 @@ pub struct Known {
     pub place: usize,
     /// Whether its frames are returned.
     pub wanted: bool,
+    /// Bus that it is.
+    pub bus: BusNumber,
 }
 
 /// Reads lines that begin like the previous one: the same second, the same interface.
@@ -50,7 +52,7 @@ pub struct Common {
 impl Common {
     pub fn new() -> Self {
         // No line has a zero byte first and none equals one under an empty mask.
-        let interface = Known { place: 0, wanted: false };
+        let interface = Known { place: 0, wanted: false, bus: BusNumber::FIRST };
         Self { prefix: (0, 0), base: 0, name: 1, mask: 0, name_length: 0, interface }
     }
 
@@ -120,6 +122,7 @@ impl Common {
         };
         frame.set_length(length);
         frame.timestamp = Timestamp::from_nanos(self.base + i64::from(fraction));
+        frame.bus = self.interface.bus;
         frame.id = id;
         frame.kind = Kind::Data;
         Some(data_at + end + ending)

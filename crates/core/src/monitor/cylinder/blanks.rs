@@ -132,7 +132,7 @@ impl Cylinder {
             Quality::Missing | Quality::Stale => NotJudged::NoReadings,
             quality if !quality.is_good() => NotJudged::Implausible,
             _ if now.gate == Opening::Closed => NotJudged::State,
-            _ if self.command_missing > 0 => NotJudged::NoCommand,
+            _ if self.command_missing > 0 || self.command_silent => NotJudged::NoCommand,
             _ => NotJudged::Settling,
         }
     }

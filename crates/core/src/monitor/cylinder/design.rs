@@ -3,6 +3,7 @@
 use crate::alarm::Levels;
 use crate::compare::Comparator;
 use crate::estimate;
+use crate::frame::BusNumber;
 use crate::incident::QUANTITIES;
 use crate::observe::observer::ObserverDesign;
 use crate::process::ProcessDesign;
@@ -24,6 +25,8 @@ pub struct CylinderDesign {
     pub awaited: u16,
     /// Plausibility limits of C1 and C2; those of C2 are unused on a cylinder without it.
     pub limits: [PlausibilityLimits; 2],
+    /// Buses of C1, C2 and the command, by [`crate::sample::DeviceRole`].
+    pub buses: [BusNumber; 3],
     /// CANopen devices that tell of themselves, by [`crate::sample::DeviceRole`].
     pub devices: [Option<DeviceDesign>; 3],
     /// Command at which the cylinder rests, m/s.

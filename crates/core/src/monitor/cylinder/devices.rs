@@ -1,6 +1,7 @@
 //! The devices of a cylinder, and what they say of themselves.
 
 use super::{Cylinder, TRANSDUCERS};
+use crate::frame::Buses;
 use crate::monitor::implausible::Checked;
 use crate::sample::device::{DeviceDesign, DeviceNews, DeviceState, DeviceWatch, DeviceWord};
 use crate::sample::emergency::Emergency;
@@ -65,12 +66,13 @@ impl Cylinder {
 
     /// Takes a cycle with these `readings`; see [`DeviceWatch::step`].
     #[cold]
-    pub(super) fn step_devices(&mut self, live: bool, readings: &[Option<Reading>; 2]) {
+    pub(super) fn step_devices(&mut self, heard: Buses, readings: &[Option<Reading>; 2]) {
         let Some(watches) = &mut self.devices else { return };
         let [c1, c2] = readings.each_ref().map(Option::is_some);
-        for (watch, reads) in watches.each.iter_mut().zip([c1, c2, false]) {
+        let live = self.design.buses.map(|bus| heard.has(bus));
+        for (i, (watch, reads)) in watches.each.iter_mut().zip([c1, c2, false]).enumerate() {
             if let Some(watch) = watch {
-                watch.step(live, reads);
+                watch.step(live[i], reads);
             }
         }
     }
@@ -113,10 +115,11 @@ impl Cylinder {
         }
     }
 
-    /// Restarts the times of the devices; see [`DeviceWatch::interrupt`].
-    pub(super) fn interrupt_devices(&mut self) {
+    /// Restarts the times of the devices that were `lost`, by [`DeviceRole`]; see [`DeviceWatch::interrupt`].
+    pub(super) fn interrupt_devices(&mut self, lost: [bool; 3]) {
         let watches = self.devices.iter_mut().flat_map(|watches| &mut watches.each);
-        watches.flatten().for_each(DeviceWatch::interrupt);
+        let lost = watches.zip(lost).filter(|(_, lost)| *lost);
+        lost.filter_map(|(watch, _)| watch.as_mut()).for_each(DeviceWatch::interrupt);
     }
 }
 

@@ -24,6 +24,7 @@ impl Cylinder {
         // Nor does it for a valve that does not work.
         let open = now.gate == Opening::Open
             && self.command_missing < self.design.command_stale
+            && !self.command_silent
             && !self.has_idle_valve();
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));

@@ -1,0 +1,95 @@
+//! The buses of a machine, where it has more than one.
+
+use crate::state::{StateError, StateReader, StateWriter, Stateful, Whole, shape_of_name, whole};
+use core::fmt;
+
+/// A bus of the machine. Nearly all machines have one, [`Self::FIRST`]; it is also the one on which the gateway sends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BusNumber(u8);
+
+impl BusNumber {
+    pub const FIRST: Self = Self(0);
+
+    /// All buses that a machine may have.
+    pub const ALL: [Self; 4] = [Self(0), Self(1), Self(2), Self(3)];
+
+    /// Names in the configuration and in reports, by number.
+    pub const NAMES: [&str; Self::ALL.len()] = ["first", "second", "third", "fourth"];
+
+    /// Number of the bus among [`Self::ALL`], from 0.
+    #[inline]
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl fmt::Display for BusNumber {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(Self::NAMES[self.index()])
+    }
+}
+
+/// A set of buses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Buses {
+    /// A bit for each of [`BusNumber::ALL`].
+    bits: u8,
+}
+
+whole! { Buses { bits } }
+
+impl Buses {
+    pub const NONE: Self = Self { bits: 0 };
+
+    #[inline(always)]
+    pub const fn insert(&mut self, bus: BusNumber) {
+        self.bits |= 1 << bus.0;
+    }
+
+    pub const fn remove(&mut self, bus: BusNumber) {
+        self.bits &= !(1 << bus.0);
+    }
+
+    #[inline(always)]
+    pub const fn has(self, bus: BusNumber) -> bool {
+        self.bits & 1 << bus.0 != 0
+    }
+
+    #[inline(always)]
+    pub const fn is_empty(self) -> bool {
+        self.bits == 0
+    }
+
+    /// The buses of the set, in their order.
+    pub fn iter(self) -> impl Iterator<Item = BusNumber> {
+        BusNumber::ALL.into_iter().filter(move |bus| self.has(*bus))
+    }
+}
+
+impl FromIterator<BusNumber> for Buses {
+    fn from_iter<I: IntoIterator<Item = BusNumber>>(buses: I) -> Self {
+        let mut set = Self::NONE;
+        buses.into_iter().for_each(|bus| set.insert(bus));
+        set
+    }
+}
+
+impl Stateful for BusNumber {
+    const SHAPE: u64 = shape_of_name("BusNumber");
+
+    fn save(&self, into: &mut StateWriter) {
+        self.0.save(into);
+    }
+
+    fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        *self = Self::read(from)?;
+        Ok(())
+    }
+}
+
+impl Whole for BusNumber {
+    fn read(from: &mut StateReader<'_>) -> Result<Self, StateError> {
+        let bus = Self::ALL.get(usize::from(u8::read(from)?));
+        bus.copied().ok_or(StateError::Unsound { what: "number of a bus" })
+    }
+}

@@ -1,0 +1,122 @@
+//! Buses that are silent while another one of the same machine is heard.
+
+use super::sink::{Notice, Sink};
+use super::{Monitor, MonitorDesign};
+use crate::frame::{BusNumber, Buses};
+use crate::state::state;
+use crate::time::Timestamp;
+
+/// Follows which buses are heard, cycle by cycle. Silence of all of them is evidence of nothing, and changes nothing.
+#[derive(Clone, Debug)]
+pub(super) struct Silence {
+    /// Buses with messages that belong to cycles.
+    expected: Buses,
+    /// Cycles after which silence is told.
+    patience: u64,
+    /// Cycles since each bus was heard last, in which another one was.
+    cycles: [u64; BusNumber::ALL.len()],
+    /// Buses of which it was told that they are silent.
+    told: Buses,
+}
+
+state! {
+    Silence { cycles, told }
+    but { expected, patience }
+}
+
+impl Silence {
+    /// `None` if the machine has a single bus.
+    pub fn of(design: &MonitorDesign) -> Option<Self> {
+        let cyclic = design.subscriptions.all().iter().filter(|message| message.cyclic);
+        let expected: Buses = cyclic.map(|message| message.bus).collect();
+        (expected.iter().count() > 1).then(|| Self {
+            expected,
+            patience: design.gap_cycles,
+            cycles: Default::default(),
+            told: Buses::NONE,
+        })
+    }
+
+    /// Takes the buses that were `heard` in a cycle, and passes to `tell` those that fell silent (`true`) or are heard
+    /// again.
+    fn follow(&mut self, heard: Buses, mut tell: impl FnMut(BusNumber, bool)) {
+        if heard.is_empty() {
+            return;
+        }
+        for bus in self.expected.iter() {
+            let cycles = &mut self.cycles[bus.index()];
+            *cycles = if heard.has(bus) { 0 } else { cycles.saturating_add(1) };
+            let silent = *cycles > self.patience;
+            if silent != self.told.has(bus) && (silent || *cycles == 0) {
+                if silent {
+                    self.told.insert(bus)
+                } else {
+                    self.told.remove(bus)
+                }
+                tell(bus, silent);
+            }
+        }
+    }
+}
+
+impl Monitor {
+    /// Ends the listening of a cycle, at `at`.
+    pub(super) fn end_hearing(&mut self, at: Timestamp, sink: &mut impl Sink) {
+        let heard = core::mem::take(&mut self.heard);
+        if let Some(silence) = &mut self.silence {
+            silence.follow(heard, |bus, silent| sink.notice(&Notice::Silence { at, bus, silent }));
+        }
+    }
+
+    /// Buses that are silent while another one is heard.
+    pub fn silent_buses(&self) -> Buses {
+        self.silence.as_ref().map_or(Buses::NONE, |silence| silence.told)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FIRST: BusNumber = BusNumber::FIRST;
+    const SECOND: BusNumber = BusNumber::ALL[1];
+
+    fn silence() -> Silence {
+        let expected = [FIRST, SECOND].into_iter().collect();
+        Silence { expected, patience: 5, cycles: Default::default(), told: Buses::NONE }
+    }
+
+    /// What is told in `cycles` cycles in which `heard` are heard, with the number of the cycle, from 1.
+    fn told(
+        silence: &mut Silence,
+        cycles: usize,
+        heard: &[BusNumber],
+    ) -> Vec<(usize, BusNumber, bool)> {
+        let mut told = Vec::new();
+        for cycle in 1..=cycles {
+            silence.follow(heard.iter().copied().collect(), |bus, silent| {
+                told.push((cycle, bus, silent));
+            });
+        }
+        told
+    }
+
+    #[test]
+    fn a_bus_that_falls_silent_is_told_once_and_again_when_it_is_heard() {
+        let mut silence = silence();
+        assert_eq!(told(&mut silence, 100, &[FIRST, SECOND]), []);
+        assert_eq!(told(&mut silence, 5, &[FIRST]), []);
+        assert_eq!(told(&mut silence, 1, &[FIRST, SECOND]), [], "so much may be lost");
+        assert_eq!(told(&mut silence, 100, &[FIRST]), [(6, SECOND, true)]);
+        assert_eq!(told(&mut silence, 100, &[SECOND]), [(1, SECOND, false), (6, FIRST, true)]);
+    }
+
+    #[test]
+    fn silence_of_all_buses_is_nobodys() {
+        let mut silence = silence();
+        assert_eq!(told(&mut silence, 100, &[]), []);
+        assert_eq!(told(&mut silence, 5, &[SECOND]), []);
+        assert_eq!(told(&mut silence, 100, &[]), []);
+        assert_eq!(told(&mut silence, 2, &[SECOND]), [(1, FIRST, true)]);
+    }
+}

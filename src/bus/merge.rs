@@ -1,0 +1,185 @@
+//! Recordings of several buses as one, in the order of the time stamps.
+//!
+//! Each bus may have been recorded to files of its own, or all to one, where what is written beside each other is out of
+//! order by as much as the recorder was late. Frames are therefore held back until the newest one is the gateway's guard
+//! ahead, as the gateway holds back what its interfaces receive: both give the monitor the same frames in the same order.
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use crate::frame::Frame;
+use crate::time::{Span, Timestamp};
+
+use super::input::InputPlace;
+use super::order;
+use super::progress::Progress;
+use super::recording::{Options, Recording};
+use super::source::{Source, SourceError};
+use super::statistics::Statistics;
+
+/// Step back of the time stamps from which on it is the clock that was set: nothing is sorted across it.
+const SETBACK: Span = Span::from_nanos(-1_000_000_000);
+
+/// Most frames that are held back: what four full buses of 1 Mbit/s carry in half a second.
+const MOST_HELD: usize = 1 << 14;
+
+/// Sorts frames that are a little out of order.
+#[derive(Debug, Default)]
+pub(crate) struct Sorter {
+    /// Frames in the order of their time stamps, equal ones as they came.
+    held: VecDeque<Frame>,
+}
+
+impl Sorter {
+    pub fn put(&mut self, frame: &Frame) {
+        let after = self.held.iter().rposition(|known| known.timestamp <= frame.timestamp);
+        self.held.insert(after.map_or(0, |place| place + 1), frame.clone());
+    }
+
+    /// The next frame, if none that is still to come is before it: all up to `until` have come.
+    pub fn take(&mut self, until: Timestamp) -> Option<Frame> {
+        let first = self.held.front()?;
+        let due = first.timestamp <= until || self.held.len() > MOST_HELD;
+        due.then(|| self.held.pop_front()).flatten()
+    }
+
+    pub fn newest(&self) -> Option<Timestamp> {
+        self.held.back().map(|frame| frame.timestamp)
+    }
+
+    pub fn take_any(&mut self) -> Option<Frame> {
+        self.held.pop_front()
+    }
+}
+
+/// Recordings that run beside each other.
+pub(super) struct Merge {
+    lanes: Vec<Lane>,
+    sorter: Sorter,
+    /// Minus the time within which frames of several buses may be out of order.
+    back: Span,
+    /// A frame after the clock was set back, before which everything held back is given.
+    set_back: Option<Frame>,
+    frame: Option<Frame>,
+}
+
+/// Files that follow each other.
+struct Lane {
+    recording: Recording,
+    next: Option<Frame>,
+    ended: bool,
+}
+
+impl Merge {
+    /// Opens `paths`: files that begin with the same interface follow each other, and others run beside them. Frames are
+    /// sorted that are out of order by less than `disorder`.
+    ///
+    /// # Errors See [`Recording::open`].
+    pub fn open<P: AsRef<Path>>(
+        paths: &[P],
+        options: &Options,
+        disorder: Span,
+    ) -> Result<Self, SourceError> {
+        let mut lanes: Vec<(Option<Vec<u8>>, Vec<PathBuf>)> = Vec::new();
+        for path in paths.iter().map(AsRef::as_ref) {
+            let begins = order::first_interface(&InputPlace::of(path), &options.interfaces);
+            match lanes.iter_mut().find(|(known, _)| *known == begins) {
+                Some((_, lane)) => lane.push(path.to_owned()),
+                None => lanes.push((begins, vec![path.to_owned()])),
+            }
+        }
+        let open = |(_, paths): (_, Vec<PathBuf>)| {
+            let recording = Recording::lane(&paths, options.clone())?;
+            Ok(Lane { recording, next: None, ended: false })
+        };
+        let lanes = lanes.into_iter().map(open).collect::<Result<_, SourceError>>()?;
+        let back = Span::from_nanos(disorder.as_nanos().saturating_neg());
+        Ok(Self { lanes, sorter: Sorter::default(), back, set_back: None, frame: None })
+    }
+
+    pub fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError> {
+        self.frame = self.sorted()?;
+        Ok(self.frame.as_ref())
+    }
+
+    /// Statistics of all files together.
+    pub fn statistics(&mut self) -> Statistics {
+        let mut all = Statistics::default();
+        self.lanes.iter_mut().for_each(|lane| all.add(lane.recording.statistics()));
+        all
+    }
+
+    pub fn progress(&self) -> Progress {
+        let each = self.lanes.iter().map(|lane| lane.recording.progress());
+        each.fold(Progress::NONE, Progress::and)
+    }
+
+    /// The next frame of all.
+    fn sorted(&mut self) -> Result<Option<Frame>, SourceError> {
+        loop {
+            if self.set_back.is_some() {
+                match self.sorter.take_any() {
+                    Some(frame) => return Ok(Some(frame)),
+                    None => self.sorter.held.extend(self.set_back.take()),
+                }
+            }
+            let newest = self.sorter.newest().map(|newest| newest.after(self.back));
+            if let Some(frame) = newest.and_then(|until| self.sorter.take(until)) {
+                return Ok(Some(frame));
+            }
+            let Some(frame) = self.next_of_lanes()? else { return Ok(self.sorter.take_any()) };
+            match self.sorter.newest() {
+                Some(newest) if frame.timestamp.since(newest) <= SETBACK => {
+                    self.set_back = Some(frame);
+                }
+                _ => self.sorter.put(&frame),
+            }
+        }
+    }
+
+    /// The earliest of the frames that come next in the lanes.
+    fn next_of_lanes(&mut self) -> Result<Option<Frame>, SourceError> {
+        for lane in &mut self.lanes {
+            if lane.next.is_none() && !lane.ended {
+                lane.next = lane.recording.next_frame()?.cloned();
+                lane.ended = lane.next.is_none();
+            }
+        }
+        let times = self.lanes.iter().enumerate();
+        let times = times.filter_map(|(i, lane)| Some((lane.next.as_ref()?.timestamp, i)));
+        Ok(times.min().and_then(|(_, earliest)| self.lanes[earliest].next.take()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Id, Kind};
+
+    fn frame(at_ms: i64, id: u32) -> Frame {
+        let id = Id::standard(id).expect("11 bits");
+        Frame::new(Timestamp::from_nanos(at_ms * 1_000_000), id, Kind::Data, &[])
+    }
+
+    #[test]
+    fn frames_come_in_the_order_of_their_stamps_and_equal_ones_as_they_came() {
+        let mut sorter = Sorter::default();
+        for (at, id) in [(5, 1), (3, 2), (5, 3), (4, 4), (5, 5), (9, 6)] {
+            sorter.put(&frame(at, id));
+        }
+        let until = Timestamp::from_nanos(5_000_000);
+        let taken: Vec<u32> =
+            std::iter::from_fn(|| sorter.take(until)).map(|frame| frame.id.value()).collect();
+        assert_eq!(taken, [2, 4, 1, 3, 5]);
+        assert_eq!(sorter.newest(), Some(Timestamp::from_nanos(9_000_000)));
+    }
+
+    #[test]
+    fn what_is_held_back_is_bounded() {
+        let mut sorter = Sorter::default();
+        (0..=MOST_HELD).for_each(|_| sorter.put(&frame(7, 1)));
+        let never = Timestamp::from_nanos(0);
+        assert!(sorter.take(never).is_some());
+        assert!(sorter.take(never).is_none());
+    }
+}
