@@ -11,9 +11,10 @@ use crate::frame::Frame;
 use crate::time::{Span, Timestamp};
 
 use super::input::InputPlace;
+use super::options::Options;
 use super::order;
 use super::progress::Progress;
-use super::recording::{Options, Recording};
+use super::recording::Recording;
 use super::source::{Source, SourceError};
 use super::statistics::Statistics;
 

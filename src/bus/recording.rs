@@ -15,20 +15,13 @@ use super::formats;
 use super::formats::candump::{self, Common, Known};
 use super::input::{Input, InputPlace};
 use super::merge::Merge;
+use super::options::Options;
 use super::order;
 use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
 use super::statistics::{BadPlace, Statistics};
-
-/// Options for reading a recording.
-#[derive(Clone, Debug, Default)]
-pub struct Options {
-    pub time_stamps: TimeStamps,
-    /// Interfaces whose frames are returned; the others are counted.
-    pub interfaces: Interfaces,
-}
 
 /// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
 /// time stamps, from one file or each from its own.
@@ -194,9 +187,15 @@ impl Recording {
     fn read_new(&mut self) -> Option<usize> {
         self.count();
         self.reader.as_ref().filter(|(format, _)| std::ptr::eq(*format, &candump::FORMAT))?;
-        let (statistics, held) = (&self.statistics, &self.held);
-        let choice = (&self.selection, &self.interfaces);
-        let find = |name: &[u8]| known(statistics, choice, held, name);
+        let (statistics, selection) = (&self.statistics, &self.selection);
+        let (interfaces, is_open) = (&self.interfaces, self.held.is_empty());
+        let find = |name: &[u8]| {
+            // Not while earlier frames are held back.
+            let place = statistics.interface(name).filter(|_| is_open)?;
+            let wanted = selection.known(name)?;
+            // What is not wanted is on no bus.
+            Some(Known { place, wanted, bus: interfaces.bus(name).unwrap_or_default() })
+        };
         self.common.read_new(self.buffer.unread(), &mut self.frame, find)
     }
 
@@ -365,21 +364,6 @@ impl Recording {
         self.common = Common::new();
         Step::On
     }
-}
-
-/// The interface `name`, if its frames can be returned or left out without checking each: not while
-/// earlier frames are held back.
-fn known(
-    statistics: &Statistics,
-    (selection, interfaces): (&Selection, &Interfaces),
-    held: &VecDeque<Frame>,
-    name: &[u8],
-) -> Option<Known> {
-    let place = statistics.interface(name)?;
-    let wanted = selection.known(name).filter(|_| held.is_empty())?;
-    // What is not wanted is on no bus.
-    let bus = interfaces.bus(name).unwrap_or_default();
-    Some(Known { place, wanted, bus })
 }
 
 impl Source for Recording {
