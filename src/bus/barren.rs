@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::format::Format;
 use super::formats::{self, candump};
+use super::reason::Reason;
 
 /// Number of bytes by which an input is recognised.
 pub const HEAD: usize = 512;
@@ -35,6 +36,12 @@ pub enum Seems {
     Empty,
     /// A format that is read, but without a frame here: its name.
     Readable(&'static str),
+    /// The same, and what is wrong with it at this byte.
+    Flawed {
+        name: &'static str,
+        at: u64,
+        reason: Reason,
+    },
     /// A format that is not read: its name, and what to do.
     Foreign(&'static str),
     /// Compressed or packed data, and how to unpack them.
@@ -100,6 +107,9 @@ impl fmt::Display for Seems {
         match self {
             Self::Empty => f.write_str("it is empty"),
             Self::Readable(told) | Self::Foreign(told) => write!(f, "it seems to be {told}"),
+            Self::Flawed { name, at, reason } => {
+                write!(f, "it seems to be {name}, but at byte {at}: {reason}")
+            }
             Self::Packed { name, unpack } => {
                 write!(f, "it seems to be packed ({name}); unpack it first: {unpack} | tertius … -")
             }
@@ -126,7 +136,7 @@ mod tests {
         assert_eq!(of(b"\n\r\n"), Seems::Empty);
         assert_eq!(of("# Gangway\nüber\ttext".as_bytes()), Seems::Text);
         assert_eq!(of(b"\x7FELF\x02\x01"), Seems::Binary);
-        assert!(matches!(of(b"MDF     4.10    "), Seems::Foreign(told) if told.contains("MDF")));
+        assert!(matches!(of(b"MDF     3.30    "), Seems::Foreign(told) if told.contains("MDF")));
         // Windows writes two bytes a character behind a mark.
         assert_eq!(of(b"\xFF\xFE(\0"), Seems::Utf16);
     }

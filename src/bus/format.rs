@@ -22,6 +22,8 @@ pub struct Format {
     pub name: &'static str,
     /// How places in an input are numbered.
     pub numbered: Numbered,
+    /// Whether there is no frame before the last byte was read.
+    pub is_whole: bool,
     /// Whether an input that begins with these bytes has this format; `None` where they are too few to
     /// tell. At most 512 bytes are shown.
     pub recognise: fn(head: &[u8]) -> Option<bool>,
@@ -96,6 +98,8 @@ pub enum Item<'a> {
     Nothing { taken: usize },
     /// A line or record that should be a frame; its first `shown` bytes may be shown.
     Bad { shown: usize, taken: usize, reason: Reason },
+    /// Something bad `at` a place of the input that was taken before, which begins with `shown`.
+    BadAt { at: u64, shown: &'a [u8], reason: Reason },
     /// A line longer than [`MAX_LINE`], which is dropped up to its end.
     LongLine,
     /// More bytes are needed, of [`MAX_RECORD`] at the most. At the end of the input: nothing is left, or

@@ -1,18 +1,21 @@
 //! Checks whether recordings are named in the order of time.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
 use super::format::{End, Item, TimeStamps, Unread, blank_frame};
 use super::formats;
-use super::input::InputPlace;
+use super::input::{Input, InputPlace};
 use super::selection::Interfaces;
 use super::source::SourceError;
 
 /// Number of bytes of a recording in which its first frame is sought.
 const PEEK: usize = 64 * 1024;
+
+/// Most frames of a recording that is read as a whole, among which its first one of an interface is sought.
+const FRAMES: usize = 4096;
 
 /// Most recordings whose right order is listed in full.
 const LISTED: usize = 16;
@@ -78,48 +81,58 @@ fn first_frames<T>(
     mut find: impl FnMut(&Frame, &[u8], bool) -> Option<T>,
 ) -> Option<T> {
     let InputPlace::File(path) = place else { return None };
-    let (head, end) = first_bytes(path)?;
-    let mut reader = (formats::recognise(&head, true)?.reader)(TimeStamps::Absolute);
-    let (mut frame, mut bytes) = (blank_frame(), &head[..]);
-    loop {
-        let (taken, found) = match reader.read(Unread { bytes, end }, &mut frame) {
-            Item::Frame { taken, interface, absolute } => (taken, Some((interface, absolute))),
-            Item::Nothing { taken } | Item::Bad { taken, .. } => (taken, None),
-            Item::LongLine => {
-                (memchr::memchr(b'\n', bytes).map_or(bytes.len(), |line| line + 1), None)
+    // Opening and closing a pipe would end its writer.
+    let is_file = path.metadata().ok()?.is_file();
+    let mut input = is_file.then(|| InputPlace::File(path.to_owned()).open().ok())??;
+    let (mut bytes, mut end) = (Vec::new(), End::Open);
+    fill(&mut input, &mut bytes, &mut end);
+    let format = formats::recognise(&bytes, true)?;
+    let mut reader = (format.reader)(TimeStamps::Absolute);
+    let (mut frame, mut used, mut frames) = (blank_frame(), 0, 0);
+    while frames < FRAMES || !format.is_whole {
+        let rest = &bytes[used..];
+        used += match reader.read(Unread { bytes: rest, end }, &mut frame) {
+            Item::Frame { taken, interface, absolute } => {
+                let found = find(&frame, interface, absolute);
+                if found.is_some() {
+                    return found;
+                }
+                frames += 1;
+                taken
+            }
+            Item::Nothing { taken } | Item::Bad { taken, .. } => taken,
+            Item::BadAt { .. } => 0,
+            Item::LongLine => memchr::memchr(b'\n', rest).map_or(rest.len(), |line| line + 1),
+            Item::More if format.is_whole && end == End::Open => {
+                bytes.drain(..used);
+                used = 0;
+                fill(&mut input, &mut bytes, &mut end);
+                0
             }
             Item::More => return None,
         };
-        if let Some((interface, absolute)) = found
-            && let Some(found) = find(&frame, interface, absolute)
-        {
-            return Some(found);
-        }
-        bytes = &bytes[taken..];
     }
+    None
 }
 
-/// First bytes of a file, and whether they are all; `None` for anything else: opening and closing a pipe would end its
-/// writer.
-fn first_bytes(path: &Path) -> Option<(Vec<u8>, End)> {
-    if !path.metadata().ok()?.is_file() {
-        return None;
-    }
-    let mut input = InputPlace::File(path.to_owned()).open().ok()?;
-    let mut bytes = vec![0; PEEK];
-    let (mut length, mut end) = (0, End::Open);
+/// Reads on until [`PEEK`] bytes are there, or the end.
+fn fill(input: &mut Input, bytes: &mut Vec<u8>, end: &mut End) {
+    let mut length = bytes.len();
+    bytes.resize(PEEK.max(length), 0);
     while length < PEEK {
         match input.read(&mut bytes[length..]) {
             Ok(0) => {
-                end = End::Whole;
+                *end = End::Whole;
                 break;
             }
             Ok(more) => length += more,
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
             // What is damaged behind it is told when it is read.
-            Err(_) => break,
+            Err(_) => {
+                *end = End::Lost;
+                break;
+            }
         }
     }
     bytes.truncate(length);
-    Some((bytes, end))
 }

@@ -8,6 +8,9 @@ pub enum Reason {
     /// Any reason of a format: what was found, and what was expected.
     #[error("found {found}, expected {expected}")]
     Expected { found: Found, expected: &'static str },
+    /// Any reason of a format that says everything.
+    #[error("{0}")]
+    Told(&'static str),
     #[error(
         "the line is longer than {MAX_LINE} bytes: this is not a candump recording, or it lost its \
          line ends"

@@ -21,7 +21,7 @@ use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
-use super::statistics::{BadPlace, Statistics};
+use super::statistics::{BadLine, BadPlace, Statistics};
 
 /// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
 /// time stamps, from one file or each from its own.
@@ -233,6 +233,12 @@ impl Recording {
                 Ok(Step::On)
             }
             Item::Bad { shown, taken, reason } => Ok(self.bad(shown, taken, reason)),
+            Item::BadAt { at, shown, reason } => {
+                self.statistics.lines += 1;
+                let file = self.input.as_ref().map_or("", Input::name);
+                self.statistics.add_bad(file, BadPlace::Byte(at), shown, reason);
+                Ok(Step::On)
+            }
             Item::LongLine => Ok(self.long_line()),
             Item::More => Ok(self.more()),
         }
@@ -353,7 +359,13 @@ impl Recording {
             self.consumed_before += input.consumed();
             if self.statistics.frames == self.frames_before {
                 let lines = self.statistics.lines - self.lines_before;
-                let (file, seems) = (input.name().to_owned(), Seems::of(input.head(), format));
+                let (file, mut seems) = (input.name().to_owned(), Seems::of(input.head(), format));
+                let first = self.statistics.first_bad_lines.iter().find(|bad| bad.file == file);
+                if format.is_whole
+                    && let Some(BadLine { place: BadPlace::Byte(at), reason, .. }) = first
+                {
+                    seems = Seems::Flawed { name: format.name, at: *at, reason: *reason };
+                }
                 self.statistics.add_barren(Barren { file, lines, seems });
             }
         }

@@ -26,12 +26,13 @@ fn a_recording_says_the_same_in_every_format() {
     let log = scratch.write("bus.log", between(&recorded("e-type-faults.log.zst"), FROM, TO));
     let path = |name: &str| scratch.path(name);
     let [pcap, asc, blf, trc] = ["bus.pcap", "bus.asc", "bus.blf", "bus.trc"].map(path);
-    let csv = path("bus.csv");
+    let [csv, mf4] = ["bus.csv", "bus.mf4"].map(path);
     oracle::run("pcap.py", &[&log, &pcap], "");
     oracle::run("asc.py", &["write", &log, &asc], "");
     oracle::run("blf.py", &["write", &log, &blf, "131072", "-1"], "");
     oracle::run("trc.py", &["write", "2.1", &log, &trc], "");
     oracle::run("savvycan.py", &["write", "dir", &log, &csv], "");
+    oracle::run("mf4.py", &["write", &log, &mf4, "2"], "");
     let table = scratch.path("residuals.csv");
     let of = |recording: &str| {
         let options = ["--residuals", table.as_str(), "--force"];
@@ -41,7 +42,7 @@ fn a_recording_says_the_same_in_every_format() {
     };
     let (rows, warnings) = of(&log);
     assert!(rows.len() > 2000 && !warnings.is_empty(), "{} {warnings:?}", rows.len());
-    for recording in [&pcap, &asc, &blf, &trc, &csv] {
+    for recording in [&pcap, &asc, &blf, &trc, &csv, &mf4] {
         let (other_rows, other_warnings) = of(recording);
         assert_eq!(other_rows, rows, "{recording}");
         assert_eq!(other_warnings.len(), warnings.len(), "{recording}");

@@ -213,7 +213,7 @@ fn a_recording_without_anything_for_this_machine() {
             b"Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2\r\n",
             "a table of SavvyCAN (GVRET) in CSV",
         ),
-        ("data.mf4", b"MDF     4.10    Vector\0\0", "measurement data in MDF"),
+        ("data.mdf", b"MDF     3.30    Vector\0\0", "measurement data in MDF before version 4"),
         ("old.pcap", b"\xD4\xC3\xB2\xA1\x02\0\x04\0\0\0\0\0", "a capture in pcap or pcapng"),
         (
             "new.pcapng",

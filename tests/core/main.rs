@@ -26,6 +26,8 @@ mod frozen;
 mod hexapod;
 mod inject_properties;
 mod inject_spec;
+mod mf4;
+mod mf4_writer;
 mod monitor_arrival;
 mod monitor_cycles;
 mod monitor_pages;

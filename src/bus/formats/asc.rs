@@ -20,6 +20,7 @@ use super::token::token;
 pub static FORMAT: Format = Format {
     name: "a Vector log in ASC",
     numbered: Numbered::Lines,
+    is_whole: false,
     recognise,
     reader: |_| Box::new(Asc::default()),
     written: Some(Written {

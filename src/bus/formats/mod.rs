@@ -7,6 +7,7 @@ mod channels;
 mod civil;
 mod decimal;
 mod hex;
+mod mf4;
 mod pcap;
 mod savvycan;
 mod token;
@@ -16,8 +17,15 @@ use super::encoder::Written;
 use super::format::Format;
 
 /// Every format. The first one that recognises an input reads it; candump's, the last, takes any.
-pub static FORMATS: [&Format; 6] =
-    [&blf::FORMAT, &pcap::FORMAT, &trc::FORMAT, &asc::FORMAT, &savvycan::FORMAT, &candump::FORMAT];
+pub static FORMATS: [&Format; 7] = [
+    &blf::FORMAT,
+    &mf4::FORMAT,
+    &pcap::FORMAT,
+    &trc::FORMAT,
+    &asc::FORMAT,
+    &savvycan::FORMAT,
+    &candump::FORMAT,
+];
 
 /// The format of an input that begins with `head`; `None` where more bytes are needed to tell, which
 /// never happens once the input is `whole`.
@@ -52,7 +60,7 @@ struct Foreign {
 
 static FOREIGN: [Foreign; 1] = [Foreign {
     begins: |head| head.starts_with(b"MDF     ") || head.starts_with(b"UnFinMF "),
-    told: "measurement data in MDF; can_logconvert (of python-can) converts it to a candump log",
+    told: "measurement data in MDF before version 4; asammdf converts it to version 4, of which bus logging is read",
 }];
 
 /// What to tell of an input that begins with `head` if it has a format that is not read.

@@ -14,6 +14,7 @@ use super::hex;
 pub static FORMAT: Format = Format {
     name: "a table of SavvyCAN (GVRET) in CSV",
     numbered: Numbered::Lines,
+    is_whole: false,
     recognise,
     reader: |_| Box::new(SavvyCan::default()),
     written: None,

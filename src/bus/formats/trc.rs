@@ -17,6 +17,7 @@ use super::token::token;
 pub static FORMAT: Format = Format {
     name: "a PEAK trace in TRC",
     numbered: Numbered::Lines,
+    is_whole: false,
     recognise: |head| Some(*head.trim_ascii_start().first()? == b';'),
     reader: |_| Box::new(Trc::default()),
     written: None,

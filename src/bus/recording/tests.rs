@@ -12,6 +12,7 @@ use crate::time::Timestamp;
 static RECORDS: Format = Format {
     name: "records",
     numbered: Numbered::Bytes,
+    is_whole: false,
     recognise: |_| Some(false),
     reader: |_| Box::new(Records),
     written: None,

@@ -18,6 +18,7 @@ use object::{CONTAINER, OBJECT, ObjectHead};
 pub static FORMAT: Format = Format {
     name: "a Vector log in BLF",
     numbered: Numbered::Bytes,
+    is_whole: false,
     recognise: |head| match head.first_chunk() {
         Some(first) => Some(first == b"LOGG"),
         None => (!b"LOGG".starts_with(head)).then_some(false),

@@ -29,6 +29,7 @@ const ABSOLUTE_DIGITS: usize = 9;
 pub static FORMAT: Format = Format {
     name: "a candump recording (-l, -L, or the console form with time stamps)",
     numbered: Numbered::Lines,
+    is_whole: false,
     recognise: |_| Some(true),
     reader: |stamps| Box::new(Candump { clock: StampClock::new(stamps) }),
     written: Some(Written {

@@ -18,6 +18,7 @@ use packet::{Link, Unit};
 pub static FORMAT: Format = Format {
     name: "a capture in pcap or pcapng",
     numbered: Numbered::Bytes,
+    is_whole: false,
     recognise,
     reader: |_| Box::new(Pcap::default()),
     written: Some(Written {

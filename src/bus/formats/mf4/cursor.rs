@@ -1,0 +1,185 @@
+//! The records of groups that have their data in common, one after the other.
+
+use std::collections::BTreeMap;
+
+use super::block::{Flaw, number, tail};
+use super::group::{Carries, Group, Groups, Layout, Payload};
+use super::stream::{Stream, Unfinished};
+use super::variable::Variable;
+use crate::bus::format::{FD_LENGTHS, is_fd_length};
+use crate::bus::reason::Reason;
+use crate::frame::{Frame, Id, Kind};
+use crate::time::Timestamp;
+
+/// The bit of an identifier that has 29 bits, where no channel tells that.
+const EXTENDED: u64 = 1 << 31;
+const IDENTIFIER: u64 = (1 << 29) - 1;
+/// Class of error frames in linux/can/error.h: a fault on the bus.
+const BUS_ERROR: u32 = 0x080;
+/// Bytes of the length before data of variable length.
+const LENGTH: usize = 4;
+
+/// What the next record is.
+#[derive(Clone, Copy, Debug)]
+pub enum Next {
+    /// A frame of this channel.
+    Frame(u64),
+    /// A record of another kind.
+    Other,
+    Bad(Flaw),
+    End,
+}
+
+/// A place in the data of such groups.
+#[derive(Debug)]
+pub struct Cursor {
+    groups: Groups,
+    stream: Stream,
+    /// Data of variable length, by the links to them.
+    variables: BTreeMap<u64, Variable>,
+    record: Vec<u8>,
+    /// Start of the measurement since 1970, ns.
+    start: i64,
+}
+
+impl Cursor {
+    pub fn new(file: &[u8], groups: Groups, unfinished: Unfinished, start: i64) -> Self {
+        let stream = Stream::new(file, groups.data, unfinished);
+        let mut variables = BTreeMap::new();
+        for group in groups.all.values() {
+            let Group::Frames(layout) = group else { continue };
+            let Payload::Variable(_, link) = layout.payload else { continue };
+            let is_group = |group: &Group| matches!(group, Group::Variable(at) if *at == link);
+            let variable = if groups.all.values().any(is_group) {
+                Variable::new(stream.clone(), Some(link), unfinished.offsets)
+            } else {
+                Variable::new(Stream::new(file, link, unfinished), None, false)
+            };
+            variables.insert(link, variable);
+        }
+        Self { groups, stream, variables, record: Vec::new(), start }
+    }
+
+    /// Reads the next record; a frame is written into `frame`.
+    pub fn next(&mut self, file: &[u8], frame: &mut Frame) -> Next {
+        match self.record(file, frame) {
+            Ok(next) => next,
+            Err(flaw) => Next::Bad(flaw),
+        }
+    }
+
+    fn record(&mut self, file: &[u8], frame: &mut Frame) -> Result<Next, Flaw> {
+        loop {
+            let id_bytes = self.groups.id_bytes;
+            let begin = self.stream.place();
+            if id_bytes > 0 && !self.stream.read(file, id_bytes, &mut self.record)? {
+                return Ok(Next::End);
+            }
+            let id = number(&self.record, 0, id_bytes).unwrap_or(0);
+            let Some(group) = self.groups.all.get(&id) else {
+                let at = self.stream.place().saturating_sub(id_bytes as u64);
+                self.stream.give_up();
+                return Err(Flaw::expected(file, at, "the number of a group of this file"));
+            };
+            match group {
+                Group::Frames(layout) => {
+                    let at = self.stream.place();
+                    if !self.stream.read(file, layout.length, &mut self.record)? {
+                        return if id_bytes == 0 { Ok(Next::End) } else { Err(incomplete(begin)) };
+                    }
+                    // At the end of a block its first byte is in the next one.
+                    let at = if tail(file, at).is_empty() { begin } else { at };
+                    let bad = |reason| Flaw { at, reason };
+                    let payload = match layout.payload {
+                        Payload::Nowhere => &[][..],
+                        Payload::Fixed(first, room) => {
+                            self.record.get(first..first + room).unwrap_or(&[])
+                        }
+                        Payload::Variable(offset, link) => {
+                            let Some(variable) = self.variables.get_mut(&link) else {
+                                return Err(incomplete(at));
+                            };
+                            let offset = offset.of(&self.record);
+                            variable.at(file, &self.groups, offset).map_err(bad)?
+                        }
+                    };
+                    fill(layout, &self.record, payload, self.start, frame).map_err(bad)?;
+                    let channel = layout.number("BusChannel", &self.record);
+                    return Ok(Next::Frame(channel.unwrap_or(1)));
+                }
+                Group::Variable(_) => {
+                    if !self.stream.read(file, LENGTH, &mut self.record)? {
+                        return Err(incomplete(begin));
+                    }
+                    let length = number(&self.record, 0, LENGTH).unwrap_or(0);
+                    if !self.stream.skip(file, length)? {
+                        return Err(incomplete(begin));
+                    }
+                }
+                Group::Other(length) => {
+                    if !self.stream.skip(file, *length)? {
+                        return Err(incomplete(begin));
+                    }
+                    return Ok(Next::Other);
+                }
+            }
+        }
+    }
+}
+
+const fn incomplete(at: u64) -> Flaw {
+    Flaw { at, reason: Reason::Incomplete }
+}
+
+/// Makes a record a frame.
+fn fill(
+    layout: &Layout,
+    record: &[u8],
+    payload: &[u8],
+    start: i64,
+    frame: &mut Frame,
+) -> Result<(), Reason> {
+    let number = |name| layout.number(name, record);
+    let is = |name| number(name).is_some_and(|value| value != 0);
+    let nanos = layout.clock.nanos(record)?.checked_add(start).ok_or(Reason::StampRange)?;
+    frame.timestamp = Timestamp::from_nanos(nanos);
+    frame.set_length(0);
+    if layout.carries == Carries::Error {
+        frame.id = Id::extended(BUS_ERROR).ok_or(Reason::ExtendedRange(BUS_ERROR))?;
+        frame.kind = Kind::Error;
+        return Ok(());
+    }
+    let word = number("ID").unwrap_or(0);
+    let value = (word & IDENTIFIER) as u32;
+    frame.id = if is("IDE") || word & EXTENDED != 0 {
+        Id::extended(value).ok_or(Reason::ExtendedRange(value))?
+    } else {
+        Id::standard(value).ok_or(Reason::StandardRange(value))?
+    };
+    let is_fd = is("EDL");
+    let room = if is_fd { &FD_LENGTHS[..] } else { &FD_LENGTHS[..9] };
+    let coded = number("DLC").map(|code| room[(code as usize).min(room.len() - 1)] as u64);
+    if layout.carries == Carries::Remote {
+        // Of how many bytes the requested frame is, tells its code first: a remote frame has no data.
+        let length = coded.or(number("DataLength")).unwrap_or(0).min(8) as u8;
+        frame.kind = Kind::Remote { length };
+        return Ok(());
+    }
+    let length = number("DataLength").or(coded).unwrap_or(payload.len() as u64);
+    let length = usize::try_from(length).unwrap_or(usize::MAX);
+    frame.kind = if is_fd {
+        Kind::Fd { flags: u8::from(is("BRS")) | u8::from(is("ESI")) << 1 }
+    } else {
+        Kind::Data
+    };
+    match frame.kind {
+        Kind::Fd { .. } if !is_fd_length(length) => return Err(Reason::FdLength(length)),
+        Kind::Data if length > 8 => return Err(Reason::ClassicLength),
+        _ => {}
+    }
+    let mismatch = Reason::LengthMismatch { announced: length, found: payload.len() };
+    let data = payload.get(..length).ok_or(mismatch)?;
+    frame.buffer_mut()[..length].copy_from_slice(data);
+    frame.set_length(length);
+    Ok(())
+}
