@@ -99,7 +99,13 @@ pub enum Item<'a> {
     /// A line or record that should be a frame; its first `shown` bytes may be shown.
     Bad { shown: usize, taken: usize, reason: Reason },
     /// Something bad `at` a place of the input that was taken before, which begins with `shown`.
-    BadAt { at: u64, shown: &'a [u8], reason: Reason },
+    BadAt {
+        at: u64,
+        shown: &'a [u8],
+        reason: Reason,
+        /// Whether more frames than that one cannot be found for it.
+        loses: bool,
+    },
     /// A line longer than [`MAX_LINE`], which is dropped up to its end.
     LongLine,
     /// More bytes are needed, of [`MAX_RECORD`] at the most. At the end of the input: nothing is left, or

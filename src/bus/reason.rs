@@ -8,6 +8,9 @@ pub enum Reason {
     /// Any reason of a format: what was found, and what was expected.
     #[error("found {found}, expected {expected}")]
     Expected { found: Found, expected: &'static str },
+    /// The same where nothing is found, since the input has no bytes there.
+    #[error("found the end of the file, expected {0}")]
+    EndExpected(&'static str),
     /// Any reason of a format that says everything.
     #[error("{0}")]
     Told(&'static str),

@@ -32,7 +32,7 @@ use super::statistics::{BadLine, BadPlace, Statistics};
 pub struct Recording {
     places: VecDeque<InputPlace>,
     input: Option<Input>,
-    /// Whether the current input's end is missing, so that its last line may be incomplete.
+    /// Whether the current input's end or other parts are missing. Its last line may be incomplete.
     damaged: bool,
     buffer: Buffer,
     time_stamps: TimeStamps,
@@ -233,10 +233,15 @@ impl Recording {
                 Ok(Step::On)
             }
             Item::Bad { shown, taken, reason } => Ok(self.bad(shown, taken, reason)),
-            Item::BadAt { at, shown, reason } => {
+            Item::BadAt { at, shown, reason, loses } => {
                 self.statistics.lines += 1;
                 let file = self.input.as_ref().map_or("", Input::name);
                 self.statistics.add_bad(file, BadPlace::Byte(at), shown, reason);
+                // Said once for each input.
+                if loses && !std::mem::replace(&mut self.damaged, true) {
+                    let told = format!("frames of it cannot be found, since at byte {at} {reason}");
+                    self.statistics.add_damage(file, told);
+                }
                 Ok(Step::On)
             }
             Item::LongLine => Ok(self.long_line()),

@@ -39,7 +39,7 @@ pub struct Statistics {
     pub interfaces: Vec<Interface>,
     /// Frames of interfaces beyond [`Self::interfaces`].
     pub unlisted_interface_frames: u64,
-    /// Inputs whose end could not be read.
+    /// Inputs whose end, or another part with any number of frames, could not be read.
     pub damaged_inputs: u64,
     /// The first [`KEPT_DAMAGE`] reports of damage.
     pub damage: Vec<Damage>,
@@ -93,7 +93,7 @@ impl std::fmt::Display for Interface {
     }
 }
 
-/// An input that could not be read to its end; the frames before the damage were returned.
+/// An input that could not be read to its end, or of which parts could not be found; the other frames were returned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Damage {
     /// Name of the file as given, or "standard input".

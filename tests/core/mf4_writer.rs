@@ -17,6 +17,8 @@ pub enum Stored {
     Packed,
     /// In a compressed block, column by column.
     Transposed,
+    /// In a block of a list of MDF 4.2, with a block of marks of invalid values; for groups with data of their own.
+    Marked,
 }
 
 /// How a file is written.
@@ -65,20 +67,23 @@ const LENGTHS: [f64; 32] = [
     12.0, 10.0, 16.0, 11.0, 20.0, 12.0, 24.0, 13.0, 32.0, 14.0, 48.0, 15.0, 64.0,
 ];
 
-#[derive(Default)]
-struct Writer(Vec<u8>);
+struct Writer {
+    bytes: Vec<u8>,
+    /// Bytes of marks of invalid values that groups announce for each record.
+    marks: u32,
+}
 
 impl Writer {
     fn block(&mut self, kind: &str, links: &[u64], data: &[u8]) -> u64 {
-        self.0.resize(self.0.len().next_multiple_of(8), 0);
-        let at = self.0.len() as u64;
-        self.0.extend(b"##");
-        self.0.extend(kind.as_bytes());
-        self.0.extend([0; 4]);
-        self.0.extend((24 + 8 * links.len() as u64 + data.len() as u64).to_le_bytes());
-        self.0.extend((links.len() as u64).to_le_bytes());
-        self.0.extend(links.iter().flat_map(|link| link.to_le_bytes()));
-        self.0.extend(data);
+        self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
+        let at = self.bytes.len() as u64;
+        self.bytes.extend(b"##");
+        self.bytes.extend(kind.as_bytes());
+        self.bytes.extend([0; 4]);
+        self.bytes.extend((24 + 8 * links.len() as u64 + data.len() as u64).to_le_bytes());
+        self.bytes.extend((links.len() as u64).to_le_bytes());
+        self.bytes.extend(links.iter().flat_map(|link| link.to_le_bytes()));
+        self.bytes.extend(data);
         at
     }
 
@@ -129,12 +134,14 @@ impl Writer {
         self.channel([frames, 0, linear, 0], "Timestamp", [2, 1, number, 0], [0, 64])
     }
 
-    fn group(&mut self, next: u64, channels: u64, id: u64, flags: u16, length: usize) -> u64 {
+    /// A group of so many records of a length: [next, channels].
+    fn group(&mut self, links: [u64; 2], id: u64, flags: u16, count: usize, length: usize) -> u64 {
+        let [next, channels] = links;
         let source = self.block("SI", &[0; 3], &[2, 2, 0, 0, 0, 0, 0, 0]);
-        let flags = [flags.to_le_bytes(), [0; 2]].concat();
-        let counts = [&id.to_le_bytes()[..], &[0; 8], &flags, &[0; 4]].concat();
-        let lengths = [length as u32, 0].map(u32::to_le_bytes).concat();
-        self.block("CG", &[next, channels, 0, source, 0, 0], &[counts, lengths].concat())
+        let counts = [id, count as u64].map(u64::to_le_bytes).concat();
+        let flags = [flags.to_le_bytes(), [0; 2], [0; 2], [0; 2]].concat();
+        let lengths = [length as u32, self.marks].map(u32::to_le_bytes).concat();
+        self.block("CG", &[next, channels, 0, source, 0, 0], &[counts, flags, lengths].concat())
     }
 
     /// Data, in records of a length.
@@ -144,19 +151,31 @@ impl Writer {
             Stored::Block => self.block(kind, &[], bytes),
             Stored::List => {
                 let parts = bytes.chunks(third).map(|part| self.block(kind, &[], part));
-                let links: Vec<u64> = std::iter::once(0).chain(parts).collect();
-                let last = self.block("DL", &[0, links[links.len() - 1]], &[0; 8]);
-                let links = [&[last], &links[1..links.len() - 1]].concat();
-                self.block("DL", &links, &[0; 8])
+                let mut parts: Vec<u64> = parts.collect();
+                let behind = parts.split_off(parts.len().saturating_sub(1));
+                let last = self.list(0, &behind);
+                self.list(last, &parts)
             }
             Stored::Packed => {
                 let parts = bytes.chunks(half).map(|part| self.packed(kind, 0, part, 0));
-                let links: Vec<u64> = std::iter::once(0).chain(parts).collect();
-                let list = self.block("DL", &links, &[0; 8]);
+                let parts: Vec<u64> = parts.collect();
+                let list = self.list(0, &parts);
                 self.block("HL", &[list], &[0; 8])
             }
             Stored::Transposed => self.packed(kind, 1, bytes, length),
+            Stored::Marked => {
+                let parts = [self.block("DV", &[], bytes), self.block("DI", &[], &[7; 99])];
+                let described = [0, 0, 0, 0x80, 1, 0, 0, 0];
+                self.block("LD", &[0, parts[0], parts[1]], &described)
+            }
         }
+    }
+
+    fn list(&mut self, next: u64, parts: &[u64]) -> u64 {
+        let described = [[0; 4], (parts.len() as u32).to_le_bytes()].concat();
+        // The offsets of the parts, which the list tells where they are not of the same length, are not needed.
+        let described = [described, vec![0; 8 * parts.len()]].concat();
+        self.block("DL", &[&[next], parts].concat(), &described)
     }
 
     fn packed(&mut self, kind: &str, method: u8, bytes: &[u8], columns: usize) -> u64 {
@@ -230,48 +249,66 @@ pub fn file(form: Form, frames: &[Frame]) -> Vec<u8> {
             mixed.extend([5, 0xAA, 0xBB, 0xCC]);
         }
     }
-    let mut writer = Writer::default();
+    let marks = if form.stored == Stored::Marked { 3 } else { 0 };
+    let mut writer = Writer { bytes: Vec::new(), marks };
     let begins: &[u8] = if form.unfinished == 0 { b"MDF     " } else { b"UnFinMF " };
-    writer.0.extend([begins, b"4.11    test    ", &[0; 36]].concat());
-    writer.0.extend(form.unfinished.to_le_bytes());
-    writer.0.extend([0; 2]);
+    writer.bytes.extend([begins, b"4.11    test    ", &[0; 36]].concat());
+    writer.bytes.extend(form.unfinished.to_le_bytes());
+    writer.bytes.extend([0; 2]);
     let header = writer.block("HD", &[0; 6], &[&START.to_le_bytes()[..], &[0; 24]].concat());
     let first = if form.mixed {
-        all_in_one(&mut writer, form, &mixed)
+        let are = |is: fn(&Kind) -> bool| frames.iter().filter(|frame| is(&frame.kind)).count();
+        let errors = are(|kind| *kind == Kind::Error);
+        let remotes = are(|kind| matches!(kind, Kind::Remote { .. }));
+        let counts = [frames.len() - errors - remotes, errors, remotes, frames.len() / 5];
+        // A file that was never finished does not have them.
+        let counts = if form.unfinished & 1 == 0 { counts } else { [0; 4] };
+        let lengths = if form.unfinished & 0x20 == 0 { payloads.len() } else { 0 };
+        all_in_one(&mut writer, form, &mixed, counts, lengths)
     } else {
         one_by_one(&mut writer, form, [&data, &payloads, &errors, &remotes])
     };
-    writer.0[header as usize + 24..][..8].copy_from_slice(&first.to_le_bytes());
-    writer.0
+    writer.bytes[header as usize + 24..][..8].copy_from_slice(&first.to_le_bytes());
+    writer.bytes
 }
 
-fn all_in_one(writer: &mut Writer, form: Form, mixed: &[u8]) -> u64 {
-    let other = writer.group(0, 0, 5, 0, 3);
+/// All groups in one set of data; the counts are those of data, error, remote and other records, and `lengths` are the
+/// bytes of all payloads.
+fn all_in_one(
+    writer: &mut Writer,
+    form: Form,
+    mixed: &[u8],
+    counts: [usize; 4],
+    lengths: usize,
+) -> u64 {
+    let [frames, errors, remotes, others] = counts;
+    let other = writer.group([0, 0], 5, 0, others, 3);
     let channels = writer.channels(form, "CAN_RemoteFrame", None);
-    let remotes = writer.group(other, channels, 4, 6, 14);
+    let remotes = writer.group([other, channels], 4, 6, remotes, 14);
     let channels = writer.channels(form, "CAN_ErrorFrame", None);
-    let errors = writer.group(remotes, channels, 3, 6, 14);
-    let payloads = writer.group(errors, 0, 2, 1, 0);
+    let errors = writer.group([remotes, channels], 3, 6, errors, 14);
+    let payloads = writer.group([errors, 0], 2, 1, frames, lengths);
     let payload = if form.variable { (1, 64, payloads) } else { (0, 512, 0) };
     let channels = writer.channels(form, "CAN_DataFrame", Some(payload));
     let length = if form.variable { 22 } else { 78 };
-    let groups = writer.group(payloads, channels, 1, 6, length);
+    let groups = writer.group([payloads, channels], 1, 6, frames, length);
     // The set stands before its data, and they at the end, as a logger writes them.
     let set = writer.block("DG", &[0, groups, 0, 0], &[1, 0, 0, 0, 0, 0, 0, 0]);
     let data = writer.data(form, "DT", mixed, length);
-    writer.0[set as usize + 24 + 16..][..8].copy_from_slice(&data.to_le_bytes());
+    writer.bytes[set as usize + 24 + 16..][..8].copy_from_slice(&data.to_le_bytes());
     if form.unfinished & 4 != 0 {
-        writer.0[data as usize + 8..][..8].fill(0);
+        writer.bytes[data as usize + 8..][..8].fill(0);
     }
     set
 }
 
+/// Each group with data of its own: those of data frames, payloads, errors and remote frames.
 fn one_by_one(writer: &mut Writer, form: Form, data: [&[u8]; 4]) -> u64 {
     let [frames, payloads, errors, remotes] = data;
     let mut next = 0;
     for (name, records) in [("CAN_RemoteFrame", remotes), ("CAN_ErrorFrame", errors)] {
         let channels = writer.channels(form, name, None);
-        let group = writer.group(0, channels, 0, 6, 14);
+        let group = writer.group([0, channels], 0, 6, records.len() / 14, 14);
         let data = writer.data(form, "DT", records, 14);
         next = writer.block("DG", &[next, group, data, 0], &[0; 8]);
     }
@@ -279,7 +316,7 @@ fn one_by_one(writer: &mut Writer, form: Form, data: [&[u8]; 4]) -> u64 {
     let payload = if form.variable { (1, 64, payloads) } else { (5, 512, 0) };
     let length = if form.variable { 22 } else { 78 };
     let channels = writer.channels(form, "CAN_DataFrame", Some(payload));
-    let group = writer.group(0, channels, 0, 6, length);
+    let group = writer.group([0, channels], 0, 6, frames.len() / length, length);
     let data = writer.data(form, "DT", frames, length);
     writer.block("DG", &[next, group, data, 0], &[0; 8])
 }

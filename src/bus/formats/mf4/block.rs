@@ -13,17 +13,32 @@ pub struct Flaw {
     /// Number of bytes of the file before it.
     pub at: u64,
     pub reason: Reason,
+    /// Whether more frames than one cannot be found for it.
+    pub loses: bool,
 }
 
 impl Flaw {
     /// Found is what stands at the place.
     pub fn expected(file: &[u8], at: u64, expected: &'static str) -> Self {
         let found = Found::first(tail(file, at));
-        Self { at, reason: Reason::Expected { found, expected } }
+        let reason = match found {
+            Found(None) => Reason::EndExpected(expected),
+            Found(Some(_)) => Reason::Expected { found, expected },
+        };
+        Self::of(at, reason)
     }
 
     pub const fn told(at: u64, told: &'static str) -> Self {
-        Self { at, reason: Reason::Told(told) }
+        Self::of(at, Reason::Told(told))
+    }
+
+    pub const fn of(at: u64, reason: Reason) -> Self {
+        Self { at, reason, loses: false }
+    }
+
+    /// The same flaw, for which more frames than one cannot be found.
+    pub const fn losing(self) -> Self {
+        Self { loses: true, ..self }
     }
 }
 

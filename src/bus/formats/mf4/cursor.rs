@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::block::{Flaw, number, tail};
+use super::block::{Flaw, number};
 use super::group::{Carries, Group, Groups, Layout, Payload};
 use super::stream::{Stream, Unfinished};
 use super::variable::Variable;
@@ -69,66 +69,52 @@ impl Cursor {
     }
 
     fn record(&mut self, file: &[u8], frame: &mut Frame) -> Result<Next, Flaw> {
+        let Self { groups, stream, variables, record, start } = self;
         loop {
-            let id_bytes = self.groups.id_bytes;
-            let begin = self.stream.place();
-            if id_bytes > 0 && !self.stream.read(file, id_bytes, &mut self.record)? {
+            if !stream.ahead(file)? {
                 return Ok(Next::End);
             }
-            let id = number(&self.record, 0, id_bytes).unwrap_or(0);
-            let Some(group) = self.groups.all.get(&id) else {
-                let at = self.stream.place().saturating_sub(id_bytes as u64);
-                self.stream.give_up();
-                return Err(Flaw::expected(file, at, "the number of a group of this file"));
-            };
-            match group {
-                Group::Frames(layout) => {
-                    let at = self.stream.place();
-                    if !self.stream.read(file, layout.length, &mut self.record)? {
-                        return if id_bytes == 0 { Ok(Next::End) } else { Err(incomplete(begin)) };
+            let begin = stream.place();
+            let incomplete = Flaw::of(begin, Reason::Incomplete);
+            stream.read(file, groups.id_bytes, record)?;
+            let id = number(record, 0, groups.id_bytes).unwrap_or(0);
+            let is_whole = match groups.all.get(&id) {
+                Some(Group::Frames(layout)) => {
+                    if !stream.read(file, layout.length, record)? {
+                        return Err(incomplete);
                     }
-                    // At the end of a block its first byte is in the next one.
-                    let at = if tail(file, at).is_empty() { begin } else { at };
-                    let bad = |reason| Flaw { at, reason };
                     let payload = match layout.payload {
                         Payload::Nowhere => &[][..],
-                        Payload::Fixed(first, room) => {
-                            self.record.get(first..first + room).unwrap_or(&[])
-                        }
+                        Payload::Fixed(first, room) => &record[first..first + room],
                         Payload::Variable(offset, link) => {
-                            let Some(variable) = self.variables.get_mut(&link) else {
-                                return Err(incomplete(at));
-                            };
-                            let offset = offset.of(&self.record);
-                            variable.at(file, &self.groups, offset).map_err(bad)?
+                            let variable = variables.get_mut(&link).ok_or(incomplete)?;
+                            variable.at(file, groups, offset.of(record), begin)?
                         }
                     };
-                    fill(layout, &self.record, payload, self.start, frame).map_err(bad)?;
-                    let channel = layout.number("BusChannel", &self.record);
+                    let filled = fill(layout, record, payload, *start, frame);
+                    filled.map_err(|reason| Flaw::of(begin, reason))?;
+                    let channel = layout.number("BusChannel", record);
                     return Ok(Next::Frame(channel.unwrap_or(1)));
                 }
-                Group::Variable(_) => {
-                    if !self.stream.read(file, LENGTH, &mut self.record)? {
-                        return Err(incomplete(begin));
-                    }
-                    let length = number(&self.record, 0, LENGTH).unwrap_or(0);
-                    if !self.stream.skip(file, length)? {
-                        return Err(incomplete(begin));
-                    }
+                Some(Group::Variable(_)) => {
+                    let is_whole = stream.read(file, LENGTH, record)?;
+                    is_whole && stream.skip(file, number(record, 0, LENGTH).unwrap_or(0))?
                 }
-                Group::Other(length) => {
-                    if !self.stream.skip(file, *length)? {
-                        return Err(incomplete(begin));
-                    }
+                Some(Group::Other(length)) if stream.skip(file, *length)? => {
                     return Ok(Next::Other);
                 }
+                Some(Group::Other(_)) => false,
+                None => {
+                    stream.give_up();
+                    let expected = "the number of a group of this file";
+                    return Err(Flaw::expected(file, begin, expected).losing());
+                }
+            };
+            if !is_whole {
+                return Err(incomplete);
             }
         }
     }
-}
-
-const fn incomplete(at: u64) -> Flaw {
-    Flaw { at, reason: Reason::Incomplete }
 }
 
 /// Makes a record a frame.
@@ -165,13 +151,17 @@ fn fill(
         frame.kind = Kind::Remote { length };
         return Ok(());
     }
-    let length = number("DataLength").or(coded).unwrap_or(payload.len() as u64);
-    let length = usize::try_from(length).unwrap_or(usize::MAX);
     frame.kind = if is_fd {
         Kind::Fd { flags: u8::from(is("BRS")) | u8::from(is("ESI")) << 1 }
     } else {
         Kind::Data
     };
+    fill_data(frame, payload, number("DataLength").or(coded))
+}
+
+/// Gives a frame the data of its length, which are all where none is told.
+fn fill_data(frame: &mut Frame, payload: &[u8], length: Option<u64>) -> Result<(), Reason> {
+    let length = length.map_or(payload.len(), |told| usize::try_from(told).unwrap_or(usize::MAX));
     match frame.kind {
         Kind::Fd { .. } if !is_fd_length(length) => return Err(Reason::FdLength(length)),
         Kind::Data if length > 8 => return Err(Reason::ClassicLength),

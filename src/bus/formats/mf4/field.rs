@@ -238,9 +238,10 @@ impl Clock {
     }
 }
 
-/// The nearest whole number; one that is out of range where there is none.
+/// The nearest whole number; one out of the range of times where there is none, and small enough to count on with.
 fn whole(nanos: f64) -> i128 {
-    if nanos.is_finite() { nanos.round() as i128 } else { i128::MAX / 4 }
+    const FAR: i128 = i128::MAX / 4;
+    if nanos.is_finite() { (nanos.round() as i128).clamp(-FAR, FAR) } else { FAR }
 }
 
 /// Offset and scale of a linear conversion to seconds, ns.

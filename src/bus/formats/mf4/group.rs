@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 
 use super::block::{Block, Flaw, Walk, number, text};
 use super::field::{Channel, Clock, Field, Quantity};
+use super::stream::is_apart;
 
 /// Longest record of a frame. A payload has 64 bytes at the most.
 const MOST: usize = 4096;
 /// Most groups with data in common.
 const GROUPS: usize = 1024;
+/// Most flaws of groups that are told; every one leaves a group out.
+const FLAWS: usize = 256;
 /// The flag of a group whose records are data of variable length, of a channel in another group.
 const VARIABLE: u64 = 1;
 /// What a source of the type bus says that it is.
@@ -93,7 +96,8 @@ impl Groups {
             let expected = "the length of record numbers, 0, 1, 2, 4 or 8";
             return Err(Flaw::expected(file, block.data_at(), expected));
         }
-        let (mut all, mut next) = (BTreeMap::new(), block.link(1));
+        let (mut all, mut next, data) = (BTreeMap::new(), block.link(1), block.link(2));
+        let is_apart = is_apart(file, data);
         while next != 0 {
             let group = Block::of(file, next, b"CG", "a group of channels, ##CG")?;
             walk.step(&group)?;
@@ -102,13 +106,16 @@ impl Groups {
             }
             next = group.link(0);
             let id = number(group.data, 0, 8).unwrap_or(0);
-            let read = read(file, &group, walk).unwrap_or_else(|flaw| {
-                flaws.push(flaw);
-                Group::Other(length(&group))
+            let length = length(&group, is_apart);
+            let read = read(file, &group, length, walk).unwrap_or_else(|flaw| {
+                if flaws.len() < FLAWS {
+                    flaws.push(flaw.losing());
+                }
+                Group::Other(length)
             });
             all.entry(if id_bytes == 0 { 0 } else { id }).or_insert(read);
         }
-        Ok(Self { id_bytes, all, data: block.link(2) })
+        Ok(Self { id_bytes, all, data })
     }
 
     /// How many places of the file are read at the same time for frames: none where no group has any.
@@ -121,17 +128,18 @@ impl Groups {
     }
 }
 
-/// Bytes of a group's records: its values, and the marks of invalid ones.
-fn length(group: &Block<'_>) -> u64 {
+/// Bytes of a group's records: its values, and the marks of invalid ones unless those stand apart.
+fn length(group: &Block<'_>, is_apart: bool) -> u64 {
     let part = |at| number(group.data, at, 4).unwrap_or(0);
-    part(24) + part(28)
+    part(24) + if is_apart { 0 } else { part(28) }
 }
 
-fn read(file: &[u8], group: &Block<'_>, walk: &mut Walk) -> Result<Group, Flaw> {
+/// Reads a group whose records have a length.
+fn read(file: &[u8], group: &Block<'_>, length: u64, walk: &mut Walk) -> Result<Group, Flaw> {
     if number(group.data, 16, 2).unwrap_or(0) & VARIABLE != 0 {
         return Ok(Group::Variable(group.at));
     }
-    let other = Ok(Group::Other(length(group)));
+    let other = Ok(Group::Other(length));
     if !may_be_can(file, group.link(3)) {
         return other;
     }
@@ -152,33 +160,41 @@ fn read(file: &[u8], group: &Block<'_>, walk: &mut Walk) -> Result<Group, Flaw> 
         let told = "a group of CAN frames is read if it has a channel of times";
         return Err(Flaw::told(group.at, told));
     };
-    let length = usize::try_from(length(group)).unwrap_or(usize::MAX);
+    let length = usize::try_from(length).unwrap_or(usize::MAX);
     if length > MOST {
         return Err(Flaw::told(group.at, "records of CAN frames of more than 4096 bytes"));
     }
-    let mut layout = Layout {
-        carries,
-        length,
-        clock: Clock::of(file, &master, length)?,
-        payload: Payload::Nowhere,
-        parts: BTreeMap::new(),
-    };
-    let mut next = frames.parts;
-    while next != 0 {
-        let channel = channel(file, next, walk)?;
-        next = channel.next;
-        let part = text(file, channel.name);
-        let part = part.strip_prefix(name).and_then(|part| part.strip_prefix(b"."));
-        layout.add(file, part.unwrap_or_default(), &channel)?;
-    }
-    if carries != Carries::Error && !layout.parts.contains_key("ID") {
-        let told = "a group of CAN frames is read if it has a channel of identifiers";
-        return Err(Flaw::told(frames.at, told));
-    }
+    let clock = Clock::of(file, &master, length)?;
+    let (payload, parts) = (Payload::Nowhere, BTreeMap::new());
+    let mut layout = Layout { carries, length, clock, payload, parts };
+    layout.add_all(file, name, &frames, walk)?;
     Ok(Group::Frames(Box::new(layout)))
 }
 
 impl Layout {
+    /// Adds the parts of the channel `frames`, whose names begin with its `name`.
+    fn add_all(
+        &mut self,
+        file: &[u8],
+        name: &[u8],
+        frames: &Channel,
+        walk: &mut Walk,
+    ) -> Result<(), Flaw> {
+        let mut next = frames.parts;
+        while next != 0 {
+            let channel = channel(file, next, walk)?;
+            next = channel.next;
+            let part = text(file, channel.name);
+            let part = part.strip_prefix(name).and_then(|part| part.strip_prefix(b"."));
+            self.add(file, part.unwrap_or_default(), &channel)?;
+        }
+        if self.carries != Carries::Error && !self.parts.contains_key("ID") {
+            let told = "a group of CAN frames is read if it has a channel of identifiers";
+            return Err(Flaw::told(frames.at, told));
+        }
+        Ok(())
+    }
+
     /// Adds a part of the frame.
     fn add(&mut self, file: &[u8], part: &[u8], channel: &Channel) -> Result<(), Flaw> {
         if let Some(name) = FIELDS.iter().find(|name| name.as_bytes() == part) {

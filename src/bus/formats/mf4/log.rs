@@ -40,7 +40,7 @@ impl Log {
     pub fn open(file: &[u8]) -> Self {
         let (mut flaws, mut groups, mut start) = (Vec::new(), Vec::new(), 0);
         if let Err(flaw) = find(file, &mut start, &mut groups, &mut flaws) {
-            flaws.push(flaw);
+            flaws.push(flaw.losing());
         }
         let unfinished = unfinished(file, groups.len());
         if groups.is_empty() && flaws.is_empty() {

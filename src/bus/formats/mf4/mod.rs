@@ -94,6 +94,7 @@ impl Reader for Mf4 {
                 at: flaw.at,
                 shown: log::shown(&self.bytes, flaw.at),
                 reason: flaw.reason,
+                loses: flaw.loses,
             },
             Next::End => Item::More,
         }

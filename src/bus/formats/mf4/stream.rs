@@ -24,11 +24,22 @@ enum Part {
     Unpacked { bytes: Vec<u8>, next: usize, at: u64 },
 }
 
-/// A list of data blocks that is being read: its place, and which link is next.
+impl Part {
+    /// The bytes that are left, and how many there were before them.
+    fn rest<'a>(&'a mut self, file: &'a [u8]) -> (&'a [u8], &'a mut usize) {
+        match self {
+            Self::Stored { next, end } => (&file[*next..*end], next),
+            Self::Unpacked { bytes, next, .. } => (&bytes[*next..], next),
+        }
+    }
+}
+
+/// A list of data blocks that is being read: its place, which link is next, and the first one that leads to no data.
 #[derive(Clone, Copy, Debug)]
 struct List {
     at: u64,
     link: usize,
+    last: usize,
 }
 
 /// The data behind a link.
@@ -94,25 +105,30 @@ impl Stream {
     ) -> Result<bool, Flaw> {
         let (mut left, begin) = (length, self.place());
         while left > 0 {
-            let (bytes, next) = match &mut self.part {
-                Part::Stored { next, end } => (&file[..*end], next),
-                Part::Unpacked { bytes, next, .. } => (&bytes[..], next),
-            };
-            let room = bytes.len() - *next;
-            if room > 0 {
-                let part = room.min(usize::try_from(left).unwrap_or(usize::MAX));
-                take(&bytes[*next..*next + part]);
-                *next += part;
-                left -= part as u64;
-                continue;
+            if !self.ahead(file)? {
+                let incomplete = Flaw::of(begin, Reason::Incomplete);
+                return if left == length { Ok(false) } else { Err(incomplete) };
             }
+            let (bytes, next) = self.part.rest(file);
+            let part = bytes.len().min(usize::try_from(left).unwrap_or(usize::MAX));
+            take(&bytes[..part]);
+            *next += part;
+            left -= part as u64;
+        }
+        Ok(true)
+    }
+
+    /// Goes to the block that the next byte is in; false at the end.
+    ///
+    /// # Errors A block cannot be read; nothing can be read after it.
+    pub fn ahead(&mut self, file: &[u8]) -> Result<bool, Flaw> {
+        while self.part.rest(file).0.is_empty() {
             match self.refill(file) {
                 Ok(true) => {}
-                Ok(false) if left == length => return Ok(false),
-                Ok(false) => return Err(Flaw { at: begin, reason: Reason::Incomplete }),
+                Ok(false) => return Ok(false),
                 Err(flaw) => {
                     self.give_up();
-                    return Err(flaw);
+                    return Err(flaw.losing());
                 }
             }
         }
@@ -127,10 +143,10 @@ impl Stream {
                 self.open(file, link)?;
                 return Ok(true);
             }
-            let Some(List { at, link }) = self.list else { return self.follow(file) };
+            let Some(List { at, link, last }) = self.list else { return self.follow(file) };
             let list = Block::open(file, at)?;
-            if link < list.links() {
-                self.list = Some(List { at, link: link + 1 });
+            if link < last {
+                self.list = Some(List { at, link: link + 1, last });
                 self.block = list.link(link);
             } else {
                 self.list = None;
@@ -159,16 +175,12 @@ impl Stream {
             return Err(Flaw::expected(file, at + 8, "the length of a block, 24 or more"));
         }
         match &block.kind {
-            b"HL" => self.block = block.link(0),
-            b"DL" | b"LD" => {
-                let (mut first, mut last) = (FIRST, block.links());
-                // With the marks of invalid values behind them, which are of no interest.
-                if block.kind == *b"LD" && number(block.data, 0, 4).unwrap_or(0) >> 31 != 0 {
-                    last = FIRST + (last - FIRST) / 2;
-                }
-                first = first.min(last);
-                self.list = Some(List { at, link: first });
+            b"HL" | b"DL" | b"LD" if self.list.is_some() => {
+                let expected = "a data block: lists lead to each other by their first link only";
+                return Err(Flaw::expected(file, at + 2, expected));
             }
+            b"HL" => self.block = block.link(0),
+            b"DL" | b"LD" => self.list = Some(List { at, link: FIRST, last: last(&block) }),
             b"DT" | b"DV" | b"SD" => self.open_stored(file, &block),
             b"DZ" => {
                 let (kind, bytes) = packed::unpack(file, &block)?;
@@ -199,6 +211,23 @@ impl Stream {
         self.behind = (end as u64).next_multiple_of(8);
         self.part = Part::Stored { next: begin, end };
     }
+}
+
+/// The link of a list behind those to data.
+fn last(list: &Block<'_>) -> usize {
+    let links = list.links();
+    // As many behind them lead to the marks of invalid values, which are of no interest.
+    let is_marked = list.kind == *b"LD" && number(list.data, 0, 4).unwrap_or(0) >> 31 != 0;
+    if is_marked { FIRST + links.saturating_sub(FIRST) / 2 } else { links }
+}
+
+/// Whether the data behind a link stand apart from the marks of invalid values, and not in one record with them.
+pub fn is_apart(file: &[u8], link: u64) -> bool {
+    Block::open(file, link).is_ok_and(|block| match &block.kind {
+        b"DV" | b"LD" => true,
+        b"DZ" => block.data.starts_with(b"DV"),
+        _ => false,
+    })
 }
 
 /// Whether another block begins at a place, so that the one before it is empty.

@@ -33,45 +33,63 @@ impl Variable {
         Self { stream, group, offset: 0, newest: None, bytes: Vec::new(), in_order }
     }
 
-    /// The data at an offset.
+    /// The data at an offset, which the record at the place `record` tells.
     ///
     /// # Errors They are before those that were read, too long, or not there.
-    pub fn at(&mut self, file: &[u8], groups: &Groups, offset: u64) -> Result<&[u8], Reason> {
+    pub fn at(
+        &mut self,
+        file: &[u8],
+        groups: &Groups,
+        offset: u64,
+        record: u64,
+    ) -> Result<&[u8], Flaw> {
         let offset = if self.in_order { self.offset } else { offset };
         if self.newest.is_none_or(|(newest, _)| newest != offset) {
-            let told = "the payload's offset is not that of a payload behind the one before it";
-            loop {
-                if offset < self.offset {
-                    return Err(Reason::Told(told));
-                }
-                if self.group.is_none() {
-                    let gap = offset - self.offset;
-                    self.stream.skip(file, gap).map_err(|flaw| flaw.reason)?;
-                    self.offset = offset;
-                }
-                let begin = self.offset;
-                self.next(file, groups).map_err(|flaw| flaw.reason)?;
-                if begin == offset {
-                    break;
-                }
-            }
+            self.seek(file, groups, offset, record)?;
         }
         match self.newest {
-            Some((_, None)) => Ok(&self.bytes),
-            Some((_, Some(reason))) => Err(reason),
-            None => Err(Reason::Incomplete),
+            Some((_, Some(reason))) => Err(Flaw::of(record, reason)),
+            _ => Ok(&self.bytes),
         }
     }
 
-    /// Reads the next data.
-    fn next(&mut self, file: &[u8], groups: &Groups) -> Result<(), Flaw> {
-        let at = self.stream.place();
-        let incomplete = Flaw { at, reason: Reason::Incomplete };
-        if let Some(group) = self.group {
-            self.find(file, groups, group)?;
+    /// Reads on up to the data at an offset.
+    fn seek(&mut self, file: &[u8], groups: &Groups, offset: u64, record: u64) -> Result<(), Flaw> {
+        loop {
+            let Some(gap) = offset.checked_sub(self.offset) else {
+                let told = "the payload's offset is not that of a payload behind the one before it";
+                return Err(Flaw::told(record, told));
+            };
+            // Of a group, nobody knows where data begin until they were passed.
+            let gap = if self.group.is_none() { gap } else { 0 };
+            let begin = self.offset + gap;
+            match self.next(file, groups, gap) {
+                Ok(true) if begin == offset => return Ok(()),
+                Ok(true) => {}
+                Err(flaw) if flaw.loses => return Err(flaw),
+                Ok(false) | Err(_) => {
+                    let told =
+                        "the payload is not there: the data of variable length end before it";
+                    return Err(Flaw::told(record, told));
+                }
+            }
+        }
+    }
+
+    /// Reads the next data behind a gap; false at the end.
+    fn next(&mut self, file: &[u8], groups: &Groups, gap: u64) -> Result<bool, Flaw> {
+        self.newest = None;
+        self.offset += gap;
+        if !self.stream.skip(file, gap)? {
+            return Ok(false);
+        }
+        if let Some(group) = self.group
+            && !self.find(file, groups, group)?
+        {
+            return Ok(false);
         }
         if !self.stream.read(file, LENGTH, &mut self.bytes)? {
-            return Err(incomplete);
+            return Ok(false);
         }
         let length = number(&self.bytes, 0, LENGTH).unwrap_or(0);
         let is_whole = if length > MOST {
@@ -79,40 +97,38 @@ impl Variable {
         } else {
             self.stream.read(file, length as usize, &mut self.bytes)?
         };
-        if !is_whole {
-            return Err(incomplete);
+        if is_whole {
+            self.newest = Some((self.offset, (length > MOST).then_some(Reason::FdTooLong)));
         }
-        self.newest = Some((self.offset, (length > MOST).then_some(Reason::FdTooLong)));
         self.offset += LENGTH as u64 + length;
-        Ok(())
+        Ok(is_whole)
     }
 
-    /// Goes to the length in the next record of a group.
-    fn find(&mut self, file: &[u8], groups: &Groups, wanted: u64) -> Result<(), Flaw> {
+    /// Goes to the length in the next record of a group; false at the end.
+    fn find(&mut self, file: &[u8], groups: &Groups, wanted: u64) -> Result<bool, Flaw> {
         loop {
-            let at = self.stream.place();
-            let incomplete = Flaw { at, reason: Reason::Incomplete };
             if !self.stream.read(file, groups.id_bytes, &mut self.bytes)? {
-                return Err(incomplete);
+                return Ok(false);
             }
             let id = number(&self.bytes, 0, groups.id_bytes).unwrap_or(0);
             let length = match groups.all.get(&id) {
-                Some(Group::Variable(group)) if *group == wanted => return Ok(()),
+                Some(Group::Variable(group)) if *group == wanted => return Ok(true),
                 Some(Group::Variable(_)) => {
                     if !self.stream.read(file, LENGTH, &mut self.bytes)? {
-                        return Err(incomplete);
+                        return Ok(false);
                     }
                     number(&self.bytes, 0, LENGTH).unwrap_or(0)
                 }
                 Some(Group::Frames(layout)) => layout.length as u64,
                 Some(Group::Other(length)) => *length,
                 None => {
+                    // The reader of the records tells it.
                     self.stream.give_up();
-                    return Err(incomplete);
+                    return Ok(false);
                 }
             };
             if !self.stream.skip(file, length)? {
-                return Err(incomplete);
+                return Ok(false);
             }
         }
     }
