@@ -4,7 +4,9 @@ use std::fmt;
 
 use super::format::Format;
 use super::formats::{self, candump};
+use super::input::Input;
 use super::reason::Reason;
+use super::statistics::{BadLine, BadPlace};
 
 /// Number of bytes by which an input is recognised.
 pub const HEAD: usize = 512;
@@ -17,6 +19,25 @@ pub struct Barren {
     pub lines: u64,
     /// Apparent kind, after decompression.
     pub seems: Seems,
+}
+
+impl Barren {
+    /// The `input`, which was read as one of `format` and had so many `lines`; `flaw` is the first thing that is wrong
+    /// with it and is not told elsewhere.
+    pub(super) fn of(
+        input: &Input,
+        format: &'static Format,
+        lines: u64,
+        flaw: Option<&BadLine>,
+    ) -> Self {
+        let seems = match flaw {
+            Some(BadLine { place: BadPlace::Byte(at), reason, .. }) if format.is_whole => {
+                Seems::Flawed { name: format.name, at: *at, reason: *reason }
+            }
+            _ => Seems::of(input.head(), format),
+        };
+        Self { file: input.name().to_owned(), lines, seems }
+    }
 }
 
 impl fmt::Display for Barren {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::frame::Frame;
 
-use super::barren::{Barren, HEAD, Seems};
+use super::barren::{Barren, HEAD};
 use super::buffer::Buffer;
 use super::format::{
     End, Format, Item, MAX_LINE, MAX_RECORD, Numbered, Reader, TimeStamps, Unread, blank_frame,
@@ -21,14 +21,15 @@ use super::progress::Progress;
 use super::reason::Reason;
 use super::selection::{Interfaces, Selected, Selection};
 use super::source::{Source, SourceError};
-use super::statistics::{BadLine, BadPlace, Statistics};
+use super::statistics::{BadPlace, Statistics};
 
 /// The frames of recordings, one file after the other; those of several buses ([`Interfaces::Several`]) merged by their
 /// time stamps, from one file or each from its own.
 ///
 /// Frames and counts depend on the bytes alone, not on the sizes of the reads. Memory is bounded
 /// for any input: a buffer of 256 KiB, the decompressor's window, the statistics, and some hundred
-/// kilobytes of frames that wait until it is known whether their interface is meant.
+/// kilobytes of frames that wait until it is known whether their interface is meant. Of a format whose
+/// frames are found only in the whole input (MDF), also that input, up to 1 GiB.
 pub struct Recording {
     places: VecDeque<InputPlace>,
     input: Option<Input>,
@@ -239,7 +240,7 @@ impl Recording {
                 self.statistics.add_bad(file, BadPlace::Byte(at), shown, reason);
                 // Said once for each input.
                 if loses && !std::mem::replace(&mut self.damaged, true) {
-                    let told = format!("frames of it cannot be found, since at byte {at} {reason}");
+                    let told = format!("frames are missing; at byte {at}: {reason}");
                     self.statistics.add_damage(file, told);
                 }
                 Ok(Step::On)
@@ -364,14 +365,11 @@ impl Recording {
             self.consumed_before += input.consumed();
             if self.statistics.frames == self.frames_before {
                 let lines = self.statistics.lines - self.lines_before;
-                let (file, mut seems) = (input.name().to_owned(), Seems::of(input.head(), format));
-                let first = self.statistics.first_bad_lines.iter().find(|bad| bad.file == file);
-                if format.is_whole
-                    && let Some(BadLine { place: BadPlace::Byte(at), reason, .. }) = first
-                {
-                    seems = Seems::Flawed { name: format.name, at: *at, reason: *reason };
-                }
-                self.statistics.add_barren(Barren { file, lines, seems });
+                let flaws = self.statistics.first_bad_lines.iter();
+                // Damage is told by itself.
+                let flaw = flaws.filter(|_| !self.damaged).find(|bad| bad.file == input.name());
+                let barren = Barren::of(&input, format, lines, flaw);
+                self.statistics.add_barren(barren);
             }
         }
         self.damaged = false;

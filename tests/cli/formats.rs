@@ -1,8 +1,10 @@
 //! The same bus, recorded in every format.
 
+use std::fs;
+
 use serde_json::Value;
 use tertius_testing::oracle;
-use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay};
+use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay, tertius};
 
 /// A step of cylinder 1's C1 is at 60 s; the interface has another name in each format.
 const FROM: f64 = 57.0;
@@ -48,4 +50,19 @@ fn a_recording_says_the_same_in_every_format() {
         assert_eq!(other_warnings.len(), warnings.len(), "{recording}");
         assert_eq!(other_warnings, warnings, "{recording}");
     }
+    // What leads to the frames stands behind them here.
+    let whole = fs::read(&mf4).expect("it was written");
+    let cut = scratch.write("cut.mf4", &whole[..whole.len() / 2]);
+    let told = "cut.mf4: frames are missing; at byte ";
+    let run = replay(&[&cut], E_TYPE, &[]).failed(1, &[told, "found the end of the file"]);
+    let summary = run.summary();
+    assert_eq!((&summary["judged"], &summary["damaged_inputs"]), (&false.into(), &1.into()));
+    for (reason, says) in [told, "no frame; it seems to be bus logging in MDF 4"].iter().enumerate()
+    {
+        assert!(
+            summary["reasons"][reason].as_str().is_some_and(|it| it.contains(says)),
+            "{summary}"
+        );
+    }
+    tertius(&["convert", &cut, &scratch.path("converted.log")], b"").failed(1, &[told]);
 }

@@ -54,7 +54,7 @@ impl Channel {
     }
 
     /// The channel's number within records of a length.
-    pub fn field(&self, length: usize) -> Result<Field, Flaw> {
+    pub fn field(&self, length: usize) -> Result<RecordField, Flaw> {
         let Self { at, bit, bits, byte, .. } = *self;
         let told = "a channel of numbers that are longer than 64 bits, or not within their record";
         if bits == 0 || bits > 64 || bit > 7 {
@@ -64,12 +64,12 @@ impl Channel {
         if length.checked_sub(bytes).is_none_or(|last| byte as usize > last) {
             return Err(Flaw::told(at, told));
         }
-        Ok(Field { byte: byte as usize, bytes, bit, bits, is_big: self.number % 2 == 1 })
+        Ok(RecordField { byte: byte as usize, bytes, bit, bits, is_big: self.number % 2 == 1 })
     }
 
     /// The offset of the channel's values, which are elsewhere; its lowest byte is the first one, whatever they are.
-    pub fn offset(&self, length: usize) -> Result<Field, Flaw> {
-        Ok(Field { is_big: false, ..self.field(length)? })
+    pub fn offset(&self, length: usize) -> Result<RecordField, Flaw> {
+        Ok(RecordField { is_big: false, ..self.field(length)? })
     }
 
     /// Where the channel's bytes are within records of a length: the first, and how many.
@@ -83,7 +83,7 @@ impl Channel {
 
 /// Where a number is within a record.
 #[derive(Clone, Copy, Debug)]
-pub struct Field {
+pub struct RecordField {
     byte: usize,
     bytes: usize,
     bit: u32,
@@ -91,7 +91,7 @@ pub struct Field {
     is_big: bool,
 }
 
-impl Field {
+impl RecordField {
     /// The number; 0 if the record is too short, which was excluded when the field was made.
     pub fn of(&self, record: &[u8]) -> u64 {
         let bytes = record.get(self.byte..self.byte + self.bytes).unwrap_or(&[]);
@@ -110,7 +110,7 @@ const PAIRS: usize = 256;
 /// A part of a frame that is a number, in the record or the same in all of them.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    field: Option<Field>,
+    field: Option<RecordField>,
     meaning: Meaning,
 }
 
@@ -180,7 +180,7 @@ impl Meaning {
 /// How a number becomes a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
-    field: Field,
+    field: RecordField,
     /// Type of the number.
     number: u8,
     /// Nanoseconds of 1, also as a whole number if it is one, and of 0.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::block::{Block, Flaw, Walk, number, text};
-use super::field::{Channel, Clock, Field, Quantity};
+use super::field::{Channel, Clock, Quantity, RecordField};
 use super::stream::is_apart;
 
 /// Longest record of a frame. A payload has 64 bytes at the most.
@@ -39,7 +39,7 @@ pub enum Payload {
     /// In the record: its first byte, and room.
     Fixed(usize, usize),
     /// Elsewhere: at the offset that the field tells, behind the link, which leads to data or to a group.
-    Variable(Field, u64),
+    Variable(RecordField, u64),
 }
 
 /// How a record becomes a frame.
@@ -113,7 +113,10 @@ impl Groups {
                 }
                 Group::Other(length)
             });
-            all.entry(if id_bytes == 0 { 0 } else { id }).or_insert(read);
+            if all.insert(if id_bytes == 0 { 0 } else { id }, read).is_some() {
+                let told = "two groups whose records have the same number, or none";
+                return Err(Flaw::told(group.at, told));
+            }
         }
         Ok(Self { id_bytes, all, data })
     }
