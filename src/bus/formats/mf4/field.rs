@@ -202,7 +202,7 @@ impl Clock {
             at => linear(file, at)?,
         };
         let near = scale.round();
-        let is_whole = near >= 1.0 && near < 1e15 && (scale - near).abs() <= 1e-9 * near;
+        let is_whole = (1.0..1e15).contains(&near) && (scale - near).abs() <= 1e-9 * near;
         let whole = is_whole.then_some(near as i64);
         Ok(Self { field, number: channel.number, scale, whole, offset })
     }
