@@ -27,6 +27,7 @@ mod hexapod;
 mod inject_properties;
 mod inject_spec;
 mod mf4;
+mod mf4_damage;
 mod mf4_writer;
 mod monitor_arrival;
 mod monitor_cycles;

@@ -114,7 +114,7 @@ impl Groups {
                 Group::Other(length)
             });
             if all.insert(if id_bytes == 0 { 0 } else { id }, read).is_some() {
-                let told = "two groups whose records have the same number, or none";
+                let told = "two groups have the same record number, or links lead here in a circle";
                 return Err(Flaw::told(group.at, told));
             }
         }
