@@ -58,7 +58,7 @@
 //! Three features leave rooms out when they are off, and all of them are on by default: `cli` has the commands, the
 //! program and what surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`],
 //! [`appliance::telemetry`]); `plots` has [`report`]. `cli` needs the other two. Without them there are the bus, the
-//! live monitor and all crates.
+//! live monitor and all crates. A fourth one, `parquet`, is off: results of a replay as tables in Parquet files.
 //!
 //! Frames in, warnings out:
 //!

@@ -1,10 +1,15 @@
 //! The files of a command. What it reads is never overwritten, and what it writes is complete or
 //! remains as it was before.
 
+mod mark;
+
+pub use mark::Mark;
+
 use super::Failure;
 use clap::Args;
+use std::ffi::OsString;
 use std::fs::{self, File, Metadata, OpenOptions, Permissions};
-use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::os::fd::AsFd;
 use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::path::{Path, PathBuf};
@@ -18,61 +23,6 @@ pub struct Overwriting {
     /// command reads are never overwritten
     #[arg(long)]
     force: bool,
-}
-
-/// Mark by which an existing file shows that the same command wrote it.
-#[derive(Clone, Copy, Debug)]
-pub enum Mark<'a> {
-    /// Comment of the tables of this command, see [`crate::tables::provenance`].
-    Tables(&'a str),
-    /// The generator of a page of this command.
-    Page(&'a str),
-    /// Beginning with the first text, followed by the others near the beginning, in this order.
-    Parts(&'a [&'a str]),
-    /// This text as the whole content.
-    Text(&'a str),
-    /// No mark: a recording.
-    None,
-    /// No mark, since a person also writes such files: a configuration.
-    Whole,
-    /// No mark, since the command reads the file and decides itself.
-    Judged,
-}
-
-/// Number of bytes read to recognise a mark.
-const HEAD: u64 = 4096;
-
-impl Mark<'_> {
-    /// Whether the file `path` has the mark.
-    fn is_on(self, path: &Path) -> io::Result<bool> {
-        let longest = if let Self::Text(text) = self { text.len() as u64 + 1 } else { HEAD };
-        let mut bytes = Vec::new();
-        File::open(path)?.take(longest).read_to_end(&mut bytes)?;
-        let head = String::from_utf8_lossy(&bytes);
-        let first = head.lines().next().unwrap_or_default();
-        Ok(match self {
-            Self::Tables(command) => {
-                first.starts_with("# By tertius ") && first.contains(&format!(" {command}, for "))
-            }
-            Self::Page(command) => head
-                .split_once("<meta name=\"generator\" content=\"tertius ")
-                .and_then(|(_, rest)| rest.split('"').next())
-                .is_some_and(|by| by.ends_with(&format!(" {command}"))),
-            Self::Parts(parts) => {
-                let rest = |rest: &'_ str, part: &&str| rest.find(*part).map(|at| at + part.len());
-                let mut text: &str = &head;
-                parts.first().is_some_and(|first| text.starts_with(first))
-                    && parts.iter().all(|part| {
-                        rest(text, part).is_some_and(|at| {
-                            text = &text[at..];
-                            true
-                        })
-                    })
-            }
-            Self::Text(text) => bytes == text.as_bytes(),
-            Self::None | Self::Whole | Self::Judged => false,
-        })
-    }
 }
 
 /// One file, under all of its names.
@@ -228,10 +178,10 @@ impl Claimed {
                     }
                     // Who may not write to it does not replace it, either.
                     OpenOptions::new().write(true).open(path).map_err(fail)?;
-                    beside(path, Some(there)).map_err(fail)?
+                    beside(path, Some(there), mark).map_err(fail)?
                 }
             },
-            None => beside(path, None).map_err(fail)?,
+            None => beside(path, None, mark).map_err(fail)?,
         };
         Ok(Self { name, place })
     }
@@ -305,12 +255,29 @@ impl Writer {
     /// Flushes the buffer, and puts the file in its place.
     ///
     /// # Errors The output cannot be written; the previous file then remains.
-    pub fn finish(mut self) -> io::Result<()> {
+    pub fn finish(self) -> io::Result<()> {
+        self.settle()?.place()
+    }
+
+    /// Flushes the buffer and closes the file, which takes its place later, with others.
+    ///
+    /// # Errors The output cannot be written; the previous file then remains.
+    pub fn settle(mut self) -> io::Result<Settled> {
         self.file.flush()?;
-        match self.target {
-            Some((temporary, path)) => Ok(temporary.persist(path)?),
-            None => Ok(()),
-        }
+        Ok(Settled(self.target))
+    }
+}
+
+/// An output that is written, but is not in its place yet. Dropped, it is deleted, and the previous file remains.
+#[derive(Debug)]
+pub struct Settled(Option<(TempPath, PathBuf)>);
+
+impl Settled {
+    /// Puts the file in its place.
+    ///
+    /// # Errors It cannot be put there; the previous file then remains.
+    pub fn place(self) -> io::Result<()> {
+        self.0.map_or(Ok(()), |(temporary, path)| Ok(temporary.persist(path)?))
     }
 }
 
@@ -348,9 +315,11 @@ fn standard(there: &Metadata) -> Option<File> {
 }
 
 /// A temporary file in the folder of the target of `path`, which is deleted unless it is finished.
-fn beside(path: &Path, there: Option<&Metadata>) -> io::Result<Place> {
+fn beside(path: &Path, there: Option<&Metadata>, mark: Mark) -> io::Result<Place> {
     let target = leads_to(path)?;
-    let mut prefix = target.file_name().unwrap_or_default().to_owned();
+    // What reads all of a folder's tables passes over hidden files.
+    let mut prefix = OsString::from(if matches!(mark, Mark::Columns) { "." } else { "" });
+    prefix.push(target.file_name().unwrap_or_default());
     prefix.push(".");
     // As any new file, less what the umask takes.
     let permissions = Permissions::from_mode(0o666);

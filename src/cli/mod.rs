@@ -3,6 +3,11 @@
 mod broadcast;
 mod calibrate;
 mod check;
+#[cfg(feature = "parquet")]
+mod columns;
+#[cfg(not(feature = "parquet"))]
+#[path = "without_columns.rs"]
+mod columns;
 mod commission;
 mod config;
 mod convert;

@@ -1,6 +1,7 @@
 //! Outputs of a replay.
 
 use super::Failure;
+use super::columns::ColumnFolder;
 use super::files::{Claimed, Writer};
 use crate::alarm::{OwnFrame, Warning};
 use crate::bus::LogWriter;
@@ -10,6 +11,7 @@ use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
 use crate::report::{Episodes, EstimateTable, Incidents, ResidualTable, jsonl};
+use crate::sequential::Dwell;
 use crate::time::Timestamp;
 use std::io::{self, BufWriter, Stdout, Write};
 
@@ -33,6 +35,8 @@ pub struct Output {
     pub notices: Notices,
     /// Recorder for the page's figures, if a page is requested.
     pub recorder: Option<PageRecorder>,
+    /// The tables as Parquet files, if they are requested.
+    pub columns: Option<ColumnFolder>,
     lines: Option<BufWriter<Stdout>>,
     residuals: Option<ResidualTable<Writer>>,
     estimates: Option<EstimateTable<Writer>>,
@@ -72,6 +76,7 @@ impl Output {
             incidents: Incidents::default(),
             notices: Notices::default(),
             recorder: None,
+            columns: None,
             lines: lines.then(|| BufWriter::new(io::stdout())),
             residuals,
             estimates,
@@ -117,9 +122,18 @@ impl Output {
     }
 }
 
+impl Output {
+    /// Passes what is told on to the tables, if they are requested.
+    fn tabulate(&mut self, take: impl FnOnce(&mut ColumnFolder) -> Result<(), Failure>) {
+        if let Some(Err(failure)) = self.columns.as_mut().map(take) {
+            self.failure.get_or_insert(failure);
+        }
+    }
+}
+
 impl Sink for Output {
     fn wants_records(&self) -> bool {
-        self.recorder.is_some() || self.residuals.is_some()
+        self.recorder.is_some() || self.residuals.is_some() || self.columns.is_some()
     }
 
     fn record(&mut self, record: &Record) {
@@ -130,6 +144,7 @@ impl Sink for Output {
             let result = table.write(self.begin, record);
             self.note(RESIDUALS, result);
         }
+        self.tabulate(|columns| columns.record(record));
     }
 
     fn warning(&mut self, warning: &Warning) {
@@ -141,6 +156,7 @@ impl Sink for Output {
             let result = jsonl::warning(lines, self.begin, warning);
             self.note(LINES, result);
         }
+        self.tabulate(|columns| columns.warning(warning));
     }
 
     fn incident(&mut self, incident: &Incident) {
@@ -149,6 +165,11 @@ impl Sink for Output {
             let result = jsonl::incident(lines, self.begin, incident);
             self.note(LINES, result);
         }
+        self.tabulate(|columns| columns.incident(incident));
+    }
+
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        self.tabulate(|columns| columns.dwell(cylinder, dwell));
     }
 
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {

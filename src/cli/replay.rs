@@ -1,23 +1,26 @@
 //! `tertius replay`: plays a recording through the monitor.
 
+mod feeding;
+
 use super::Failure;
+use super::columns::ColumnFolder;
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::history::History;
 use super::machine::Machine;
 use super::output::Output;
 use super::overriding::SetOptions;
-use super::progress::Bar;
 use super::recorded::RecordedInputs;
 use super::recordings;
 use super::state::{self, StateFile};
-use crate::bus::{Interfaces, Options, Recording, Source, Statistics, TimeStamps};
+use crate::bus::{Interfaces, Options, Recording, Statistics, TimeStamps};
 use crate::monitor::{Estimates, Monitor};
 use crate::report::human::{self, Heading};
 use crate::report::judgement::RecordedFacts;
 use crate::report::page::{self, PageRecorder};
 use crate::report::{Blanks, Judgement, Stops, Summary, Zone, estimates, jsonl, residuals};
-use crate::time::{Span, Timestamp};
+use crate::time::Span;
 use clap::{Args, ValueEnum};
+use feeding::{damage, feed};
 use jiff::tz::TimeZone;
 use std::fs;
 use std::io::{IsTerminal, Write};
@@ -51,6 +54,13 @@ pub struct Replay {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Writes warnings, incidents, dwells, statistics of each minute and the summary as tables in Parquet files, below
+    /// this folder by machine and day
+    #[arg(long, value_name = "FOLDER")]
+    parquet: Option<PathBuf>,
+    /// The machine's name in the tables of --parquet [default: machine.name of the configuration]
+    #[arg(long, value_name = "NAME", requires = "parquet")]
+    machine: Option<String>,
     /// Continues the readings on the stops of earlier recordings, if the file exists, and adds
     /// those of this recording; recordings must be in the order of time. `run` can continue with
     /// the same file
@@ -112,9 +122,6 @@ pub(super) fn zone(name: &str) -> Result<TimeZone, String> {
     })
 }
 
-/// Number of frames between two updates of progress and output.
-const STRIDE: u64 = 1 << 16;
-
 impl Replay {
     /// Runs the command.
     ///
@@ -130,13 +137,14 @@ impl Replay {
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
         let mut recording = Recording::open(&inputs.logs, options)?;
-        let Claims { residuals, estimates, frames, report, state } =
+        let Claims { residuals, estimates, frames, report, state, columns } =
             self.claim(&machine, &inputs)?;
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
         )?;
+        output.columns = columns;
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
@@ -225,7 +233,11 @@ impl Replay {
         let inputs = Inputs::new(logs.chain(files));
         let [residuals, estimates, frames, report, _, state] =
             inputs.claim(wanted, self.overwriting)?;
-        Ok(Claims { residuals, estimates, frames, report, state })
+        let columns = self.parquet.as_deref().map(|folder| {
+            let name = self.machine.as_deref().unwrap_or(&machine.loaded.settings.machine.name);
+            ColumnFolder::create(folder, name, inputs, self.overwriting)
+        });
+        Ok(Claims { residuals, estimates, frames, report, state, columns: columns.transpose()? })
     }
 
     /// Writes the results on standard output, and on the page.
@@ -281,7 +293,10 @@ impl Replay {
             }
         };
         let written = report.zip(html).map_or(Ok(()), |(report, html)| report.write(&html));
-        printed.and(output.close()).and(written)
+        let budget = machine.loaded.settings.sequential.false_alarms_per_year;
+        let columns = output.columns.take();
+        let finish = |columns: ColumnFolder| columns.finish(&summary, &logs.join(","), budget);
+        printed.and(output.close()).and(written).and_then(|()| columns.map_or(Ok(()), finish))
     }
 }
 
@@ -293,6 +308,7 @@ struct Claims {
     frames: Option<Claimed>,
     report: Option<Claimed>,
     state: Option<Claimed>,
+    columns: Option<ColumnFolder>,
 }
 
 /// Results of a replay after the whole recording was read.
@@ -331,61 +347,4 @@ fn broken_off(output: Output) -> Result<(), Failure> {
         )),
         other => other,
     })
-}
-
-/// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
-/// from its first frame to its last. Where the state is `kept`, or was recorded with the
-/// `inputs`, the machine goes on after the end.
-fn feed(
-    recording: &mut Recording,
-    monitor: &mut Monitor,
-    output: &mut Output,
-    mut kept: Option<&mut StateFile>,
-    inputs: &RecordedInputs,
-) -> Result<Span, Failure> {
-    let bar = Bar::new(recording.progress());
-    let mut last = output.first;
-    let mut frames = 0_u64;
-    while let Some(frame) = recording.next_frame()? {
-        last = frame.timestamp;
-        if frames == 0 {
-            begin(last, monitor, output, kept.as_deref_mut())?;
-        }
-        monitor.take(frame, output);
-        frames += 1;
-        if frames.is_multiple_of(STRIDE) {
-            if output.failed() {
-                break;
-            }
-            bar.show(recording.progress());
-        }
-    }
-    if kept.is_some() || inputs.state.is_some() {
-        monitor.standing().for_each(|incident| output.incidents.take(&incident));
-    } else {
-        monitor.finish(output);
-    }
-    bar.finish();
-    Ok(last.since(output.first))
-}
-
-/// Begins the outputs of a recording whose first frame is stamped `first`.
-#[cold]
-fn begin(
-    first: Timestamp,
-    monitor: &Monitor,
-    output: &mut Output,
-    kept: Option<&mut StateFile>,
-) -> Result<(), Failure> {
-    output.first = first;
-    output.begin = kept.map_or(Ok(first), |kept| kept.begin(first, monitor.newest()))?;
-    Ok(())
-}
-
-/// Fails if a part of an input could not be read, although the rest was replayed.
-fn damage(statistics: &Statistics) -> Result<(), Failure> {
-    match statistics.damage.first() {
-        Some(damage) => Err(Failure::Failed(damage.to_string())),
-        None => Ok(()),
-    }
 }

@@ -7,19 +7,19 @@ use serde::Serialize;
 /// Fields of a warning that a device has given a reason for.
 #[derive(Serialize)]
 pub(super) struct DeviceFields {
-    node: u8,
-    reason: &'static str,
+    pub(super) node: u8,
+    pub(super) reason: &'static str,
     #[serde(skip_serializing_if = "Option::is_none", flatten)]
-    emergency: Option<EmergencyFields>,
+    pub(super) emergency: Option<EmergencyFields>,
 }
 
 /// Fields of an emergency message.
 #[derive(Serialize)]
 pub(super) struct EmergencyFields {
-    code: String,
-    words: &'static str,
-    register: String,
-    field: String,
+    pub(super) code: String,
+    pub(super) words: &'static str,
+    pub(super) register: String,
+    pub(super) field: String,
 }
 
 impl From<DeviceReport> for DeviceFields {

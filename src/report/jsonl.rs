@@ -180,7 +180,7 @@ impl ProcessCoverageFields {
 }
 
 /// What is said is worth a millisecond.
-fn in_seconds(cycles: u64, sample_time: f64) -> f64 {
+pub(super) fn in_seconds(cycles: u64, sample_time: f64) -> f64 {
     (cycles as f64 * sample_time * 1e3).round() / 1e3
 }
 

@@ -1,6 +1,8 @@
 //! Output of a replay for people and scripts: lines of JSON, tables of residuals, a page of text.
 
 pub mod calibration;
+#[cfg(feature = "parquet")]
+pub mod columns;
 pub mod commission;
 pub mod coverage;
 pub(crate) mod device;

@@ -31,22 +31,22 @@ const DAYS: f64 = 30.4375;
 /// A transducer in the summary for scripts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrendLine {
-    cylinder: u8,
-    transducer: &'static str,
-    dwells: usize,
-    months: f64,
-    moved_mm: f64,
-    mm_per_month: f64,
-    error_mm_per_month: f64,
-    months_until_maintenance: Option<Left>,
-    months_until_critical: Option<Left>,
+    pub(super) cylinder: u8,
+    pub(super) transducer: &'static str,
+    pub(super) dwells: usize,
+    pub(super) months: f64,
+    pub(super) moved_mm: f64,
+    pub(super) mm_per_month: f64,
+    pub(super) error_mm_per_month: f64,
+    pub(super) months_until_maintenance: Option<Left>,
+    pub(super) months_until_critical: Option<Left>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Left {
-    expected: f64,
-    earliest: f64,
-    latest: f64,
+pub(super) struct Left {
+    pub(super) expected: f64,
+    pub(super) earliest: f64,
+    pub(super) latest: f64,
 }
 
 impl From<Forecast> for Left {

@@ -5,6 +5,8 @@ mod canopen;
 mod canopen_story;
 mod canopen_timers;
 mod check_command;
+#[cfg(feature = "parquet")]
+mod columns;
 mod convert;
 mod coverage;
 mod demo;

@@ -276,3 +276,14 @@ fn standard_output_is_no_input_either() {
         assert_eq!(fs::read(&desk.log).expect("it is there"), before);
     }
 }
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_program_without_tables_says_how_to_build_one_with_them() {
+    let desk = Desk::new();
+    let before = desk.left();
+    let call =
+        ["replay", &desk.log, "--config", &desk.config, "--parquet", &desk.scratch.path("columns")];
+    tertius(&call, b"").failed(2, &["--parquet", "built without it", "--features parquet"]);
+    assert_eq!(desk.left(), before);
+}

@@ -1,0 +1,123 @@
+//! Each cylinder's part of a summary as a row, and the trends of its transducers on the stops.
+
+use super::column::{Cells, TableColumn, TableRow};
+use super::count;
+use super::events::columns;
+use crate::monitor::cylinder::Tally;
+use crate::process::ProcessCoverage;
+use crate::report::Summary;
+use crate::report::jsonl::in_seconds;
+use crate::report::stops::TrendLine;
+use crate::sequential::{Coverage, Unknown};
+use crate::time::Timestamp;
+
+/// What a recording says of a cylinder.
+#[derive(Clone, Copy, Debug)]
+pub struct CylinderRow {
+    /// Time stamp of the recording's first frame.
+    begin: Timestamp,
+    /// Cylinder number, counted from 1.
+    cylinder: usize,
+    sample_time: f64,
+    tally: Tally,
+    jumps: [u64; 2],
+    warnings: u64,
+    unjudged: [Option<u64>; 2],
+}
+
+impl CylinderRow {
+    /// The rows of a recording whose first frame is stamped `begin`.
+    pub fn all(summary: &Summary<'_>, begin: Timestamp) -> Vec<Self> {
+        let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();
+        let row = |(index, (tally, jumps)): (usize, (&Tally, &[u64; 2]))| Self {
+            begin,
+            cylinder: index + 1,
+            sample_time: summary.sample_time,
+            tally: *tally,
+            jumps: *jumps,
+            warnings: summary.episodes.of_cylinder(index + 1),
+            unjudged: summary.blanks.unjudged.get(index).copied().unwrap_or_default(),
+        };
+        cylinders.map(row).collect()
+    }
+
+    fn sequential(&self, of: impl Fn(&Coverage) -> u64) -> Option<f64> {
+        self.tally.sequential.map(|coverage| in_seconds(of(&coverage), self.sample_time))
+    }
+
+    fn unknown(&self, why: Unknown) -> Option<f64> {
+        self.sequential(|coverage| coverage.unknown[why as usize])
+    }
+
+    fn process(&self, of: impl Fn(&ProcessCoverage) -> Option<u64>) -> Option<f64> {
+        Some(in_seconds(of(&self.tally.process?)?, self.sample_time))
+    }
+}
+
+impl TableRow for CylinderRow {
+    const TABLE: &'static str = "cylinders";
+
+    const COLUMNS: &'static [TableColumn<Self>] = columns! {
+        "begin", "ns since 1970, UTC", Time, "first frame of the recording", |it| Some(it.begin);
+        "cylinder", "", Count, "from 1", |it| i64::try_from(it.cylinder).ok();
+        "samples", "", Count, "cycles evaluated", |it| count(it.tally.cycles);
+        "gated", "", Count, "cycles that neither FDE1 nor FDE2 judged", |it| count(it.tally.gated);
+        "incomplete", "", Count, "cycles without something that is configured", |it| count(it.tally.incomplete);
+        "unjudged_r1", "", Count, "cycles in which R1 was not judged", |it| count(it.unjudged[0]?);
+        "unjudged_r2", "", Count, "cycles in which R2 was not judged", |it| count(it.unjudged[1]?);
+        "implausible_c1", "", Count, "implausible readings of C1", |it| count(it.tally.implausible[0]);
+        "implausible_c2", "", Count, "implausible readings of C2", |it| count(it.tally.implausible[1]);
+        "counter_jumps_c1", "", Count, "jumps of C1's alive counter", |it| count(it.jumps[0]);
+        "counter_jumps_c2", "", Count, "jumps of C2's alive counter", |it| count(it.jumps[1]);
+        "worst_r1", "m", Number, "largest size of R1 that was judged", |it| it.tally.worst[0];
+        "worst_r2", "m", Number, "largest size of R2 that was judged", |it| it.tally.worst[1];
+        "worst_r3", "m", Number, "largest size of R3", |it| it.tally.worst[2];
+        "warnings", "", Count, "warnings raised", |it| count(it.warnings);
+        "judged_seconds", "s", Number, "the sequential detector judged", |it| it.sequential(|it| it.judged);
+        "not_monitored_seconds", "s", Number, "it did not: no monitored state", |it| it.unknown(Unknown::NotMonitored);
+        "no_reading_seconds", "s", Number, "it did not: a reading was missing or implausible", |it| it.unknown(Unknown::NoReading);
+        "not_calibrated_seconds", "s", Number, "it did not: the rod was where there is no calibration", |it| it.unknown(Unknown::NotCalibrated);
+        "no_baseline_seconds", "s", Number, "it did not: this stretch of motion was still learnt", |it| it.unknown(Unknown::NoBaseline);
+        "process_monitored_seconds", "s", Number, "the process detector could judge", |it| it.process(|it| Some(it.monitored));
+        "process_spool_seconds", "s", Number, "it judged by the spool", |it| it.process(|it| it.judged[0]);
+        "process_chambers_seconds", "s", Number, "it judged by the chambers' pressures", |it| it.process(|it| it.judged[1]);
+        "process_flow_seconds", "s", Number, "it judged by the flow", |it| it.process(|it| it.judged[2]);
+    };
+
+    fn at(&self) -> Timestamp {
+        self.begin
+    }
+}
+
+/// The trend of a transducer on its stop at the end of a recording.
+#[derive(Clone, Debug)]
+pub struct StopTrendRow {
+    /// Time stamp of the recording's first frame.
+    pub begin: Timestamp,
+    pub line: TrendLine,
+}
+
+impl TableRow for StopTrendRow {
+    const TABLE: &'static str = "trends";
+
+    const COLUMNS: &'static [TableColumn<Self>] = columns! {
+        "begin", "ns since 1970, UTC", Time, "first frame of the recording at whose end it is known", |it| Some(it.begin);
+        "cylinder", "", Count, "from 1", |it| Some(it.line.cylinder.into());
+        "transducer", "", Text, "c1, c2", |it| Some(it.line.transducer.into());
+        "dwells", "", Count, "dwells that are kept", |it| i64::try_from(it.line.dwells).ok();
+        "months", "months", Number, "the time between the first and the last", |it| Some(it.line.months);
+        "moved_mm", "mm", Number, "how far the reading has moved", |it| Some(it.line.moved_mm);
+        "mm_per_month", "mm a month", Number, "how fast", |it| Some(it.line.mm_per_month);
+        "error_mm_per_month", "mm a month", Number, "standard error of that", |it| Some(it.line.error_mm_per_month);
+        "maintenance_months", "months", Number, "until maintenance is due; null where the stops show no drift", |it| it.line.months_until_maintenance.as_ref().map(|it| it.expected);
+        "maintenance_months_earliest", "months", Number, "the earliest", |it| it.line.months_until_maintenance.as_ref().map(|it| it.earliest);
+        "maintenance_months_latest", "months", Number, "the latest", |it| it.line.months_until_maintenance.as_ref().map(|it| it.latest);
+        "critical_months", "months", Number, "until the machine itself trips", |it| it.line.months_until_critical.as_ref().map(|it| it.expected);
+        "critical_months_earliest", "months", Number, "the earliest", |it| it.line.months_until_critical.as_ref().map(|it| it.earliest);
+        "critical_months_latest", "months", Number, "the latest", |it| it.line.months_until_critical.as_ref().map(|it| it.latest);
+    };
+
+    fn at(&self) -> Timestamp {
+        self.begin
+    }
+}
