@@ -18,6 +18,7 @@ mod evaluate;
 mod events;
 mod faults;
 mod files;
+mod fleet;
 mod history;
 mod identify;
 mod init;
@@ -73,6 +74,7 @@ enum Command {
     Eds(eds::Eds),
     Events(events::Events),
     Convert(convert::Convert),
+    Fleet(fleet::Fleet),
     Inject(inject::Inject),
     Commission(commission::Commission),
     Identify(identify::Identify),
@@ -100,6 +102,7 @@ impl Arguments {
             Command::Eds(eds) => eds.run(),
             Command::Events(events) => events.run(),
             Command::Convert(convert) => convert.run(),
+            Command::Fleet(fleet) => fleet.run(),
             Command::Inject(inject) => inject.run(),
             Command::Commission(commission) => commission.run(),
             Command::Identify(identify) => identify.run(),

@@ -13,6 +13,7 @@ mod demo;
 mod doctor;
 mod dwell_history;
 mod eds_command;
+mod fleet;
 mod formats;
 mod gateway_frames;
 mod golden;
