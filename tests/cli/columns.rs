@@ -6,7 +6,9 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use tertius::report::columns::{TABLES, columns_told, meaning_key, unit_key};
+use tertius_testing::program;
 use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay, top};
 
 const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
@@ -344,5 +346,40 @@ fn the_metadata_tell_units_and_the_page_tells_every_column() {
             let row = row.replace("|  |", "| |");
             assert!(section.contains(&row), "{row} is not in the section of {table}");
         }
+    }
+}
+
+/// The shell's way: a line for each machine, which does what is not done yet.
+#[test]
+fn the_shell_commands_of_a_plan_fold_a_machine() {
+    let scratch = Scratch::new();
+    let log = between(&recorded("e-type-faults.log.zst"), 60.0, 90.0);
+    let split = log.match_indices('\n').nth(log.lines().count() / 2).expect("a line").0 + 1;
+    let parts = [scratch.write("1.log", &log[..split]), scratch.write("2.log", &log[split..])];
+    let config = top().join(SEQUENTIAL).display().to_string();
+    let entry =
+        format!("[[machine]]\nname = \"A 1\"\nconfig = {config:?}\nrecordings = [\"?.log\"]\n");
+    let fleet = scratch.write("fleet.toml", entry);
+    let plan =
+        tertius_testing::support::tertius(&["fleet", "plan", &fleet, "--format", "shell"], b"")
+            .ok();
+    let output = scratch.path("results");
+    let fold = || {
+        let mut shell = Command::new("bash");
+        shell.args(["-c", &plan.stdout]).current_dir(top());
+        let ran = shell.env("OUTPUT", &output).env("TERTIUS", program()).output().expect("bash");
+        assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+        ["1", "2"]
+            .map(|n| fs::read(format!("{output}/folded/A 1/00000{n}.jsonl")).expect("it is done"))
+    };
+    let first = fold();
+    // The same again does nothing; what is half done is done anew.
+    let done = format!("{output}/folded/A 1/000002.jsonl");
+    fs::write(&done, "marked").expect("ours");
+    assert_eq!(fold()[1], b"marked");
+    let state = scratch.path("by-hand.state");
+    for (part, lines) in parts.iter().zip(first) {
+        let run = replay(&[part], SEQUENTIAL, &["--state", &state]).ok();
+        assert_eq!(run.stdout.as_bytes(), lines);
     }
 }
