@@ -116,9 +116,11 @@ def attempted(job, folder, output, program, mine, attempt):
         }
         (scratch / "done").write_text(json.dumps(done) + "\n")
         settle(scratch / "done", folder / f"{name}.done")
-    # From here on nobody goes on from the state before.
+    # From here on nobody goes on from the state before, and whoever died at the job before has left its folder.
     for old in (folder / f"{before}.state", folder / f"{before}.dwells"):
         old.unlink(missing_ok=True)
+    for old in folder.glob(f".{before}.*"):
+        shutil.rmtree(old, ignore_errors=True)
     return done
 
 

@@ -7,9 +7,15 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use tertius::config::{self, design};
+use tertius::dbc::{Database, text};
+use tertius::monitor::{Monitor, Sink};
 use tertius::report::columns::{TABLES, columns_told, meaning_key, unit_key};
+use tertius::sequential::Dwell;
+use tertius_testing::process::{read, write};
 use tertius_testing::program;
 use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay, top};
+use tertius_testing::visits::{CONFIG, visits};
 
 const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
 const FAULTS: &str = "tests/recordings/e-type-faults.log.zst";
@@ -320,6 +326,72 @@ fn recordings_one_by_one_add_up() {
         assert_eq!(total(&rows(&one, "minutes"), column), total(&rows(&two, "minutes"), column));
     }
     assert_eq!(rows(&two, "summaries").len(), 2);
+}
+
+/// Hears the dwells of a monitor.
+#[derive(Default)]
+struct DwellsHeard(Vec<(u8, Dwell)>);
+
+impl Sink for DwellsHeard {
+    fn dwell(&mut self, cylinder: u8, dwell: &Dwell) {
+        self.0.push((cylinder, *dwell));
+    }
+}
+
+#[test]
+fn dwells_and_trends_are_those_of_the_monitor_and_of_the_summary() {
+    let (scratch, path) = (Scratch::new(), "stops.log");
+    let (folder, log) = (scratch.path("columns"), scratch.path(path));
+    write(Path::new(&log), "can0", &visits(0..12));
+    let run = tabulate(&log, CONFIG, &folder, &[]).ok();
+    let loaded = config::load(&top().join(CONFIG)).expect("it ships");
+    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
+    let mut monitor = Monitor::new(design::judging(&loaded.settings, &database).expect("they fit"));
+    let mut heard = DwellsHeard::default();
+    read(Path::new(&log)).iter().for_each(|frame| monitor.take(frame, &mut heard));
+    monitor.finish(&mut heard);
+    let mut expected: Vec<[String; 4]> = heard
+        .0
+        .iter()
+        .map(|(cylinder, dwell)| {
+            let [c1, c2] = dwell.readings.map(|it| serde_json::to_string(&it).expect("a number"));
+            [dwell.at.as_nanos().to_string(), cylinder.to_string(), c1, c2]
+        })
+        .collect();
+    let rows_of = rows(&folder, "dwells");
+    let cells = |row: &Row| ["timestamp", "cylinder", "c1", "c2"].map(|name| row[name].clone());
+    let mut found: Vec<[String; 4]> = rows_of.iter().map(cells).collect();
+    expected.sort();
+    found.sort();
+    assert_eq!(found, expected);
+    assert_eq!((found.len(), files(&folder, "dwells").len()), (72, 12));
+
+    let told = raw_list(&lines(&run, "summary")[0]["trends"]);
+    let trends = rows(&folder, "trends");
+    assert_eq!((trends.len(), told.len()), (12, 12));
+    let mut left = 0;
+    for (row, told) in trends.iter().zip(told) {
+        for name in [
+            "cylinder",
+            "transducer",
+            "dwells",
+            "months",
+            "moved_mm",
+            "mm_per_month",
+            "error_mm_per_month",
+        ] {
+            assert_eq!(row[name], told[name], "{name}");
+        }
+        let until = &told["months_until_maintenance"];
+        match row.get("maintenance_months") {
+            Some(expected) => {
+                assert!(until.contains(&format!("\"expected\":{expected}")), "{until}")
+            }
+            None => assert_eq!(until, "null"),
+        }
+        left += usize::from(row.contains_key("critical_months_latest"));
+    }
+    assert_eq!(left, 1, "of the transducer that drifts");
 }
 
 #[test]

@@ -16,11 +16,13 @@ import tempfile
 import time
 from pathlib import Path
 
+import duckdb
+
 from tertius_fleet import step
 from tertius_fleet.engine import Progress, beside, in_turn, planned, workers
 from tertius_fleet.report import write
 
-CONFIG = Path("config/e-type-simulated.toml").resolve()
+CONFIG = Path("tests/recordings/e-type-sequential.toml").resolve()
 SECONDS, PARTS = 60, 3
 
 
@@ -29,6 +31,8 @@ def recordings(program, folder, machine):
     fault = f"step,cylinder={machine + 1},sensor=c{machine % 2 + 1},at=18,until=22,size=0.01"
     other = f"freeze,cylinder={machine + 3},sensor=c1,at=38,until=42"
     call = [program, "simulate", "--config", CONFIG, "--duration", str(SECONDS), "--seed", str(machine)]
+    if machine == 0:
+        call += ["--states", "0:engaged,4:safe,45:engaged"]
     text = subprocess.run([*call, "--fault", fault, "--fault", other], capture_output=True, check=True).stdout
     lines = text.splitlines(keepends=True)
     cuts = [len(lines) * part // PARTS for part in range(PARTS + 1)]
@@ -85,7 +89,10 @@ def main(program):
         entries = []
         for machine in range(3):
             recordings(program, folder / f"m{machine}", machine)
-            entries.append(f'[[machine]]\nname = "M {machine}"\nconfig = "{CONFIG}"\nrecordings = ["m{machine}"]\n')
+            history = 'history = "m0.dwells"\n' if machine == 0 else ""
+            entries.append(
+                f'[[machine]]\nname = "M {machine}"\nconfig = "{CONFIG}"\nrecordings = ["m{machine}"]\n{history}'
+            )
         (folder / "fleet.toml").write_text("\n".join(entries))
         jobs = planned(program, folder / "fleet.toml")
         assert [job["index"] for job in jobs] == [1, 2, 3] * 3, jobs
@@ -117,8 +124,10 @@ def main(program):
         assert not differ, differ
         tables = [name for name in one if name.startswith("columns/")]
         assert len(tables) == 7 * 9, tables
-        incidents = sum(name.endswith(".jsonl") for name in one)
-        assert incidents == 9, one
+        assert sum(name.endswith(".jsonl") for name in one) == 9, one
+        count = f"select count(*) from '{folder}/serial/columns/dwells/*/*/*.parquet'"
+        stops = duckdb.connect().execute(count).fetchone()[0]
+        assert stops == 6 and "folded/M 0/000003.dwells" in one, (stops, sorted(one))
 
         dying(jobs[:3], folder, program, one)
 
