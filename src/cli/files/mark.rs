@@ -16,6 +16,10 @@ pub enum Mark<'a> {
     /// This text as the whole content.
     Text(&'a str),
     /// A Parquet file whose end says that this program made it.
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(dead_code, reason = "a program without tables writes none")
+    )]
     Columns,
     /// No mark: a recording.
     None,
