@@ -10,8 +10,8 @@ import duckdb
 
 from .step import Refused
 
-#: A drift is told that is so many standard errors from none.
-SURE = 3.0
+#: A drift is told that is so many standard errors from none: of a thousand cylinders chance moves none so far.
+SURE = 4.0
 
 #: A number of incidents that chance brings more seldom is told.
 UNLIKELY = 0.01
@@ -58,7 +58,7 @@ QUERIES = {
             sqrt((1 - coalesce(regr_r2(mean_mm, date_diff('day', date '2000-01-01', day)), 1)) * regr_syy(mean_mm,
             date_diff('day', date '2000-01-01', day)) / nullif(count(*) - 2, 0) / nullif(regr_sxx(mean_mm,
             date_diff('day', date '2000-01-01', day)), 0)) * 30.4375 as error
-        from days group by all having count(*) > 3""",
+        from days group by all having count(*) > 6""",
     "unjudged": """
         select machine, sum(samples) as samples, sum(gated) as gated,
             sum(samples * 2 - coalesce(unjudged_r1, samples) - coalesce(unjudged_r2, samples)) as judged,
@@ -180,7 +180,7 @@ def drifts(base):
     ]
     by_stops = table(["machine", "cylinder", "transducer", "dwells", "months", "moved, mm", "mm a month", "months left"], stops)
     by_days = table(["machine", "cylinder", "days", "first day, mm", "last day, mm", "mm a month"], days)
-    none = "<p>None is further than three standard errors from standing still.</p>"
+    none = "<p>None is further than four standard errors from standing still.</p>"
     return (
         "<h3>By the mechanical stops</h3>" + (by_stops if stops else none)
         + "<h3>By C1 − C2, day by day</h3><p>This does not tell which of the two it is.</p>" + (by_days if days else none)

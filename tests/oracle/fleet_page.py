@@ -1,0 +1,117 @@
+"""The page of a fleet over a year that is made here: what drifts, what is more than chance, and what is not.
+
+    PYTHONPATH=fleet fleet_page.py PROGRAM
+
+A replay of seconds gives the columns; DuckDB makes months of them whose figures are known. By scripts/fleet.
+"""
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import duckdb
+
+from tertius_fleet.report import chance, write
+
+CONFIG = "tests/recordings/e-type-sequential.toml"
+LOG = "tests/recordings/e-type-faults.log.zst"
+
+#: Of machine B, cylinder 2, C1 − C2 moves by so much a day, mm.
+DRIFT = 0.1
+
+#: Each table of the year, from the table `real` of the same name.
+YEAR = {
+    # A day of 24 hours each: 40 of them, in two months.
+    "summaries": """
+        select * replace (begin + to_days(d::int) as begin, 86400e0 as duration, 1e0 as false_alarms_per_year,
+            not (machine = 'B' and d = 7) as judged,
+            case when machine = 'B' and d = 7 then 'the platform was never engaged' end as reasons)""",
+    "minutes": f"""
+        select * replace (minute + to_days(d::int) as minute,
+            r3_mean + case when machine = 'B' and cylinder = 2 then d * {DRIFT} / 1000 else 0 end
+                + (hash(d * 7 + cylinder) % 100 / 100.0 - 0.5) * 1e-5 as r3_mean)""",
+    "cylinders": "select * replace (begin + to_days(d::int) as begin)",
+    # One incident on A; on B one on every other day, four of them of plausibility alone.
+    "incidents": """
+        select * exclude (now, high, later) replace (begin + to_days(d::int) as begin,
+            timestamp + to_days(d::int) + to_seconds(later) as timestamp, now as state, high as level,
+            case when now = 'closed' then timestamp end as "end",
+            case when d < 8 then 'plausibility' else 'fde3' end as detectors, 'c2' as suspect, 2 as cylinder)""",
+    "warnings": "select *",
+    # C1 of B's cylinder 3 drifts from the thirtieth day on, as far as the stops know; its C2 does not.
+    "trends": """
+        select d, machine, begin + to_days(d::int) as begin, 3 as cylinder, transducer, 20 as dwells, 1.3e0 as months, 0.6e0 as moved_mm,
+            case transducer when 'c1' then 0.45e0 else 0.01e0 end as mm_per_month, 0.02e0 as error_mm_per_month,
+            case when transducer = 'c1' and d >= 30 then 9.8e0 end as maintenance_months, null::double as critical_months""",
+}
+
+
+def of_the_year(real, folder):
+    """Writes the tables of machines A and B below `folder`."""
+    base = duckdb.connect()
+    base.execute("set TimeZone = 'UTC'")
+    for table, query in YEAR.items():
+        source = f"read_parquet('{real}/{table}/*/*/*.parquet', hive_partitioning = false)"
+        names = [row[0] for row in base.execute(f"describe select * from {source}").fetchall()]
+        times = [name for name in names if name in ("begin", "timestamp", "minute", "onset", "end", "peak_at")]
+        plain = ", ".join(f'make_timestamp(epoch_ns("{name}") // 1000) as "{name}"' for name in times)
+        only = "where true"
+        if table == "incidents":
+            only = "where (machine = 'A' and d = 20) or (machine = 'B' and d % 2 = 0)"
+        reports = ""
+        if table == "incidents":
+            reports = ", (values ('opened', 'yellow', 0), ('closed', 'red', 5)) as reports(now, high, later)"
+        if table == "trends":
+            source = "(select make_timestamp(1700000000000000) as begin, unnest(['c1', 'c2']) as transducer)"
+            times, plain, only = ["begin"], "begin as begin", "where machine = 'B'"
+        first = "qualify row_number() over () = 1" if table == "incidents" else ""
+        base.execute(
+            f"create or replace table made as {query} from (select * replace ({plain}) from {source} {first}), "
+            f"range(40) as days(d), (values ('A'), ('B')) as machines(machine) {reports} {only}"
+        )
+        at = next(name for name in (*times, "d") if name in ("begin", "minute", "timestamp"))
+        # Recordings have nanoseconds.
+        nanos = ", ".join(f'"{name}"::timestamp_ns as "{name}"' for name in times)
+        base.execute(
+            f"copy (select * exclude (d, day) replace ({nanos}), \"{at}\"::date as day from "
+            f"(select *, 0 as day from made)) to '{folder}/columns/{table}' (format parquet, partition_by (machine, day))"
+        )
+
+
+def main(program):
+    assert abs(chance(3, 1.0) - 0.0803014) < 1e-6 and chance(0, 1.0) == 1.0 and chance(1, 0.0) == 0.0
+    with tempfile.TemporaryDirectory() as folder:
+        real = Path(folder) / "real"
+        call = [program, "replay", LOG, "--config", CONFIG, "--format", "jsonl", "--parquet", real]
+        subprocess.run(call, check=True, capture_output=True)
+        (Path(folder) / "columns").mkdir()
+        of_the_year(real, folder)
+        page = write(Path(folder)).read_text()
+        text = re.sub(r"\s+", " ", re.sub("<[^>]+>", " ", page.split("</style>")[1].replace("</tr>", "\n")))
+        parts = dict(zip(re.findall("<h2>(.*?)</h2>", page), page.split("<h2>")[1:]))
+
+        drifts = re.sub("<[^>]+>", " ", parts["Transducers that drift"])
+        found = re.findall(r"\b([AB])\s+(\d)\s+40\s+\S+\s+\S+\s+([+-]\S+) ±", drifts)
+        assert [(machine, cylinder) for machine, cylinder, _ in found] == [("B", "2")], drifts
+        assert abs(float(found[0][2]) - DRIFT * 30.4375) < 0.02, found
+
+        stops = re.findall(r"\b([AB])\s+(\d)\s+(C\d)\s+20\s+1\.3\s+\+0\.60\s+\+0\.450 ± 0\.020\s+9\.8", drifts)
+        assert stops == [("B", "3", "C1")], drifts
+
+        # 20 on B, of which 4 are of plausibility; 960 hours expect a tenth of a false alarm. One of them is no proof.
+        assert re.search(r" A 40 960\.00 \S+ \S+ 1 1 9\.1 1 as many as the budget allows", text), text[:900]
+        assert re.search(r" B 40 960\.00 \S+ \S+ 20 16 146\.1 1 more than chance allows", text), text[:900]
+        # The newest report is what counts: all of them were red, and are over.
+        months = re.findall(r"\b([AB]) (20\d\d-\d\d) (\d+) (\d+) ", text)
+        of_b = [(int(count), int(red)) for machine, _, count, red in months if machine == "B"]
+        assert sum(count for count, _ in of_b) == 20 and all(count == red for count, red in of_b), months
+        assert len(of_b) == 2 and "stands" not in text, months
+        assert re.search(r"B 2 C2 20 ", text), "who is suspected again and again"
+        assert "B 1 2023-11-21 22:13 the platform was never engaged" in text, text[-900:]
+    print("the page of a made year has its drift, its budget, its months and its reasons")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
