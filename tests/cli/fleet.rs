@@ -115,6 +115,41 @@ fn what_cannot_be_replayed_in_order_is_refused_in_words() {
 }
 
 #[test]
+fn a_machine_with_several_buses_has_recordings_of_all_of_them() {
+    let scratch = Scratch::new();
+    let log = scratch.path("both.log");
+    let two = top().join("config/e-type-two-buses.toml").display().to_string();
+    let call = ["simulate", "--config", &two, "--duration", "5", "--output", &log];
+    tertius(&call, b"").ok();
+    let both = scratch.read("both.log").replace("can0", "vcan7").replace("can1", "vcan3");
+    scratch.write("both.log", &both);
+    let entry = |recordings: &str, interface: &str| {
+        let more = format!("interface = {interface:?}");
+        let config = top().join(E_TYPE).display().to_string();
+        entry("A", recordings, &more).replace(&config, &two)
+    };
+    let mapped = "first=vcan7,second=vcan3";
+    let jobs = plan(&scratch, &entry("[\"both.log\"]", mapped), &["--format", "jsonl"]).ok();
+    let arguments = jobs.lines()[0]["arguments"].as_array().expect("a list").clone();
+    let call: Vec<&str> = arguments.iter().filter_map(Value::as_str).collect();
+    let at = call.iter().position(|it| *it == "--machine").expect("it is named");
+    let run = tertius(&[&call[..at], &call[at + 2..]].concat(), b"").ok();
+    assert_eq!(run.summary()["frames"], both.lines().count());
+
+    // Also where the recordings are somewhere else, and nobody looks into them.
+    for recordings in ["[\"both.log\"]", "[\"https://example.org/both.log\"]"] {
+        plan(&scratch, &entry(recordings, "vcan7"), &[])
+            .failed(2, &["machine \"A\"", "found \"vcan7\", expected a bus", "first=can0"]);
+    }
+    for (name, bus) in [("one.log", "vcan7"), ("two.log", "vcan3")] {
+        let of: String = both.split_inclusive('\n').filter(|line| line.contains(bus)).collect();
+        scratch.write(name, of);
+    }
+    plan(&scratch, &entry("[\"one.log\", \"two.log\"]", mapped), &[])
+        .failed(2, &["recordings overlap", "all buses of the machine: record them to one file"]);
+}
+
+#[test]
 fn urls_are_passed_on_in_their_order() {
     let scratch = Scratch::new();
     let fleet = entry(

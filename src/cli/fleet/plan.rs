@@ -77,7 +77,8 @@ impl MachinePlan {
                 let known = paths.into_iter().map(|path| timed(path, &interfaces, quick));
                 let mut known = known.collect::<Result<Vec<_>, _>>()?;
                 known.sort_by(|a, b| (a.begin, &a.path).cmp(&(b.begin, &b.path)));
-                refuse_overlaps(&known).map_err(wrong)?;
+                let is_several = machine.loaded.settings.bus.is_several();
+                refuse_overlaps(&known, is_several).map_err(wrong)?;
                 known.into_iter().map(PlannedInput::File).collect()
             }
             all if all == entry.recordings.len() => {
@@ -102,8 +103,14 @@ impl MachinePlan {
     }
 }
 
-/// Refuses recordings, in the order of time, one of which begins before the one before has ended.
-fn refuse_overlaps(known: &[TimedRecording]) -> Result<(), String> {
+/// Refuses recordings, in the order of time, one of which begins before the one before has ended; of a machine with
+/// several buses, they may be those of one bus each.
+fn refuse_overlaps(known: &[TimedRecording], is_several: bool) -> Result<(), String> {
+    let remedy = if is_several {
+        "; a recording has to have all buses of the machine: record them to one file, or leave one of them out"
+    } else {
+        ": leave one of them out"
+    };
     for pair in known.windows(2) {
         let [earlier, later] = [&pair[0], &pair[1]];
         let end = earlier.end.unwrap_or(earlier.begin);
@@ -112,7 +119,7 @@ fn refuse_overlaps(known: &[TimedRecording]) -> Result<(), String> {
         if is_same || end.since(later.begin) > OUT_OF_ORDER {
             return Err(format!(
                 "its recordings overlap: {} begins at {}, and {}, which begins at {}, ends at {end}; each frame of \
-                 the machine has to be there once: leave one of them out",
+                 the machine has to be there once{remedy}",
                 later.path.display(),
                 later.begin,
                 earlier.path.display(),
