@@ -169,3 +169,19 @@ fn split<R, V>(rows: &[R], get: impl Fn(&R) -> Option<V>) -> (Vec<i16>, Vec<V>) 
     let known = cells.iter().map(|cell| i16::from(cell.is_some())).collect();
     (known, cells.into_iter().flatten().collect())
 }
+
+/// The cells of `row` that are not null, as JSON has them; times as whole nanoseconds.
+#[cfg(test)]
+pub fn cells<R: TableRow>(row: &R) -> serde_json::Map<String, serde_json::Value> {
+    let cell = |column: &TableColumn<R>| {
+        let value = match column.cells {
+            Cells::Time(get) => get(row)?.as_nanos().into(),
+            Cells::Count(get) => get(row)?.into(),
+            Cells::Number(get) => get(row)?.into(),
+            Cells::Text(get) => get(row)?.as_ref().into(),
+            Cells::Truth(get) => get(row)?.into(),
+        };
+        Some((column.name.to_owned(), value))
+    };
+    R::COLUMNS.iter().filter_map(cell).collect()
+}

@@ -121,3 +121,56 @@ impl TableRow for StopTrendRow {
         self.begin
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::columns::column;
+    use serde_json::json;
+
+    #[test]
+    fn every_column_has_its_own_part_of_the_summary() {
+        let mut sequential = Coverage { judged: 100, ..Coverage::default() };
+        for (many, why) in (1..).zip(Unknown::ALL) {
+            sequential.unknown[why as usize] = 100 * many + 100;
+        }
+        let row = CylinderRow {
+            begin: Timestamp::from_nanos(1_700_000_000_000_000_001),
+            cylinder: 3,
+            sample_time: 0.5,
+            tally: Tally {
+                cycles: 1,
+                gated: 2,
+                incomplete: 3,
+                implausible: [4, 5],
+                worst: [Some(0.25), Some(0.5), Some(0.75)],
+                sequential: Some(sequential),
+                process: Some(ProcessCoverage {
+                    monitored: 20,
+                    judged: [Some(22), None, Some(24)],
+                }),
+            },
+            jumps: [6, 7],
+            warnings: 8,
+            unjudged: [Some(9), Some(10)],
+        };
+        let mut expected = json!({
+            "begin": 1_700_000_000_000_000_001_i64, "cylinder": 3,
+            "samples": 1, "gated": 2, "incomplete": 3, "implausible_c1": 4, "implausible_c2": 5,
+            "counter_jumps_c1": 6, "counter_jumps_c2": 7, "warnings": 8,
+            "unjudged_r1": 9, "unjudged_r2": 10,
+            "worst_r1": 0.25, "worst_r2": 0.5, "worst_r3": 0.75,
+            "judged_seconds": 50.0, "process_monitored_seconds": 10.0,
+            "process_spool_seconds": 11.0, "process_flow_seconds": 12.0,
+        });
+        for (why, name) in [
+            (Unknown::NotMonitored, "not_monitored_seconds"),
+            (Unknown::NoReading, "no_reading_seconds"),
+            (Unknown::NotCalibrated, "not_calibrated_seconds"),
+            (Unknown::NoBaseline, "no_baseline_seconds"),
+        ] {
+            expected[name] = json!(50.0 * (why as usize as f64 + 2.0));
+        }
+        assert_eq!(json!(column::cells(&row)), expected);
+    }
+}

@@ -146,3 +146,84 @@ impl TableRow for MinuteRow {
         self.begin
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::columns::column;
+    use crate::sample::Quality;
+    use serde_json::json;
+
+    /// A cycle in which nothing was read of the second cylinder.
+    fn nothing(seconds: i64) -> Record {
+        Record {
+            timestamp: Timestamp::from_nanos(1_700_000_100_000_000_000 + seconds * 1_000_000_000),
+            cycle: 0,
+            cylinder: 2,
+            c1: None,
+            c2: None,
+            velocities: [None; 2],
+            qualities: [Quality::Missing; 2],
+            pressures: [None; 3],
+            supply: None,
+            spool: None,
+            c2_corrected: None,
+            command: None,
+            estimates: [None; 2],
+            residuals: [None; 3],
+            judged: [false; 2],
+            gated: true,
+            monitored: true,
+        }
+    }
+
+    #[test]
+    fn every_column_has_its_own_statistic() {
+        let (good, missing) = (Quality::Good, Quality::Missing);
+        let judged = |c1, residuals: [f64; 3]| Record {
+            c1: Some(c1),
+            qualities: [good, missing],
+            residuals: residuals.map(Some),
+            judged: [true; 2],
+            gated: false,
+            ..nothing(1)
+        };
+        let one = Record {
+            qualities: [Quality::Failed, good],
+            judged: [true, false],
+            ..judged(9.0, [4.0, 7.0, -2.0])
+        };
+        let still = Record {
+            c1: Some(0.75),
+            qualities: [good, missing],
+            residuals: [Some(3.0), None, Some(1.0)],
+            monitored: false,
+            ..nothing(2)
+        };
+        let mut minutes = Minutes::default();
+        let two = [judged(1.5, [-0.5, 0.5, 1.0]), judged(1.25, [-0.5, -1.5, 4.0])];
+        for record in [one].iter().chain(&two).chain(&[still; 4]).chain(&[nothing(59); 8]) {
+            assert_eq!(minutes.take(record), None);
+        }
+        let row = minutes.take(&nothing(60)).expect("the next minute");
+        let expected = json!({
+            "minute": 1_700_000_100_000_000_000_i64, "cylinder": 2,
+            "cycles": 15, "monitored": 11, "judged_r1": 3, "judged_r2": 2, "gated": 12,
+            "good_c1": 6, "good_c2": 1, "length_min": 0.75, "length_max": 1.5,
+            "r1_count": 3, "r1_min": -0.5, "r1_max": 4.0, "r1_mean": 1.0, "r1_rms": 5.5_f64.sqrt(),
+            "r2_count": 2, "r2_min": -1.5, "r2_max": 0.5, "r2_mean": -0.5, "r2_rms": 1.25_f64.sqrt(),
+            "r3_count": 7, "r3_min": -2.0, "r3_max": 4.0, "r3_mean": 1.0,
+            "r3_rms": (25.0 / 7.0_f64).sqrt(),
+        });
+        assert_eq!(json!(column::cells(&row)), expected);
+
+        // Where nothing was judged there is no statistic, and no zero in place of it.
+        let rest = minutes.rest().next().expect("the minute that is not over");
+        let counts = json!({
+            "minute": 1_700_000_160_000_000_000_i64, "cylinder": 2,
+            "cycles": 1, "monitored": 1, "judged_r1": 0, "judged_r2": 0, "gated": 1,
+            "good_c1": 0, "good_c2": 0, "r1_count": 0, "r2_count": 0, "r3_count": 0,
+        });
+        assert_eq!(json!(column::cells(&rest)), counts);
+    }
+}
