@@ -66,6 +66,17 @@ QUERIES = {
             sum(no_reading_seconds) as no_reading, sum(not_calibrated_seconds) as not_calibrated,
             sum(no_baseline_seconds) as no_baseline, sum(implausible_c1 + implausible_c2) as implausible
         from cylinders group by all order by machine""",
+    # How long a bus was silent is known where it is heard again.
+    "unheard": """
+        with told as (
+            select *, lead(notice) over one as next, epoch_us(lead(timestamp) over one) as until from notices
+            where notice in ('silence', 'heard_again', 'gap', 'time_jump', 'interruption')
+            window one as (partition by machine, bus, notice in ('silence', 'heard_again') order by timestamp, t))
+        select machine, notice, bus, count(*) as times, max(timestamp) as newest,
+            sum(case notice when 'gap' then seconds
+                when 'silence' then case next when 'heard_again' then (until - epoch_us(timestamp)) / 1e6 end end) as seconds,
+            count(*) filter (notice = 'silence' and next is distinct from 'heard_again') as open
+        from told where notice <> 'heard_again' group by all order by machine, notice, bus""",
     "reasons": """
         select machine, reasons, count(*) as recordings, min(begin) as first from summaries where not judged
         group by all order by recordings desc limit 50""",
@@ -87,7 +98,7 @@ def tables(results):
         raise Refused(f"{folder}: there is no such folder; expected the tables of `tertius-fleet run --output {results}`")
     base = duckdb.connect()
     base.execute("set TimeZone = 'UTC'")
-    for table in ("warnings", "incidents", "minutes", "cylinders", "trends", "summaries"):
+    for table in ("warnings", "incidents", "notices", "minutes", "cylinders", "trends", "summaries"):
         if not any(folder.glob(f"{table}/machine=*/day=*/*.parquet")):
             raise Refused(f"{folder / table}: there are no Parquet files; was the fleet replayed with --parquet?")
         files = str(folder / table / "*" / "*" / "*.parquet").replace("'", "''")
@@ -206,6 +217,23 @@ def unjudged(base):
     return text
 
 
+def unheard(base):
+    """What the buses did not bring: gaps, clocks that were set, buses that were lost or silent."""
+    words = {
+        "gap": "no cycle for longer than machine.max_gap",
+        "time_jump": "the clock was set",
+        "interruption": "the {bus}bus was lost",
+        "silence": "the {bus}bus was silent while another was heard",
+    }
+    lines = [
+        [it["machine"], words[it["notice"]].format(bus=it["bus"] + " " if it["bus"] else ""), it["times"],
+         "–" if it["seconds"] is None else f"{it['seconds']:.1f}", it["open"] or "–", moment(it["newest"])]
+        for it in rows(base, "unheard")
+    ]
+    heads = ["machine", "what", "times", "seconds in all", "not heard again", "newest (UTC)"]
+    return table(heads, lines, (1,)) if lines else "<p>No gap was longer than <code>machine.max_gap</code>, and no bus was lost or silent.</p>"
+
+
 def page(base):
     months = [[it["machine"], it["month"], it["incidents"], it["severe"]] for it in rows(base, "months")]
     worst = [
@@ -222,6 +250,8 @@ def page(base):
         ("Transducers that are suspected again and again", "", table(["machine", "cylinder", "transducer", "incidents", "newest (UTC)"], again) if again else nothing),
         ("Incidents by machine and month", "Each counts in the month of its begin.", table(["machine", "month", "incidents", "red or black"], months) if months else nothing),
         ("The worst incidents", "At most 50.", table(["machine", "begin (UTC)", "cylinder", "level", "what"], worst, (4,)) if worst else nothing),
+        ("What was not heard", "Gaps and clocks that were set; buses that were lost, or were silent while another bus of the "
+         "machine was heard. What they carry was unknown meanwhile, and no transducer is to blame.", unheard(base)),
         ("What was not judged, and why", "Shares of the samples of all cylinders, and of the sequential detectors' time. "
          "Unknown is not healthy.", unjudged(base)),
     ]

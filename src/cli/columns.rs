@@ -8,11 +8,11 @@ use super::Failure;
 use super::files::{Inputs, Mark, Overwriting, Settled};
 use crate::alarm::Warning;
 use crate::incident::Incident;
-use crate::monitor::Record;
+use crate::monitor::{Notice, Record};
 use crate::report::Summary;
 use crate::report::columns::{
-    self, CylinderRow, DwellRow, IncidentRow, MinuteRow, Minutes, StopTrendRow, SummaryFacts,
-    SummaryRow, TABLES, TableRow, WarningRow,
+    self, CylinderRow, DwellRow, IncidentRow, MinuteRow, Minutes, NoticeRow, StopTrendRow,
+    SummaryFacts, SummaryRow, TABLES, TableRow, WarningRow,
 };
 use crate::sequential::Dwell;
 use crate::time::Timestamp;
@@ -32,6 +32,7 @@ pub struct ColumnFolder {
     begin: Timestamp,
     warnings: DayRows<WarningRow>,
     incidents: DayRows<IncidentRow>,
+    notices: DayRows<NoticeRow>,
     dwells: DayRows<DwellRow>,
     minutes: DayRows<MinuteRow>,
     gathering: Minutes,
@@ -89,6 +90,7 @@ impl ColumnFolder {
             begin: Timestamp::default(),
             warnings: DayRows::default(),
             incidents: DayRows::default(),
+            notices: DayRows::default(),
             dwells: DayRows::default(),
             minutes: DayRows::default(),
             gathering: Minutes::default(),
@@ -125,6 +127,14 @@ impl ColumnFolder {
         self.incidents.take(row, &mut self.files)
     }
 
+    /// Takes a notice.
+    ///
+    /// # Errors See [`Self::record`].
+    pub fn notice(&mut self, notice: &Notice) -> Result<(), Failure> {
+        let row = NoticeRow { begin: self.begin, notice: *notice };
+        self.notices.take(row, &mut self.files)
+    }
+
     /// Takes the dwell of a rod on its stop.
     ///
     /// # Errors See [`Self::record`].
@@ -143,13 +153,16 @@ impl ColumnFolder {
         recordings: &str,
         false_alarms_per_year: f64,
     ) -> Result<(), Failure> {
-        let Self { mut files, warnings, incidents, dwells, mut minutes, gathering, .. } = self;
+        let Self {
+            mut files, warnings, incidents, notices, dwells, mut minutes, gathering, ..
+        } = self;
         let Some(begin) = files.first else { return Ok(()) };
         for minute in gathering.rest() {
             minutes.take(minute, &mut files)?;
         }
         warnings.finish(&mut files)?;
         incidents.finish(&mut files)?;
+        notices.finish(&mut files)?;
         dwells.finish(&mut files)?;
         minutes.finish(&mut files)?;
         let trends = summary.stops.lines().into_iter().map(|line| StopTrendRow { begin, line });

@@ -195,5 +195,6 @@ impl Sink for Output {
             let result = jsonl::notice(lines, self.begin, notice);
             self.note(LINES, result);
         }
+        self.tabulate(|columns| columns.notice(notice));
     }
 }

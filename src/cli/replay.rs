@@ -54,8 +54,8 @@ pub struct Replay {
     /// Writes a page with figures, in one file
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Writes warnings, incidents, dwells, statistics of each minute and the summary as tables in Parquet files, below
-    /// this folder by machine and day
+    /// Writes warnings, incidents, notices, dwells, statistics of each minute and the summary as tables in Parquet
+    /// files, below this folder by machine and day
     #[arg(long, value_name = "FOLDER")]
     parquet: Option<PathBuf>,
     /// The machine's name in the tables of --parquet [default: machine.name of the configuration]

@@ -4,7 +4,7 @@ use super::Failure;
 use super::files::{Inputs, Overwriting};
 use crate::alarm::Warning;
 use crate::incident::Incident;
-use crate::monitor::Record;
+use crate::monitor::{Notice, Record};
 use crate::report::Summary;
 use crate::sequential::Dwell;
 use crate::time::Timestamp;
@@ -41,6 +41,10 @@ impl NoColumnFolder {
     }
 
     pub const fn incident(&mut self, _: &Incident) -> Result<(), Failure> {
+        match *self {}
+    }
+
+    pub const fn notice(&mut self, _: &Notice) -> Result<(), Failure> {
         match *self {}
     }
 

@@ -3,16 +3,15 @@
 mod incident;
 
 use super::Summary;
-use super::device::{DeviceFields, EmergencyFields};
+use super::device::DeviceFields;
+use super::notice::NoticeFields;
 use super::stops::TrendLine;
 use crate::alarm::{Detector, Warning};
-use crate::frame::BusNumber;
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
 use crate::process::ProcessCoverage;
-use crate::sample::device::DeviceNews;
 use crate::sequential::{Coverage, Unknown};
-use crate::time::{Span, Timestamp};
+use crate::time::Timestamp;
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -22,9 +21,9 @@ use std::io::{self, Write};
 pub use incident::incident;
 
 /// Seconds as a JSON number with all their digits.
-type Digits = Box<RawValue>;
+pub(super) type Digits = Box<RawValue>;
 
-fn digits(time: impl Display) -> Digits {
+pub(super) fn digits(time: impl Display) -> Digits {
     // Seconds are written as JSON writes numbers: digits, one point, digits.
     RawValue::from_string(time.to_string()).unwrap_or_default()
 }
@@ -69,30 +68,8 @@ struct NoticeLine {
     r#type: &'static str,
     t: Digits,
     timestamp: Digits,
-    notice: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seconds: Option<Digits>,
-    /// One of several buses.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bus: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cylinder: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    detector: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reason: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    skew: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    jitter: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    device: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    node: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    state: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none", flatten)]
-    emergency: Option<EmergencyFields>,
+    #[serde(flatten)]
+    fields: NoticeFields,
 }
 
 #[derive(Serialize)]
@@ -239,63 +216,9 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
 ///
 /// # Errors Errors of `out`.
 pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
-    let line = |at: Timestamp, notice, seconds: Option<Span>| NoticeLine {
-        r#type: "notice",
-        t: digits(at.since(first)),
-        timestamp: digits(at),
-        notice,
-        seconds: seconds.map(digits),
-        bus: None,
-        cylinder: None,
-        detector: None,
-        reason: None,
-        skew: None,
-        jitter: None,
-        device: None,
-        node: None,
-        state: None,
-        emergency: None,
-    };
-    let line = match *notice {
-        Notice::Gap { at, length } => line(at, "gap", Some(length)),
-        Notice::TimeJump { at, by } => line(at, "time_jump", Some(by)),
-        Notice::Interruption { at, bus } => {
-            NoticeLine { bus: bus.map(name_of), ..line(at, "interruption", None) }
-        }
-        Notice::Silence { at, bus, silent } => {
-            let what = if silent { "silence" } else { "heard_again" };
-            NoticeLine { bus: Some(name_of(bus)), ..line(at, what, None) }
-        }
-        Notice::Restart { at, cylinder, detector, reason } => NoticeLine {
-            cylinder: Some(cylinder),
-            detector: Some(detector.name()),
-            reason: Some(restart_name(reason)),
-            ..line(at, "restart", None)
-        },
-        Notice::Timing { at, apart: Some(apart) } => NoticeLine {
-            skew: Some(apart.mean),
-            jitter: Some(apart.spread),
-            ..line(at, "timing", None)
-        },
-        Notice::Timing { at, apart: None } => line(at, "timing_restored", None),
-        Notice::Device { at, cylinder, role, node, news } => {
-            let (name, state, emergency) = match news {
-                DeviceNews::State(state) => ("device_state", Some(state.name()), None),
-                DeviceNews::Network(emergency) => {
-                    ("device_network", None, Some(EmergencyFields::from(emergency)))
-                }
-            };
-            NoticeLine {
-                cylinder: Some(cylinder),
-                device: Some(role.name()),
-                node: Some(node),
-                state,
-                emergency,
-                ..line(at, name, None)
-            }
-        }
-    };
-    write_line(out, &line)
+    let fields = NoticeFields::from(notice);
+    let (t, timestamp) = (digits(fields.at.since(first)), digits(fields.at));
+    write_line(out, &NoticeLine { r#type: "notice", t, timestamp, fields })
 }
 
 /// Writes the last line.
@@ -362,11 +285,6 @@ pub const fn restart_name(reason: Restart) -> &'static str {
         Restart::TimeJump => "time_jump",
         Restart::Interruption => "interruption",
     }
-}
-
-/// Name of a bus in the configuration.
-fn name_of(bus: BusNumber) -> &'static str {
-    BusNumber::NAMES[bus.index()]
 }
 
 fn write_line(out: &mut impl Write, line: &impl Serialize) -> io::Result<()> {

@@ -15,6 +15,7 @@ pub mod incidents;
 pub mod jsonl;
 pub mod judgement;
 pub mod nonlinear;
+mod notice;
 pub mod page;
 pub mod residuals;
 pub mod sheet;

@@ -14,10 +14,11 @@ use tertius::report::columns::{TABLES, columns_told, meaning_key, unit_key};
 use tertius::sequential::Dwell;
 use tertius_testing::process::{read, write};
 use tertius_testing::program;
-use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay, top};
+use tertius_testing::support::{E_TYPE, Run, Scratch, between, recorded, replay, tertius, top};
 use tertius_testing::visits::{CONFIG, visits};
 
 const SEQUENTIAL: &str = "tests/recordings/e-type-sequential.toml";
+const TWO_BUSES: &str = "config/e-type-two-buses.toml";
 const FAULTS: &str = "tests/recordings/e-type-faults.log.zst";
 
 /// A row, or a line, its values as JSON writes them; nulls are left out.
@@ -180,6 +181,45 @@ fn tables_have_what_the_lines_have_to_the_bit() {
         let unknown = format!("\"no_baseline\":{}", row["no_baseline_seconds"]);
         assert!(coverage.contains(&judged) && coverage.contains(&unknown), "{coverage}");
     }
+}
+
+#[test]
+fn a_bus_that_is_silent_is_among_the_notices() {
+    let scratch = Scratch::new();
+    let (folder, log) = (scratch.path("columns"), scratch.path("both.log"));
+    let call = ["simulate", "--config", TWO_BUSES, "--duration", "20", "--output", &log];
+    tertius(&call, b"").ok();
+    let whole = scratch.read("both.log");
+    let begin: f64 = whole[1..18].parse().expect("seconds");
+    let silent = |line: &&str| {
+        let t = line[1..18].parse::<f64>().expect("seconds") - begin;
+        (8.0..10.5).contains(&t) && line.contains(" can1 ") || (14.0..15.0).contains(&t)
+    };
+    let part: String = whole.split_inclusive('\n').filter(|line| !silent(line)).collect();
+    let log = scratch.write("part.log", part);
+    let run = tabulate(&log, TWO_BUSES, &folder, &[]).ok();
+
+    let (notices, told) = (rows(&folder, "notices"), lines(&run, "notice"));
+    assert_same(
+        &notices,
+        &told,
+        &["t", "notice", "seconds", "bus", "cylinder", "detector", "reason"],
+    );
+    let named = |name: &str| {
+        let of_name = notices.iter().filter(|row| row["notice"] == format!("\"{name}\""));
+        let cells = |row: &Row| {
+            let cell = |name: &str| row.get(name).cloned().unwrap_or_default();
+            [cell("bus"), cell("summary"), row["t"].split_once('.').expect("a point").0.to_owned()]
+        };
+        of_name.map(cells).collect::<Vec<_>>()
+    };
+    let second = "\"second\"".to_owned();
+    let words = "\"the second bus is silent: what it carries is unknown\"".to_owned();
+    assert_eq!(named("silence"), [[second.clone(), words, "8".to_owned()]]);
+    let words = "\"the second bus is heard again\"".to_owned();
+    assert_eq!(named("heard_again"), [[second, words, "10".to_owned()]]);
+    let [[bus, words, _]] = &named("gap")[..] else { panic!("one gap: {notices:?}") };
+    assert_eq!((bus.as_str(), words.as_str()), ("", "\"cycles again after 0.98 s without any\""));
 }
 
 /// The sum of a column.
@@ -432,9 +472,7 @@ fn the_shell_commands_of_a_plan_fold_a_machine() {
     let entry =
         format!("[[machine]]\nname = \"A 1\"\nconfig = {config:?}\nrecordings = [\"?.log\"]\n");
     let fleet = scratch.write("fleet.toml", entry);
-    let plan =
-        tertius_testing::support::tertius(&["fleet", "plan", &fleet, "--format", "shell"], b"")
-            .ok();
+    let plan = tertius(&["fleet", "plan", &fleet, "--format", "shell"], b"").ok();
     let output = scratch.path("results");
     let fold = || {
         let mut shell = Command::new("bash");

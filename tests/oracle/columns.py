@@ -19,7 +19,7 @@ import duckdb
 import pandas
 import polars
 
-TABLES = ["warnings", "incidents", "dwells", "minutes", "cylinders", "trends", "summaries"]
+TABLES = ["warnings", "incidents", "notices", "dwells", "minutes", "cylinders", "trends", "summaries"]
 TIMES = {"timestamp", "onset", "begin", "end", "peak_at", "minute"}
 
 
@@ -90,6 +90,8 @@ def expected(lines):
                     row[f"{name}_months_earliest"] = left.get("earliest")
                     row[f"{name}_months_latest"] = left.get("latest")
                 tables["trends"].append(row)
+        elif kind == "notice":
+            tables["notices"].append({**line, "timestamp": nanos(exact["timestamp"])})
         elif kind in ("warning", "incident"):
             line["timestamp"] = nanos(exact["timestamp"])
             if kind == "incident":

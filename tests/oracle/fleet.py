@@ -123,7 +123,7 @@ def main(program):
         differ = [name for name in one.keys() | other.keys() if one.get(name) != other.get(name)]
         assert not differ, differ
         tables = [name for name in one if name.startswith("columns/")]
-        assert len(tables) == 7 * 9, tables
+        assert len(tables) == 8 * 9, tables
         assert sum(name.endswith(".jsonl") for name in one) == 9, one
         count = f"select count(*) from '{folder}/serial/columns/dwells/*/*/*.parquet'"
         stops = duckdb.connect().execute(count).fetchone()[0]

@@ -40,6 +40,12 @@ YEAR = {
             case when now = 'closed' then timestamp end as "end",
             case when d < 8 then 'plausibility' else 'fde3' end as detectors, 'c2' as suspect, 2 as cylinder)""",
     "warnings": "select *",
+    # B's second bus is silent for 90 s on the third and the thirtieth day, and on the last one to the end; no other is. A's
+    # only bus is lost once.
+    "notices": """
+        select d, machine, timestamp + to_days(d::int) + to_seconds(later) as timestamp, later::double as t,
+            case machine when 'A' then 'interruption' else now end as notice, null::double as seconds,
+            case machine when 'B' then 'second' end as bus""",
     # C1 of B's cylinder 3 drifts from the thirtieth day on, as far as the stops know; its C2 does not.
     "trends": """
         select d, machine, begin + to_days(d::int) as begin, 3 as cylinder, transducer, 20 as dwells, 1.3e0 as months, 0.6e0 as moved_mm,
@@ -63,6 +69,11 @@ def of_the_year(real, folder):
         reports = ""
         if table == "incidents":
             reports = ", (values ('opened', 'yellow', 0), ('closed', 'red', 5)) as reports(now, high, later)"
+        if table == "notices":
+            reports = ", (values ('silence', 0), ('heard_again', 90)) as reports(now, later)"
+            source, times, plain = "(select make_timestamp(1700000000000000) as timestamp)", ["timestamp"], "timestamp as timestamp"
+            only = """where (machine = 'A' and d = 11 and later = 0)
+                or (machine = 'B' and (d in (3, 30) or (d = 39 and later = 0)))"""
         if table == "trends":
             source = "(select make_timestamp(1700000000000000) as begin, unnest(['c1', 'c2']) as transducer)"
             times, plain, only = ["begin"], "begin as begin", "where machine = 'B'"
@@ -110,7 +121,11 @@ def main(program):
         assert len(of_b) == 2 and "stands" not in text, months
         assert re.search(r"B 2 C2 20 ", text), "who is suspected again and again"
         assert "B 1 2023-11-21 22:13 the platform was never engaged" in text, text[-900:]
-    print("the page of a made year has its drift, its budget, its months and its reasons")
+        unheard = re.sub(r"\s+", " ", re.sub("<[^>]+>", " ", parts["What was not heard"]))
+        assert "B the second bus was silent while another was heard 3 180.0 1 2023-12-23 22:13" in unheard, unheard
+        assert "A the bus was lost 1 – – 2023-11-25 22:13" in unheard, unheard
+        assert len(re.findall("bus was", unheard)) == 2 and "gap" not in unheard, unheard
+    print("the page of a made year has its drift, its budget, its months, its silence and its reasons")
 
 
 if __name__ == "__main__":

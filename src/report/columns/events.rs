@@ -44,11 +44,11 @@ macro_rules! columns {
 }
 pub(super) use columns;
 
-type Word = Option<Cow<'static, str>>;
+pub(super) type Word = Option<Cow<'static, str>>;
 
 /// A name that is always there.
 #[expect(clippy::unnecessary_wraps, reason = "a cell may be null")]
-const fn word(name: &'static str) -> Word {
+pub(super) const fn word(name: &'static str) -> Word {
     Some(Cow::Borrowed(name))
 }
 

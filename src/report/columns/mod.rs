@@ -7,12 +7,14 @@ mod column;
 mod cylinders;
 mod events;
 mod minutes;
+mod notices;
 mod summary;
 
 pub use column::{ColumnTold, TableRow, encode, meaning_key, unit_key};
 pub use cylinders::{CylinderRow, StopTrendRow};
 pub use events::{DwellRow, IncidentRow, WarningRow};
 pub use minutes::{MinuteRow, Minutes};
+pub use notices::NoticeRow;
 pub use summary::{SummaryFacts, SummaryRow};
 
 use crate::time::{Span, Timestamp};
@@ -25,15 +27,17 @@ const UNNAMED: &str = "__HIVE_DEFAULT_PARTITION__";
 /// All columns of all tables.
 pub fn columns_told() -> Vec<ColumnTold> {
     let events = column::told::<WarningRow>().chain(column::told::<IncidentRow>());
-    let events = events.chain(column::told::<DwellRow>()).chain(column::told::<MinuteRow>());
+    let events = events.chain(column::told::<NoticeRow>()).chain(column::told::<DwellRow>());
+    let events = events.chain(column::told::<MinuteRow>());
     let summaries = column::told::<CylinderRow>().chain(column::told::<StopTrendRow>());
     events.chain(summaries).chain(column::told::<SummaryRow>()).collect()
 }
 
 /// Names of all tables.
-pub const TABLES: [&str; 7] = [
+pub const TABLES: [&str; 8] = [
     WarningRow::TABLE,
     IncidentRow::TABLE,
+    NoticeRow::TABLE,
     DwellRow::TABLE,
     MinuteRow::TABLE,
     CylinderRow::TABLE,

@@ -1,0 +1,118 @@
+//! Notices as rows: the fields of their lines of JSON, and what they say in words.
+
+use super::column::{Cells, TableColumn, TableRow};
+use super::events::{Word, columns, word};
+use super::seconds;
+use crate::monitor::Notice;
+use crate::report::device::EmergencyFields;
+use crate::report::notice::NoticeFields;
+use crate::report::wording;
+use crate::time::Timestamp;
+
+/// An event other than a warning: a gap, a bus that is silent or lost, an observer that starts anew.
+#[derive(Clone, Copy, Debug)]
+pub struct NoticeRow {
+    /// Time stamp of the first frame of all, from which seconds count.
+    pub begin: Timestamp,
+    pub notice: Notice,
+}
+
+impl NoticeRow {
+    fn fields(&self) -> NoticeFields {
+        NoticeFields::from(&self.notice)
+    }
+
+    fn emergency(&self) -> Option<EmergencyFields> {
+        self.fields().emergency
+    }
+
+    fn summary(&self) -> Word {
+        let [_, what] = wording::notice(self.begin, &self.notice);
+        Some(what.into())
+    }
+}
+
+impl TableRow for NoticeRow {
+    const TABLE: &'static str = "notices";
+
+    const COLUMNS: &'static [TableColumn<Self>] = columns! {
+        "timestamp", "ns since 1970, UTC", Time, "when it was", |it| Some(it.at());
+        "t", "s", Number, "the same since the first frame of all", |it| seconds(it.at().since(it.begin));
+        "notice", "", Text, "what it is, as in the lines of JSON", |it| word(it.fields().notice);
+        "seconds", "s", Number, "length of a gap; by how much the clock was set", |it| seconds(it.fields().seconds?);
+        "bus", "", Text, "of several: first, second, third, fourth", |it| word(it.fields().bus?);
+        "cylinder", "", Count, "from 1", |it| it.fields().cylinder.map(Into::into);
+        "detector", "", Text, "whose observer starts anew", |it| word(it.fields().detector?);
+        "reason", "", Text, "why: gap, diverged, time_jump, interruption", |it| word(it.fields().reason?);
+        "skew", "s", Number, "mean time by which C2 is sampled sooner than C1", |it| it.fields().skew;
+        "jitter", "s", Number, "standard deviation of its random part", |it| it.fields().jitter;
+        "device", "", Text, "c1, c2, valve", |it| word(it.fields().device?);
+        "node", "", Count, "CANopen node that said it", |it| it.fields().node.map(Into::into);
+        "state", "", Text, "which state it is in now", |it| word(it.fields().state?);
+        "code", "", Text, "error code of an emergency", |it| it.emergency().map(|it| it.code.into());
+        "words", "", Text, "the code in words", |it| word(it.emergency()?.words);
+        "register", "", Text, "error register", |it| it.emergency().map(|it| it.register.into());
+        "field", "", Text, "the maker's own bytes", |it| it.emergency().map(|it| it.field.into());
+        "summary", "", Text, "in words", |it| it.summary();
+    };
+
+    fn at(&self) -> Timestamp {
+        self.fields().at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::alarm::Detector;
+    use crate::frame::BusNumber;
+    use crate::observe::observer::Restart;
+    use crate::report::columns::column;
+    use crate::report::jsonl;
+    use crate::sample::DeviceRole;
+    use crate::sample::device::{DeviceNews, DeviceState};
+    use crate::sample::emergency::Emergency;
+    use crate::sequential::Apart;
+    use crate::time::Span;
+    use serde_json::{Map, Value};
+
+    /// All kinds of notices, some half a second apart.
+    fn notices(at: Timestamp) -> Vec<Notice> {
+        let second = BusNumber::ALL[1];
+        let reason = Restart::Diverged;
+        let apart = Apart { mean: 0.0021, spread: 0.0007, ..Apart::default() };
+        let emergency = Emergency { code: 0x8110, register: 0x11, detail: [1, 2, 3, 4, 0xFF] };
+        let device = |role, news| Notice::Device { at, cylinder: 2, role, node: 21, news };
+        vec![
+            Notice::Gap { at, length: Span::from_nanos(1_234_567_891) },
+            Notice::TimeJump { at, by: Span::from_nanos(-7_000_000_001) },
+            Notice::Interruption { at, bus: None },
+            Notice::Interruption { at, bus: Some(second) },
+            Notice::Silence { at, bus: second, silent: true },
+            Notice::Silence { at, bus: BusNumber::FIRST, silent: false },
+            Notice::Restart { at, cylinder: 3, detector: Detector::Fde2, reason },
+            Notice::Timing { at, apart: Some(apart) },
+            Notice::Timing { at, apart: None },
+            device(DeviceRole::C1, DeviceNews::State(DeviceState::Stopped)),
+            device(DeviceRole::Valve, DeviceNews::Network(emergency)),
+        ]
+    }
+
+    #[test]
+    fn rows_have_what_the_lines_have_and_say_it_in_words() {
+        let begin = Timestamp::from_nanos(1_700_000_000_000_000_001);
+        let at = begin.after(Span::from_nanos(500_000_000));
+        for notice in notices(at) {
+            let mut line = Vec::new();
+            jsonl::notice(&mut line, begin, &notice).expect("it is memory");
+            let mut line: Map<String, Value> = serde_json::from_slice(&line).expect("JSON");
+            line.remove("type");
+            line.insert("timestamp".to_owned(), at.as_nanos().into());
+            let row = NoticeRow { begin, notice };
+            let mut cells = column::cells(&row);
+            let words = cells.remove("summary").expect("words");
+            assert!(words.as_str().is_some_and(|it| it.len() > 10), "{words}");
+            assert_eq!(cells, line);
+        }
+    }
+}
