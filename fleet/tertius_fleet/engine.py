@@ -22,6 +22,10 @@ def planned(program, fleet, quick=False):
     return [json.loads(line) for line in ran.stdout.splitlines()]
 
 
+def counted(count, noun):
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 class Progress:
     """Says after each job how far the fleet is."""
 
@@ -37,8 +41,8 @@ class Progress:
         left = gone / self.done * (self.all - self.done)
         note = "" if done["judged"] else "; nothing was judged"
         print(
-            f"{self.done} of {self.all}: {job['machine']} {job['index']} of {job['of']}, "
-            f"{done['incidents']} incidents in {done['duration'] / 3600:.2f} h{note}; {left:.0f} s left",
+            f"{self.done} of {self.all}: {job['machine']}, {job['index']} of {job['of']}: "
+            f"{counted(done['incidents'], 'incident')} in {done['duration'] / 3600:.2f} h{note}; {left:.0f} s left",
             file=self.out,
         )
 

@@ -16,6 +16,9 @@ SURE = 4.0
 #: A number of incidents that chance brings more seldom is told.
 UNLIKELY = 0.01
 
+#: What is said of such a number.
+MORE = "more than chance allows"
+
 #: Hours of a mean year.
 YEAR = 8766.0
 
@@ -83,11 +86,11 @@ QUERIES = {
 }
 
 STYLE = """
-:root { color-scheme: light dark; } body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 72rem;
+:root { color-scheme: light dark; } body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 76rem;
 padding: 0 1rem; } h2 { margin-top: 2.2rem; } table { border-collapse: collapse; display: block; overflow-x: auto; }
-th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid color-mix(in srgb, currentColor 20%,
-transparent); white-space: nowrap; } th:first-child, td:first-child, .text { text-align: left; } .text { min-width: 16rem; white-space:
-normal; } p { max-width: 50rem; }
+th, td { padding: .25rem .55rem; text-align: right; border-bottom: 1px solid color-mix(in srgb, currentColor 20%,
+transparent); white-space: nowrap; } th { vertical-align: bottom; white-space: normal; } th:first-child, td:first-child, .text {
+text-align: left; } .text { min-width: 19rem; white-space: normal; } p { max-width: 50rem; }
 """
 
 
@@ -151,9 +154,9 @@ def verdict(machine, incidents):
     """What the number of incidents says of the machine's budget of false alarms."""
     expected = machine["hours"] / YEAR * machine["budget"]
     if incidents == 0:
-        return "none" if expected >= 3 else "none, in too short a time to confirm the budget"
+        return "none of residuals" if expected >= 3 else "none of residuals, in too short a time to confirm the budget"
     if chance(incidents, expected) < UNLIKELY:
-        return "more than chance allows: faults, or false alarms above the budget"
+        return f"{MORE}: faults, or false alarms above the budget"
     return "as many as the budget allows"
 
 
@@ -166,12 +169,15 @@ def overview(base):
         of_it = found.get(name, {"incidents": 0, "by_chance": 0})
         a_year = of_it["by_chance"] / it["hours"] * YEAR if it["hours"] else 0.0
         lines.append(
-            [name, it["recordings"], f"{it['hours']:.2f}", moment(it["since"]), of_it["incidents"], of_it["by_chance"],
-             f"{a_year:.1f}", f"{it['budget']:g}", verdict(it, of_it["by_chance"]), ", ".join(sorted(it["configurations"]))]
+            [name, verdict(it, of_it["by_chance"]), of_it["incidents"], of_it["by_chance"], f"{a_year:.1f}",
+             f"{it['budget']:g}", it["recordings"], f"{it['hours']:.2f}", f"{it['since']:%Y-%m-%d}",
+             ", ".join(sorted(it["configurations"]))]
         )
-    heads = ["machine", "recordings", "hours", "since (UTC)", "incidents", "of residuals", "of these a year",
-             "budget a year", "against it", "configuration"]
-    return table(heads, lines, (8, 9))
+    # What somebody has to look at comes first.
+    lines.sort(key=lambda line: not line[1].startswith(MORE))
+    heads = ["machine", "against the budget", "incidents", "of residuals", "of residuals, a year", "budget, a year",
+             "recordings", "hours", "since (UTC)", "configuration"]
+    return table(heads, lines, (1,))
 
 
 def drifts(base):
@@ -189,7 +195,7 @@ def drifts(base):
         for it in rows(base, "differences")
         if it["error"] is not None and abs(it["mm_per_month"]) > SURE * it["error"]
     ]
-    by_stops = table(["machine", "cylinder", "transducer", "dwells", "months", "moved, mm", "mm a month", "months left"], stops)
+    by_stops = table(["machine", "cylinder", "transducer", "dwells", "months", "moved, mm", "mm a month", "months to maintenance"], stops)
     by_days = table(["machine", "cylinder", "days", "first day, mm", "last day, mm", "mm a month"], days)
     none = "<p>None is further than four standard errors from standing still.</p>"
     return (
@@ -245,7 +251,7 @@ def page(base):
     parts = [
         ("Machines", "Nobody tells this page which incidents were true, so that the rate of those of residuals, which chance "
          "can bring, is at least that of false alarms. The budget is <code>sequential.false_alarms_per_year</code> of the "
-         "configuration.", overview(base)),
+         "configuration. Machines with more incidents than chance allows come first.", overview(base)),
         ("Transducers that drift", "", drifts(base)),
         ("Transducers that are suspected again and again", "", table(["machine", "cylinder", "transducer", "incidents", "newest (UTC)"], again) if again else nothing),
         ("Incidents by machine and month", "Each counts in the month of its begin.", table(["machine", "month", "incidents", "red or black"], months) if months else nothing),
