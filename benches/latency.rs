@@ -21,7 +21,7 @@ use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use tertius::config::{self, Loaded, design};
 use tertius::dbc::Database;
 use tertius::failure::Failure;
-use tertius::frame::{Frame, Id, Kind};
+use tertius::frame::{Buses, Frame, Id, Kind};
 use tertius::live::supervisor::{self, Opener};
 use tertius::monitor::{Monitor, MonitorDesign};
 use tertius::time::Timestamp;
@@ -96,7 +96,7 @@ impl Port for Paced {
         let given_up = Instant::now() + patience;
         wait(due.min(given_up));
         if due > given_up {
-            return Ok(Received { frames: 0, drained_at: Some(now()) });
+            return Ok(Received { frames: 0, drained_at: Some(now()), lost: Buses::NONE });
         }
         let frames = match self.last.take() {
             None => self.begin(take),
@@ -108,7 +108,7 @@ impl Port for Paced {
             }
         };
         self.counts.received += frames as u64;
-        Ok(Received { frames, drained_at: Some(now()) })
+        Ok(Received { frames, drained_at: Some(now()), lost: Buses::NONE })
     }
 
     fn send(&mut self, frame: &OwnFrame) -> Result<Sent, PortError> {

@@ -13,7 +13,7 @@ use tertius::appliance::telemetry::clock::SystemClock;
 use tertius::bus::{Port, PortCounts, PortError, Received, Sent, Stamps};
 use tertius::config::{self, design};
 use tertius::dbc::Database;
-use tertius::frame::Frame;
+use tertius::frame::{Buses, Frame};
 use tertius::live::gateway::{Journal, Silent};
 use tertius::monitor::{Estimates, Monitor, Record};
 use tertius::time::{Span, Timestamp};
@@ -41,7 +41,7 @@ impl Port for Tape<'_> {
         now.iter().for_each(take);
         self.counts.received += now.len() as u64;
         let drained_at: Option<Timestamp> = now.last().map(|frame| frame.timestamp);
-        Ok(Received { frames: now.len(), drained_at })
+        Ok(Received { frames: now.len(), drained_at, lost: Buses::NONE })
     }
 
     fn send(&mut self, _: &OwnFrame) -> Result<Sent, PortError> {
@@ -104,7 +104,7 @@ fn plan() -> FlightPlan {
         size: 1,
         machine: String::new(),
         fingerprints: loaded.fingerprints(),
-        interface: "can0".to_owned(),
+        interfaces: vec!["can0".to_owned()],
         files: Vec::new(),
         design: everything(&loaded).checksum(),
     }

@@ -75,7 +75,8 @@ impl Merge {
     /// Opens `paths`: files that begin with the same interface follow each other, and others run beside them. Frames are
     /// sorted that are out of order by less than `disorder`.
     ///
-    /// # Errors See [`Recording::open`].
+    /// # Errors
+    /// See [`Recording::open`].
     pub fn open<P: AsRef<Path>>(
         paths: &[P],
         options: &Options,

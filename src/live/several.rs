@@ -20,10 +20,13 @@ use crate::time::{Span, Timestamp};
 /// First and longest wait between two attempts to open an interface again.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(50), Duration::from_secs(2));
 
+/// The opener of each bus, anew whenever a port is opened.
+type Openers = dyn Fn() -> Vec<(BusNumber, Box<dyn Opener>)>;
+
 /// Opens the interfaces of several buses.
 pub struct SeveralOpener {
     /// The opener of each bus. It is taken by the port, and given back by none: a new port takes new ones.
-    openers: Box<dyn Fn() -> Vec<(BusNumber, Box<dyn Opener>)>>,
+    openers: Box<Openers>,
     guard: Span,
 }
 

@@ -47,8 +47,8 @@ fn a_recording_of_two_buses_is_read_from_one_file_or_two_in_any_order() {
     let of = |bus: &str| -> String {
         log.split_inclusive('\n').filter(|line| line.contains(bus)).collect()
     };
-    scratch.write("can0.log", &of(" can0 "));
-    scratch.write("can1.log", &of(" can1 "));
+    scratch.write("can0.log", of(" can0 "));
+    scratch.write("can1.log", of(" can1 "));
     for logs in [["can0.log", "can1.log"], ["can1.log", "can0.log"]] {
         assert_eq!(residuals(&scratch, CONFIG, &logs, &[]), expected, "{logs:?}");
     }
@@ -70,7 +70,7 @@ fn interfaces_of_other_names_are_mapped_to_the_buses() {
     let scratch = Scratch::new();
     let log = simulated(&scratch, CONFIG, "both.log");
     let expected = residuals(&scratch, CONFIG, &["both.log"], &[]);
-    scratch.write("renamed.log", &log.replace("can0", "vcan7").replace("can1", "vcan3"));
+    scratch.write("renamed.log", log.replace("can0", "vcan7").replace("can1", "vcan3"));
     let mapped = ["--interface", "first=vcan7,second=vcan3"];
     assert_eq!(residuals(&scratch, CONFIG, &["renamed.log"], &mapped), expected);
     let renamed = scratch.path("renamed.log");
@@ -88,7 +88,7 @@ fn a_fault_is_put_into_the_frames_of_its_bus() {
     let dbc = top().join("dbc/e-type.dbc");
     let text = text.replace("second:Cyl{n}_C2", "second:Cyl{n}_C1");
     let config = scratch
-        .write("alike.toml", &text.replace("../dbc/e-type.dbc", dbc.to_str().expect("a path")));
+        .write("alike.toml", text.replace("../dbc/e-type.dbc", dbc.to_str().expect("a path")));
     let healthy = scratch.path("healthy.log");
     let call = ["simulate", "--config", &config, "--duration", "20", "--output", &healthy];
     tertius(&call, b"").ok();
