@@ -61,7 +61,6 @@ pub(super) struct Merge {
     back: Span,
     /// A frame after the clock was set back, before which everything held back is given.
     set_back: Option<Frame>,
-    frame: Option<Frame>,
 }
 
 /// Files that follow each other.
@@ -96,12 +95,7 @@ impl Merge {
         };
         let lanes = lanes.into_iter().map(open).collect::<Result<_, SourceError>>()?;
         let back = Span::from_nanos(disorder.as_nanos().saturating_neg());
-        Ok(Self { lanes, sorter: Sorter::default(), back, set_back: None, frame: None })
-    }
-
-    pub fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError> {
-        self.frame = self.sorted()?;
-        Ok(self.frame.as_ref())
+        Ok(Self { lanes, sorter: Sorter::default(), back, set_back: None })
     }
 
     /// Statistics of all files together.
@@ -117,7 +111,7 @@ impl Merge {
     }
 
     /// The next frame of all.
-    fn sorted(&mut self) -> Result<Option<Frame>, SourceError> {
+    pub fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         loop {
             if self.set_back.is_some() {
                 match self.sorter.take_any() {

@@ -210,7 +210,7 @@ impl Recording {
             return Ok(Step::Frame);
         }
         if self.input.is_none() {
-            let Some(place) = self.places.pop_front() else { return self.end() };
+            let Some(place) = self.places.pop_front() else { return self.merged_or_end() };
             self.input = Some(place.open()?);
         }
         let Some((_, reader)) = &mut self.reader else { return Ok(self.recognise()) };
@@ -281,6 +281,14 @@ impl Recording {
                 Ok(Step::On)
             }
         }
+    }
+
+    /// Takes the next frame of several buses, of which this recording has no bytes of its own, or ends.
+    fn merged_or_end(&mut self) -> Result<Step, SourceError> {
+        let Some(merge) = &mut self.merge else { return self.end() };
+        let Some(frame) = merge.next_frame()? else { return Ok(Step::End) };
+        self.frame = frame;
+        Ok(Step::Frame)
     }
 
     /// Handles the end of the last input.
@@ -355,11 +363,6 @@ impl Recording {
         Step::On
     }
 
-    #[inline(never)]
-    fn next_merged(&mut self) -> Result<Option<&Frame>, SourceError> {
-        self.merge.as_mut().map_or(Ok(None), |merge| merge.next_frame())
-    }
-
     fn end_input(&mut self) -> Step {
         if let Some((input, (format, _))) = self.input.take().zip(self.reader.take()) {
             self.consumed_before += input.consumed();
@@ -385,9 +388,6 @@ impl Source for Recording {
     // Inlined: a call by itself costs a sixth of reading a line.
     #[inline(always)]
     fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError> {
-        if self.merge.is_some() {
-            return self.next_merged();
-        }
         Ok(if self.advance()? { Some(&self.frame) } else { None })
     }
 }

@@ -5,13 +5,20 @@ use core::fmt;
 
 /// A bus of the machine. Nearly all machines have one, [`Self::FIRST`]; it is also the one on which the gateway sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BusNumber(u8);
+#[repr(u8)]
+pub enum BusNumber {
+    #[default]
+    First,
+    Second,
+    Third,
+    Fourth,
+}
 
 impl BusNumber {
-    pub const FIRST: Self = Self(0);
+    pub const FIRST: Self = Self::First;
 
     /// All buses that a machine may have.
-    pub const ALL: [Self; 4] = [Self(0), Self(1), Self(2), Self(3)];
+    pub const ALL: [Self; 4] = [Self::First, Self::Second, Self::Third, Self::Fourth];
 
     /// Names in the configuration and in reports, by number.
     pub const NAMES: [&str; Self::ALL.len()] = ["first", "second", "third", "fourth"];
@@ -19,7 +26,7 @@ impl BusNumber {
     /// Number of the bus among [`Self::ALL`], from 0.
     #[inline]
     pub const fn index(self) -> usize {
-        self.0 as usize
+        self as usize
     }
 }
 
@@ -32,32 +39,32 @@ impl fmt::Display for BusNumber {
 /// A set of buses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Buses {
-    /// A bit for each of [`BusNumber::ALL`].
-    bits: u8,
+    /// Whether each of [`BusNumber::ALL`] is one of the set. Bytes, since one is written for every frame.
+    are: [bool; BusNumber::ALL.len()],
 }
 
-whole! { Buses { bits } }
+whole! { Buses { are } }
 
 impl Buses {
-    pub const NONE: Self = Self { bits: 0 };
+    pub const NONE: Self = Self { are: [false; BusNumber::ALL.len()] };
 
     #[inline(always)]
     pub const fn insert(&mut self, bus: BusNumber) {
-        self.bits |= 1 << bus.0;
+        self.are[bus.index()] = true;
     }
 
     pub const fn remove(&mut self, bus: BusNumber) {
-        self.bits &= !(1 << bus.0);
+        self.are[bus.index()] = false;
     }
 
     #[inline(always)]
     pub const fn has(self, bus: BusNumber) -> bool {
-        self.bits & 1 << bus.0 != 0
+        self.are[bus.index()]
     }
 
     #[inline(always)]
-    pub const fn is_empty(self) -> bool {
-        self.bits == 0
+    pub fn is_empty(self) -> bool {
+        self == Self::NONE
     }
 
     /// The buses of the set, in their order.
@@ -78,7 +85,7 @@ impl Stateful for BusNumber {
     const SHAPE: u64 = shape_of_name("BusNumber");
 
     fn save(&self, into: &mut StateWriter) {
-        self.0.save(into);
+        (*self as u8).save(into);
     }
 
     fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {

@@ -3,6 +3,7 @@
 use crate::decode::SignalPlan;
 use crate::frame::{BusNumber, Id};
 use crate::sample::{DeviceRole, Field, Transducer};
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -147,25 +148,24 @@ const NONE: u16 = u16::MAX;
 /// Number of standard identifiers of a bus.
 const IDENTIFIERS: usize = Id::STANDARD_MAX as usize + 1;
 
-/// Place of a standard identifier among those of all buses.
-#[inline(always)]
-const fn place_of(bus: BusNumber, id: Id) -> usize {
-    bus.index() * IDENTIFIERS + id.value() as usize
-}
-
 /// All messages that the monitor uses; standard identifiers are found without a search. Each bus has identifiers of its
 /// own.
 #[derive(Clone, Debug)]
 pub struct Subscriptions {
     all: Vec<Subscription>,
-    /// Places of the standard identifiers of each bus up to the last that has any.
-    standard: Vec<u16>,
+    /// Places of the standard identifiers of each bus: all of them, so that none has to be looked for, nor a length
+    /// compared.
+    standard: Box<[[u16; IDENTIFIERS]; BusNumber::ALL.len()]>,
     extended: Vec<((BusNumber, Id), u16)>,
 }
 
 impl Subscriptions {
     pub fn new() -> Self {
-        Self { all: Vec::new(), standard: vec![NONE; IDENTIFIERS], extended: vec![] }
+        Self {
+            all: Vec::new(),
+            standard: Box::new([[NONE; IDENTIFIERS]; BusNumber::ALL.len()]),
+            extended: vec![],
+        }
     }
 
     /// The message `id` of `bus`, which is added if it is new.
@@ -181,7 +181,7 @@ impl Subscriptions {
             let found = self.extended.binary_search_by_key(&(bus, id), |(key, _)| *key).ok()?;
             self.extended[found].1
         } else {
-            *self.standard.get(place_of(bus, id))?
+            self.standard[bus.index()][id.value() as usize % IDENTIFIERS]
         };
         (place != NONE).then_some(usize::from(place))
     }
@@ -209,9 +209,7 @@ impl Subscriptions {
             let at = self.extended.partition_point(|(known, _)| *known < (bus, id));
             self.extended.insert(at, ((bus, id), short));
         } else {
-            let identifiers = (bus.index() + 1) * IDENTIFIERS;
-            self.standard.resize(self.standard.len().max(identifiers), NONE);
-            self.standard[place_of(bus, id)] = short;
+            self.standard[bus.index()][id.value() as usize] = short;
         }
         self.all.push(Subscription {
             bus,
