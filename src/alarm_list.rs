@@ -152,7 +152,8 @@ impl Alarm {
 
     /// Takes what a person does at `now`.
     ///
-    /// # Errors The act means nothing in this state.
+    /// # Errors
+    /// The act means nothing in this state.
     pub fn act(self, act: ActKind, now: Timestamp) -> Result<Self, ActRefusal> {
         match act {
             ActKind::Acknowledge if self.standing.acknowledged => Err(ActRefusal::Acknowledged),

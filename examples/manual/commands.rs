@@ -43,7 +43,8 @@ const EXITS: [(&str, &str); 3] = [
 
 /// The page of the program, and one of each command.
 ///
-/// # Errors Never: they are written into memory.
+/// # Errors
+/// Never: they are written into memory.
 pub fn pages() -> io::Result<Vec<Document>> {
     let mut program = program();
     program.build();

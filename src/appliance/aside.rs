@@ -10,7 +10,8 @@ pub(super) const ASIDE: usize = 8;
 
 /// Renames the file `target`, and returns the new name.
 ///
-/// # Errors The file cannot be renamed, or many have already been set aside; it then stays where it is.
+/// # Errors
+/// The file cannot be renamed, or many have already been set aside; it then stays where it is.
 pub(super) fn set_aside(target: &Path) -> io::Result<PathBuf> {
     let names = (1..=ASIDE).map(|n| beside(target, &format!(".aside-{n}")));
     let mut free = names.filter(|name| fs::symlink_metadata(name).is_err());

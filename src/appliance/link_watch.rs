@@ -27,7 +27,8 @@ impl LinkWatch {
     /// Starts the checks as soon as an interface is named. `seen` gets each state, `None` where
     /// there is no such interface; changes are logged.
     ///
-    /// # Errors No thread can be started.
+    /// # Errors
+    /// No thread can be started.
     pub fn start(seen: impl FnMut(Option<&LinkState>) + Send + 'static) -> std::io::Result<Self> {
         let (names, named) = sync_channel(WAITING);
         let builder = std::thread::Builder::new().name("link".to_owned());

@@ -44,7 +44,8 @@ impl From<LogError> for Failure {
 /// Starts the log on standard error or in the journal. A worker writes it, so that the data path
 /// never waits for its reader. The log ends with the guard.
 ///
-/// # Errors A log already exists, or there is no journal.
+/// # Errors
+/// A log already exists, or there is no journal.
 pub fn start(format: LogFormat) -> Result<WorkerGuard, LogError> {
     if format == LogFormat::Journal {
         let journal = JournalWriter::new(Path::new(SOCKET)).map_err(LogError::NoJournal)?;

@@ -49,7 +49,8 @@ pub fn apply(wanted: Realtime) {
 
 /// Locks all memory, present and future.
 ///
-/// # Errors RLIMIT_MEMLOCK is too small and CAP_IPC_LOCK is missing.
+/// # Errors
+/// RLIMIT_MEMLOCK is too small and CAP_IPC_LOCK is missing.
 pub fn lock_memory() -> Result<(), Refused> {
     mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE)
         .map_err(|errno| Refused::Memory { errno })
@@ -57,7 +58,8 @@ pub fn lock_memory() -> Result<(), Refused> {
 
 /// Sets SCHED_FIFO for the calling thread.
 ///
-/// # Errors RLIMIT_RTPRIO is too small and CAP_SYS_NICE is missing.
+/// # Errors
+/// RLIMIT_RTPRIO is too small and CAP_SYS_NICE is missing.
 pub fn set_priority(priority: u8) -> Result<(), Refused> {
     let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     let value = ThreadPriorityValue::try_from(priority);

@@ -90,7 +90,8 @@ pub struct Appliance {
 impl Appliance {
     /// Catches the signals; `prepare` reads the configuration again.
     ///
-    /// # Errors A signal cannot be caught.
+    /// # Errors
+    /// A signal cannot be caught.
     pub fn new(prepare: Prepare) -> io::Result<Self> {
         let (stop, reload) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         for signal in [SIGTERM, SIGINT] {

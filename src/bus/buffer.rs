@@ -71,7 +71,8 @@ impl Buffer {
 
     /// Reads once from `input`. After an error the input counts as ended.
     ///
-    /// # Errors The input's errors, except that it was interrupted.
+    /// # Errors
+    /// The input's errors, except that it was interrupted.
     pub fn fill(&mut self, input: &mut Input) -> io::Result<()> {
         if self.bytes.len() - self.end < LEAST_READ {
             self.bytes.copy_within(self.start..self.end, 0);

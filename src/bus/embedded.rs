@@ -114,7 +114,8 @@ impl EmbeddedBus {
     /// Connects to the bus. `capacity` frames may wait to be received; those beyond are dropped and
     /// counted.
     ///
-    /// # Errors The bus is down or gone.
+    /// # Errors
+    /// The bus is down or gone.
     pub fn open(&self, identifiers: &Identifiers, capacity: usize) -> Result<Endpoint, PortError> {
         let mut wires = self.0.lock();
         if let Some(error) = error_of(wires.state) {
@@ -136,7 +137,8 @@ impl EmbeddedBus {
 
     /// Connects as [`Self::open`] does, for an endpoint that may send any frame.
     ///
-    /// # Errors See [`Self::open`].
+    /// # Errors
+    /// See [`Self::open`].
     pub fn open_unrestricted(
         &self,
         identifiers: &Identifiers,

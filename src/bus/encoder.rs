@@ -7,7 +7,8 @@ use crate::frame::Frame;
 pub trait FrameEncoder: Send {
     /// Appends a frame of the interface to `bytes`; `interface` is of printable ASCII, without blanks.
     ///
-    /// # Errors Why the format cannot have this frame. It is left out then, and others may follow.
+    /// # Errors
+    /// Why the format cannot have this frame. It is left out then, and others may follow.
     fn add(&mut self, interface: &str, frame: &Frame, bytes: &mut Vec<u8>)
     -> Result<(), Unsayable>;
 

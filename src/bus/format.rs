@@ -124,7 +124,8 @@ pub struct CutLine<'a> {
 impl<'a> Unread<'a> {
     /// The next line, for formats of lines.
     ///
-    /// # Errors What to return from [`Reader::read`] where there is no whole line.
+    /// # Errors
+    /// What to return from [`Reader::read`] where there is no whole line.
     pub fn line(self) -> Result<CutLine<'a>, Item<'a>> {
         let head = &self.bytes[..self.bytes.len().min(MAX_LINE + 1)];
         match memchr::memchr(b'\n', head) {

@@ -24,7 +24,8 @@ impl ListeningPort {
 
     /// Waits for frames and passes them to `take`; see [`Port::receive`].
     ///
-    /// # Errors See [`Port::receive`].
+    /// # Errors
+    /// See [`Port::receive`].
     pub fn receive(
         &mut self,
         patience: Duration,

@@ -23,7 +23,8 @@ const LISTED: usize = 16;
 /// Refuses recordings one of which begins before one that is named ahead of it. Only files are
 /// examined, and time stamps with an origin of their own are ignored.
 ///
-/// # Errors The two recordings, and the right order.
+/// # Errors
+/// The two recordings, and the right order.
 pub fn check(places: &[&InputPlace], interfaces: &Interfaces) -> Result<(), SourceError> {
     if places.len() < 2 {
         return Ok(());

@@ -27,7 +27,8 @@ pub trait Port {
     /// work gets its turn. A signal ends the waiting early. Calls are cheapest with the same
     /// patience each time.
     ///
-    /// # Errors Once the interface is down or gone, and everything before has been taken, this port
+    /// # Errors
+    /// Once the interface is down or gone, and everything before has been taken, this port
     /// is finished: every call returns the error, and the port has to be opened again. After
     /// [`PortError::Io`] it may be called again.
     fn receive(
@@ -38,7 +39,8 @@ pub trait Port {
 
     /// Hands a frame to the interface without waiting. Its time stamp is not used.
     ///
-    /// # Errors See [`Self::receive`]. A queue without room is not an error but [`Sent::Full`].
+    /// # Errors
+    /// See [`Self::receive`]. A queue without room is not an error but [`Sent::Full`].
     fn send(&mut self, frame: &OwnFrame) -> Result<Sent, PortError>;
 
     /// Counts of this port since it was opened.

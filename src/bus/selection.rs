@@ -103,7 +103,8 @@ impl Selection {
 
     /// Decides on the next frame, which is of the interface `name`.
     ///
-    /// # Errors This frame makes the selection [`Ambiguous`].
+    /// # Errors
+    /// This frame makes the selection [`Ambiguous`].
     pub fn judge(&mut self, name: &[u8]) -> Result<Selected, Ambiguous> {
         if let Some(wanted) = self.known(name) {
             return Ok(if wanted { Selected::Wanted } else { Selected::Other });
@@ -129,7 +130,8 @@ impl Selection {
 
     /// Decides, since no frame follows that could change the answer.
     ///
-    /// # Errors No interface is clearly meant.
+    /// # Errors
+    /// No interface is clearly meant.
     pub fn decide(&mut self) -> Result<(), Ambiguous> {
         if self.several && !self.is_decided() {
             return Err(Ambiguous);

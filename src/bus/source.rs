@@ -9,7 +9,8 @@ use crate::time::Timestamp;
 pub trait Source {
     /// Returns the next frame, valid until the next call; `Ok(None)` is the end.
     ///
-    /// # Errors Whatever prevents the source from continuing. A damaged recording and a line that
+    /// # Errors
+    /// Whatever prevents the source from continuing. A damaged recording and a line that
     /// is not a frame do not: they are counted and the source continues.
     fn next_frame(&mut self) -> Result<Option<&Frame>, SourceError>;
 }

@@ -10,7 +10,8 @@ use crate::frame::Frame;
 pub trait UnrestrictedPort: Port {
     /// Hands any frame to the interface, like [`Port::send`].
     ///
-    /// # Errors See [`Port::send`]; also [`PortError::Io`] where no bus can carry the frame.
+    /// # Errors
+    /// See [`Port::send`]; also [`PortError::Io`] where no bus can carry the frame.
     fn send_unrestricted(&mut self, frame: &Frame) -> Result<Sent, PortError>;
 }
 

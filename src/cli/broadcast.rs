@@ -51,7 +51,8 @@ struct Counts {
 impl Broadcast<Unrestricted<SocketPort>> {
     /// Opens `name`, and catches SIGINT and SIGTERM from then on.
     ///
-    /// # Errors An interface that cannot send, or one of a real bus without permission.
+    /// # Errors
+    /// An interface that cannot send, or one of a real bus without permission.
     pub fn open(name: &str, pace: Pace, real_bus: bool) -> Result<Self, Failure> {
         let nothing = Options { identifiers: Identifiers::Only(vec![]), ..Options::default() };
         let port = Unrestricted::<SocketPort>::open(name, &nothing)
@@ -81,7 +82,8 @@ impl<P: UnrestrictedPort> Broadcast<P> {
 
     /// Sends the next frame when its time has come; returns `false` if it must stop instead.
     ///
-    /// # Errors The interface no longer carries frames.
+    /// # Errors
+    /// The interface no longer carries frames.
     pub fn send(&mut self, frame: &Frame) -> Result<bool, Failure> {
         Ok(self.await_time(frame.timestamp) && self.hand_over(frame)?)
     }

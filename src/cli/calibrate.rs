@@ -57,7 +57,8 @@ pub struct Calibrate {
 impl Calibrate {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or cylinders that were refused.
+    /// # Errors
+    /// A wrong call or file, or cylinders that were refused.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let outputs = [&self.output, &self.report];

@@ -34,7 +34,8 @@ pub struct Check {
 impl Check {
     /// Runs the command.
     ///
-    /// # Errors Every error in the configuration and its DBC.
+    /// # Errors
+    /// Every error in the configuration and its DBC.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let text = describe(&machine);

@@ -69,7 +69,8 @@ impl<R> Default for DayRows<R> {
 impl ColumnFolder {
     /// The tables of `machine` below `folder`, which is made where it is missing. None of the `inputs` is written over.
     ///
-    /// # Errors The folder cannot be made.
+    /// # Errors
+    /// The folder cannot be made.
     pub fn create(
         folder: &Path,
         machine: &str,
@@ -105,7 +106,8 @@ impl ColumnFolder {
 
     /// Takes a cylinder's cycle.
     ///
-    /// # Errors A file cannot be written, as all that follow.
+    /// # Errors
+    /// A file cannot be written, as all that follow.
     pub fn record(&mut self, record: &Record) -> Result<(), Failure> {
         let over = self.gathering.take(record);
         over.map_or(Ok(()), |minute| self.minutes.take(minute, &mut self.files))
@@ -113,7 +115,8 @@ impl ColumnFolder {
 
     /// Takes a warning.
     ///
-    /// # Errors See [`Self::record`].
+    /// # Errors
+    /// See [`Self::record`].
     pub fn warning(&mut self, warning: &Warning) -> Result<(), Failure> {
         let row = WarningRow { begin: self.begin, warning: *warning };
         self.warnings.take(row, &mut self.files)
@@ -121,7 +124,8 @@ impl ColumnFolder {
 
     /// Takes a report of an incident.
     ///
-    /// # Errors See [`Self::record`].
+    /// # Errors
+    /// See [`Self::record`].
     pub fn incident(&mut self, incident: &Incident) -> Result<(), Failure> {
         let row = IncidentRow { begin: self.begin, incident: *incident };
         self.incidents.take(row, &mut self.files)
@@ -129,7 +133,8 @@ impl ColumnFolder {
 
     /// Takes a notice.
     ///
-    /// # Errors See [`Self::record`].
+    /// # Errors
+    /// See [`Self::record`].
     pub fn notice(&mut self, notice: &Notice) -> Result<(), Failure> {
         let row = NoticeRow { begin: self.begin, notice: *notice };
         self.notices.take(row, &mut self.files)
@@ -137,7 +142,8 @@ impl ColumnFolder {
 
     /// Takes the dwell of a rod on its stop.
     ///
-    /// # Errors See [`Self::record`].
+    /// # Errors
+    /// See [`Self::record`].
     pub fn dwell(&mut self, cylinder: u8, dwell: &Dwell) -> Result<(), Failure> {
         let row = DwellRow { begin: self.begin, cylinder, dwell: *dwell };
         self.dwells.take(row, &mut self.files)
@@ -146,7 +152,8 @@ impl ColumnFolder {
     /// Writes what is left with the `summary` of the `recordings`, and puts all files in their places. What an earlier
     /// replay of the same recording has left on other days is deleted. Of a recording without a frame there is nothing.
     ///
-    /// # Errors A file cannot be written.
+    /// # Errors
+    /// A file cannot be written.
     pub fn finish(
         self,
         summary: &Summary<'_>,

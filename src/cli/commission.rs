@@ -61,7 +61,8 @@ pub struct Commission {
 impl Commission {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or a machine or cylinder that is not fit for use.
+    /// # Errors
+    /// A wrong call or file, or a machine or cylinder that is not fit for use.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         surveyed.damage().map_err(|damage| {

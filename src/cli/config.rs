@@ -28,7 +28,8 @@ pub struct Config {
 impl Config {
     /// Runs the command.
     ///
-    /// # Errors Standard output cannot be written.
+    /// # Errors
+    /// Standard output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let text = match (self.schema, self.defaults) {
             (true, _) => json_schema(),

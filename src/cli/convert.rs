@@ -66,7 +66,8 @@ fn words() -> Vec<&'static str> {
 impl Convert {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, a recording without a frame, or an output that cannot be written.
+    /// # Errors
+    /// A wrong call or file, a recording without a frame, or an output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let (format, packing) = self.wanted()?;
         let options = Options { time_stamps: self.time_stamps.into(), ..Options::default() };

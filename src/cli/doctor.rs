@@ -63,7 +63,8 @@ struct Report<'a> {
 impl Doctor {
     /// Runs the command.
     ///
-    /// # Errors A wrong configuration, or a check that failed.
+    /// # Errors
+    /// A wrong configuration, or a check that failed.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let wanted = wanted(&machine, &self.config);

@@ -36,7 +36,8 @@ const MARK: Mark = Mark::Parts(&["[FileInfo]", "CreatedBy=tertius eds"]);
 impl Eds {
     /// Runs the command.
     ///
-    /// # Errors A wrong configuration, or one without a node; an output that cannot be written.
+    /// # Errors
+    /// A wrong configuration, or one without a node; an output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let design = node::design(&machine).ok_or_else(|| {

@@ -159,7 +159,8 @@ const WAITING: usize = 64;
 impl Evaluate {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or output that cannot be written.
+    /// # Errors
+    /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let tables = plant::tables(self.plant.as_deref())?;
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;

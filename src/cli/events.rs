@@ -58,7 +58,8 @@ enum Format {
 impl Events {
     /// Runs the command.
     ///
-    /// # Errors A wrong configuration, or one without a store; a store that cannot be read.
+    /// # Errors
+    /// A wrong configuration, or one without a store; a store that cannot be read.
     pub fn run(self) -> Result<(), Failure> {
         let loaded = config::load_with(&self.config, &self.set.overrides()?)?;
         let Some(path) = loaded.store_path else {

@@ -59,7 +59,8 @@ impl FaultOptions {
 
 /// Finds the signals of the faults.
 ///
-/// # Errors The first fault that cannot be placed on the machine.
+/// # Errors
+/// The first fault that cannot be placed on the machine.
 pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Failure> {
     let placed = faults.iter().map(|named| {
         place(&named.fault, &machine.loaded.settings, &machine.database)
@@ -70,7 +71,8 @@ pub fn place_all(faults: &[Named], machine: &Machine) -> Result<Vec<Placed>, Fai
 
 /// Checks that the machine has the cylinders of faults that are its own.
 ///
-/// # Errors The first fault of a cylinder that it does not have.
+/// # Errors
+/// The first fault of a cylinder that it does not have.
 pub fn on_the_machine(faults: &[Named], cylinders: u8) -> Result<(), Failure> {
     let stranger = faults.iter().find(|named| !(1..=cylinders).contains(&named.fault.cylinder));
     stranger.map_or(Ok(()), |named| {

@@ -78,7 +78,8 @@ impl Inputs {
     /// Claims the outputs of a call, each with its mark, in the order given. Existing files are not
     /// touched before an output is finished.
     ///
-    /// # Errors An output, or the file that a shell has redirected standard output to, is an input;
+    /// # Errors
+    /// An output, or the file that a shell has redirected standard output to, is an input;
     /// two outputs are the same; or one exists and must not be overwritten, or cannot be written.
     pub fn claim<const N: usize>(
         &self,
@@ -206,7 +207,8 @@ impl Claimed {
 
     /// Writes `text` as the whole output.
     ///
-    /// # Errors The output cannot be written; the previous file then remains.
+    /// # Errors
+    /// The output cannot be written; the previous file then remains.
     pub fn write(self, text: &str) -> Result<(), Failure> {
         let mut writer = self.open()?;
         writer.put(text.as_bytes())?;
@@ -227,7 +229,8 @@ pub struct Writer {
 impl Writer {
     /// Writes all of `bytes`.
     ///
-    /// # Errors The output cannot be written.
+    /// # Errors
+    /// The output cannot be written.
     pub fn put(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         self.file.write_all(bytes).map_err(|error| Failure::writing(&self.name, &error))
     }
@@ -235,7 +238,8 @@ impl Writer {
     /// Writes `head` over the first bytes of a file, after everything else. What has gone to a pipe, a device or a
     /// file that a shell has opened stays as it is.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn replace_head(&mut self, head: &[u8]) -> io::Result<()> {
         if self.target.is_some() {
             self.file.seek(SeekFrom::Start(0))?;
@@ -246,7 +250,8 @@ impl Writer {
 
     /// Finishes as [`Self::finish`] does, for the command line.
     ///
-    /// # Errors See [`Self::finish`].
+    /// # Errors
+    /// See [`Self::finish`].
     pub fn close(self) -> Result<(), Failure> {
         let name = self.name.clone();
         self.finish().map_err(|error| Failure::writing(&name, &error))
@@ -254,14 +259,16 @@ impl Writer {
 
     /// Flushes the buffer, and puts the file in its place.
     ///
-    /// # Errors The output cannot be written; the previous file then remains.
+    /// # Errors
+    /// The output cannot be written; the previous file then remains.
     pub fn finish(self) -> io::Result<()> {
         self.settle()?.place()
     }
 
     /// Flushes the buffer and closes the file, which takes its place later, with others.
     ///
-    /// # Errors The output cannot be written; the previous file then remains.
+    /// # Errors
+    /// The output cannot be written; the previous file then remains.
     pub fn settle(mut self) -> io::Result<Settled> {
         self.file.flush()?;
         Ok(Settled(self.target))
@@ -275,7 +282,8 @@ pub struct Settled(Option<(TempPath, PathBuf)>);
 impl Settled {
     /// Puts the file in its place.
     ///
-    /// # Errors It cannot be put there; the previous file then remains.
+    /// # Errors
+    /// It cannot be put there; the previous file then remains.
     pub fn place(self) -> io::Result<()> {
         self.0.map_or(Ok(()), |(temporary, path)| Ok(temporary.persist(path)?))
     }

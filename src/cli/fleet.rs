@@ -60,7 +60,8 @@ enum PlanFormat {
 impl Fleet {
     /// Runs the command.
     ///
-    /// # Errors A wrong FLEET.toml, configuration or recording.
+    /// # Errors
+    /// A wrong FLEET.toml, configuration or recording.
     pub fn run(self) -> Result<(), Failure> {
         let FleetAction::Plan = self.action;
         let roster = Roster::read(&self.fleet)?;

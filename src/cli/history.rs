@@ -17,7 +17,8 @@ pub struct History {
 impl History {
     /// The history of `machine` in `path`, empty if the file does not exist.
     ///
-    /// # Errors The file is something else, which stays untouched; or nothing is read on the stops
+    /// # Errors
+    /// The file is something else, which stays untouched; or nothing is read on the stops
     /// of this machine.
     pub fn read(path: &Path, machine: &Machine) -> Result<Self, Failure> {
         if let Some(lack) = lack(machine) {
@@ -42,7 +43,8 @@ impl History {
 
     /// Writes the history with what `monitor` has read since.
     ///
-    /// # Errors The file cannot be written; the previous one then remains.
+    /// # Errors
+    /// The file cannot be written; the previous one then remains.
     pub fn write(mut self, monitor: &Monitor) -> Result<(), Failure> {
         monitor.save(&mut self.archive);
         let path = self.file.path().display().to_string();

@@ -83,7 +83,8 @@ fn supply(text: &str) -> Result<f64, String> {
 impl Identify {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or cylinders that were refused.
+    /// # Errors
+    /// A wrong call or file, or cylinders that were refused.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
         let cylinders = surveyed.machine.loaded.settings.machine.cylinders;

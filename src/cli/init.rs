@@ -68,7 +68,8 @@ pub struct Init {
 impl Init {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file; no pair of transducers with a command; nobody to ask.
+    /// # Errors
+    /// A wrong call or file; no pair of transducers with a command; nobody to ask.
     pub fn run(self) -> Result<(), Failure> {
         let asks = !self.yes && std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
         let claimed = self.claim()?;

@@ -97,7 +97,8 @@ const STRIDE: u64 = 1 << 16;
 impl Inject {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or output that cannot be written.
+    /// # Errors
+    /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let faults = self.faults.read()?;
         if faults.is_empty() {

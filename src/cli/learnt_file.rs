@@ -30,7 +30,8 @@ impl LearntFile {
     /// Reads what is kept of the machine with these `seals`, all of them or only those of a
     /// calibration; `None` where there is no file yet.
     ///
-    /// # Errors The file belongs to other tables, or is something else; it stays untouched.
+    /// # Errors
+    /// The file belongs to other tables, or is something else; it stays untouched.
     pub fn read(&self, seals: &Seals, all: bool) -> Result<Option<Learnt>, Failure> {
         let agrees = |learnt: &Learnt| learnt.seals.agree(seals, all);
         let there = read(&self.0).map_err(|error| self.unreadable(&error))?;
@@ -64,7 +65,8 @@ impl LearntFile {
 
     /// Checks that the file may be started again.
     ///
-    /// # Errors The file is something else, which must not be overwritten.
+    /// # Errors
+    /// The file is something else, which must not be overwritten.
     pub fn is_ours(&self) -> Result<(), Failure> {
         match read(&self.0).map_err(|error| self.unreadable(&error))? {
             Some(Err(refusal @ Refusal::Foreign)) => Err(self.wrong(&refusal)),
@@ -74,7 +76,8 @@ impl LearntFile {
 
     /// Writes the file beside the present one.
     ///
-    /// # Errors The file cannot be written; nothing has changed then.
+    /// # Errors
+    /// The file cannot be written; nothing has changed then.
     pub fn prepare(self, learnt: &Learnt) -> Result<Prepared, Failure> {
         let path = self.new_path();
         put(&path, &learnt.to_bytes())
@@ -102,7 +105,8 @@ impl LearntFile {
 impl Prepared {
     /// Puts the file in its place.
     ///
-    /// # Errors The file cannot be renamed; the next run finds it beside.
+    /// # Errors
+    /// The file cannot be renamed; the next run finds it beside.
     pub fn settle(self) -> Result<(), Failure> {
         let Self(file) = self;
         let settled = fs::rename(file.new_path(), &file.0)

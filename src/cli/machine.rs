@@ -37,7 +37,8 @@ pub struct Machine {
 impl Machine {
     /// Loads the configuration `path` with `overrides` in force, and its DBC.
     ///
-    /// # Errors Every error in either.
+    /// # Errors
+    /// Every error in either.
     pub fn load(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
         Self::new(config::load_with(path, overrides)?, design::judging)
     }
@@ -45,7 +46,8 @@ impl Machine {
     /// Loads a machine for a command that judges nothing: model and tables may be of another sample
     /// time.
     ///
-    /// # Errors See [`Self::load`], except for sample times.
+    /// # Errors
+    /// See [`Self::load`], except for sample times.
     pub fn load_unjudging(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
         Self::new(config::load_with(path, overrides)?, design::unjudging)
     }
@@ -53,28 +55,32 @@ impl Machine {
     /// Loads a machine for a command that learns from a recording: the design also reads the
     /// pressures, and tables that are to be replaced may be of another sample time.
     ///
-    /// # Errors See [`Self::load_unjudging`]; also pressures that cannot be used.
+    /// # Errors
+    /// See [`Self::load_unjudging`]; also pressures that cannot be used.
     pub fn load_surveying(path: &Path, overrides: &Overrides) -> Result<Self, Failure> {
         Self::new(config::load_with(path, overrides)?, design::surveying)
     }
 
     /// The machine of the configuration `text` for the file `path`, without overrides.
     ///
-    /// # Errors See [`Self::load`].
+    /// # Errors
+    /// See [`Self::load`].
     pub fn of_text(path: &Path, text: &str, design: Designer) -> Result<Self, Failure> {
         Self::new(config::load_text(path, text)?, design)
     }
 
     /// The built-in machine of `config/e-type-simulated.toml`.
     ///
-    /// # Errors Only a program that was built wrongly has errors.
+    /// # Errors
+    /// Only a program that was built wrongly has errors.
     pub fn simulated() -> Result<Self, Failure> {
         Self::built_in("e-type-simulated.toml", SIMULATED, ("e-type.dbc", DBC), Vec::new())
     }
 
     /// The same machine with the CANopen devices of `config/e-type-canopen.toml`.
     ///
-    /// # Errors Only a program that was built wrongly has errors.
+    /// # Errors
+    /// Only a program that was built wrongly has errors.
     pub fn simulated_canopen() -> Result<Self, Failure> {
         let corrections = SIMULATED.find("[[cylinder]]").map_or("", |at| &SIMULATED[at..]);
         let sheet = |(name, text): (&str, &[u8])| Sheet {
@@ -106,7 +112,8 @@ impl Machine {
     /// Interfaces of a recording whose frames are read: `asked`, if given, or else the
     /// configuration's. For a machine with several buses, `asked` has the form `first=vcan0,second=vcan1`.
     ///
-    /// # Errors `asked` has not the form that this machine needs.
+    /// # Errors
+    /// `asked` has not the form that this machine needs.
     pub fn interfaces(&self, asked: Option<&str>) -> Result<Interfaces, Failure> {
         let bus = &self.loaded.settings.bus;
         let disorder = Span::from_seconds(self.loaded.settings.gateway.guard);
@@ -122,7 +129,8 @@ impl Machine {
 
     /// Refuses a machine with several buses, for what knows one: `what`, and what to do instead.
     ///
-    /// # Errors The machine has several buses.
+    /// # Errors
+    /// The machine has several buses.
     pub fn refuse_several(&self, what: &str, instead: &str) -> Result<(), Failure> {
         if !self.loaded.settings.bus.is_several() {
             return Ok(());

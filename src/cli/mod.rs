@@ -88,7 +88,8 @@ enum Command {
 impl Arguments {
     /// Runs the command.
     ///
-    /// # Errors A message for a person, with the exit code.
+    /// # Errors
+    /// A message for a person, with the exit code.
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Demo(demo) => demo.run(),

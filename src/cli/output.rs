@@ -97,7 +97,8 @@ impl Output {
 
     /// Flushes the outputs.
     ///
-    /// # Errors The first error that occurred.
+    /// # Errors
+    /// The first error that occurred.
     pub fn close(mut self) -> Result<(), Failure> {
         if let Some(failure) = self.failure {
             return Err(failure);

@@ -18,7 +18,8 @@ impl SetOptions {
     /// The overrides in force for this call: those of the environment in the order of their names, and then those of
     /// the command line.
     ///
-    /// # Errors A variable's value is not UTF-8.
+    /// # Errors
+    /// A variable's value is not UTF-8.
     pub fn overrides(&self) -> Result<Overrides, Failure> {
         let mut variables = Vec::new();
         for (name, value) in std::env::vars_os() {

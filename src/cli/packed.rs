@@ -42,7 +42,8 @@ enum Stream {
 impl PackedWriter {
     /// Opens an output that is called `name`.
     ///
-    /// # Errors It cannot be opened.
+    /// # Errors
+    /// It cannot be opened.
     pub fn open(claimed: Claimed, name: String, packing: Packing) -> Result<Self, Failure> {
         let file = claimed.open()?;
         let stream = match packing {
@@ -58,7 +59,8 @@ impl PackedWriter {
 
     /// Writes all of `bytes`.
     ///
-    /// # Errors The output cannot be written.
+    /// # Errors
+    /// The output cannot be written.
     pub fn put(&mut self, bytes: &[u8]) -> Result<(), Failure> {
         let result = match &mut self.stream {
             Stream::Plain(file) => file.write_all(bytes),
@@ -71,7 +73,8 @@ impl PackedWriter {
     /// Ends the compression and puts the file in its place, with `head` over its first bytes where they can still be
     /// replaced: not what was compressed or has gone to a pipe.
     ///
-    /// # Errors The output cannot be written; the previous file then remains.
+    /// # Errors
+    /// The output cannot be written; the previous file then remains.
     pub fn close(self, head: Option<Vec<u8>>) -> Result<(), Failure> {
         let Self { name, stream } = self;
         let told = |error: io::Error| Failure::writing(&name, &error);

@@ -11,7 +11,8 @@ const LARGEST_TABLE: u64 = 1 << 20;
 
 /// The tables in the file `path`, or the built-in ones.
 ///
-/// # Errors An error in the file.
+/// # Errors
+/// An error in the file.
 pub fn tables(path: Option<&Path>) -> Result<Tables, Failure> {
     let Some(path) = path else { return Ok(Tables::default()) };
     let wrong = |what: String| Failure::Wrong(format!("{}: {what}", path.display()));

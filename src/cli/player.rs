@@ -63,7 +63,8 @@ pub struct Player<S> {
 impl<S: Source> Player<S> {
     /// A player that ends `rest` after the last frame of `source`. `clock` is the bus's.
     ///
-    /// # Errors The bus is not up.
+    /// # Errors
+    /// The bus is not up.
     pub fn new(
         source: S,
         bus: &EmbeddedBus,

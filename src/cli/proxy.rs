@@ -39,7 +39,8 @@ pub struct Ends {
 /// Runs the proxy until it is told to stop, and reports what became of the frames. Returns the
 /// injector with its tallies.
 ///
-/// # Errors Both are the same interface, or one cannot be used even when it is there.
+/// # Errors
+/// Both are the same interface, or one cannot be used even when it is there.
 pub fn run(ends: &Ends, injector: Injector) -> Result<Injector, Failure> {
     ends.refuse_one_interface()?;
     let (mut from, mut to) = (Interface::new(&ends.from), Interface::new(&ends.to));

@@ -18,7 +18,8 @@ impl RecordedInputs {
     /// The inputs `paths`: recordings, or the one folder of an incident, which has a configuration of its own and
     /// mostly a state. Another configuration, `config`, takes precedence over both.
     ///
-    /// # Errors There is no configuration.
+    /// # Errors
+    /// There is no configuration.
     pub fn of(paths: &[PathBuf], config: Option<&Path>) -> Result<Self, Failure> {
         let folder = match paths {
             [folder] => Some(folder).filter(|folder| is_recording(folder)),

@@ -125,7 +125,8 @@ pub(super) fn zone(name: &str) -> Result<TimeZone, String> {
 impl Replay {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or output that cannot be written.
+    /// # Errors
+    /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let mut inputs = RecordedInputs::of(&self.logs, self.config.as_deref())?;
         let machine = Machine::load(&inputs.config, &self.set.overrides()?)?;

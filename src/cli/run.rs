@@ -54,7 +54,8 @@ pub struct Run {
 impl Run {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or configuration. A missing interface is not an error: the gateway
+    /// # Errors
+    /// A wrong call or configuration. A missing interface is not an error: the gateway
     /// waits for it.
     pub fn run(self) -> Result<(), Failure> {
         // Who asks for a reload while the configuration is read for the first time must not end it.
@@ -246,7 +247,8 @@ impl Opener for Interface {
 
 /// The interface `name`, which receives `identifiers`.
 ///
-/// # Errors It is not there or not up, or its controller takes no part in the bus.
+/// # Errors
+/// It is not there or not up, or its controller takes no part in the bus.
 pub fn open(name: &str, identifiers: &Identifiers) -> Result<SocketPort, String> {
     let identifiers = identifiers.clone();
     let options = Options { identifiers, few_under_way: true, ..Options::default() };

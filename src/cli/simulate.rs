@@ -144,7 +144,8 @@ impl From<Start> for State {
 impl Simulate {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or output that cannot be written.
+    /// # Errors
+    /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let cycles_for = self.duration()?;
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;

@@ -48,7 +48,8 @@ impl<S: Source + 'static> Stage<S> {
     /// A bus on which `source` is played; it ends `rest` after the last frame. Frames of the
     /// gateway also go into `record`.
     ///
-    /// # Errors None in practice, since the bus is new.
+    /// # Errors
+    /// None in practice, since the bus is new.
     pub fn new(source: S, pace: Pace, rest: Span, record: Option<Record>) -> Result<Self, Failure> {
         let clock = ManualClock::new(Timestamp::default());
         let bus = EmbeddedBus::new(Clock::Manual(clock.clone()));
@@ -64,7 +65,8 @@ impl<S: Source + 'static> Stage<S> {
 
     /// An endpoint that receives all frames.
     ///
-    /// # Errors None in practice, since nobody takes this bus down.
+    /// # Errors
+    /// None in practice, since nobody takes this bus down.
     pub fn listener(&self) -> Result<Endpoint, Failure> {
         self.0.borrow().bus.open(&Identifiers::All, CAPACITY).map_err(refused)
     }
@@ -88,7 +90,8 @@ impl<S: Source + 'static> Stage<S> {
 impl Stage<Recording> {
     /// Finishes the record.
     ///
-    /// # Errors The recording could not be played completely, or the record could not be written.
+    /// # Errors
+    /// The recording could not be played completely, or the record could not be written.
     pub fn finish(&self) -> Result<(), Failure> {
         let mut play = self.0.borrow_mut();
         if let Some(failure) = play.failure.take() {

@@ -31,7 +31,8 @@ impl StateFile {
     /// The file `path`, which is `claimed`, for a monitor of `design`; and the monitor that goes on from it, and counts
     /// anew, if it exists.
     ///
-    /// # Errors See [`take_up`].
+    /// # Errors
+    /// See [`take_up`].
     pub fn open(
         path: &Path,
         claimed: Claimed,
@@ -48,7 +49,8 @@ impl StateFile {
     /// Time stamp of the first frame of all, from which the seconds of outputs count, where a recording begins at
     /// `first`; `newest` is the monitor's newest.
     ///
-    /// # Errors The state has seen later frames.
+    /// # Errors
+    /// The state has seen later frames.
     pub fn begin(
         &mut self,
         first: Timestamp,
@@ -69,7 +71,8 @@ impl StateFile {
 
     /// Leaves the state of `monitor` in the file, if there was a frame.
     ///
-    /// # Errors The file cannot be written; the previous one then remains.
+    /// # Errors
+    /// The file cannot be written; the previous one then remains.
     pub fn write(self, monitor: &Monitor) -> Result<(), Failure> {
         let Some(begin) = self.begin.filter(|_| self.is_older) else { return Ok(()) };
         let mut writer = self.claimed.open()?;
@@ -81,7 +84,8 @@ impl StateFile {
 /// The monitor of `design` that goes on from the state in `path`, after the time stamp of the first frame of all; `None`
 /// if there is no such file.
 ///
-/// # Errors The file cannot be read, or is not the state of such a monitor.
+/// # Errors
+/// The file cannot be read, or is not the state of such a monitor.
 pub fn take_up(
     path: &Path,
     design: &MonitorDesign,
@@ -105,7 +109,8 @@ pub fn take_up(
 
 /// A monitor of `design` that goes on from the state which was recorded in the file `path`, and counts anew.
 ///
-/// # Errors The file cannot be read, or is not the state of such a monitor.
+/// # Errors
+/// The file cannot be read, or is not the state of such a monitor.
 pub fn recorded(path: &Path, design: MonitorDesign) -> Result<Monitor, Failure> {
     let refuse = |why: String| {
         let path = path.display();

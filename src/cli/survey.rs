@@ -156,7 +156,8 @@ impl Extent {
 impl Field {
     /// Loads the machine and reads the recording once for its length.
     ///
-    /// # Errors A wrong call or file, or a recording without a frame.
+    /// # Errors
+    /// A wrong call or file, or a recording without a frame.
     pub fn open(&self) -> Result<Surveyed, Failure> {
         if self.logs.iter().any(|log| log.as_os_str() == "-") {
             return Err(Failure::Wrong(
@@ -268,7 +269,8 @@ impl Surveyed {
     /// Passes the frames within `window` (seconds by the timeline) to `take`, with their original
     /// time stamps.
     ///
-    /// # Errors The frames can no longer be read.
+    /// # Errors
+    /// The frames can no longer be read.
     pub fn recorded(&self, window: Window, mut take: impl FnMut(&Frame)) -> Result<(), Failure> {
         let mut recording = Recording::open(&self.logs, self.options.clone())?;
         let bar = Bar::new(recording.progress());

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Claims the files for the tables and the page of `command`, which reads `surveyed`.
 ///
-/// # Errors A file is an input, must not be overwritten, or cannot be written.
+/// # Errors
+/// A file is an input, must not be overwritten, or cannot be written.
 pub fn claim(
     command: &str,
     [tables, page]: [&Option<PathBuf>; 2],
@@ -65,7 +66,8 @@ impl InPlace {
     /// the tables have none are removed. `design` makes the design by which the result is
     /// validated.
     ///
-    /// # Errors The configuration cannot be read or written, or would be refused with the tables in
+    /// # Errors
+    /// The configuration cannot be read or written, or would be refused with the tables in
     /// it; nothing has changed then.
     pub fn put(&self, tables: &str, anew: &[&str], design: Designer) -> Result<(), Failure> {
         self.put_after(tables, anew, design, |_| Ok(()))
@@ -74,7 +76,8 @@ impl InPlace {
     /// Puts tables as [`Self::put`] does; `ready` gets the new text before anything is written, and
     /// is not called if nothing is.
     ///
-    /// # Errors See [`Self::put`]; also errors of `ready`, after which nothing has changed either.
+    /// # Errors
+    /// See [`Self::put`]; also errors of `ready`, after which nothing has changed either.
     pub fn put_after(
         &self,
         tables: &str,
@@ -100,7 +103,8 @@ impl InPlace {
 
 /// Checks that the configuration `after` would be accepted in the place of `path`.
 ///
-/// # Errors The reasons for which it would be refused.
+/// # Errors
+/// The reasons for which it would be refused.
 pub fn approve(path: &Path, after: &str, design: Designer) -> Result<(), Failure> {
     let refused = |refusal: Failure| {
         let name = path.display();
@@ -113,7 +117,8 @@ pub fn approve(path: &Path, after: &str, design: Designer) -> Result<(), Failure
 
 /// Shows on standard output the lines in which `after` differs from the text `before` of `path`.
 ///
-/// # Errors Standard output cannot be written.
+/// # Errors
+/// Standard output cannot be written.
 pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
     let difference = TextDiff::from_lines(before, after);
     let name = path.display().to_string();
@@ -125,7 +130,8 @@ pub fn show(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
 
 /// Replaces the text `before` of the file `path` by `after`, and keeps the previous file beside it.
 ///
-/// # Errors The file cannot be written, or has changed meanwhile; it is then left as it is.
+/// # Errors
+/// The file cannot be written, or has changed meanwhile; it is then left as it is.
 pub fn replace(path: &Path, before: &str, after: &str) -> Result<(), Failure> {
     let [written] =
         Inputs::default().claim([(Some(path), Mark::Text(before))], Overwriting::default())?;

@@ -16,7 +16,8 @@ pub struct Token {}
 impl Token {
     /// Runs the command.
     ///
-    /// # Errors The system has no random numbers.
+    /// # Errors
+    /// The system has no random numbers.
     pub fn run(self) -> Result<(), Failure> {
         let mut bytes = [0; 16];
         let read = File::open("/dev/urandom").and_then(|mut file| file.read_exact(&mut bytes));

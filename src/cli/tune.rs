@@ -52,7 +52,8 @@ fn sigma(text: &str) -> Result<f64, String> {
 impl Tune {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or file, or a recording with too little data.
+    /// # Errors
+    /// A wrong call or file, or a recording with too little data.
     pub fn run(self) -> Result<(), Failure> {
         // Weights are tuned for the model that is configured: it has to be one of this machine.
         Machine::load(&self.field.config, &self.field.set.overrides()?)?;

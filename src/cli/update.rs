@@ -52,7 +52,8 @@ impl Study {
     /// A study of a recording that is added to what is kept beside `config`; `None` where it is
     /// already included, which is reported.
     ///
-    /// # Errors What is kept belongs to other tables; the recording is partly known, or not healthy
+    /// # Errors
+    /// What is kept belongs to other tables; the recording is partly known, or not healthy
     /// by the present tables.
     pub fn adding(
         surveyed: Surveyed,
@@ -150,7 +151,8 @@ impl Study {
     /// Writes what is kept from now on beside its file, for a configuration with the text `after`;
     /// does nothing where nothing is kept. Times that were `left_out` are not kept.
     ///
-    /// # Errors The file cannot be written, or the recording can no longer be read.
+    /// # Errors
+    /// The file cannot be written, or the recording can no longer be read.
     pub fn prepare(&self, after: &str, left_out: &Cuts) -> Result<Option<Prepared>, Failure> {
         let Some(Keeping { file, earlier, novel }) = &self.keeping else { return Ok(None) };
         let cuts = self.cuts.with(left_out);

@@ -35,7 +35,8 @@ pub struct PlayOptions {
 impl PlayOptions {
     /// The embedded bus with its player, if anything is to be played.
     ///
-    /// # Errors A wrong recording or configuration, or a record that cannot be written.
+    /// # Errors
+    /// A wrong recording or configuration, or a record that cannot be written.
     pub fn stage(
         &self,
         config: &Path,
@@ -66,7 +67,8 @@ impl PlayOptions {
 
 /// The `stage`, if the configuration's interface is the embedded bus; `None` if it is a real one.
 ///
-/// # Errors There is nothing to play on the embedded bus, or something on a real one.
+/// # Errors
+/// There is nothing to play on the embedded bus, or something on a real one.
 pub fn wanted<S>(stage: Option<S>, interface: &str) -> Result<Option<S>, Failure> {
     match (stage, interface == NAME) {
         (Some(_), false) => Err(Failure::Wrong(format!(

@@ -19,7 +19,8 @@ pub enum NoColumnFolder {}
 impl NoColumnFolder {
     /// Refuses.
     ///
-    /// # Errors Always.
+    /// # Errors
+    /// Always.
     pub fn create(_: &Path, _: &str, _: Inputs, _: Overwriting) -> Result<Self, Failure> {
         Err(Failure::Wrong(
             "--parquet: this program was built without it; build it with the feature: cargo install --locked \

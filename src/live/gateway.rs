@@ -157,7 +157,8 @@ impl Gateway {
     /// Takes the frames that `port` has received, waiting at most `patience` for them, and sends
     /// the resulting ones.
     ///
-    /// # Errors The port is down, gone or broken; call [`Self::lose`] then.
+    /// # Errors
+    /// The port is down, gone or broken; call [`Self::lose`] then.
     pub fn turn(
         &mut self,
         port: &mut dyn Port,
@@ -173,7 +174,8 @@ impl Gateway {
     /// interface does not accept the frame there are some more attempts, each after at most
     /// `patience`.
     ///
-    /// # Errors Why the interface did not accept the frame, so that the bus was not told.
+    /// # Errors
+    /// Why the interface did not accept the frame, so that the bus was not told.
     pub fn stop(
         &mut self,
         port: &mut dyn Port,

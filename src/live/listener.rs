@@ -45,7 +45,8 @@ impl ListeningMonitor {
 
     /// Takes the frames that `port` has received, waiting at most `patience` for them, and returns their number.
     ///
-    /// # Errors The port is down, gone or broken; call [`Self::lose`] then.
+    /// # Errors
+    /// The port is down, gone or broken; call [`Self::lose`] then.
     pub fn turn(
         &mut self,
         port: &mut ListeningPort,

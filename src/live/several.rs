@@ -93,7 +93,8 @@ struct Line {
 impl Line {
     /// Takes what is there, without waiting; returns the number of frames, and whether more may be waiting.
     ///
-    /// # Errors The interface is lost.
+    /// # Errors
+    /// The interface is lost.
     fn receive(&mut self, sorter: &mut Sorter) -> Result<(usize, bool), PortError> {
         let Some(port) = &mut self.port else { return Ok((0, false)) };
         let (bus, reached) = (self.bus, &mut self.reached);

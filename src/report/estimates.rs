@@ -17,7 +17,8 @@ pub struct EstimateTable<W: Write> {
 impl<W: Write> EstimateTable<W> {
     /// A table on `out`, which should be buffered.
     ///
-    /// # Errors Errors of `out`.
+    /// # Errors
+    /// Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
         Ok(Self { out })
@@ -26,7 +27,8 @@ impl<W: Write> EstimateTable<W> {
     /// Writes the row of a cycle that opened at `at`; `first` is the time stamp of the recording's first
     /// frame.
     ///
-    /// # Errors Errors of the output.
+    /// # Errors
+    /// Errors of the output.
     pub fn write(
         &mut self,
         first: Timestamp,

@@ -181,7 +181,8 @@ impl CoverageFields {
 
 /// Writes `warning`; `first` is the time stamp of the recording's first frame.
 ///
-/// # Errors Errors of `out`.
+/// # Errors
+/// Errors of `out`.
 pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io::Result<()> {
     let finding = &warning.finding;
     write_line(
@@ -214,7 +215,8 @@ pub fn warning(out: &mut impl Write, first: Timestamp, warning: &Warning) -> io:
 
 /// Writes `notice`; see [`warning`].
 ///
-/// # Errors Errors of `out`.
+/// # Errors
+/// Errors of `out`.
 pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Result<()> {
     let fields = NoticeFields::from(notice);
     let (t, timestamp) = (digits(fields.at.since(first)), digits(fields.at));
@@ -223,7 +225,8 @@ pub fn notice(out: &mut impl Write, first: Timestamp, notice: &Notice) -> io::Re
 
 /// Writes the last line.
 ///
-/// # Errors Errors of `out`.
+/// # Errors
+/// Errors of `out`.
 pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
     let Summary { statistics, counts, episodes, fingerprints, .. } = summary;
     let cylinders = summary.tallies.iter().zip(summary.counter_jumps).enumerate();

@@ -17,7 +17,8 @@ pub struct ResidualTable<W: Write> {
 impl<W: Write> ResidualTable<W> {
     /// A table on `out`, which should be buffered.
     ///
-    /// # Errors Errors of `out`.
+    /// # Errors
+    /// Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
         Ok(Self { out })
@@ -25,7 +26,8 @@ impl<W: Write> ResidualTable<W> {
 
     /// Writes the row of `record`; `first` is the time stamp of the recording's first frame.
     ///
-    /// # Errors Errors of the output.
+    /// # Errors
+    /// Errors of the output.
     pub fn write(&mut self, first: Timestamp, record: &Record) -> io::Result<()> {
         let t = record.timestamp.since(first).as_seconds();
         write!(self.out, "{t},{}", record.cylinder)?;

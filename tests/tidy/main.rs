@@ -518,6 +518,7 @@ fn no_file_is_too_long_and_nothing_is_left_unfinished() {
         "files with more than one noun",
     );
     none(sources.iter().flat_map(unfinished).collect(), "unfinished or unproven");
+    none(sources.iter().flat_map(run_on_headings).collect(), "headings that go on into the text");
     // Tests that do not run test nothing.
     let ignored = |source: &Source| {
         let tokens = source.tokens();
@@ -525,6 +526,24 @@ fn no_file_is_too_long_and_nothing_is_left_unfinished() {
     };
     let tests = ["tests", "crates/testing"].into_iter().flat_map(sources_below).filter(ignored);
     none(tests.map(|test| test.name).collect(), "tests that do not run");
+}
+
+/// Lines of a doc comment whose heading takes the text behind it along, as pages of documentation would show it.
+fn run_on_headings(source: &Source) -> Vec<String> {
+    let heading = |line: &str| {
+        let text = line.trim_start().strip_prefix("/// # ")?;
+        ["Errors ", "Panics ", "Examples "].into_iter().find(|it| text.starts_with(it))
+    };
+    let lines = (1..).zip(source.text.lines());
+    let found = lines.filter(|(_, line)| heading(line).is_some());
+    found.map(|(number, line)| format!("{}:{number}: {}", source.name, line.trim())).collect()
+}
+
+#[test]
+fn headings_that_run_on_are_caught() {
+    let found = |text: &str| run_on_headings(&source("crates/core/src/x.rs", text)).len();
+    assert_eq!(found("/// A thing.\n///\n/// # Errors\n/// The file is gone.\n/// # use x::Y;"), 0);
+    assert_eq!(found("    /// # Errors The file is gone.\n/// # Panics `x` is 0."), 2);
 }
 
 fn pure(text: &str) -> Source {

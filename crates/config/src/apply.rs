@@ -88,7 +88,8 @@ fn restored(after: &str, file: &str, overrides: &Overrides) -> Option<String> {
 
 /// The key of an override.
 ///
-/// # Errors Message and help, if there is none, or none that one value is of.
+/// # Errors
+/// Message and help, if there is none, or none that one value is of.
 fn key_of(one: &Override) -> Result<&'static Key, (String, String)> {
     let mut table = &ROOT;
     let mut path = String::new();

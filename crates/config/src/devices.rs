@@ -22,7 +22,8 @@ const SET_POINT: u16 = 0x6300;
 /// Adds the messages of the configured devices to those of the DBC, as [`Database::add_device`] does. Of a
 /// device, only objects that are numbers are signals.
 ///
-/// # Errors An EDS that cannot be read, a device of another node-ID than its DCF says, an
+/// # Errors
+/// An EDS that cannot be read, a device of another node-ID than its DCF says, an
 /// identifier that something else on the bus has.
 pub fn connect(
     settings: &Settings,
@@ -189,7 +190,8 @@ fn message(
 
 /// An object as a signal.
 ///
-/// # Errors Why it is none.
+/// # Errors
+/// Why it is none.
 fn signal(
     device: &Device,
     dictionary: &ObjectDictionary,

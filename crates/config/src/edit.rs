@@ -14,7 +14,8 @@ const OF_A_FILE: &str = "# Keys of [[cylinder]]";
 /// The comment with which `tables` begin, which tells their origin, goes to the end and replaces
 /// the one that the same command has left there before.
 ///
-/// # Errors One of the two texts is not TOML.
+/// # Errors
+/// One of the two texts is not TOML.
 pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError> {
     let mut document: DocumentMut = text.parse()?;
     let learnt: DocumentMut = tables.parse()?;
@@ -33,7 +34,8 @@ pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError>
 
 /// The configuration `text` without the table `key` of cylinder `n`.
 ///
-/// # Errors `text` is not TOML.
+/// # Errors
+/// `text` is not TOML.
 pub fn without(text: &str, n: u8, key: &str) -> Result<String, TomlError> {
     let mut document: DocumentMut = text.parse()?;
     let cylinders = document.get_mut("cylinder").and_then(Item::as_array_of_tables_mut);

@@ -46,7 +46,8 @@ pub const MAX_SIZE: usize = 1 << 20;
 
 /// Settings from the text of a configuration; `name` is what problems call the file.
 ///
-/// # Errors Everything that is wrong with the text, at most [`MAX_PROBLEMS`] in full. A stage runs
+/// # Errors
+/// Everything that is wrong with the text, at most [`MAX_PROBLEMS`] in full. A stage runs
 /// only when the earlier ones have passed: text that is not TOML has no keys to judge, and values
 /// are compared with each other once every key is there and has its type.
 pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError> {
@@ -55,7 +56,8 @@ pub fn parse(name: &str, text: &str) -> Result<(Settings, Document), ConfigError
 
 /// As [`parse`], with values of single keys from outside of the text.
 ///
-/// # Errors See [`parse`]; a problem with an override names it instead of a place in the file.
+/// # Errors
+/// See [`parse`]; a problem with an override names it instead of a place in the file.
 pub fn parse_with(
     name: &str,
     text: &str,

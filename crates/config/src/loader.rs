@@ -76,7 +76,8 @@ impl Loaded {
 
 /// Reads a configuration and its DBC; the paths in it are relative to its folder.
 ///
-/// # Errors A file cannot be read, is too long or is not UTF-8, or [`super::parse`] refuses it.
+/// # Errors
+/// A file cannot be read, is too long or is not UTF-8, or [`super::parse`] refuses it.
 pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
     load_with(path, &Overrides::default())
 }
@@ -84,7 +85,8 @@ pub fn load(path: &Path) -> Result<Loaded, ConfigError> {
 /// As [`load`], with values of single keys from outside of the file. Paths among them are relative to the file's
 /// folder, too.
 ///
-/// # Errors See [`load`] and [`super::parse_with`].
+/// # Errors
+/// See [`load`] and [`super::parse_with`].
 pub fn load_with(path: &Path, overrides: &Overrides) -> Result<Loaded, ConfigError> {
     let name = path.display().to_string();
     let bytes = match read(path, MAX_SIZE) {
@@ -101,7 +103,8 @@ pub fn load_with(path: &Path, overrides: &Overrides) -> Result<Loaded, ConfigErr
 
 /// Reads the DBC of the configuration `text`, which is, or will be, in the file `path`.
 ///
-/// # Errors See [`load`].
+/// # Errors
+/// See [`load`].
 pub fn load_text(path: &Path, text: &str) -> Result<Loaded, ConfigError> {
     of_text(path, text, &Overrides::default())
 }

@@ -30,7 +30,8 @@ pub struct Override {
 impl Override {
     /// An override from the argument of `--set`.
     ///
-    /// # Errors What was expected, if `text` is not `KEY=VALUE`.
+    /// # Errors
+    /// What was expected, if `text` is not `KEY=VALUE`.
     pub fn of_argument(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
             Some((key, value)) if !key.trim().is_empty() => Ok(Self {

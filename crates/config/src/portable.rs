@@ -19,7 +19,8 @@ impl Loaded {
     /// The configuration, as [`MACHINE_FILE`], with its DBC and its EDS files, as they were read, and with the overrides in force: paths are
     /// replaced by names in one folder, and everything else stays. Names in `taken` are not used.
     ///
-    /// # Errors The configuration is not TOML, which cannot be of one that was loaded.
+    /// # Errors
+    /// The configuration is not TOML, which cannot be of one that was loaded.
     pub fn portable(&self, taken: &[&str]) -> Result<Vec<PortableFile>, TomlError> {
         let mut document: DocumentMut = self.document.effective().parse()?;
         let taken = taken.iter().chain([&MACHINE_FILE]).map(|name| (*name).to_owned());

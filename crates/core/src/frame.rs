@@ -93,7 +93,8 @@ pub struct Frame {
 impl Frame {
     /// A frame with `data` as payload.
     ///
-    /// # Panics `data` is longer than [`MAX_DATA`]: a bug of the caller, not bad input.
+    /// # Panics
+    /// `data` is longer than [`MAX_DATA`]: a bug of the caller, not bad input.
     pub fn new(timestamp: Timestamp, id: Id, kind: Kind, data: &[u8]) -> Self {
         let mut bytes = [0; MAX_DATA];
         bytes[..data.len()].copy_from_slice(data);
@@ -138,7 +139,8 @@ impl Frame {
 
     /// Sets the payload's length after [`Self::buffer_mut`] was filled.
     ///
-    /// # Panics `length` exceeds [`MAX_DATA`].
+    /// # Panics
+    /// `length` exceeds [`MAX_DATA`].
     pub fn set_length(&mut self, length: usize) {
         assert!(length <= MAX_DATA, "a frame holds at most {MAX_DATA} bytes");
         self.length = length as u8;

@@ -20,7 +20,8 @@ const EXTENDED_FLAG: u64 = 1 << 31;
 
 /// Judges `draft` and compiles it; `None` if it has an error, which then stands in its `refused`.
 ///
-/// # Errors `steps` are used up.
+/// # Errors
+/// `steps` are used up.
 pub(super) fn compile(
     draft: &mut Draft,
     findings: &mut Findings,

@@ -18,7 +18,8 @@ const INDEPENDENT_ID: u64 = 0xC000_0000;
 
 /// Gathers `statements`.
 ///
-/// # Errors A syntax error in a statement that affects decoding, or a limit that is exceeded. A
+/// # Errors
+/// A syntax error in a statement that affects decoding, or a limit that is exceeded. A
 /// broken value table or comment is only a warning.
 pub(super) fn collect(
     statements: Vec<Statement>,

@@ -35,7 +35,8 @@ impl Database {
     /// VECTOR__INDEPENDENT_SIG_MSG is left out. A message with an error is kept apart and is
     /// refused only when it is asked for.
     ///
-    /// # Errors The text is not a DBC, has a syntax error in a statement that affects decoding
+    /// # Errors
+    /// The text is not a DBC, has a syntax error in a statement that affects decoding
     /// (BO_, SG_, SIG_VALTYPE_, SG_MUL_VAL_), or exceeds a limit.
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         if text.len() > MAX_TEXT {
@@ -93,7 +94,8 @@ impl Database {
     /// Adds the messages of a device, which are not the DBC's. Its signals are then found by the device's
     /// names, whatever message they are in.
     ///
-    /// # Errors A message's identifier is taken; nothing is added then.
+    /// # Errors
+    /// A message's identifier is taken; nothing is added then.
     pub fn add_device(&mut self, device: DeviceMessages) -> Result<(), IdTaken> {
         for message in &device.messages {
             if let Some(&other) = self.by_id.get(&message.id) {
@@ -174,7 +176,8 @@ impl Database {
 
     /// The message of that name, long or short, letter case respected.
     ///
-    /// # Errors There is no such message (the nearest names are given), or it has an error.
+    /// # Errors
+    /// There is no such message (the nearest names are given), or it has an error.
     pub fn message(&self, name: &str) -> Result<&Message, LookupError> {
         if let Some(&index) = self.by_name.get(name) {
             return Ok(&self.messages[index]);
@@ -192,7 +195,8 @@ impl Database {
 
     /// The signal that `MESSAGE.SIGNAL` or `DEVICE.SIGNAL` names, and its message.
     ///
-    /// # Errors See [`Self::message`]; also if the message or device has no such signal, or if `name` has no
+    /// # Errors
+    /// See [`Self::message`]; also if the message or device has no such signal, or if `name` has no
     /// point.
     pub fn signal(&self, name: &str) -> Result<(&Message, &Signal), LookupError> {
         let Some((message, signal)) = name.split_once('.') else {

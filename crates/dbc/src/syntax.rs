@@ -15,7 +15,8 @@ pub(super) fn id_of(statement: &Statement, index: usize) -> Option<u64> {
 
 /// Parses one statement.
 ///
-/// # Errors A syntax error, with the statement's line in the DBC, what was found there, and what it
+/// # Errors
+/// A syntax error, with the statement's line in the DBC, what was found there, and what it
 /// should look like.
 pub(super) fn parse(statement: &Statement) -> Result<Dbc, ParseError> {
     // The parser takes many times a text's size in memory.

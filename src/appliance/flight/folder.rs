@@ -36,7 +36,8 @@ impl RecordingFolder {
     /// Makes the folder if there is none, and removes what an earlier gateway has left unfinished; returns how
     /// many recordings that were.
     ///
-    /// # Errors The folder cannot be made, read or changed.
+    /// # Errors
+    /// The folder cannot be made, read or changed.
     pub fn tidy(&self) -> io::Result<usize> {
         fs::create_dir_all(&self.path)?;
         let mut removed = 0;
@@ -55,7 +56,8 @@ impl RecordingFolder {
     /// Writes a recording under `name`, or with a number after it if there is one already, and returns its folder.
     /// The oldest recordings give way to it.
     ///
-    /// # Errors It cannot be written, or is larger than all recordings may be. Nothing of it is left then.
+    /// # Errors
+    /// It cannot be written, or is larger than all recordings may be. Nothing of it is left then.
     pub fn write(&self, name: &str, files: &[RecordedFile<'_>]) -> io::Result<PathBuf> {
         fs::create_dir_all(&self.path)?;
         self.make_room(files.iter().map(RecordedFile::size).sum())?;

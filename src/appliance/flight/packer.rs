@@ -48,7 +48,8 @@ pub(super) struct Packer {
 impl Packer {
     /// A packer whose lines have `interfaces` as the names of the buses, and whose states are of `design`.
     ///
-    /// # Errors There is no memory for the compressor.
+    /// # Errors
+    /// There is no memory for the compressor.
     pub fn new(interfaces: &[String], design: DesignChecksum) -> io::Result<Self> {
         let mut compressor = Compressor::new(LEVEL)?;
         compressor.set_parameter(CParameter::WindowLog(WINDOW))?;
@@ -58,7 +59,8 @@ impl Packer {
 
     /// The piece of `block`; `None` if nothing is in it.
     ///
-    /// # Errors The compressor's.
+    /// # Errors
+    /// The compressor's.
     pub fn pack(&mut self, block: &mut Block) -> io::Result<Option<Piece>> {
         self.text.clear();
         let mut ends = None;

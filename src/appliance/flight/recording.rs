@@ -96,7 +96,8 @@ impl Recording {
 
     /// The manifest; `None` if there is not a single frame.
     ///
-    /// # Errors It cannot be put into words.
+    /// # Errors
+    /// It cannot be put into words.
     pub fn manifest(&self, plan: &FlightPlan, now: Timestamp) -> io::Result<Option<Vec<u8>>> {
         let mut ends = self.pieces.iter().filter_map(|piece| piece.ends);
         let Some([first, last]) = ends.next() else { return Ok(None) };

@@ -32,7 +32,8 @@ impl HistoryFile {
 
     /// The archive of `machine` with this number of cylinders; `None` where there is no file yet.
     ///
-    /// # Errors The file cannot be read, or belongs to another machine.
+    /// # Errors
+    /// The file cannot be read, or belongs to another machine.
     pub fn read(&self, machine: &str, cylinders: u8) -> Result<Option<Archive>, ReadError> {
         let file = match File::open(&self.0) {
             Ok(file) => file,
@@ -47,7 +48,8 @@ impl HistoryFile {
     /// Writes `archive` atomically: whenever the power fails, the file is this one or the previous
     /// one.
     ///
-    /// # Errors The file cannot be written; the previous one then remains.
+    /// # Errors
+    /// The file cannot be written; the previous one then remains.
     pub fn write(&self, archive: &Archive) -> io::Result<()> {
         let target = self.target();
         // Always the same name, so that crashes do not heap them up.
@@ -67,7 +69,8 @@ impl HistoryFile {
 
     /// Renames the file, so that its contents can be examined, and returns the new name.
     ///
-    /// # Errors The file cannot be renamed, or many have already been set aside; it then stays
+    /// # Errors
+    /// The file cannot be renamed, or many have already been set aside; it then stays
     /// where it is.
     pub fn set_aside(&self) -> io::Result<PathBuf> {
         set_aside(&self.target())

@@ -61,7 +61,8 @@ pub(super) struct Wanted {
 impl Wanted {
     /// The filter.
     ///
-    /// # Errors What there is no such name for.
+    /// # Errors
+    /// What there is no such name for.
     fn filter(self) -> Result<Filter, String> {
         let wrong = |what: &str, name: &str| format!("there is no {what} {name:?}\n");
         let suspect = self.suspect.map(|name| {

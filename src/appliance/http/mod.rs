@@ -98,7 +98,8 @@ impl Server {
     /// Serves what `recorder` writes, and `desk`, on `listen`, or on a free port if its port is 0: encrypted with an
     /// `identity`, in plain text without one.
     ///
-    /// # Errors The address is in use or not available, or the system provides no thread.
+    /// # Errors
+    /// The address is in use or not available, or the system provides no thread.
     pub fn start(
         listen: SocketAddr,
         recorder: &Recorder,

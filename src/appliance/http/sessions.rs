@@ -35,7 +35,8 @@ struct Session {
 impl Sessions {
     /// Opens a session by `token` at the uptime `now`, and returns the cookie that tells of it.
     ///
-    /// # Errors The system has no random numbers.
+    /// # Errors
+    /// The system has no random numbers.
     pub fn open(&self, token: TokenDigest, now: Duration) -> io::Result<String> {
         let mut bytes = [0; 32];
         File::open("/dev/urandom")?.read_exact(&mut bytes)?;

@@ -62,7 +62,8 @@ pub enum IdentityError {
 impl Identity {
     /// The identity in `files`.
     ///
-    /// # Errors A file that is missing, that others may read, or that is not what it should be.
+    /// # Errors
+    /// A file that is missing, that others may read, or that is not what it should be.
     pub fn read(files: &TlsFiles) -> Result<Self, IdentityError> {
         let TlsFiles { certificate, key } = files;
         let chain: Result<Vec<_>, _> =

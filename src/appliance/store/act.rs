@@ -52,7 +52,8 @@ pub(super) struct ActRequest {
 impl AlarmAct {
     /// An act on the incident `incident` by `who` at `at`, with a note, or with the reason of a shelving.
     ///
-    /// # Errors The name or the reason is missing, or a text is too long.
+    /// # Errors
+    /// The name or the reason is missing, or a text is too long.
     pub fn new(
         incident: i64,
         kind: ActKind,

@@ -24,7 +24,8 @@ pub const EXPORT_COLUMNS: [&str; 17] = [
 /// Writes the entries for which `filter` holds to `out`, the newest first, whatever its limit. Memory is that of a
 /// page; what is written meanwhile comes in no page.
 ///
-/// # Errors The store cannot be read, or `out` not be written.
+/// # Errors
+/// The store cannot be read, or `out` not be written.
 pub fn export(
     reader: &StoreReader,
     filter: &Filter,

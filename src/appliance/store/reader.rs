@@ -78,14 +78,16 @@ pub struct EventPage {
 impl StoreReader {
     /// Opens the store at `path`.
     ///
-    /// # Errors There is none, or it cannot be read.
+    /// # Errors
+    /// There is none, or it cannot be read.
     pub fn open(path: &Path) -> Result<Self, Trouble> {
         schema::open_to_read(path).map(Self)
     }
 
     /// The alarm list at `now`; `gated`: the monitor does not judge by design.
     ///
-    /// # Errors The store cannot be read.
+    /// # Errors
+    /// The store cannot be read.
     pub fn overview(&self, now: Timestamp, gated: bool) -> Result<AlarmOverview, Trouble> {
         let sql = format!(
             "SELECT {ALARM_COLUMNS} FROM incidents i JOIN events e ON e.id = i.id
@@ -136,7 +138,8 @@ impl StoreReader {
 
     /// Incidents and events for which `filter` holds, the newest first; states as they are at `now`.
     ///
-    /// # Errors The store cannot be read.
+    /// # Errors
+    /// The store cannot be read.
     pub fn search(&self, filter: &Filter, now: Timestamp) -> Result<EventPage, Trouble> {
         let conditions = filter.conditions(&self.0)?;
         // One more says whether there are more.
@@ -154,7 +157,8 @@ impl StoreReader {
 
     /// All that is known of the incident `id`; `None` if there is none.
     ///
-    /// # Errors The store cannot be read.
+    /// # Errors
+    /// The store cannot be read.
     pub fn incident(&self, id: i64, now: Timestamp) -> Result<Option<IncidentPage>, Trouble> {
         let sql = format!(
             "SELECT {ALARM_COLUMNS}, number, i.run, onset_ns, gain, size_m, quantity, peak_m, peak_ns,
@@ -201,7 +205,8 @@ impl StoreReader {
 
     /// The newest readings on the stop of a cylinder, the newest first.
     ///
-    /// # Errors The store cannot be read.
+    /// # Errors
+    /// The store cannot be read.
     pub fn stops(&self, cylinder: u8) -> Result<Vec<StopEntry>, Trouble> {
         let sql = format!(
             "SELECT at_ns, c1_m, c2_m FROM stops WHERE cylinder = ? ORDER BY id DESC LIMIT {ROWS}"
@@ -211,7 +216,8 @@ impl StoreReader {
 
     /// Statistics of the residuals of a cylinder for the hours from `from` to before `to`, a month at most.
     ///
-    /// # Errors The store cannot be read.
+    /// # Errors
+    /// The store cannot be read.
     pub fn hours(
         &self,
         cylinder: u8,

@@ -47,7 +47,8 @@ pub(super) struct Aging(Option<Timestamp>);
 
 /// Whether rows have to give way now.
 ///
-/// # Errors The database cannot be read.
+/// # Errors
+/// The database cannot be read.
 pub(super) fn is_due(database: &Connection, limits: Limits) -> Result<bool, Trouble> {
     Ok(used(database)? > limits.most())
 }
@@ -80,7 +81,8 @@ impl Aging {
 
 /// Takes a step towards the limits.
 ///
-/// # Errors The database cannot be written.
+/// # Errors
+/// The database cannot be written.
 pub(super) fn step(
     database: &mut Connection,
     limits: Limits,
@@ -118,7 +120,8 @@ pub(super) fn step(
 /// Makes room now, because nothing can be written any more, if that is for the size of the database; where the disk
 /// is full for something else, nothing is given up. Returns whether there is room now.
 ///
-/// # Errors The database cannot be written.
+/// # Errors
+/// The database cannot be written.
 pub(super) fn make_room(database: &mut Connection, limits: Limits) -> Result<bool, Trouble> {
     if !is_due(database, limits)? {
         return Ok(false);

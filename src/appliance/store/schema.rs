@@ -106,7 +106,8 @@ CREATE TABLE hours (
 /// Opens the database at `path` to write, makes it where there is none, and brings an older one up to date. It
 /// never grows beyond `size` bytes.
 ///
-/// # Errors Why it cannot be used.
+/// # Errors
+/// Why it cannot be used.
 pub(super) fn open(path: &Path, size: u64) -> Result<Connection, Trouble> {
     let mut database = Connection::open(path)?;
     database.busy_timeout(PATIENCE)?;
@@ -124,7 +125,8 @@ pub(super) fn open(path: &Path, size: u64) -> Result<Connection, Trouble> {
 
 /// Makes the database refuse to grow beyond `size` bytes, less the [`RESERVE`], but for `more` bytes.
 ///
-/// # Errors It cannot be read.
+/// # Errors
+/// It cannot be read.
 pub(super) fn limit(database: &Connection, size: u64, more: u64) -> Result<(), Trouble> {
     let size = size.saturating_sub(RESERVE).saturating_add(more);
     let page: i64 = database.query_row("PRAGMA page_size", [], |row| row.get(0))?;
@@ -134,7 +136,8 @@ pub(super) fn limit(database: &Connection, size: u64, more: u64) -> Result<(), T
 
 /// Opens the database at `path` to read.
 ///
-/// # Errors Why it cannot be used.
+/// # Errors
+/// Why it cannot be used.
 pub(super) fn open_to_read(path: &Path) -> Result<Connection, Trouble> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let database = Connection::open_with_flags(path, flags)?;
@@ -149,7 +152,8 @@ pub(super) fn open_to_read(path: &Path) -> Result<Connection, Trouble> {
 
 /// Version of the database.
 ///
-/// # Errors It is not an event store, or one of a newer program.
+/// # Errors
+/// It is not an event store, or one of a newer program.
 fn version(database: &Connection, migrations: &[&str]) -> Result<usize, Trouble> {
     let number = |pragma: &str| -> rusqlite::Result<i32> {
         database.query_row(&format!("PRAGMA {pragma}"), [], |row| row.get(0))

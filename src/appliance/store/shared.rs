@@ -51,7 +51,8 @@ impl StoreHandle {
 
     /// Hands over an act. The answer comes once it is on the disk, or refused, within a few seconds.
     ///
-    /// # Errors Too many acts wait, or the writer is gone.
+    /// # Errors
+    /// Too many acts wait, or the writer is gone.
     pub fn act(&self, act: AlarmAct) -> Result<oneshot::Receiver<Result<(), ActError>>, ActError> {
         if self.shared.acts.fetch_add(1, Ordering::AcqRel) >= ACTS {
             self.shared.acts.fetch_sub(1, Ordering::AcqRel);

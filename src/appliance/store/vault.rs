@@ -22,7 +22,8 @@ pub(super) struct Vault {
 impl Vault {
     /// Opens the database of `plan`, or makes it.
     ///
-    /// # Errors Why it cannot be written.
+    /// # Errors
+    /// Why it cannot be written.
     pub fn open(plan: &StorePlan) -> Result<Self, Trouble> {
         let lock = lock(&plan.path)?;
         let database = schema::open(&plan.path, plan.size)?;
@@ -32,7 +33,8 @@ impl Vault {
 
     /// Whether the run `run` is in it: the file may be another one than before.
     ///
-    /// # Errors It cannot be read.
+    /// # Errors
+    /// It cannot be read.
     pub fn knows(&self, run: i64) -> Result<bool, Trouble> {
         let sql = "SELECT count(*) FROM runs WHERE id = ?";
         Ok(self.database.query_row(sql, [run], |row| row.get::<_, i64>(0))? > 0)
@@ -46,7 +48,8 @@ impl Vault {
 
     /// Renames a database that cannot be used, with its log, and returns the new name.
     ///
-    /// # Errors It cannot be renamed.
+    /// # Errors
+    /// It cannot be renamed.
     pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
         let name = aside::set_aside(path)?;
         // The log has what the database does not have yet. There may be none.

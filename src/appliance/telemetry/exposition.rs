@@ -49,7 +49,8 @@ const LEFT: [(&str, &str); 3] = [
 
 /// The text of `telemetry` as it is now by `clock`.
 ///
-/// # Errors None in practice: writing to a text does not fail.
+/// # Errors
+/// None in practice: writing to a text does not fail.
 pub fn exposition(telemetry: &Arc<Telemetry>, clock: &dyn Clock) -> Result<String, fmt::Error> {
     let mut registry = Registry::with_prefix("tertius");
     registry.register_collector(Box::new(View {

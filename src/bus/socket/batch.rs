@@ -38,7 +38,8 @@ impl Batch {
     /// number. A smaller number means that the queue is empty, or that the next call will return an
     /// error. With `wait` it waits for the first frame, for as long as the socket is set to.
     ///
-    /// # Errors EAGAIN if there are no frames; otherwise the socket's error.
+    /// # Errors
+    /// EAGAIN if there are no frames; otherwise the socket's error.
     pub(super) fn read(
         &mut self,
         socket: RawFd,

@@ -17,7 +17,8 @@ const VIRTUAL: [&str; 2] = ["vcan", "vxcan"];
 /// Whether frames on `interface` cannot leave this computer: a vcan or vxcan. Asks the kernel;
 /// needs no privilege. An interface whose kind the kernel does not name counts as real.
 ///
-/// # Errors There is no such interface, or netlink is not available.
+/// # Errors
+/// There is no such interface, or netlink is not available.
 pub fn is_virtual(interface: &str) -> Result<bool, LinkError> {
     let index = nix::net::if_::if_nametoindex(interface)
         .map_err(|_| LinkError::NoInterface { interface: interface.to_owned() })?;

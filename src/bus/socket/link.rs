@@ -54,7 +54,8 @@ pub enum LinkError {
 impl LinkState {
     /// Reads the state from the kernel (netlink, one round trip). Needs no privilege.
     ///
-    /// # Errors There is no such interface, or netlink is not available.
+    /// # Errors
+    /// There is no such interface, or netlink is not available.
     pub fn read(interface: &str) -> Result<Self, LinkError> {
         let index = nix::net::if_::if_nametoindex(interface)
             .map_err(|_| LinkError::NoInterface { interface: interface.to_owned() })?;

@@ -305,7 +305,8 @@ impl From<Ended> for PortError {
 impl Unrestricted<SocketPort> {
     /// Opens as [`SocketPort::open`] does, for a port that may send any frame.
     ///
-    /// # Errors See [`SocketPort::open`].
+    /// # Errors
+    /// See [`SocketPort::open`].
     pub fn open(interface: &str, options: &Options) -> Result<Self, OpenError> {
         SocketPort::open(interface, options).map(Self)
     }

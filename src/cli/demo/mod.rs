@@ -71,7 +71,8 @@ pub struct Demo {
 impl Demo {
     /// Runs the command.
     ///
-    /// # Errors A fault was not found as announced, or an output cannot be written.
+    /// # Errors
+    /// A fault was not found as announced, or an output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
         let machine =
             if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };

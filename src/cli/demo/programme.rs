@@ -74,7 +74,8 @@ const BROKEN_WIRE: [&str; 2] =
 
 /// The fault of the act `index`, from 0; of a machine with CANopen devices if `canopen`.
 ///
-/// # Errors None, since a test reads each.
+/// # Errors
+/// None, since a test reads each.
 pub fn fault(index: usize, canopen: bool) -> Result<Fault, SpecError> {
     let [from, until] = window(index);
     let spec = match ACTS[index].spec {

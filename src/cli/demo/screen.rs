@@ -43,7 +43,8 @@ impl Screen {
 
     /// Writes lines that stay, above the drawing.
     ///
-    /// # Errors Errors of the output.
+    /// # Errors
+    /// Errors of the output.
     pub fn say(&mut self, lines: &[String]) -> io::Result<()> {
         match self {
             Self::Terminal(terminal) => terminal.say(lines),
@@ -53,7 +54,8 @@ impl Screen {
 
     /// Draws, if the output is a terminal and it is time.
     ///
-    /// # Errors Errors of the output.
+    /// # Errors
+    /// Errors of the output.
     pub fn draw(&mut self, lines: impl FnOnce() -> Vec<String>) -> io::Result<()> {
         match self {
             Self::Terminal(terminal) if Instant::now() >= terminal.due => terminal.draw(&lines()),

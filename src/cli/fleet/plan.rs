@@ -42,7 +42,8 @@ pub enum PlannedInput {
 impl FleetPlan {
     /// The plan of a fleet. To the end of each recording is looked unless it has to be `quick`.
     ///
-    /// # Errors A configuration is missing or wrong; recordings are missing, without frames, or overlap.
+    /// # Errors
+    /// A configuration is missing or wrong; recordings are missing, without frames, or overlap.
     pub fn new(roster: &Roster, quick: bool) -> Result<Self, Failure> {
         let plan = |entry| MachinePlan::new(entry, quick);
         Ok(Self { machines: roster.machines.iter().map(plan).collect::<Result<_, _>>()? })

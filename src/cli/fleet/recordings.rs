@@ -22,7 +22,8 @@ pub struct TimedRecording {
 
 /// The files that `patterns` mean, each once, in the order of their names.
 ///
-/// # Errors A pattern means none, or a folder cannot be read.
+/// # Errors
+/// A pattern means none, or a folder cannot be read.
 pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, String> {
     let mut all = Vec::new();
     for pattern in patterns {
@@ -112,7 +113,8 @@ fn fits(name: &str, pattern: &str) -> bool {
 
 /// The recording in `path`; to its end, or only its first frame if it has to be `quick`.
 ///
-/// # Errors It cannot be read, or has no frame.
+/// # Errors
+/// It cannot be read, or has no frame.
 pub fn timed(
     path: PathBuf,
     interfaces: &Interfaces,

@@ -37,7 +37,8 @@ pub struct RosterEntry {
 impl Roster {
     /// The fleet in the file `path`.
     ///
-    /// # Errors The file cannot be read, is something else, or has two machines of one name.
+    /// # Errors
+    /// The file cannot be read, is something else, or has two machines of one name.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let wrong = |why: String| Failure::Wrong(format!("{}: {why}", path.display()));
         let text =

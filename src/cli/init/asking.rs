@@ -16,7 +16,8 @@ const REQUIRED: [&str; 5] = ["cylinders", "sample_time", "stroke", "c1", "contro
 
 /// Asks about each guess that may be left out.
 ///
-/// # Errors The terminal cannot be read.
+/// # Errors
+/// The terminal cannot be read.
 pub fn ask(proposal: &mut Proposal, answers: &mut impl BufRead) -> Result<(), Failure> {
     let mut left_out = Vec::new();
     for line in &proposal.lines {
@@ -34,7 +35,8 @@ pub fn ask(proposal: &mut Proposal, answers: &mut impl BufRead) -> Result<(), Fa
 
 /// Whether to write the file.
 ///
-/// # Errors The terminal cannot be read.
+/// # Errors
+/// The terminal cannot be read.
 pub fn confirm(place: &Path, answers: &mut impl BufRead) -> Result<bool, Failure> {
     tell!("\nWrite {}?", place.display());
     Ok(choose(&["yes", "no"], answers)? == 0)

@@ -9,7 +9,8 @@ use std::path::{Component, Path, PathBuf};
 
 /// Reads the DBC `path`.
 ///
-/// # Errors It cannot be read or is no DBC.
+/// # Errors
+/// It cannot be read or is no DBC.
 pub fn read(path: &Path) -> Result<Database, Failure> {
     let wrong = |why: String| Failure::Wrong(format!("{}: {why}", path.display()));
     let mut bytes = Vec::new();

@@ -24,7 +24,8 @@ pub struct Read {
 
 /// The proposal from the first `seconds` of the recordings, or from names alone where there are none.
 ///
-/// # Errors A recording that cannot be read, or without a frame of the DBC.
+/// # Errors
+/// A recording that cannot be read, or without a frame of the DBC.
 pub fn read(
     database: &Database,
     logs: &[PathBuf],

@@ -45,7 +45,8 @@ pub struct BusSource {
 impl BusSource {
     /// A monitor of the configuration `path` with `overrides` that listens to `interface`, or to that of the configuration.
     ///
-    /// # Errors A wrong configuration, or one of the embedded bus, on which nobody else can listen.
+    /// # Errors
+    /// A wrong configuration, or one of the embedded bus, on which nobody else can listen.
     pub fn new(
         path: &Path,
         overrides: &Overrides,

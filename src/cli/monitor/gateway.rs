@@ -54,7 +54,8 @@ impl GatewaySource {
     /// The gateway at `url`. Over https it is trusted by the certificates in `authorities`, else by those that this
     /// computer trusts, and gets the `token`.
     ///
-    /// # Errors It is no address of a page, or `authorities` are no certificates.
+    /// # Errors
+    /// It is no address of a page, or `authorities` are no certificates.
     pub fn new(
         url: &str,
         authorities: Option<&Path>,

@@ -60,7 +60,8 @@ pub struct Monitor {
 impl Monitor {
     /// Runs the command.
     ///
-    /// # Errors A wrong call or configuration, or a terminal that cannot be drawn on. A gateway that does not answer
+    /// # Errors
+    /// A wrong call or configuration, or a terminal that cannot be drawn on. A gateway that does not answer
     /// and an interface that is missing are no errors: it waits for them.
     pub fn run(self) -> Result<(), Failure> {
         terminal::check()?;

@@ -129,7 +129,8 @@ struct TrendColumn {
 impl News {
     /// The event `name` of the stream with its `data`; `None` for one that is not known.
     ///
-    /// # Errors The data are not what they should be.
+    /// # Errors
+    /// The data are not what they should be.
     pub fn event(name: &str, data: &str) -> serde_json::Result<Option<Self>> {
         Ok(match name {
             "overview" => serde_json::from_str::<Option<_>>(data)?.map(Self::Overview),
@@ -145,7 +146,8 @@ impl News {
 
     /// The trend of `cylinder`, from the answer `data`.
     ///
-    /// # Errors The data are not what they should be.
+    /// # Errors
+    /// The data are not what they should be.
     pub fn trend(cylinder: usize, data: &[u8]) -> serde_json::Result<Self> {
         let answer: TrendAnswer = serde_json::from_slice(data)?;
         let bin = |(index, time): (usize, &f64)| {

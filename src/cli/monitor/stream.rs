@@ -12,7 +12,8 @@ pub struct EventLines {
 impl EventLines {
     /// Takes a piece.
     ///
-    /// # Errors An event is too long.
+    /// # Errors
+    /// An event is too long.
     pub fn push(&mut self, piece: &[u8]) -> Result<(), String> {
         self.pending.extend_from_slice(piece);
         if self.pending.len() > LARGEST_EVENT {

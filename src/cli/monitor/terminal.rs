@@ -25,7 +25,8 @@ const INSTEAD: &str = "without a terminal, the same is told by `tertius run` in 
 
 /// Refuses an output that cannot be drawn on.
 ///
-/// # Errors It is no terminal, or one that cannot move its cursor.
+/// # Errors
+/// It is no terminal, or one that cannot move its cursor.
 pub fn check() -> Result<(), Failure> {
     if !io::stdout().is_terminal() {
         return Err(Failure::Wrong(format!(
@@ -54,7 +55,8 @@ pub fn marks() -> Marks {
 
 /// Shows `viewer` what comes by `news`, until the person quits or the program is told to.
 ///
-/// # Errors The terminal fails, or nobody tells any news.
+/// # Errors
+/// The terminal fails, or nobody tells any news.
 pub fn show(
     viewer: Viewer,
     news: Receiver<(Instant, News)>,

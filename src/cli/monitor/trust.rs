@@ -38,7 +38,8 @@ pub struct Trust {
 impl Trust {
     /// For the gateway `host`, by the certificates in the file `authorities`, else by those that this computer trusts.
     ///
-    /// # Errors The file has no certificates, or this computer has none.
+    /// # Errors
+    /// The file has no certificates, or this computer has none.
     pub fn new(host: &str, authorities: Option<&Path>) -> Result<Self, Failure> {
         let name = ServerName::try_from(host.to_owned())
             .map_err(|_| Failure::Wrong(format!("{host:?} is no name and no address of a host")))?;
@@ -70,7 +71,8 @@ impl Trust {
 
     /// Encrypts `stream`.
     ///
-    /// # Errors Who answers is not trusted, with the reason.
+    /// # Errors
+    /// Who answers is not trusted, with the reason.
     pub async fn connect(&self, stream: TcpStream) -> Result<TlsStream<TcpStream>, String> {
         let connected = self.connector.connect(self.name.clone(), stream).await;
         connected.map_err(|error| {
@@ -156,7 +158,8 @@ pub fn unauthorized(given: bool) -> String {
 
 /// The header with the token in the file, else with that in the environment.
 ///
-/// # Errors The file cannot be read, or what is there is no token.
+/// # Errors
+/// The file cannot be read, or what is there is no token.
 pub fn token(file: Option<&Path>) -> Result<Option<HeaderValue>, Failure> {
     let (place, text) = match file {
         Some(path) => (path.display().to_string(), read(path, LARGEST_TOKEN, "token")?),

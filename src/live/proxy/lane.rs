@@ -93,7 +93,8 @@ impl Lane {
 
     /// Sends the frames that `port` accepts.
     ///
-    /// # Errors The port is finished; the frames still wait.
+    /// # Errors
+    /// The port is finished; the frames still wait.
     pub fn send(&mut self, port: &mut impl UnrestrictedPort) -> Result<(), PortError> {
         self.drop_old();
         while let Some(frame) = self.waiting.front() {

@@ -74,7 +74,8 @@ pub fn told<R: TableRow>() -> impl Iterator<Item = ColumnTold> {
 
 /// A Parquet file with `rows`. Its metadata say the `machine`, the table, and the unit and the meaning of each column.
 ///
-/// # Errors The encoder's.
+/// # Errors
+/// The encoder's.
 pub fn encode<R: TableRow>(rows: &[R], machine: &str) -> Result<Vec<u8>> {
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))

@@ -50,7 +50,8 @@ struct DetectorFields {
 
 /// Writes `incident`; see [`super::warning`].
 ///
-/// # Errors Errors of `out`.
+/// # Errors
+/// Errors of `out`.
 pub fn incident(out: &mut impl Write, first: Timestamp, incident: &Incident) -> io::Result<()> {
     let since = |at: Timestamp| digits(at.since(first));
     let worst = incident.worst();

@@ -79,7 +79,8 @@ impl Task<'_> {
     /// Learns from `frames`, tries the tables on blocks that were held back, and judges the result;
     /// `tell` is called before each step.
     ///
-    /// # Errors The frames can no longer be read. What could not be learnt from them is stated in
+    /// # Errors
+    /// The frames can no longer be read. What could not be learnt from them is stated in
     /// the verdict.
     pub fn run<F: Frames>(
         &self,

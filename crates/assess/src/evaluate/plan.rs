@@ -119,7 +119,8 @@ const NUMBERS: u64 = 1 << 21;
 impl Plan {
     /// The plan for every grade in every sea of `extent`.
     ///
-    /// # Errors The extent exceeds a limit.
+    /// # Errors
+    /// The extent exceeds a limit.
     pub fn new(seed: u64, extent: Extent) -> Result<Self, PlanError> {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });

@@ -64,7 +64,8 @@ impl<'a> Stand<'a> {
 
     /// The monitor that has learnt `grade`.
     ///
-    /// # Errors Nothing was learnt of it.
+    /// # Errors
+    /// Nothing was learnt of it.
     pub fn learnt(&self, grade: Grade) -> Result<&Learnt, StandError> {
         let learnt = self.monitors.iter().find(|learnt| learnt.grade == grade);
         learnt.ok_or_else(|| StandError::Untaught(format!("{} was not learnt", grade.name())))
@@ -80,14 +81,16 @@ impl<'a> Stand<'a> {
 
     /// The machine with transducers of `grade`, in the sea of `options`.
     ///
-    /// # Errors See [`Self::simulator`].
+    /// # Errors
+    /// See [`Self::simulator`].
     pub fn graded(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
         self.simulate(&self.tables, grade, options)
     }
 
     /// The machine with transducers of `grade` that do not fluctuate.
     ///
-    /// # Errors See [`Self::simulator`].
+    /// # Errors
+    /// See [`Self::simulator`].
     pub fn steady(&self, grade: Grade, options: &Options) -> Result<Simulator, StandError> {
         self.simulate(&self.steady, grade, options)
     }
@@ -95,7 +98,8 @@ impl<'a> Stand<'a> {
     /// The machine with transducers of `grade` and spools with the time constant `lag`, s, with another load and
     /// friction if they are `changed`.
     ///
-    /// # Errors See [`Self::simulator`].
+    /// # Errors
+    /// See [`Self::simulator`].
     pub fn with_lag(
         &self,
         grade: Grade,

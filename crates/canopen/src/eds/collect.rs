@@ -22,7 +22,8 @@ pub(super) struct Collected {
 
 /// Reads all objects.
 ///
-/// # Errors More sub-objects than [`MAX_SUB_OBJECTS`].
+/// # Errors
+/// More sub-objects than [`MAX_SUB_OBJECTS`].
 pub(super) fn collect(groups: &Groups, findings: &mut Findings) -> Result<Collected, ParseError> {
     let mut collector = Collector { groups, findings, collected: Collected::default() };
     let mut sub_objects = 0;

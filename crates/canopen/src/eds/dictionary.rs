@@ -62,7 +62,8 @@ pub struct ObjectDictionary {
 impl ObjectDictionary {
     /// Reads the text of an EDS or DCF.
     ///
-    /// # Errors The text is no EDS, or has too much of something. Objects with errors refuse only
+    /// # Errors
+    /// The text is no EDS, or has too much of something. Objects with errors refuse only
     /// themselves: see [`Self::findings`] and [`Self::refused`].
     pub fn parse(text: &str) -> Result<Self, ParseError> {
         let mut findings = Findings::default();
@@ -93,7 +94,8 @@ impl ObjectDictionary {
 
     /// The variable at that place. A single variable has sub-index 0.
     ///
-    /// # Errors There is none (the nearest are given), or it has an error.
+    /// # Errors
+    /// There is none (the nearest are given), or it has an error.
     pub fn variable(&self, index: u16, sub_index: u8) -> Result<&Variable, LookupError> {
         if let Some(variable) = self.object(index).and_then(|it| it.variables.get(&sub_index)) {
             return Ok(variable);

@@ -112,7 +112,8 @@ impl<'a> Groups<'a> {
 /// The index and the part of the object that a section of that name describes; `None` if it is about
 /// none.
 ///
-/// # Errors The sub-index is none.
+/// # Errors
+/// The sub-index is none.
 fn address(name: &str) -> Result<Option<(u16, Part)>, ()> {
     const DIGITS: usize = 4;
     // With fewer digits only definitions of types are written.

@@ -39,7 +39,8 @@ impl<'a> Section<'a> {
 
 /// Splits `text` into its sections, in order.
 ///
-/// # Errors A text that is too long, is no text, or has too much of something. A line that is not
+/// # Errors
+/// A text that is too long, is no text, or has too much of something. A line that is not
 /// understood is a warning.
 pub(super) fn split<'a>(
     text: &'a str,

@@ -32,7 +32,8 @@ impl Value {
     /// `text` as a value of that type. A number that has more digits than its type's sign allows stands
     /// for the type's bits, so that 0xFF is −1 as an INTEGER8.
     ///
-    /// # Errors What was expected instead.
+    /// # Errors
+    /// What was expected instead.
     pub(super) fn read(text: &str, data_type: DataType) -> Result<Self, &'static str> {
         match data_type {
             DataType::VisibleString | DataType::UnicodeString => Ok(Self::Text(text.to_owned())),

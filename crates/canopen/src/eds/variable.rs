@@ -21,7 +21,8 @@ pub(super) struct Reader<'a, 'b> {
 impl Reader<'_, '_> {
     /// The variable of that name that the section describes.
     ///
-    /// # Errors Without a known data type a variable cannot be used.
+    /// # Errors
+    /// Without a known data type a variable cannot be used.
     pub fn variable(&mut self, name: String) -> Result<Variable, Finding> {
         let data_type = self.data_type()?;
         Ok(Variable {
@@ -50,7 +51,8 @@ impl Reader<'_, '_> {
 
     /// What the section says the object is; `None` if it does not say so.
     ///
-    /// # Errors The code is unknown, or that of a definition.
+    /// # Errors
+    /// The code is unknown, or that of a definition.
     pub fn object_type(&self) -> Result<Option<ObjectType>, Finding> {
         let Some(entry) = self.section.filled("ObjectType") else { return Ok(None) };
         let known = number::whole(entry.value).and_then(ObjectType::from_code);

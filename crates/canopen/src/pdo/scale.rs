@@ -48,7 +48,8 @@ const UNKNOWN: Scale = Scale { factor: 1.0, unit: COUNT };
 
 /// The scale of an object of the device on the node of that node-ID.
 ///
-/// # Errors An object that the scale follows from has no usable value in the file.
+/// # Errors
+/// An object that the scale follows from has no usable value in the file.
 pub fn scale(dictionary: &ObjectDictionary, node_id: u8, index: u16) -> Result<Scale, ScaleError> {
     let numbers = Numbers { dictionary, node_id };
     match numbers.at(0x1000, 0).map(|device_type| device_type & 0xFFFF) {

@@ -58,7 +58,8 @@ pub fn judging(settings: &Settings, database: &Database) -> Result<MonitorDesign
 /// The monitor for `settings`, whatever sample time its model and tables were made for: for callers
 /// that need the signals and judge nothing.
 ///
-/// # Errors See [`judging`], except for sample times.
+/// # Errors
+/// See [`judging`], except for sample times.
 pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     Connector::new(settings, database, false).build()
 }
@@ -67,7 +68,8 @@ pub fn unjudging(settings: &Settings, database: &Database) -> Result<MonitorDesi
 /// a recording. The monitor waits for the pressures until the deadline of a cycle, and never
 /// reports them missing.
 ///
-/// # Errors See [`unjudging`]; also pressures that are not in bar.
+/// # Errors
+/// See [`unjudging`]; also pressures that are not in bar.
 pub fn surveying(settings: &Settings, database: &Database) -> Result<MonitorDesign, Vec<Flaw>> {
     Connector::new(settings, database, true).build()
 }

@@ -32,7 +32,8 @@ pub enum E2eError {
 
 /// Writes `counter` and then the CRC into the first [`HEADER`] bytes of `frame`.
 ///
-/// # Panics `frame` is shorter than [`HEADER`]: a bug of the caller, not bad input.
+/// # Panics
+/// `frame` is shorter than [`HEADER`]: a bug of the caller, not bad input.
 pub fn protect(frame: &mut [u8], data_id: u16, counter: u8) {
     assert!(frame.len() >= HEADER, "a frame under E2E profile 5 has at least {HEADER} bytes");
     frame[2] = counter;
@@ -42,7 +43,8 @@ pub fn protect(frame: &mut [u8], data_id: u16, counter: u8) {
 
 /// The counter of a frame whose CRC is right.
 ///
-/// # Errors [`E2eError::TooShort`] if the frame has no room for the header, [`E2eError::Crc`] if
+/// # Errors
+/// [`E2eError::TooShort`] if the frame has no room for the header, [`E2eError::Crc`] if
 /// the CRC is wrong.
 pub fn check(frame: &[u8], data_id: u16) -> Result<u8, E2eError> {
     let &[low, high, counter, ..] = frame else {

@@ -119,7 +119,8 @@ impl SavedState {
 
     /// A monitor of `design` that goes on.
     ///
-    /// # Errors The design is another one, or the content is not a state.
+    /// # Errors
+    /// The design is another one, or the content is not a state.
     pub fn resume(&self, design: MonitorDesign) -> Result<Monitor, StateRefusal> {
         if design.checksum() != self.design {
             return Err(StateRefusal::Design);
@@ -150,7 +151,8 @@ impl SavedState {
 
     /// Reads a file.
     ///
-    /// # Errors It is another file, damaged, too long, or of a program whose state has other fields.
+    /// # Errors
+    /// It is another file, damaged, too long, or of a program whose state has other fields.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, StateRefusal> {
         if bytes.len() > MAX_STATE {
             return Err(StateRefusal::TooLong);

@@ -24,7 +24,8 @@ impl ObserverDesign {
     /// The observer of `model` with the diagonal weights `q` and `r` (5-6), which reads position
     /// and, if `velocity`, velocity.
     ///
-    /// # Errors Weights or a model for which the Riccati equation has no gain.
+    /// # Errors
+    /// Weights or a model for which the Riccati equation has no gain.
     pub fn new(
         model: &Model,
         q: [f64; 3],

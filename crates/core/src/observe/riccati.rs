@@ -80,7 +80,8 @@ pub enum RiccatiError {
 /// diagonals `q` of Q (at least 0) and `r` of R (above 0), in the squared units of state and
 /// outputs.
 ///
-/// # Errors Numbers that are not finite or huge, weights out of range, modes on or outside the unit
+/// # Errors
+/// Numbers that are not finite or huge, weights out of range, modes on or outside the unit
 /// circle that are not measured or (on it) not excited, and a result that fails its check.
 pub fn solve<const M: usize>(
     a: &Matrix3<f64>,

@@ -110,7 +110,8 @@ impl Archive {
 
     /// Reads a text back; `machine` and `cylinders` are those of the configuration.
     ///
-    /// # Errors What was found and what was expected, for any bytes.
+    /// # Errors
+    /// What was found and what was expected, for any bytes.
     pub fn parse(bytes: &[u8], machine: &str, cylinders: u8) -> Result<Self, Refusal> {
         if bytes.len() > MAX_SIZE {
             return Err(Refusal::TooLong);

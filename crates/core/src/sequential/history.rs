@@ -84,7 +84,8 @@ impl DwellHistory {
 
     /// The history of `dwells`, each the mean of `counts`, as it was kept.
     ///
-    /// # Errors The dwells are not a valid history.
+    /// # Errors
+    /// The dwells are not a valid history.
     pub fn restore(dwells: Vec<Dwell>, counts: Vec<u32>, gauging: Gauging) -> Result<Self, Flaw> {
         let mut history = Self { dwells, counts, gauging };
         if let Some(flaw) = history.flaw() {

@@ -42,7 +42,8 @@ pub trait Stateful {
 
     /// Takes up what was saved. After an error the value is to be discarded, since a part was taken up.
     ///
-    /// # Errors The bytes end, or have what no value of this design has.
+    /// # Errors
+    /// The bytes end, or have what no value of this design has.
     fn resume(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError>;
 }
 
@@ -50,7 +51,8 @@ pub trait Stateful {
 pub trait Whole: Stateful + Sized {
     /// Reads a value.
     ///
-    /// # Errors See [`Stateful::resume`].
+    /// # Errors
+    /// See [`Stateful::resume`].
     fn read(from: &mut StateReader<'_>) -> Result<Self, StateError>;
 }
 
@@ -64,7 +66,8 @@ pub trait Parts {
 
     /// Takes up the state of each part.
     ///
-    /// # Errors See [`Stateful::resume`]; also another number of parts.
+    /// # Errors
+    /// See [`Stateful::resume`]; also another number of parts.
     fn resume_parts(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError>;
 }
 
@@ -78,7 +81,8 @@ pub trait Bits: Sized {
 
     /// Reads a pattern.
     ///
-    /// # Errors The bytes end.
+    /// # Errors
+    /// The bytes end.
     fn read_bits(from: &mut StateReader<'_>) -> Result<Self, StateError>;
 }
 

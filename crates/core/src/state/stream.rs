@@ -45,7 +45,8 @@ impl<'a> StateReader<'a> {
 
     /// The next `N` bytes.
     ///
-    /// # Errors There are fewer.
+    /// # Errors
+    /// There are fewer.
     #[inline]
     pub fn take<const N: usize>(&mut self) -> Result<[u8; N], StateError> {
         let (taken, rest) = self.rest.split_first_chunk().ok_or(StateError::Short)?;
@@ -55,7 +56,8 @@ impl<'a> StateReader<'a> {
 
     /// The next `length` bytes.
     ///
-    /// # Errors There are fewer.
+    /// # Errors
+    /// There are fewer.
     pub const fn take_all(&mut self, length: usize) -> Result<&'a [u8], StateError> {
         let Some((taken, rest)) = self.rest.split_at_checked(length) else {
             return Err(StateError::Short);
@@ -66,7 +68,8 @@ impl<'a> StateReader<'a> {
 
     /// Ends the reading.
     ///
-    /// # Errors There are bytes left.
+    /// # Errors
+    /// There are bytes left.
     pub const fn finish(self) -> Result<(), StateError> {
         if self.rest.is_empty() { Ok(()) } else { Err(StateError::Long) }
     }

@@ -36,7 +36,8 @@ impl Calibration {
 
     /// Refuses a bound that would not warn before the machine itself trips, at `critical` m.
     ///
-    /// # Errors The reason, in words; nothing may be written then.
+    /// # Errors
+    /// The reason, in words; nothing may be written then.
     pub fn usable(&self, critical: f64) -> Result<(), String> {
         let most = LARGEST_BOUND * critical;
         let Some(bound) = self.bound.filter(|bound| bound.level > most) else { return Ok(()) };

@@ -5,14 +5,16 @@
 //! them are extrapolated by a tail ([`Tail`]). Everything streams: memory does not grow.
 
 mod maxima;
+mod pareto;
 mod sketch;
 mod slope;
 mod tail;
 mod thinned;
 
 pub use maxima::Maxima;
+pub use pareto::Pareto;
 pub use sketch::Sketch;
 pub use slope::{Asked, LARGEST_LEVEL, levels};
-pub use tail::{LEAST_BLOCKS, Pareto, Tail, common_level};
+pub use tail::{LEAST_BLOCKS, Tail, common_level};
 pub use tertius_core::time::{HOURS_PER_YEAR, per_second};
 pub use thinned::Thinned;

@@ -174,7 +174,8 @@ impl Outcome {
     /// Checks that the chosen model, or each cylinder's own (`per_cylinder`), follows the data that
     /// it was validated on.
     ///
-    /// # Errors Those that do not, in words; no model may be written then.
+    /// # Errors
+    /// Those that do not, in words; no model may be written then.
     pub fn follows(&self, per_cylinder: bool) -> Result<(), String> {
         let Some(choice) = self.choice else { return Ok(()) };
         let of = |n: u8| if per_cylinder { n } else { choice.of };

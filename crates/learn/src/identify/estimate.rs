@@ -106,7 +106,8 @@ impl Estimator {
 
     /// The parameters.
     ///
-    /// # Errors Too few rows, signals that cannot be told apart, or a command at rest outside the
+    /// # Errors
+    /// Too few rows, signals that cannot be told apart, or a command at rest outside the
     /// recorded commands.
     pub fn estimate(&self, rule: OffsetRule) -> Result<Estimate, IdentificationRefusal> {
         let plain = || self.fit(false);

@@ -82,7 +82,8 @@ impl Learnt {
 
     /// Reads the bytes back.
     ///
-    /// # Errors What was found and what was expected, for any bytes.
+    /// # Errors
+    /// What was found and what was expected, for any bytes.
     pub fn parse(bytes: &[u8]) -> Result<Self, Refusal> {
         let version = bytes.strip_prefix(MAGIC.as_bytes()).ok_or(Refusal::Foreign)?;
         let version = version.split(|byte| *byte == b'\n').next().unwrap_or_default();

@@ -35,7 +35,8 @@ impl Part {
 
     /// Whether the same part is among the `known`.
     ///
-    /// # Errors It overlaps with another one: the same recording was cut differently, or a clock
+    /// # Errors
+    /// It overlaps with another one: the same recording was cut differently, or a clock
     /// was set.
     pub fn is_among(&self, known: &[Self]) -> Result<bool, Clash> {
         let at_once = |known: &&Self| known.first <= self.last && self.first <= known.last;

@@ -79,7 +79,8 @@ impl Piece {
 
     /// Passes its frames to `take`, in the order in which they came.
     ///
-    /// # Errors The piece is damaged; some frames may already have been passed on.
+    /// # Errors
+    /// The piece is damaged; some frames may already have been passed on.
     pub fn unpack(&self, mut take: impl FnMut(&Frame)) -> Result<(), Damage> {
         let (length, packed) = self.packed.split_first_chunk().ok_or(Damage)?;
         let length = u32::from_le_bytes(*length) as usize;

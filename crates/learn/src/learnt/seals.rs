@@ -94,7 +94,8 @@ impl Seals {
     /// Checks that `other` has the same readings and tables; without `all`, only those of a
     /// calibration.
     ///
-    /// # Errors What differs.
+    /// # Errors
+    /// What differs.
     pub fn agree(&self, other: &Self, all: bool) -> Result<(), Broken> {
         let pairs = [
             (self.readings == other.readings, Broken::Readings),

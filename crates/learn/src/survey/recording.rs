@@ -11,13 +11,15 @@ pub trait Recording {
 
     /// Passes the rows within `window` to `surveyor`.
     ///
-    /// # Errors The recording can no longer be read.
+    /// # Errors
+    /// The recording can no longer be read.
     fn read(&self, window: Window, surveyor: impl Surveyor) -> Result<(), Self::Error>;
 
     /// Reads as [`Self::read`] does and returns what the monitor counted; `None` where there was no
     /// monitor.
     ///
-    /// # Errors See [`Self::read`].
+    /// # Errors
+    /// See [`Self::read`].
     fn read_counted(&self, window: Window, surveyor: impl Surveyor) -> Result<Counts, Self::Error> {
         self.read(window, surveyor)?;
         Ok(Counts::default())
@@ -42,7 +44,8 @@ pub trait Frames {
 
     /// Passes the frames within `window` (seconds since the first one) to `take`, in order.
     ///
-    /// # Errors The frames can no longer be read.
+    /// # Errors
+    /// The frames can no longer be read.
     fn frames(&self, window: Window, take: impl FnMut(&Frame)) -> Result<(), Self::Error>;
 }
 

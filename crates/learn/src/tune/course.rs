@@ -59,7 +59,8 @@ pub enum Untuned<E> {
 impl TuningCourse<'_> {
     /// Reads `recording` twice: stretches for the search, and everything for the thresholds.
     ///
-    /// # Errors The recording's own, or a recording with too little data.
+    /// # Errors
+    /// The recording's own, or a recording with too little data.
     pub fn run<R: Recording>(&self, recording: &R) -> Result<Tuning, Untuned<R::Error>> {
         let Self { settings, origin, per_year, .. } = *self;
         let cylinders: Vec<CylinderModel> =

@@ -15,7 +15,8 @@ const SHOWN: f64 = 1.05;
 impl Tuning {
     /// Refuses a threshold that is out of reach, or that was made from nothing.
     ///
-    /// # Errors The reason, in words; nothing may be written then.
+    /// # Errors
+    /// The reason, in words; nothing may be written then.
     pub fn usable(&self, settings: &Settings) -> Result<(), String> {
         let Thresholds { high, hours, per_year, .. } = self.thresholds;
         let [low_end, high_end] = settings.machine.stroke;

@@ -86,7 +86,8 @@ impl Hexapod {
 
     /// Whether all strokes are within the reach.
     ///
-    /// # Errors The first cylinder whose stroke is outside.
+    /// # Errors
+    /// The first cylinder whose stroke is outside.
     pub fn check(&self, strokes: &[f64; LEGS]) -> Result<(), KinematicsError> {
         let [low, high] = self.reach;
         match strokes.iter().position(|stroke| !(low..=high).contains(stroke)) {
@@ -103,7 +104,8 @@ impl Hexapod {
     /// the strokes that hold the deck at `top` over a base at `base`, both poses in the
     /// same frame, m.
     ///
-    /// # Errors A cylinder does not reach that far.
+    /// # Errors
+    /// A cylinder does not reach that far.
     pub fn inverse(&self, base: &Pose, top: &Pose) -> Result<[f64; LEGS], KinematicsError> {
         let strokes = inverse::Legs::new(self, base, top).strokes(self);
         self.check(&strokes)?;

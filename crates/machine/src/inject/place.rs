@@ -57,7 +57,8 @@ const BROKEN_WIRE: i64 = 32767;
 
 /// Finds the signal of `fault`.
 ///
-/// # Errors The machine does not have the signal, or it cannot be out of range as requested.
+/// # Errors
+/// The machine does not have the signal, or it cannot be out of range as requested.
 pub fn place(
     fault: &Fault,
     settings: &Settings,

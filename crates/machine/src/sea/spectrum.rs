@@ -39,7 +39,8 @@ pub struct Component {
 impl Spectrum {
     /// A sea of significant wave height `height`, m (0: calm), and peak period `period`, s.
     ///
-    /// # Errors A value that no sea can have.
+    /// # Errors
+    /// A value that no sea can have.
     pub fn new(height: f64, period: f64, peakedness: f64) -> Result<Self, SeaError> {
         if !(0.0..=20.0).contains(&height) {
             return Err(SeaError::Height(height));

@@ -13,7 +13,8 @@ const MUCH: f64 = 1e9;
 
 /// Checks that every number of `tables` is within its range.
 ///
-/// # Errors The first number that is not.
+/// # Errors
+/// The first number that is not.
 pub fn ranges(tables: &Tables) -> Result<(), TableError> {
     hexapod(tables)?;
     sea(tables)?;

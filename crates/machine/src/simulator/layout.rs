@@ -132,7 +132,8 @@ impl Layout {
     /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
     /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
     ///
-    /// # Errors The machine is not a hexapod, or a signal is missing or is not where a controller
+    /// # Errors
+    /// The machine is not a hexapod, or a signal is missing or is not where a controller
     /// could send it.
     pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
         let cylinders = settings.machine.cylinders;

@@ -93,7 +93,8 @@ pub struct Machine {
 impl Machine {
     /// The machine of `tables` in the state that `options` ask for.
     ///
-    /// # Errors The sea cannot exist, or is too rough for the cylinders.
+    /// # Errors
+    /// The sea cannot exist, or is too rough for the cylinders.
     pub fn new(tables: &Tables, sample_time: f64, options: &Options) -> Result<Self, MachineError> {
         let random = |stream| {
             let mut rng = ChaCha8Rng::seed_from_u64(options.seed);

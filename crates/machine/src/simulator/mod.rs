@@ -125,7 +125,8 @@ pub struct Simulator {
 impl Simulator {
     /// A machine of `tables` that sends the frames which `settings` and `database` describe.
     ///
-    /// # Errors The machine of `settings` cannot be simulated, or the sea is too rough for it.
+    /// # Errors
+    /// The machine of `settings` cannot be simulated, or the sea is too rough for it.
     pub fn new(
         tables: &Tables,
         settings: &Settings,

@@ -62,7 +62,8 @@ impl StampClock {
     /// The line's instant. Must be called once for every line, even with a bad frame, because
     /// deltas add up.
     ///
-    /// # Errors The sum of the deltas is out of range.
+    /// # Errors
+    /// The sum of the deltas is out of range.
     pub fn instant(&mut self, line: &Line<'_>) -> Result<Timestamp, Reason> {
         let is_delta = match self.meaning {
             Meaning::ConsoleDelta => line.is_short_console(),

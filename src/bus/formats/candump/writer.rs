@@ -26,7 +26,8 @@ impl<W: Write> LogWriter<W> {
 
     /// Writes one line.
     ///
-    /// # Errors Errors of `out`.
+    /// # Errors
+    /// Errors of `out`.
     pub fn write(&mut self, frame: &Frame) -> io::Result<()> {
         self.line.clear();
         append_log_line(&mut self.line, &self.interface, frame);
@@ -35,7 +36,8 @@ impl<W: Write> LogWriter<W> {
 
     /// Flushes `out`.
     ///
-    /// # Errors Errors of `out`.
+    /// # Errors
+    /// Errors of `out`.
     pub fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
     }

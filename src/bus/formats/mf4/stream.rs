@@ -86,7 +86,8 @@ impl Stream {
 
     /// Reads `length` bytes into `bytes`; false at the end, where nothing is left.
     ///
-    /// # Errors The data end within these bytes, or a block cannot be read; nothing can be read after it.
+    /// # Errors
+    /// The data end within these bytes, or a block cannot be read; nothing can be read after it.
     pub fn read(&mut self, file: &[u8], length: usize, bytes: &mut Vec<u8>) -> Result<bool, Flaw> {
         bytes.clear();
         self.pass(file, length as u64, |part| bytes.extend_from_slice(part))
@@ -120,7 +121,8 @@ impl Stream {
 
     /// Goes to the block that the next byte is in; false at the end.
     ///
-    /// # Errors A block cannot be read; nothing can be read after it.
+    /// # Errors
+    /// A block cannot be read; nothing can be read after it.
     pub fn ahead(&mut self, file: &[u8]) -> Result<bool, Flaw> {
         while self.part.rest(file).0.is_empty() {
             match self.refill(file) {

@@ -35,7 +35,8 @@ impl Variable {
 
     /// The data at an offset, which the record at the place `record` tells.
     ///
-    /// # Errors They are before those that were read, too long, or not there.
+    /// # Errors
+    /// They are before those that were read, too long, or not there.
     pub fn at(
         &mut self,
         file: &[u8],

@@ -106,7 +106,8 @@ impl ProcessStudy {
 
     /// The monitors of all machines, each taught by a recording of its own.
     ///
-    /// # Errors There is no such machine, or it teaches nothing.
+    /// # Errors
+    /// There is no such machine, or it teaches nothing.
     pub fn designs(&self, stand: &Stand) -> Result<Vec<MonitorDesign>, StandError> {
         let numbered = (0..).zip(&self.machines);
         let taught = numbered.map(|(number, machine)| {
@@ -118,7 +119,8 @@ impl ProcessStudy {
 
     /// Does one job on `stand`.
     ///
-    /// # Errors There is no such machine, or no place for such a fault on it.
+    /// # Errors
+    /// There is no such machine, or no place for such a fault on it.
     pub fn run(&self, stand: &Stand, job: ProcessJob) -> Result<ProcessProduct, StandError> {
         Ok(match job {
             ProcessJob::Faulty { machine, case, number } => {
