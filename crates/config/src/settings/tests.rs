@@ -19,13 +19,33 @@ fn examples(path: &str, table: &Table, all: bool, text: &mut String) {
     }
 }
 
+/// Puts signals on each bus: an example is that of every further bus, but each has an interface of its own, and none is
+/// there for nothing.
+fn on_all_buses(text: &str) -> String {
+    let mut text = text.to_owned();
+    let further = [
+        ("second", "can1", "c2 "),
+        ("third", "can2", "control_speed "),
+        ("fourth", "can3", "state "),
+    ];
+    for (bus, interface, key) in further {
+        let (shared, own) =
+            ["can1", interface].map(|it| format!("[bus.{bus}]\ninterface = \"{it}\"")).into();
+        if text.contains(&shared) {
+            text = text.replace(&shared, &own);
+            text = text.replace(&format!("\n{key}= \""), &format!("\n{key}= \"{bus}:"));
+        }
+    }
+    text
+}
+
 #[test]
 fn the_examples_are_a_sound_configuration() {
     for all in [true, false] {
         let mut text = String::new();
         examples("", &ROOT, all, &mut text);
         // The example is of a transducer, and only a valve has it.
-        let text = text.replace("full_speed = 1.0\n", "");
+        let text = on_all_buses(&text.replace("full_speed = 1.0\n", ""));
         if let Err(error) = crate::parse("examples", &text) {
             panic!("{error}\n{text}");
         }
