@@ -53,7 +53,7 @@ impl Interfaces {
 
     /// The bus that the interface `name` is; `None` if it is none of several.
     pub fn bus(&self, name: &[u8]) -> Option<BusNumber> {
-        let Self::Several(several) = self else { return Some(BusNumber::FIRST) };
+        let Self::Several(several) = self else { return Some(BusNumber::First) };
         let found = several.buses.iter().find(|(_, wanted)| is_named(name, wanted));
         found.map(|(bus, _)| *bus)
     }

@@ -94,7 +94,7 @@ impl Doctor {
 /// What the doctor has to know of `machine`, whose configuration is the file `config`.
 pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
     let settings = &machine.loaded.settings;
-    let others = settings.bus.interfaces().filter(|(bus, _)| *bus != BusNumber::FIRST);
+    let others = settings.bus.interfaces().filter(|(bus, _)| *bus != BusNumber::First);
     Wanted {
         config: config.to_owned(),
         dbc: machine.loaded.dbc_path.display().to_string(),
@@ -105,7 +105,7 @@ pub fn wanted(machine: &Machine, config: &Path) -> Wanted {
         node: settings.gateway.node,
         own: settings.own_identifiers(),
         status: machine.design.encoder.status_id(),
-        messages: messages(machine, BusNumber::FIRST),
+        messages: messages(machine, BusNumber::First),
         others: others.map(|(bus, name)| (name.to_owned(), messages(machine, bus))).collect(),
         realtime: settings.realtime,
         files: machine.files(config).map(Path::to_owned).collect(),

@@ -110,7 +110,7 @@ pub fn gateway(machine: Machine) -> Gateway {
 pub fn identifiers(machine: &Machine, bus: BusNumber) -> Vec<Id> {
     let settings = &machine.loaded.settings;
     let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));
-    let node = node.filter(|_| bus == BusNumber::FIRST);
+    let node = node.filter(|_| bus == BusNumber::First);
     let inputs = machine.design.subscriptions.all().iter().filter(|line| line.bus == bus);
     inputs.map(|line| line.id).chain(node.into_iter().flatten()).collect()
 }
@@ -148,7 +148,7 @@ fn prepare(
     let settings = &machine.loaded.settings;
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
-        Some(stage) => (stage.opener(received(&machine, BusNumber::FIRST)), None),
+        Some(stage) => (stage.opener(received(&machine, BusNumber::First)), None),
         None => (opener(&machine), Some(name)),
     };
     let realtime = settings.realtime;

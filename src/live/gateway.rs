@@ -217,7 +217,7 @@ impl Gateway {
             *now = frame.timestamp;
             outlet.journal.frame(frame);
             // The state of the bus on which it sends.
-            let is_first = frame.bus == BusNumber::FIRST;
+            let is_first = frame.bus == BusNumber::First;
             let changed = match ErrorFrame::read(frame) {
                 _ if !is_first => false,
                 Some(error) => health.take(&error),
@@ -232,7 +232,7 @@ impl Gateway {
             monitor.take(frame, &mut outlet);
         })?;
         for bus in received.lost.iter() {
-            if bus == BusNumber::FIRST {
+            if bus == BusNumber::First {
                 outlet.outbox.clear();
                 *health = BusHealth::default();
             }

@@ -58,7 +58,7 @@ impl ListeningMonitor {
         let received = port.receive(patience, &mut |frame| {
             *now = frame.timestamp;
             let changed = match ErrorFrame::read(frame) {
-                _ if frame.bus != BusNumber::FIRST => false,
+                _ if frame.bus != BusNumber::First => false,
                 Some(error) => health.take(&error),
                 None => health.spoke(),
             };

@@ -139,7 +139,7 @@ impl Line {
 
 impl SeveralPorts {
     fn first(&mut self) -> Option<&mut Box<dyn Port>> {
-        let first = self.lines.iter_mut().find(|line| line.bus == BusNumber::FIRST)?;
+        let first = self.lines.iter_mut().find(|line| line.bus == BusNumber::First)?;
         first.port.as_mut()
     }
 

@@ -17,11 +17,11 @@ fn with(tables: &str) -> String {
 fn buses_have_interfaces_and_signals_name_their_bus() {
     let (settings, _) = parse("machine.toml", &with(SECOND)).expect("it is sound");
     let interfaces: Vec<_> = settings.bus.interfaces().collect();
-    let second = BusNumber::ALL[1];
-    assert_eq!(interfaces, [(BusNumber::FIRST, "can0"), (second, "can1")]);
+    let second = BusNumber::Second;
+    assert_eq!(interfaces, [(BusNumber::First, "can0"), (second, "can1")]);
     let c2 = settings.signals.cylinder.c2.expect("it is named");
     assert_eq!(bus_of(&c2), Some((second, "Cyl{n}_C2.Position")));
-    assert_eq!(bus_of("Sync"), Some((BusNumber::FIRST, "Sync")));
+    assert_eq!(bus_of("Sync"), Some((BusNumber::First, "Sync")));
     assert_eq!(bus_of("sixth:Sync"), None);
 }
 

@@ -11,8 +11,8 @@ use tertius::verdict::Fault;
 use tertius_testing::machine::{Collected, Cycle, MS, START, play};
 use tertius_testing::top;
 
-const FIRST: BusNumber = BusNumber::FIRST;
-const SECOND: BusNumber = BusNumber::ALL[1];
+const FIRST: BusNumber = BusNumber::First;
+const SECOND: BusNumber = BusNumber::Second;
 
 /// The machine that ships, with its configuration as `change` makes it.
 fn design_of(change: impl Fn(&str) -> String) -> MonitorDesign {

@@ -33,7 +33,7 @@ fn monitor() -> Monitor {
                 let id = Id::standard(base + u32::from(node)).expect("11 bits");
                 let devices = vec![(index, role)];
                 let of_device = SubscribedService { service, devices };
-                design.subscriptions.subscribe(BusNumber::FIRST, id).service = Some(of_device);
+                design.subscriptions.subscribe(BusNumber::First, id).service = Some(of_device);
             }
         }
     }

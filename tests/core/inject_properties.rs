@@ -11,7 +11,7 @@ use tertius::time::{Span, Timestamp};
 const ALWAYS: Window = Window { from: Span::ZERO, until: None };
 
 fn placed(message: &Message, signal: &Signal, shape: Shape, window: Window) -> Placed {
-    Placed { bus: BusNumber::FIRST, id: message.id, plan: signal.plan.clone(), shape, window }
+    Placed { bus: BusNumber::First, id: message.id, plan: signal.plan.clone(), shape, window }
 }
 
 fn random_frame(dice: &mut Dice, message: &Message, t: i64) -> Frame {

@@ -134,7 +134,7 @@ fn a_disturbed_bus_is_cut_anywhere() {
     for id in 0x191..=0x196 {
         by_timers
             .subscriptions
-            .subscribe(BusNumber::FIRST, Id::standard(id).expect("11 bits"))
+            .subscribe(BusNumber::First, Id::standard(id).expect("11 bits"))
             .by_timer = true;
     }
     for design in [design_of_default(), by_timers, design_without(&["sync = "])] {
@@ -145,7 +145,7 @@ fn a_disturbed_bus_is_cut_anywhere() {
 /// A machine with two buses, one of which falls silent, is lost, and comes back.
 #[test]
 fn several_buses_are_cut_anywhere() {
-    let second = BusNumber::ALL[1];
+    let second = BusNumber::Second;
     let mut frames: Vec<Frame> = Vec::new();
     for k in 0..300 {
         let cycle = Cycle { offset: if k > 250 { 40 } else { 0 }, ..Cycle::new(k) };

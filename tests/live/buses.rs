@@ -14,7 +14,7 @@ use tertius_testing::support::Seeded;
 
 use crate::live_gateway::{bus_traffic, wire};
 
-const SECOND: BusNumber = BusNumber::ALL[1];
+const SECOND: BusNumber = BusNumber::Second;
 
 /// Guard of the port: frames of one bus wait so long for those of the other.
 const GUARD: Span = Span::from_nanos(10 * MS);

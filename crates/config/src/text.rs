@@ -189,7 +189,7 @@ pub(super) fn other_count(signal: &str, wanted: usize) -> Option<usize> {
 /// The bus that the name of a message or signal begins with, `second:`, and the name in the DBC; without one it is the
 /// first bus.
 pub fn bus_of(name: &str) -> Option<(BusNumber, &str)> {
-    let Some((bus, name)) = name.split_once(':') else { return Some((BusNumber::FIRST, name)) };
+    let Some((bus, name)) = name.split_once(':') else { return Some((BusNumber::First, name)) };
     let number = BusNumber::NAMES.iter().position(|known| *known == bus)?;
     Some((BusNumber::ALL[number], name))
 }

@@ -98,7 +98,7 @@ impl Frame {
     pub fn new(timestamp: Timestamp, id: Id, kind: Kind, data: &[u8]) -> Self {
         let mut bytes = [0; MAX_DATA];
         bytes[..data.len()].copy_from_slice(data);
-        Self { timestamp, bus: BusNumber::FIRST, id, kind, length: data.len() as u8, bytes }
+        Self { timestamp, bus: BusNumber::First, id, kind, length: data.len() as u8, bytes }
     }
 
     /// This frame, as one of `bus`.
@@ -258,7 +258,7 @@ mod tests {
             frame(7, 1, Kind::Error, &[1, 2]),
             frame(7, 1, Kind::Data, &[1, 3]),
             frame(7, 1, Kind::Data, &[1]),
-            one.clone().on(BusNumber::ALL[1]),
+            one.clone().on(BusNumber::Second),
         ] {
             assert_ne!(other, one);
         }

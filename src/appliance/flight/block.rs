@@ -143,7 +143,7 @@ mod tests {
             ),
             Frame::new(at(-1), extended, Kind::Data, &[]),
             Frame::new(at(2), extended, Kind::Fd { flags: 3 }, &[9; 64]),
-            Frame::new(at(3), standard, Kind::Remote { length: 8 }, &[]).on(BusNumber::ALL[1]),
+            Frame::new(at(3), standard, Kind::Remote { length: 8 }, &[]).on(BusNumber::Second),
             Frame::new(at(4), Id::extended(0x40).unwrap(), Kind::Error, &[0; 8])
                 .on(BusNumber::ALL[3]),
         ];

@@ -110,7 +110,7 @@ fn identifiers(n: u8, lines: &[Subscription]) -> String {
     };
     let name = |line: &Subscription| {
         let bus = match line.bus {
-            BusNumber::FIRST => String::new(),
+            BusNumber::First => String::new(),
             other => format!("{other}:"),
         };
         match line.pages() {

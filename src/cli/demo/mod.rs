@@ -78,7 +78,7 @@ impl Demo {
             if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
         let stage = self.stage(&machine)?;
         let mut audience = self.audience(&machine, &stage)?;
-        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine, BusNumber::FIRST)));
+        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine, BusNumber::First)));
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(run::gateway(machine), opener, &mut audience);
@@ -133,7 +133,7 @@ impl Demo {
             ear: stage.listener()?,
             listener: Listener::new(
                 &machine.database,
-                run::identifiers(machine, BusNumber::FIRST),
+                run::identifiers(machine, BusNumber::First),
             )?,
             screen,
             record,

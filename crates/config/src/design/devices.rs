@@ -87,7 +87,7 @@ impl Connector<'_> {
         place: (u8, DeviceRole),
     ) {
         let devices = self.settings.devices();
-        let subscription = self.subscriptions.subscribe(BusNumber::FIRST, id);
+        let subscription = self.subscriptions.subscribe(BusNumber::First, id);
         let is_input = subscription.sync || !subscription.signals.is_empty();
         let node = devices[index].node;
         match &mut subscription.service {

@@ -139,7 +139,7 @@ impl<'a> Connector<'a> {
 
     fn connect_sync(&mut self) {
         let Some(name) = &self.settings.signals.sync else { return };
-        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::First, name));
         match self.database.message(name) {
             Ok(message) => self.subscriptions.subscribe(bus, message.id).sync = true,
             Err(error) => self.flaws.push(Flaw::new(
@@ -212,7 +212,7 @@ impl<'a> Connector<'a> {
         fields.map(|field| {
             let target = Target::Cylinder(n - 1, field);
             let has = |it: &&Subscription| it.signals.iter().any(|signal| signal.target == target);
-            self.subscriptions.all().iter().find(has).map_or(BusNumber::FIRST, |it| it.bus)
+            self.subscriptions.all().iter().find(has).map_or(BusNumber::First, |it| it.bus)
         })
     }
 
@@ -318,7 +318,7 @@ impl<'a> Connector<'a> {
     }
 
     fn find(&mut self, key: &str, name: &str) -> Option<Connected<'a>> {
-        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::First, name));
         match self.database.signal(name) {
             Ok((message, signal)) => Some(Connected { bus, message, signal }),
             Err(error) => {
@@ -379,7 +379,7 @@ impl<'a> Connector<'a> {
             .subscriptions
             .all()
             .iter()
-            .filter(|it| it.bus == BusNumber::FIRST && own.contains(&it.id))
+            .filter(|it| it.bus == BusNumber::First && own.contains(&it.id))
         {
             self.flaws.push(Flaw::new(
                 "gateway.node",

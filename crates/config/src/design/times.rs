@@ -84,7 +84,7 @@ impl Connector<'_> {
             .subscriptions
             .all()
             .iter()
-            .filter(|message| message.bus == BusNumber::FIRST && (message.sync || message.cyclic))
+            .filter(|message| message.bus == BusNumber::First && (message.sync || message.cyclic))
             .count();
         let least = frames as f64 * SHORTEST_FRAME_BITS / f64::from(bitrate);
         if machine.sample_time < least {

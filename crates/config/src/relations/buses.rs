@@ -12,7 +12,7 @@ impl Relations<'_> {
     pub(super) fn buses(&mut self, settings: &Settings) {
         self.interfaces(&settings.bus);
         let used = self.named_buses(settings);
-        for (bus, _) in settings.bus.interfaces().filter(|(bus, _)| *bus != BusNumber::FIRST) {
+        for (bus, _) in settings.bus.interfaces().filter(|(bus, _)| *bus != BusNumber::First) {
             let key = format!("bus.{bus}");
             self.require(
                 used.contains(&bus),

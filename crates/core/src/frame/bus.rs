@@ -3,7 +3,7 @@
 use crate::state::{StateError, StateReader, StateWriter, Stateful, Whole, shape_of_name, whole};
 use core::fmt;
 
-/// A bus of the machine. Nearly all machines have one, [`Self::FIRST`]; it is also the one on which the gateway sends.
+/// A bus of the machine. Nearly all machines have one, [`Self::First`]; it is also the one on which the gateway sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum BusNumber {
@@ -15,8 +15,6 @@ pub enum BusNumber {
 }
 
 impl BusNumber {
-    pub const FIRST: Self = Self::First;
-
     /// All buses that a machine may have.
     pub const ALL: [Self; 4] = [Self::First, Self::Second, Self::Third, Self::Fourth];
 

@@ -78,8 +78,8 @@ impl Monitor {
 mod tests {
     use super::*;
 
-    const FIRST: BusNumber = BusNumber::FIRST;
-    const SECOND: BusNumber = BusNumber::ALL[1];
+    const FIRST: BusNumber = BusNumber::First;
+    const SECOND: BusNumber = BusNumber::Second;
 
     fn silence() -> Silence {
         let expected = [FIRST, SECOND].into_iter().collect();

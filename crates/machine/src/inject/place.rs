@@ -81,10 +81,10 @@ pub fn place(
         return Err(PlaceError::Sensor { sensor, nearest: nearest(sensor, named) });
     };
     let name = CylinderSignals::of_cylinder(pattern, fault.cylinder);
-    let (bus, name) = bus_of(&name).unwrap_or((BusNumber::FIRST, &name));
+    let (bus, name) = bus_of(&name).unwrap_or((BusNumber::First, &name));
     let (message, signal) =
         database.signal(name).map_err(|error| PlaceError::Lookup { sensor, error })?;
-    if bus == BusNumber::FIRST && settings.own_identifiers().contains(&message.id) {
+    if bus == BusNumber::First && settings.own_identifiers().contains(&message.id) {
         return Err(PlaceError::OwnFrame { signal: name.to_owned(), id: message.id });
     }
     let is_position = matches!(sensor, "c1" | "c2");

@@ -42,5 +42,5 @@ pub(super) fn place(
         Wanted::BrokenWire(code) => Shape::Constant(Code::Raw(code.unwrap_or(HARDWARE))),
     };
     let plan = SignalPlan::new(field, NumberForm::Integer, 1.0, 0.0, Box::new([]));
-    Some(Ok(Placed { bus: BusNumber::FIRST, id, plan, shape, window: fault.window }))
+    Some(Ok(Placed { bus: BusNumber::First, id, plan, shape, window: fault.window }))
 }

@@ -216,7 +216,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn sync(&mut self, name: &str) -> Result<(), LayoutError> {
         let lookup = |error| LayoutError::Lookup { key: "signals.sync".to_owned(), error };
-        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::First, name));
         let message = self.database.message(name).map_err(lookup)?;
         let counter = message.signal("Counter").filter(|signal| !signal.plan.is_multiplexed());
         let planned = self.message(bus, message, SendPhase::Sampled)?;
@@ -247,7 +247,7 @@ impl Builder<'_> {
 
     fn add(&mut self, key: &str, name: &str, origin: Origin) -> Result<(), LayoutError> {
         let lookup = |error| LayoutError::Lookup { key: key.to_owned(), error };
-        let (bus, name) = bus_of(name).unwrap_or((BusNumber::FIRST, name));
+        let (bus, name) = bus_of(name).unwrap_or((BusNumber::First, name));
         let (message, signal) = self.database.signal(name).map_err(lookup)?;
         if signal.plan.is_multiplexed() {
             return Err(LayoutError::Multiplexed { signal: name.to_owned() });

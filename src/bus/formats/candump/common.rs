@@ -52,7 +52,7 @@ pub struct Common {
 impl Common {
     pub fn new() -> Self {
         // No line has a zero byte first and none equals one under an empty mask.
-        let interface = Known { place: 0, wanted: false, bus: BusNumber::FIRST };
+        let interface = Known { place: 0, wanted: false, bus: BusNumber::First };
         Self { prefix: (0, 0), base: 0, name: 1, mask: 0, name_length: 0, interface }
     }
 
