@@ -123,22 +123,14 @@ fn cost(clerk: &mut Clerk) -> f64 {
     const CYCLES: u32 = 1_000_000;
     let mut record = Record {
         timestamp: BEGIN,
-        cycle: 0,
         cylinder: 1,
         c1: Some(0.1),
         c2: Some(0.1),
-        velocities: [None; 2],
         qualities: [Quality::Good; 2],
-        pressures: [None; 3],
-        supply: None,
-        spool: None,
-        c2_corrected: None,
-        command: None,
-        estimates: [None; 2],
         residuals: [Some(1e-5), Some(-1e-5), Some(2e-5)],
         judged: [true; 2],
-        gated: false,
         monitored: true,
+        ..Record::default()
     };
     let started = Instant::now();
     for cycle in 0..CYCLES {

@@ -118,22 +118,12 @@ mod tests {
     fn record(seconds: i64, residual: Option<f64>) -> Record {
         Record {
             timestamp: Timestamp::from_nanos(seconds * SECOND),
-            cycle: 0,
             cylinder: 2,
-            c1: None,
-            c2: None,
-            velocities: [None; 2],
             qualities: [Quality::Good; 2],
-            pressures: [None; 3],
-            supply: None,
-            spool: None,
-            c2_corrected: None,
-            command: None,
-            estimates: [None; 2],
             residuals: [residual, None, None],
             judged: [true; 2],
-            gated: false,
             monitored: true,
+            ..Record::default()
         }
     }
 

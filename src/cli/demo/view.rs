@@ -135,7 +135,6 @@ mod tests {
     use crate::cli::demo::listener::Status;
     use crate::monitor::Record;
     use crate::sample::Quality;
-    use crate::time::Timestamp;
     use console::measure_text_width;
 
     /// The widest and the emptiest possible scene.
@@ -146,23 +145,14 @@ mod tests {
         let mut scene = Scene { now: 9999.99, platform: "settled".to_owned(), ..Scene::default() };
         for cylinder in 1..=6 {
             scene.record(&Record {
-                timestamp: Timestamp::default(),
-                cycle: 0,
                 cylinder,
                 c1: Some(-2.0556),
                 c2: Some(2.0556),
-                velocities: [None; 2],
                 qualities: [Quality::Good; 2],
-                pressures: [None; 3],
-                supply: None,
-                spool: None,
-                c2_corrected: None,
-                command: None,
-                estimates: [None; 2],
                 residuals: [Some(-3.5), Some(0.09999), Some(0.0)],
-                gated: false,
                 judged: [true; 2],
                 monitored: true,
+                ..Record::default()
             });
         }
         scene.status = Status {

@@ -12,7 +12,7 @@ use crate::time::{Span, Timestamp};
 use alloc::vec::Vec;
 
 /// Data of one cylinder in one cycle; `None` where there were none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record {
     /// Opening of the cycle.
     pub timestamp: Timestamp,
