@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::block::{Flaw, number};
-use super::group::{Carries, Group, Groups, Layout, Payload};
+use super::group::{Carries, FramePart, Group, Groups, Layout, Payload};
 use super::stream::{Stream, Unfinished};
 use super::variable::Variable;
 use crate::bus::format::{FD_LENGTHS, is_fd_length};
@@ -93,7 +93,7 @@ impl Cursor {
                     };
                     let filled = fill(layout, record, payload, *start, frame);
                     filled.map_err(|reason| Flaw::of(begin, reason))?;
-                    let channel = layout.number("BusChannel", record);
+                    let channel = layout.number(FramePart::BusChannel, record);
                     return Ok(Next::Frame(channel.unwrap_or(1)));
                 }
                 Some(Group::Variable(_)) => {
@@ -125,8 +125,8 @@ fn fill(
     start: i64,
     frame: &mut Frame,
 ) -> Result<(), Reason> {
-    let number = |name| layout.number(name, record);
-    let is = |name| number(name).is_some_and(|value| value != 0);
+    let number = |part| layout.number(part, record);
+    let is = |part| number(part).is_some_and(|value| value != 0);
     let nanos = layout.clock.nanos(record)?.checked_add(start).ok_or(Reason::StampRange)?;
     frame.timestamp = Timestamp::from_nanos(nanos);
     frame.set_length(0);
@@ -135,28 +135,28 @@ fn fill(
         frame.kind = Kind::Error;
         return Ok(());
     }
-    let word = number("ID").unwrap_or(0);
+    let word = number(FramePart::Id).unwrap_or(0);
     let value = (word & IDENTIFIER) as u32;
-    frame.id = if is("IDE") || word & EXTENDED != 0 {
+    frame.id = if is(FramePart::Ide) || word & EXTENDED != 0 {
         Id::extended(value).ok_or(Reason::ExtendedRange(value))?
     } else {
         Id::standard(value).ok_or(Reason::StandardRange(value))?
     };
-    let is_fd = is("EDL");
+    let is_fd = is(FramePart::Edl);
     let room = if is_fd { &FD_LENGTHS[..] } else { &FD_LENGTHS[..9] };
-    let coded = number("DLC").map(|code| room[(code as usize).min(room.len() - 1)] as u64);
+    let coded = number(FramePart::Dlc).map(|code| room[(code as usize).min(room.len() - 1)] as u64);
     if layout.carries == Carries::Remote {
         // Of how many bytes the requested frame is, tells its code first: a remote frame has no data.
-        let length = coded.or(number("DataLength")).unwrap_or(0).min(8) as u8;
+        let length = coded.or(number(FramePart::DataLength)).unwrap_or(0).min(8) as u8;
         frame.kind = Kind::Remote { length };
         return Ok(());
     }
     frame.kind = if is_fd {
-        Kind::Fd { flags: u8::from(is("BRS")) | u8::from(is("ESI")) << 1 }
+        Kind::Fd { flags: u8::from(is(FramePart::Brs)) | u8::from(is(FramePart::Esi)) << 1 }
     } else {
         Kind::Data
     };
-    fill_data(frame, payload, number("DataLength").or(coded))
+    fill_data(frame, payload, number(FramePart::DataLength).or(coded))
 }
 
 /// Gives a frame the data of its length, which are all where none is told.

@@ -50,16 +50,33 @@ pub struct Layout {
     pub length: usize,
     pub clock: Clock,
     pub payload: Payload,
-    pub parts: BTreeMap<&'static str, Quantity>,
+    /// By [`FramePart`].
+    parts: [Option<Quantity>; FramePart::NAMES.len()],
 }
 
 /// The parts of a frame that are numbers.
-const FIELDS: [&str; 8] = ["BusChannel", "ID", "IDE", "DLC", "DataLength", "EDL", "BRS", "ESI"];
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FramePart {
+    BusChannel,
+    Id,
+    Ide,
+    Dlc,
+    DataLength,
+    Edl,
+    Brs,
+    Esi,
+}
+
+impl FramePart {
+    /// Names of their channels behind that of the frame's, by number.
+    const NAMES: [&[u8]; 8] =
+        [b"BusChannel", b"ID", b"IDE", b"DLC", b"DataLength", b"EDL", b"BRS", b"ESI"];
+}
 
 impl Layout {
-    /// The number of this name; `None` if frames of the group have none.
-    pub fn number(&self, name: &str, record: &[u8]) -> Option<u64> {
-        self.parts.get(name).map(|part| part.of(record))
+    /// The number in a record; `None` if frames of the group have none.
+    pub fn number(&self, part: FramePart, record: &[u8]) -> Option<u64> {
+        self.parts[part as usize].as_ref().map(|part| part.of(record))
     }
 }
 
@@ -168,7 +185,7 @@ fn read(file: &[u8], group: &Block<'_>, length: u64, walk: &mut Walk) -> Result<
         return Err(Flaw::told(group.at, "records of CAN frames of more than 4096 bytes"));
     }
     let clock = Clock::of(file, &master, length)?;
-    let (payload, parts) = (Payload::Nowhere, BTreeMap::new());
+    let (payload, parts) = (Payload::Nowhere, Default::default());
     let mut layout = Layout { carries, length, clock, payload, parts };
     layout.add_all(file, name, &frames, walk)?;
     Ok(Group::Frames(Box::new(layout)))
@@ -191,7 +208,7 @@ impl Layout {
             let part = part.strip_prefix(name).and_then(|part| part.strip_prefix(b"."));
             self.add(file, part.unwrap_or_default(), &channel)?;
         }
-        if self.carries != Carries::Error && !self.parts.contains_key("ID") {
+        if self.carries != Carries::Error && self.parts[FramePart::Id as usize].is_none() {
             let told = "a group of CAN frames is read if it has a channel of identifiers";
             return Err(Flaw::told(frames.at, told));
         }
@@ -200,8 +217,8 @@ impl Layout {
 
     /// Adds a part of the frame.
     fn add(&mut self, file: &[u8], part: &[u8], channel: &Channel) -> Result<(), Flaw> {
-        if let Some(name) = FIELDS.iter().find(|name| name.as_bytes() == part) {
-            self.parts.insert(name, Quantity::new(file, channel, self.length)?);
+        if let Some(place) = FramePart::NAMES.iter().position(|name| *name == part) {
+            self.parts[place] = Some(Quantity::new(file, channel, self.length)?);
         } else if part == b"DataBytes" && self.carries == Carries::Data {
             self.payload = match channel.kind {
                 0 | 5 => {

@@ -13,8 +13,6 @@ mod packed;
 mod stream;
 mod variable;
 
-use std::io::Write;
-
 use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
 use crate::bus::reason::Reason;
 use crate::frame::Frame;
@@ -64,7 +62,8 @@ enum State {
 struct Mf4 {
     state: State,
     bytes: Vec<u8>,
-    /// Name of the newest frame's interface.
+    /// Channel of the newest frame, and the name of its interface.
+    channel: Option<u64>,
     interface: Vec<u8>,
 }
 
@@ -83,9 +82,9 @@ impl Reader for Mf4 {
         let State::Records(log) = &mut self.state else { return Item::More };
         match log.next(&self.bytes, frame) {
             Next::Frame(channel) => {
-                self.interface.clear();
-                // A vector takes all bytes.
-                let _ = write!(self.interface, "channel{channel}");
+                if self.channel.replace(channel) != Some(channel) {
+                    self.interface = format!("channel{channel}").into_bytes();
+                }
                 let absolute = log.absolute;
                 Item::Frame { taken: 0, interface: &self.interface, absolute }
             }
