@@ -121,9 +121,7 @@ impl Output {
             self.failure.get_or_insert_with(|| of(what, &error));
         }
     }
-}
 
-impl Output {
     /// Passes what is told on to the tables, if they are requested.
     fn tabulate(&mut self, take: impl FnOnce(&mut ColumnFolder) -> Result<(), Failure>) {
         if let Some(Err(failure)) = self.columns.as_mut().map(take) {
