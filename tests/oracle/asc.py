@@ -3,16 +3,15 @@
     asc.py write LOG ASC
     asc.py read ASC…
 
-`write` writes the candump log LOG. `read` prints JSON, for each log a list of its frames: [time in µs, identifier,
-extended, remote, error, CAN FD, bit rate switch, error state, channel, data in hexadecimal].
+`write` writes the candump log LOG. `read` prints JSON, for each log a list of its frames as `logged.row` has them.
 """
 
-import json
 import os
 import sys
 import time
 
 import can
+from logged import row, show
 
 os.environ["TZ"] = "UTC"
 time.tzset()
@@ -26,22 +25,10 @@ def write(log, asc):
 
 
 def read(asc):
-    for m in can.ASCReader(asc, relative_timestamp=False):
-        yield [
-            round(m.timestamp * 1e6),
-            m.arbitration_id,
-            m.is_extended_id,
-            m.is_remote_frame,
-            m.is_error_frame,
-            m.is_fd,
-            m.bitrate_switch,
-            m.error_state_indicator,
-            m.channel + 1,
-            bytes(m.data).hex(),
-        ]
+    return (row(message, message.channel + 1) for message in can.ASCReader(asc, relative_timestamp=False))
 
 
 if sys.argv[1] == "write":
     write(*sys.argv[2:])
 else:
-    json.dump([list(read(asc)) for asc in sys.argv[2:]], sys.stdout)
+    show(read, sys.argv[2:])

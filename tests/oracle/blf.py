@@ -5,14 +5,13 @@
     blf.py read BLF…
 
 `write` writes the candump log LOG in containers of SIZE bytes, compressed at LEVEL, -1 for the usual one and 0 for not at
-all. `made` writes a log of frames of every kind. `read` prints JSON, for each log a list of its frames: [time in µs,
-identifier, extended, remote, error, CAN FD, bit rate switch, error state, channel, data in hexadecimal].
+all. `made` writes a log of frames of every kind. `read` prints JSON, for each log a list of its frames as `logged.row` has them.
 """
 
-import json
 import sys
 
 import can
+from logged import row, show
 
 START = 1_700_000_000.25
 
@@ -41,19 +40,7 @@ def made(blf):
 
 
 def read(blf):
-    for m in can.BLFReader(blf):
-        yield [
-            round(m.timestamp * 1e6),
-            m.arbitration_id,
-            m.is_extended_id,
-            m.is_remote_frame,
-            m.is_error_frame,
-            m.is_fd,
-            m.bitrate_switch,
-            m.error_state_indicator,
-            m.channel + 1,
-            bytes(m.data).hex(),
-        ]
+    return (row(message, message.channel + 1) for message in can.BLFReader(blf))
 
 
 if sys.argv[1] == "write":
@@ -61,4 +48,4 @@ if sys.argv[1] == "write":
 elif sys.argv[1] == "made":
     made(sys.argv[2])
 else:
-    json.dump([list(read(blf)) for blf in sys.argv[2:]], sys.stdout)
+    show(read, sys.argv[2:])

@@ -5,14 +5,13 @@
     mf4.py read MF4…
 
 `write` writes the candump log LOG by python-can, compressed by nothing (0), zlib (1) or transposition and zlib (2). `made`
-writes frames of every kind. `read` prints JSON, for each file a list of its frames: [time in µs, identifier,
-extended, remote, error, CAN FD, bit rate switch, error state, channel, data in hexadecimal].
+writes frames of every kind. `read` prints JSON, for each file a list of its frames as `logged.row` has them.
 """
 
-import json
 import sys
 
 import can
+from logged import row, show
 
 START = 1_700_000_000.25
 
@@ -42,19 +41,7 @@ def made(mf4):
 
 
 def read(mf4):
-    for m in can.MF4Reader(mf4):
-        yield [
-            round(m.timestamp * 1e6),
-            m.arbitration_id,
-            m.is_extended_id,
-            m.is_remote_frame,
-            m.is_error_frame,
-            m.is_fd,
-            m.bitrate_switch,
-            m.error_state_indicator,
-            m.channel,
-            bytes(m.data).hex(),
-        ]
+    return (row(message, message.channel) for message in can.MF4Reader(mf4))
 
 
 if sys.argv[1] == "write":
@@ -62,4 +49,4 @@ if sys.argv[1] == "write":
 elif sys.argv[1] == "made":
     made(sys.argv[2])
 else:
-    json.dump([list(read(mf4)) for mf4 in sys.argv[2:]], sys.stdout)
+    show(read, sys.argv[2:])
