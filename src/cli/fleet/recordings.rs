@@ -3,11 +3,19 @@
 use crate::bus::{Interfaces, Options, Recording, Source};
 use crate::failure::Failure;
 use crate::time::Timestamp;
+use glob::MatchOptions;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Most recordings of a machine: one a minute for a year.
 const MOST: usize = 600_000;
+
+/// A star stands for no folder and for no hidden file.
+const AS_IN_A_SHELL: MatchOptions = MatchOptions {
+    case_sensitive: true,
+    require_literal_separator: true,
+    require_literal_leading_dot: true,
+};
 
 /// A recording with its times.
 #[derive(Clone, Debug)]
@@ -28,7 +36,7 @@ pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, String> {
     let mut all = Vec::new();
     for pattern in patterns {
         let mut found = Vec::new();
-        gather(Path::new(pattern), &mut found).map_err(|error| format!("{pattern}: {error}"))?;
+        gather(pattern, &mut found).map_err(|error| format!("{pattern}: {error}"))?;
         if found.is_empty() {
             return Err(format!(
                 "{pattern}: there is no such recording; expected a file, a folder with files, or a pattern with * or ?"
@@ -45,70 +53,32 @@ pub fn files(patterns: &[String]) -> Result<Vec<PathBuf>, String> {
 }
 
 /// Adds the files that `pattern` means.
-fn gather(pattern: &Path, found: &mut Vec<PathBuf>) -> Result<(), std::io::Error> {
-    let mut paths = vec![PathBuf::new()];
-    for part in pattern.components() {
-        let name = part.as_os_str().to_string_lossy();
-        if !name.contains(['*', '?']) {
-            paths.iter_mut().for_each(|path| path.push(part));
-            continue;
-        }
-        let mut next = Vec::new();
-        for folder in paths.iter().filter(|path| path.is_dir()) {
-            let fitting = |path: &PathBuf| fits(&name_of(path), &name);
-            next.extend(entries(folder)?.into_iter().filter(fitting));
-        }
-        paths = next;
+fn gather(pattern: &str, found: &mut Vec<PathBuf>) -> Result<(), std::io::Error> {
+    // What is there by that very name is meant, whatever a pattern of the same letters would mean.
+    if fs::exists(pattern)? {
+        return add(PathBuf::from(pattern), found);
     }
+    let paths = glob::glob_with(pattern, AS_IN_A_SHELL).map_err(std::io::Error::other)?;
     for path in paths {
-        if path.is_dir() {
-            found.extend(entries(&path)?.into_iter().filter(|file| file.is_file()));
-        } else if path.is_file() {
-            found.push(path);
-        }
+        add(path?, found)?;
     }
     Ok(())
 }
 
-/// What is in a folder and is not hidden.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, std::io::Error> {
-    let mut paths = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if !name_of(&path).starts_with('.') {
-            paths.push(path);
+/// Adds the file `path`, or the files of that folder that are not hidden.
+fn add(path: PathBuf, found: &mut Vec<PathBuf>) -> Result<(), std::io::Error> {
+    if path.is_file() {
+        found.push(path);
+        return Ok(());
+    }
+    for entry in fs::read_dir(path)? {
+        let entry = entry?;
+        let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+        if !is_hidden && entry.path().is_file() {
+            found.push(entry.path());
         }
     }
-    Ok(paths)
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-/// Whether `name` fits a `pattern`, in which `*` is any text and `?` any character.
-fn fits(name: &str, pattern: &str) -> bool {
-    let (name, pattern): (Vec<char>, Vec<char>) =
-        (name.chars().collect(), pattern.chars().collect());
-    // Where the newest star stands, and how much of the name it has taken.
-    let (mut at, mut in_pattern, mut star) = (0, 0, None);
-    while at < name.len() {
-        match pattern.get(in_pattern) {
-            Some('*') => {
-                star = Some((in_pattern, at));
-                in_pattern += 1;
-            }
-            Some(&c) if c == '?' || c == name[at] => (at, in_pattern) = (at + 1, in_pattern + 1),
-            _ => match star {
-                Some((place, taken)) => {
-                    star = Some((place, taken + 1));
-                    (at, in_pattern) = (taken + 1, place + 1);
-                }
-                None => return false,
-            },
-        }
-    }
-    pattern[in_pattern..].iter().all(|c| *c == '*')
+    Ok(())
 }
 
 /// The recording in `path`; to its end, or only its first frame if it has to be `quick`.
@@ -145,20 +115,30 @@ mod tests {
 
     #[test]
     fn patterns_mean_what_they_do_in_a_shell() {
-        for (name, pattern) in [
-            ("a.log", "*.log"),
-            ("a.log", "a*"),
-            ("a.log", "?.l*g"),
-            ("aab", "*ab"),
-            ("", "*"),
-            ("a", "a"),
-        ] {
-            assert!(fits(name, pattern), "{name} {pattern}");
+        let folder = tempfile::tempdir().expect("it can be made");
+        for name in ["1/a.log", "1/ab.zst", "1/.b.log", "2/a.log", "2/c/d.log", "[x]/e.log"] {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("it has one")).expect("it can be made");
+            fs::write(path, "").expect("it can be written");
         }
-        for (name, pattern) in
-            [("a.log", "*.zst"), ("ab", "?"), ("", "?"), ("abc", "*b"), ("a", "b")]
-        {
-            assert!(!fits(name, pattern), "{name} {pattern}");
+        let found = |patterns: &[&str]| {
+            let whole = |it: &&str| folder.path().join(it).to_str().expect("it is text").to_owned();
+            let patterns: Vec<String> = patterns.iter().map(whole).collect();
+            let files = files(&patterns)?;
+            let name = |it: &PathBuf| it.strip_prefix(&folder).expect("it is there").to_owned();
+            Ok::<_, String>(
+                files.iter().map(|it| name(it).display().to_string()).collect::<Vec<_>>(),
+            )
+        };
+        assert_eq!(found(&["1"]).unwrap(), ["1/a.log", "1/ab.zst"]);
+        assert_eq!(found(&["*/a.log"]).unwrap(), ["1/a.log", "2/a.log"]);
+        assert_eq!(found(&["?/*.log"]).unwrap(), ["1/a.log", "2/a.log"]);
+        assert_eq!(found(&["2/*"]).unwrap(), ["2/a.log", "2/c/d.log"]);
+        assert_eq!(found(&["1/a*", "1/*.zst", "1"]).unwrap(), ["1/a.log", "1/ab.zst"]);
+        // By its own name, though `[x]` is a pattern that means `x`.
+        assert_eq!(found(&["[x]"]).unwrap(), ["[x]/e.log"]);
+        for none in ["3", "*.log", "1/*.b.log", "1/***"] {
+            assert!(found(&[none]).is_err(), "{none}");
         }
     }
 }
