@@ -136,7 +136,7 @@ impl ColumnFolder {
     /// # Errors
     /// See [`Self::record`].
     pub fn notice(&mut self, notice: &Notice) -> Result<(), Failure> {
-        let row = NoticeRow { begin: self.begin, notice: *notice };
+        let row = NoticeRow::new(self.begin, notice);
         self.notices.take(row, &mut self.files)
     }
 

@@ -14,7 +14,7 @@ pub(super) struct DeviceFields {
 }
 
 /// Fields of an emergency message.
-#[derive(Serialize)]
+#[derive(Debug, Serialize)]
 pub(super) struct EmergencyFields {
     pub(super) code: String,
     pub(super) words: &'static str,

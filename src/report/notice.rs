@@ -9,7 +9,7 @@ use crate::time::{Span, Timestamp};
 use serde::{Serialize, Serializer};
 
 /// Fields of a notice; most notices have few of them.
-#[derive(Default, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct NoticeFields {
     #[serde(skip)]
     pub(super) at: Timestamp,

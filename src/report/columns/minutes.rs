@@ -2,46 +2,11 @@
 
 use super::column::{Cells, TableColumn, TableRow};
 use super::events::columns;
+use crate::identify::moments::Spread;
 use crate::monitor::Record;
 use crate::time::Timestamp;
 
 const MINUTE: i64 = 60_000_000_000;
-
-/// Values of a quantity in a minute, m.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Moments {
-    count: u64,
-    least: f64,
-    most: f64,
-    sum: f64,
-    squares: f64,
-}
-
-impl Moments {
-    fn add(&mut self, value: f64) {
-        if self.count == 0 {
-            (self.least, self.most) = (value, value);
-        }
-        self.count += 1;
-        self.least = self.least.min(value);
-        self.most = self.most.max(value);
-        self.sum += value;
-        self.squares += value * value;
-    }
-
-    fn of(&self, value: f64) -> Option<f64> {
-        (self.count > 0).then_some(value)
-    }
-
-    fn mean(&self) -> Option<f64> {
-        self.of(self.sum / self.count as f64)
-    }
-
-    /// Root of the mean square.
-    fn rms(&self) -> Option<f64> {
-        self.of((self.squares / self.count as f64).sqrt())
-    }
-}
 
 /// Statistics of one cylinder in one minute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,8 +18,10 @@ pub struct MinuteRow {
     judged: [u64; 2],
     gated: u64,
     good: [u64; 2],
-    lengths: Moments,
-    residuals: [Moments; 3],
+    /// m
+    lengths: Spread,
+    /// R1, R2, R3, m.
+    residuals: [Spread; 3],
 }
 
 /// Gathers the rows of all cylinders.
@@ -102,12 +69,17 @@ impl MinuteRow {
         let [r1, r2, r3] = record.residuals;
         let [is_r1, is_r2] = record.judged;
         let judged = [r1.filter(|_| is_r1), r2.filter(|_| is_r2), r3];
-        for (moments, value) in self.residuals.iter_mut().zip(judged) {
+        for (spread, value) in self.residuals.iter_mut().zip(judged) {
             if let Some(value) = value {
-                moments.add(value);
+                spread.add(value);
             }
         }
     }
+}
+
+/// What `get` has of values; `None` where there are none.
+fn of(spread: &Spread, get: fn(&Spread) -> f64) -> Option<f64> {
+    (spread.count > 0).then(|| get(spread))
 }
 
 impl TableRow for MinuteRow {
@@ -123,23 +95,23 @@ impl TableRow for MinuteRow {
         "gated", "", Count, "cycles in which neither was", |it| super::count(it.gated);
         "good_c1", "", Count, "cycles in which nothing spoke against the reading of C1", |it| super::count(it.good[0]);
         "good_c2", "", Count, "the same of C2", |it| super::count(it.good[1]);
-        "length_min", "m", Number, "least good reading of C1", |it| it.lengths.of(it.lengths.least);
-        "length_max", "m", Number, "largest good reading of C1", |it| it.lengths.of(it.lengths.most);
+        "length_min", "m", Number, "least good reading of C1", |it| of(&it.lengths, |it| it.low);
+        "length_max", "m", Number, "largest good reading of C1", |it| of(&it.lengths, |it| it.high);
         "r1_count", "", Count, "values of R1 that were judged", |it| super::count(it.residuals[0].count);
-        "r1_min", "m", Number, "the least of them", |it| it.residuals[0].of(it.residuals[0].least);
-        "r1_max", "m", Number, "the largest of them", |it| it.residuals[0].of(it.residuals[0].most);
-        "r1_mean", "m", Number, "their mean", |it| it.residuals[0].mean();
-        "r1_rms", "m", Number, "the root of their mean square", |it| it.residuals[0].rms();
+        "r1_min", "m", Number, "the least of them", |it| of(&it.residuals[0], |it| it.low);
+        "r1_max", "m", Number, "the largest of them", |it| of(&it.residuals[0], |it| it.high);
+        "r1_mean", "m", Number, "their mean", |it| of(&it.residuals[0], |it| it.mean);
+        "r1_rms", "m", Number, "the root of their mean square", |it| of(&it.residuals[0], Spread::rms);
         "r2_count", "", Count, "values of R2 that were judged", |it| super::count(it.residuals[1].count);
-        "r2_min", "m", Number, "the least of them", |it| it.residuals[1].of(it.residuals[1].least);
-        "r2_max", "m", Number, "the largest of them", |it| it.residuals[1].of(it.residuals[1].most);
-        "r2_mean", "m", Number, "their mean", |it| it.residuals[1].mean();
-        "r2_rms", "m", Number, "the root of their mean square", |it| it.residuals[1].rms();
+        "r2_min", "m", Number, "the least of them", |it| of(&it.residuals[1], |it| it.low);
+        "r2_max", "m", Number, "the largest of them", |it| of(&it.residuals[1], |it| it.high);
+        "r2_mean", "m", Number, "their mean", |it| of(&it.residuals[1], |it| it.mean);
+        "r2_rms", "m", Number, "the root of their mean square", |it| of(&it.residuals[1], Spread::rms);
         "r3_count", "", Count, "values of R3", |it| super::count(it.residuals[2].count);
-        "r3_min", "m", Number, "the least of them", |it| it.residuals[2].of(it.residuals[2].least);
-        "r3_max", "m", Number, "the largest of them", |it| it.residuals[2].of(it.residuals[2].most);
-        "r3_mean", "m", Number, "their mean", |it| it.residuals[2].mean();
-        "r3_rms", "m", Number, "the root of their mean square", |it| it.residuals[2].rms();
+        "r3_min", "m", Number, "the least of them", |it| of(&it.residuals[2], |it| it.low);
+        "r3_max", "m", Number, "the largest of them", |it| of(&it.residuals[2], |it| it.high);
+        "r3_mean", "m", Number, "their mean", |it| of(&it.residuals[2], |it| it.mean);
+        "r3_rms", "m", Number, "the root of their mean square", |it| of(&it.residuals[2], Spread::rms);
     };
 
     fn at(&self) -> Timestamp {
@@ -158,22 +130,10 @@ mod tests {
     fn nothing(seconds: i64) -> Record {
         Record {
             timestamp: Timestamp::from_nanos(1_700_000_100_000_000_000 + seconds * 1_000_000_000),
-            cycle: 0,
             cylinder: 2,
-            c1: None,
-            c2: None,
-            velocities: [None; 2],
-            qualities: [Quality::Missing; 2],
-            pressures: [None; 3],
-            supply: None,
-            spool: None,
-            c2_corrected: None,
-            command: None,
-            estimates: [None; 2],
-            residuals: [None; 3],
-            judged: [false; 2],
             gated: true,
             monitored: true,
+            ..Record::default()
         }
     }
 

@@ -1,34 +1,28 @@
 //! Notices as rows: the fields of their lines of JSON, and what they say in words.
 
 use super::column::{Cells, TableColumn, TableRow};
-use super::events::{Word, columns, word};
+use super::events::{columns, word};
 use super::seconds;
 use crate::monitor::Notice;
-use crate::report::device::EmergencyFields;
 use crate::report::notice::NoticeFields;
 use crate::report::wording;
-use crate::time::Timestamp;
+use crate::time::{Span, Timestamp};
 
 /// An event other than a warning: a gap, a bus that is silent or lost, an observer that starts anew.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct NoticeRow {
-    /// Time stamp of the first frame of all, from which seconds count.
-    pub begin: Timestamp,
-    pub notice: Notice,
+    /// Time since the first frame of all.
+    since: Span,
+    fields: NoticeFields,
+    summary: String,
 }
 
 impl NoticeRow {
-    fn fields(&self) -> NoticeFields {
-        NoticeFields::from(&self.notice)
-    }
-
-    fn emergency(&self) -> Option<EmergencyFields> {
-        self.fields().emergency
-    }
-
-    fn summary(&self) -> Word {
-        let [_, what] = wording::notice(self.begin, &self.notice);
-        Some(what.into())
+    /// The row of `notice`, of recordings whose first frame has the time stamp `begin`.
+    pub fn new(begin: Timestamp, notice: &Notice) -> Self {
+        let fields = NoticeFields::from(notice);
+        let [_, summary] = wording::notice(begin, notice);
+        Self { since: fields.at.since(begin), fields, summary }
     }
 }
 
@@ -37,27 +31,27 @@ impl TableRow for NoticeRow {
 
     const COLUMNS: &'static [TableColumn<Self>] = columns! {
         "timestamp", "ns since 1970, UTC", Time, "when it was", |it| Some(it.at());
-        "t", "s", Number, "the same since the first frame of all", |it| seconds(it.at().since(it.begin));
-        "notice", "", Text, "what it is, as in the lines of JSON", |it| word(it.fields().notice);
-        "seconds", "s", Number, "length of a gap; by how much the clock was set", |it| seconds(it.fields().seconds?);
-        "bus", "", Text, "of several: first, second, third, fourth", |it| word(it.fields().bus?);
-        "cylinder", "", Count, "from 1", |it| it.fields().cylinder.map(Into::into);
-        "detector", "", Text, "whose observer starts anew", |it| word(it.fields().detector?);
-        "reason", "", Text, "why: gap, diverged, time_jump, interruption", |it| word(it.fields().reason?);
-        "skew", "s", Number, "mean time by which C2 is sampled sooner than C1", |it| it.fields().skew;
-        "jitter", "s", Number, "standard deviation of its random part", |it| it.fields().jitter;
-        "device", "", Text, "c1, c2, valve", |it| word(it.fields().device?);
-        "node", "", Count, "CANopen node that said it", |it| it.fields().node.map(Into::into);
-        "state", "", Text, "which state it is in now", |it| word(it.fields().state?);
-        "code", "", Text, "error code of an emergency", |it| it.emergency().map(|it| it.code.into());
-        "words", "", Text, "the code in words", |it| word(it.emergency()?.words);
-        "register", "", Text, "error register", |it| it.emergency().map(|it| it.register.into());
-        "field", "", Text, "the maker's own bytes", |it| it.emergency().map(|it| it.field.into());
-        "summary", "", Text, "in words", |it| it.summary();
+        "t", "s", Number, "the same since the first frame of all", |it| seconds(it.since);
+        "notice", "", Text, "what it is, as in the lines of JSON", |it| word(it.fields.notice);
+        "seconds", "s", Number, "length of a gap; by how much the clock was set", |it| seconds(it.fields.seconds?);
+        "bus", "", Text, "of several: first, second, third, fourth", |it| word(it.fields.bus?);
+        "cylinder", "", Count, "from 1", |it| it.fields.cylinder.map(Into::into);
+        "detector", "", Text, "whose observer starts anew", |it| word(it.fields.detector?);
+        "reason", "", Text, "why: gap, diverged, time_jump, interruption", |it| word(it.fields.reason?);
+        "skew", "s", Number, "mean time by which C2 is sampled sooner than C1", |it| it.fields.skew;
+        "jitter", "s", Number, "standard deviation of its random part", |it| it.fields.jitter;
+        "device", "", Text, "c1, c2, valve", |it| word(it.fields.device?);
+        "node", "", Count, "CANopen node that said it", |it| it.fields.node.map(Into::into);
+        "state", "", Text, "which state it is in now", |it| word(it.fields.state?);
+        "code", "", Text, "error code of an emergency", |it| it.fields.emergency.as_ref().map(|it| it.code.clone().into());
+        "words", "", Text, "the code in words", |it| word(it.fields.emergency.as_ref()?.words);
+        "register", "", Text, "error register", |it| it.fields.emergency.as_ref().map(|it| it.register.clone().into());
+        "field", "", Text, "the maker's own bytes", |it| it.fields.emergency.as_ref().map(|it| it.field.clone().into());
+        "summary", "", Text, "in words", |it| Some(it.summary.clone().into());
     };
 
     fn at(&self) -> Timestamp {
-        self.fields().at
+        self.fields.at
     }
 }
 
@@ -73,12 +67,11 @@ mod tests {
     use crate::sample::device::{DeviceNews, DeviceState};
     use crate::sample::emergency::Emergency;
     use crate::sequential::Apart;
-    use crate::time::Span;
     use serde_json::{Map, Value};
 
     /// All kinds of notices, some half a second apart.
     fn notices(at: Timestamp) -> Vec<Notice> {
-        let second = BusNumber::ALL[1];
+        let second = BusNumber::Second;
         let reason = Restart::Diverged;
         let apart = Apart { mean: 0.0021, spread: 0.0007, ..Apart::default() };
         let emergency = Emergency { code: 0x8110, register: 0x11, detail: [1, 2, 3, 4, 0xFF] };
@@ -89,7 +82,7 @@ mod tests {
             Notice::Interruption { at, bus: None },
             Notice::Interruption { at, bus: Some(second) },
             Notice::Silence { at, bus: second, silent: true },
-            Notice::Silence { at, bus: BusNumber::FIRST, silent: false },
+            Notice::Silence { at, bus: BusNumber::First, silent: false },
             Notice::Restart { at, cylinder: 3, detector: Detector::Fde2, reason },
             Notice::Timing { at, apart: Some(apart) },
             Notice::Timing { at, apart: None },
@@ -108,7 +101,7 @@ mod tests {
             let mut line: Map<String, Value> = serde_json::from_slice(&line).expect("JSON");
             line.remove("type");
             line.insert("timestamp".to_owned(), at.as_nanos().into());
-            let row = NoticeRow { begin, notice };
+            let row = NoticeRow::new(begin, &notice);
             let mut cells = column::cells(&row);
             let words = cells.remove("summary").expect("words");
             assert!(words.as_str().is_some_and(|it| it.len() > 10), "{words}");
