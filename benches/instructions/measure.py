@@ -60,7 +60,7 @@ class Profile:
         for file in (out, sent):
             file.unlink(missing_ok=True)
         command = ["valgrind", "--tool=callgrind", "--dump-instr=yes", f"--callgrind-out-file={out}"]
-        command += [binary, "replay", log, "--config", config, "--format", "jsonl"]
+        command += [binary, "replay", log, "--config", config, "--format", "jsonl", "--threads", "1"]
         command += ["--warnings", sent]
         with open(output, "wb") as file:
             done = subprocess.run(list(map(str, command)), stdout=file, stderr=subprocess.PIPE, text=True)

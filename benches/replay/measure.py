@@ -82,7 +82,7 @@ class Replay:
 
     def of(self, log, frames):
         output, warnings = self.folder / "replay.jsonl", self.folder / "warnings.log"
-        command = [self.binary, "replay", log, "--config", CONFIG, "--format", "jsonl"]
+        command = [self.binary, "replay", log, "--config", CONFIG, "--format", "jsonl", "--threads", "1"]
         figures = run([*map(str, command), "--warnings", str(warnings), "--force"], output)
         self.check(json.loads(output.read_text().splitlines()[-1]), frames)
         return figures | {"frames": frames}

@@ -10,6 +10,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ahead;
 mod barren;
 mod buffer;
 pub mod embedded;
@@ -31,6 +32,7 @@ mod source;
 mod statistics;
 mod unrestricted;
 
+pub use ahead::read_ahead;
 pub use barren::{Barren, Seems};
 pub use encoder::{FrameEncoder, Unsayable, Written};
 pub use format::{MAX_LINE, TimeStamps};

@@ -24,7 +24,9 @@ use feeding::{damage, feed};
 use jiff::tz::TimeZone;
 use std::fs;
 use std::io::{IsTerminal, Write};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::thread;
 
 /// Runs recordings through the same monitor as the live gateway.
 #[derive(Args, Debug)]
@@ -82,6 +84,10 @@ pub struct Replay {
     time_zone: TimeZone,
     #[command(flatten)]
     overwriting: Overwriting,
+    /// 1: reads and judges in turn. 2: reads ahead on a second thread, unless the recording comes by a pipe. The
+    /// result is the same [default: as many as there are processors]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
     /// The meaning of the time stamps of a console recording
     #[arg(long, value_enum, default_value_t = StampOption::Auto)]
     time_stamps: StampOption,
@@ -122,6 +128,17 @@ pub(super) fn zone(name: &str) -> Result<TimeZone, String> {
     })
 }
 
+fn threads(text: &str) -> Result<usize, String> {
+    let wanted = text.parse().ok().filter(|wanted| *wanted > 0);
+    wanted.ok_or_else(|| {
+        "expected a number of threads, 1 or more; more than 2 are not used".to_owned()
+    })
+}
+
+fn processors() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
 impl Replay {
     /// Runs the command.
     ///
@@ -150,7 +167,9 @@ impl Replay {
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
-        let duration = feed(&mut recording, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
+        let threads = self.threads.unwrap_or_else(processors);
+        let duration =
+            feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
         if output.failed() {
             return broken_off(output);
         }

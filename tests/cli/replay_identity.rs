@@ -96,6 +96,22 @@ fn twice_compressed_and_piped() {
     kept.assert_same(&bench.outcome(piped), "zstd on standard input");
 }
 
+#[test]
+fn read_in_turn_and_read_ahead() {
+    let bench = Bench::new();
+    let log = recording("e-type-faults.log.zst");
+    let on = |threads| {
+        let mut call = bench.call(&log);
+        call.extend(["--threads", threads]);
+        bench.outcome(tertius(&call, b""))
+    };
+    let one = on("1");
+    assert!(one.lines.lines().count() > 80 && one.sent.len() > 200_000);
+    one.assert_same(&on("2"), "two threads");
+    one.assert_same(&on("64"), "more threads than there is work for");
+    tertius(&["replay", &log, "--config", E_TYPE, "--threads", "0"], b"").failed(2, &["--threads"]);
+}
+
 /// Half a minute with faults, a change of a warning among them.
 fn excerpt() -> String {
     let log = between(&recorded("e-type-faults.log.zst"), 160.0, 190.5);
