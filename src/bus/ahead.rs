@@ -24,20 +24,31 @@ struct Batch {
     progress: Progress,
 }
 
-/// Passes all frames of `recording` to `take`, in their order and a batch at a time, with the progress after it, until
-/// `take` breaks. What the recording gives does not depend on how many `threads` there are: with one, reading and
-/// taking are done in turn, with more, a second one reads at most 4,096 frames ahead. Of a pipe or socket a batch is a
-/// single frame, and nothing is read ahead, as the next one may be long in coming.
+/// Frames between two pauses of the taker.
+const STRIDE: usize = 64 * BATCH;
+
+/// What is done with the frames of a recording; either ends the reading by breaking.
+pub trait FrameTaker {
+    /// Takes the next frame.
+    fn take(&mut self, frame: &Frame) -> ControlFlow<()>;
+
+    /// Is called every 65,536 frames with the progress so far.
+    fn pause(&mut self, progress: Progress) -> ControlFlow<()>;
+}
+
+/// Passes all frames of `recording` to `taker`, in their order. What it gets does not depend on how many `threads` there
+/// are: with one, reading and taking are done in turn, with more, a second one reads at most 4,096 frames ahead. Of a
+/// pipe nothing is read ahead, as the next frame may be long in coming.
 ///
 /// # Errors
 /// Why the recording cannot be read on, after the frames before were taken.
 pub fn read_ahead(
     recording: &mut Recording,
     threads: usize,
-    mut take: impl FnMut(&[Frame], Progress) -> ControlFlow<()>,
+    taker: &mut impl FrameTaker,
 ) -> Result<(), SourceError> {
     if threads < 2 || recording.progress().total.is_none() {
-        return read_in_turn(recording, take);
+        return read_in_turn(recording, taker);
     }
     let (to_taker, from_reader) = sync_channel::<Batch>(BATCHES);
     let (to_reader, from_taker) = sync_channel::<Batch>(BATCHES);
@@ -49,8 +60,11 @@ pub fn read_ahead(
     }
     thread::scope(|scope| {
         let reader = scope.spawn(move || read(recording, &from_taker, &to_taker));
-        for batch in &from_reader {
-            let flow = take(&batch.frames[..batch.length], batch.progress);
+        for (batch, n) in from_reader.iter().zip(1..) {
+            let mut flow = batch.frames[..batch.length].iter().try_for_each(|it| taker.take(it));
+            if flow.is_continue() && (BATCH * n).is_multiple_of(STRIDE) {
+                flow = taker.pause(batch.progress);
+            }
             // A reader that is at the end takes none back.
             let _ = to_reader.send(batch);
             if flow.is_break() {
@@ -63,19 +77,15 @@ pub fn read_ahead(
     })
 }
 
-fn read_in_turn(
-    recording: &mut Recording,
-    mut take: impl FnMut(&[Frame], Progress) -> ControlFlow<()>,
-) -> Result<(), SourceError> {
-    let mut progress = recording.progress();
+fn read_in_turn(recording: &mut Recording, taker: &mut impl FrameTaker) -> Result<(), SourceError> {
     let mut frames = 0_usize;
     while let Some(frame) = recording.next_frame()? {
-        if take(std::slice::from_ref(frame), progress).is_break() {
+        if taker.take(frame).is_break() {
             break;
         }
         frames += 1;
-        if frames.is_multiple_of(BATCH) {
-            progress = recording.progress();
+        if frames.is_multiple_of(STRIDE) && taker.pause(recording.progress()).is_break() {
+            break;
         }
     }
     Ok(())
@@ -119,20 +129,40 @@ mod tests {
     use std::fs;
     use std::path::PathBuf;
 
-    /// Each frame as text, and what broke the reading off.
-    fn frames(path: &PathBuf, threads: usize, most: usize) -> (Vec<String>, Option<String>) {
-        let mut recording = Recording::open(&[path], Options::default()).expect("it is there");
-        let mut taken = Vec::new();
-        let result = read_ahead(&mut recording, threads, |frames, _| {
-            for frame in frames {
-                if taken.len() == most {
-                    return ControlFlow::Break(());
-                }
-                taken.push(format!("{frame:?}"));
+    /// Takes frames as text, until it has `most`.
+    struct Collector {
+        taken: Vec<String>,
+        most: usize,
+    }
+
+    impl FrameTaker for Collector {
+        fn take(&mut self, frame: &Frame) -> ControlFlow<()> {
+            if self.taken.len() == self.most {
+                return ControlFlow::Break(());
             }
+            self.taken.push(format!("{frame:?}"));
             ControlFlow::Continue(())
-        });
-        (taken, result.err().map(|error| error.to_string()))
+        }
+
+        fn pause(&mut self, progress: Progress) -> ControlFlow<()> {
+            self.taken.push(format!("{:?}", progress.total));
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// Each frame of a recording as text, at most `most` of them, and what broke the reading off.
+    fn frames(
+        mut recording: Recording,
+        threads: usize,
+        most: usize,
+    ) -> (Vec<String>, Option<String>) {
+        let mut collector = Collector { taken: Vec::new(), most };
+        let result = read_ahead(&mut recording, threads, &mut collector);
+        (collector.taken, result.err().map(|error| error.to_string()))
+    }
+
+    fn open(paths: &[PathBuf]) -> Recording {
+        Recording::open(paths, Options::default()).expect("it is there")
     }
 
     fn log(lines: usize) -> String {
@@ -148,35 +178,41 @@ mod tests {
     #[test]
     fn two_threads_give_what_one_gives() {
         let folder = tempfile::tempdir().expect("it can be made");
-        let path = folder.path().join("a.log");
-        for lines in [1, BATCH - 1, BATCH, BATCH + 1, 3 * BATCH, BATCHES * BATCH + 7, 20_000] {
-            fs::write(&path, log(lines)).expect("it can be written");
-            let one = frames(&path, 1, usize::MAX);
-            assert_eq!(one.0.len(), lines);
-            assert_eq!(frames(&path, 2, usize::MAX), one, "{lines}");
+        let paths = [folder.path().join("a.log")];
+        for lines in [1, BATCH - 1, BATCH, BATCH + 1, BATCHES * BATCH + 7, 2 * STRIDE + 1] {
+            fs::write(&paths[0], log(lines)).expect("it can be written");
+            let one = frames(open(&paths), 1, usize::MAX);
+            assert_eq!(one.0.len(), lines + lines / STRIDE);
+            assert!(frames(open(&paths), 2, usize::MAX) == one, "{lines}");
         }
     }
 
     #[test]
     fn a_taker_that_breaks_off_ends_the_reading() {
         let folder = tempfile::tempdir().expect("it can be made");
-        let path = folder.path().join("a.log");
-        fs::write(&path, log(30 * BATCH)).expect("it can be written");
+        let paths = [folder.path().join("a.log")];
+        fs::write(&paths[0], log(30 * BATCH)).expect("it can be written");
         for most in [0, 1, BATCH, 5 * BATCH + 3] {
-            let (taken, error) = frames(&path, 2, most);
+            let (taken, error) = frames(open(&paths), 2, most);
             assert_eq!((taken.len(), error), (most, None));
         }
     }
 
-    /// An interface that becomes ambiguous in the middle.
     #[test]
     fn an_error_comes_after_the_frames_before_it() {
         let folder = tempfile::tempdir().expect("it can be made");
-        let path = folder.path().join("a.log");
-        let lines = log(2 * BATCH) + &log(4 * BATCH).replace("can0", "can1");
-        fs::write(&path, lines).expect("it can be written");
-        let one = frames(&path, 1, usize::MAX);
-        assert!(one.1.as_ref().is_some_and(|error| error.contains("--interface")), "{one:?}");
-        assert_eq!(frames(&path, 2, usize::MAX), one);
+        let paths = ["a.log", "b.log"].map(|name| folder.path().join(name));
+        let broken_off = |threads| {
+            for path in &paths {
+                fs::write(path, log(2 * BATCH + 9)).expect("it can be written");
+            }
+            let recording = open(&paths[..]);
+            fs::remove_file(&paths[1]).expect("it is there");
+            frames(recording, threads, usize::MAX)
+        };
+        let (taken, error) = broken_off(1);
+        assert_eq!(taken.len(), 2 * BATCH + 9);
+        assert!(error.as_ref().is_some_and(|error| error.contains("b.log")), "{error:?}");
+        assert!(broken_off(2) == (taken, error));
     }
 }

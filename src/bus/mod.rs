@@ -32,7 +32,7 @@ mod source;
 mod statistics;
 mod unrestricted;
 
-pub use ahead::read_ahead;
+pub use ahead::{FrameTaker, read_ahead};
 pub use barren::{Barren, Seems};
 pub use encoder::{FrameEncoder, Unsayable, Written};
 pub use format::{MAX_LINE, TimeStamps};

@@ -5,13 +5,11 @@ use super::super::output::Output;
 use super::super::progress::Bar;
 use super::super::recorded::RecordedInputs;
 use super::super::state::StateFile;
-use crate::bus::{Recording, Statistics, read_ahead};
+use crate::bus::{FrameTaker, Progress, Recording, Statistics, read_ahead};
+use crate::frame::Frame;
 use crate::monitor::Monitor;
 use crate::time::{Span, Timestamp};
 use std::ops::ControlFlow;
-
-/// Number of frames between two updates of progress and output.
-const STRIDE: usize = 1 << 16;
 
 /// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
 /// from its first frame to its last. With more than one of `threads` it is read ahead. Where the state
@@ -21,40 +19,61 @@ pub fn feed(
     threads: usize,
     monitor: &mut Monitor,
     output: &mut Output,
-    mut kept: Option<&mut StateFile>,
+    kept: Option<&mut StateFile>,
     inputs: &RecordedInputs,
 ) -> Result<Span, Failure> {
-    let bar = Bar::new(recording.progress());
-    let (mut last, mut begun, mut since_shown) = (output.first, Ok(false), 0);
-    read_ahead(recording, threads, |frames, progress| {
-        if let (Ok(false), [first, ..]) = (&begun, frames) {
-            begun = begin(first.timestamp, monitor, output, kept.as_deref_mut()).map(|()| true);
-        }
-        if begun.is_err() {
-            return ControlFlow::Break(());
-        }
-        for frame in frames {
-            monitor.take(frame, output);
-            last = frame.timestamp;
-        }
-        since_shown += frames.len();
-        if since_shown >= STRIDE {
-            since_shown = 0;
-            if output.failed() {
-                return ControlFlow::Break(());
-            }
-            bar.show(progress);
-        }
-        ControlFlow::Continue(())
-    })?;
-    begun?;
-    if kept.is_some() || inputs.state.is_some() {
+    let goes_on = kept.is_some() || inputs.state.is_some();
+    let (bar, last) = (Bar::new(recording.progress()), output.first);
+    let mut feeding = Feeding { monitor, output, kept, bar, last, begun: false, failure: None };
+    read_ahead(recording, threads, &mut feeding)?;
+    let Feeding { monitor, output, bar, last, failure, .. } = feeding;
+    if let Some(failure) = failure {
+        return Err(failure);
+    }
+    if goes_on {
         monitor.standing().for_each(|incident| output.incidents.take(&incident));
     } else {
         monitor.finish(output);
     }
     bar.finish();
     Ok(last.since(output.first))
+}
+
+/// A replay that goes on.
+struct Feeding<'a> {
+    monitor: &'a mut Monitor,
+    output: &'a mut Output,
+    kept: Option<&'a mut StateFile>,
+    bar: Bar,
+    /// Time stamp of the newest frame.
+    last: Timestamp,
+    begun: bool,
+    failure: Option<Failure>,
+}
+
+impl FrameTaker for Feeding<'_> {
+    #[inline(always)]
+    fn take(&mut self, frame: &Frame) -> ControlFlow<()> {
+        self.last = frame.timestamp;
+        if !self.begun {
+            let begun = begin(self.last, self.monitor, self.output, self.kept.as_deref_mut());
+            self.failure = begun.err();
+            if self.failure.is_some() {
+                return ControlFlow::Break(());
+            }
+            self.begun = true;
+        }
+        self.monitor.take(frame, self.output);
+        ControlFlow::Continue(())
+    }
+
+    fn pause(&mut self, progress: Progress) -> ControlFlow<()> {
+        if self.output.failed() {
+            return ControlFlow::Break(());
+        }
+        self.bar.show(progress);
+        ControlFlow::Continue(())
+    }
 }
 
 /// Begins the outputs of a recording whose first frame is stamped `first`.
