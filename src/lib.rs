@@ -55,10 +55,11 @@
 //! global. Therefore a replay agrees with the gateway. Tertius deliberately does not act on the
 //! machine: it advises, and the machine's own safety system acts.
 //!
-//! Three features leave rooms out when they are off, and all of them are on by default: `cli` has the commands, the
-//! program and what surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`],
-//! [`appliance::telemetry`]); `plots` has [`report`]. `cli` needs the other two. Without them there are the bus, the
-//! live monitor and all crates. A fourth one, `parquet`, is off: results of a replay as tables in Parquet files.
+//! Features leave rooms out when they are off. All but one are on by default: `cli` has the commands, the program and what
+//! surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`], [`appliance::telemetry`]);
+//! `plots` has [`report`]; `learning` has what learns from recordings and what assesses a monitor. `cli` needs all of
+//! them, and `demo`, which has the program with `tertius demo` alone. Without any there are the bus, the live monitor
+//! and the other crates. The one that is off, `parquet`, has the results of a replay as tables in Parquet files.
 //!
 //! Frames in, warnings out:
 //!
@@ -104,7 +105,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#[cfg(feature = "cli")]
+#[cfg(feature = "demo")]
 #[macro_use]
 pub mod failure;
 
@@ -112,13 +113,14 @@ pub mod alarm_list;
 #[cfg(feature = "http")]
 pub mod appliance;
 pub mod bus;
-#[cfg(feature = "cli")]
+#[cfg(feature = "demo")]
 pub mod cli;
 pub mod live;
 #[cfg(feature = "plots")]
 pub mod report;
 pub mod story;
 
+#[cfg(feature = "learning")]
 pub use tertius_assess::{commission, evaluate};
 pub use tertius_canopen as canopen;
 pub use tertius_config as config;
@@ -127,6 +129,7 @@ pub use tertius_core::{
     sample, sequential, time, verdict,
 };
 pub use tertius_dbc as dbc;
+#[cfg(feature = "learning")]
 pub use tertius_learn::{
     calibrate, extremes, identify, learnt, propose, relate, survey, tables, tune,
 };

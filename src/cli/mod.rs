@@ -1,52 +1,94 @@
 //! The commands.
 
+// What they share is there as a whole, although the demonstration alone does not use all of it.
+#![cfg_attr(not(feature = "cli"), allow(dead_code))]
+
+#[cfg(feature = "cli")]
 mod broadcast;
+#[cfg(feature = "cli")]
 mod calibrate;
+#[cfg(feature = "cli")]
 mod check;
 #[cfg(feature = "parquet")]
 mod columns;
-#[cfg(not(feature = "parquet"))]
+#[cfg(all(feature = "cli", not(feature = "parquet")))]
 #[path = "without_columns.rs"]
 mod columns;
+#[cfg(feature = "cli")]
+mod commands;
+#[cfg(feature = "cli")]
 mod commission;
+#[cfg(feature = "cli")]
 mod config;
+#[cfg(feature = "cli")]
 mod convert;
 mod demo;
+#[cfg(feature = "cli")]
 mod doctor;
+#[cfg(feature = "cli")]
 mod eds;
+#[cfg(feature = "cli")]
 mod evaluate;
+#[cfg(feature = "cli")]
 mod events;
+#[cfg(feature = "cli")]
 mod faults;
 mod files;
+#[cfg(feature = "cli")]
 mod fleet;
+mod gateway;
+#[cfg(feature = "cli")]
 mod history;
+#[cfg(feature = "cli")]
 mod identify;
+#[cfg(feature = "cli")]
 mod init;
+#[cfg(feature = "cli")]
 mod inject;
+#[cfg(feature = "cli")]
 mod learnt_file;
 mod machine;
+#[cfg(feature = "cli")]
 mod monitor;
 mod node;
+#[cfg(feature = "cli")]
 mod output;
+#[cfg(feature = "cli")]
 mod overriding;
+#[cfg(feature = "cli")]
 mod packed;
+#[cfg(feature = "cli")]
 mod passing;
+#[cfg(feature = "cli")]
 mod plant;
 mod player;
+#[cfg(feature = "cli")]
 mod progress;
+#[cfg(feature = "cli")]
 mod proxy;
+#[cfg(feature = "cli")]
 mod recorded;
+#[cfg(feature = "cli")]
 mod replay;
+#[cfg(feature = "cli")]
 mod run;
+#[cfg(feature = "cli")]
 mod simulate;
 mod simulation;
 mod stage;
+#[cfg(feature = "cli")]
 mod state;
+#[cfg(feature = "cli")]
 mod survey;
+#[cfg(feature = "cli")]
 mod tables;
+#[cfg(feature = "cli")]
 mod token;
+#[cfg(feature = "cli")]
 mod tune;
+#[cfg(feature = "cli")]
 mod update;
+#[cfg(feature = "cli")]
 mod virtual_bus;
 
 pub use crate::failure::Failure;
@@ -56,6 +98,11 @@ use clap::{Parser, Subcommand};
 /// gangways from their CAN bus. It only advises; the machine's own safety system acts.
 #[derive(Debug, Parser)]
 #[command(name = "tertius", version, about, max_term_width = 100)]
+#[cfg_attr(
+    not(feature = "cli"),
+    command(after_help = "This program was built with its demonstration alone. In a clone, \
+                          `cargo run --release -- --help` shows all commands.")
+)]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -64,25 +111,9 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Demo),
-    Init(init::Init),
-    Run(run::Run),
-    Replay(replay::Replay),
-    Check(check::Check),
-    Config(config::Config),
-    Doctor(doctor::Doctor),
-    Monitor(monitor::Monitor),
-    Eds(eds::Eds),
-    Events(events::Events),
-    Convert(convert::Convert),
-    Fleet(fleet::Fleet),
-    Inject(inject::Inject),
-    Commission(commission::Commission),
-    Identify(identify::Identify),
-    Simulate(simulate::Simulate),
-    Evaluate(evaluate::Evaluate),
-    Calibrate(calibrate::Calibrate),
-    Tune(tune::Tune),
-    Token(token::Token),
+    #[cfg(feature = "cli")]
+    #[command(flatten)]
+    Other(commands::Command),
 }
 
 impl Arguments {
@@ -93,30 +124,14 @@ impl Arguments {
     pub fn run(self) -> Result<(), Failure> {
         match self.command {
             Command::Demo(demo) => demo.run(),
-            Command::Init(init) => init.run(),
-            Command::Run(run) => run.run(),
-            Command::Replay(replay) => replay.run(),
-            Command::Check(check) => check.run(),
-            Command::Config(config) => config.run(),
-            Command::Doctor(doctor) => doctor.run(),
-            Command::Monitor(monitor) => monitor.run(),
-            Command::Eds(eds) => eds.run(),
-            Command::Events(events) => events.run(),
-            Command::Convert(convert) => convert.run(),
-            Command::Fleet(fleet) => fleet.run(),
-            Command::Inject(inject) => inject.run(),
-            Command::Commission(commission) => commission.run(),
-            Command::Identify(identify) => identify.run(),
-            Command::Simulate(simulate) => simulate.run(),
-            Command::Evaluate(evaluate) => evaluate.run(),
-            Command::Calibrate(calibrate) => calibrate.run(),
-            Command::Tune(tune) => tune.run(),
-            Command::Token(token) => token.run(),
+            #[cfg(feature = "cli")]
+            Command::Other(command) => command.run(),
         }
     }
 }
 
 /// Help for an argument that names recordings, which may also be `packed` so.
+#[cfg(feature = "cli")]
 fn recordings(packed: &str) -> String {
     let formats = crate::bus::format_names();
     format!("Recordings, read in turn, in any of these formats: {formats}; may be .gz{packed}")

@@ -2,8 +2,8 @@
 
 use super::Failure;
 use super::doctor;
+use super::gateway::{gateway, identifiers};
 use super::machine::Machine;
-use super::node;
 use super::overriding::SetOptions;
 use super::stage::Stage;
 use super::virtual_bus::{self, PlayOptions};
@@ -17,15 +17,11 @@ use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePl
 use crate::appliance::telemetry::MachineFacts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
-use crate::canopen::node::Node;
 use crate::config::Overrides;
 use crate::config::settings::bus_of;
 use crate::frame::{BusNumber, Id};
-use crate::live::gateway::Gateway;
-use crate::live::outbox::{Outbox, OutboxLimits};
 use crate::live::several::SeveralOpener;
 use crate::live::supervisor::{self, Opener};
-use crate::monitor::Monitor;
 use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -83,36 +79,6 @@ impl Run {
         appliance.stopped(&gateway);
         stage.map_or(Ok(()), |stage| stage.finish())
     }
-}
-
-/// The gateway of a machine.
-pub fn gateway(machine: Machine) -> Gateway {
-    let settings = &machine.loaded.settings;
-    let limits = OutboxLimits {
-        waiting: OutboxLimits::WAITING,
-        estimates: usize::from(settings.machine.cylinders),
-        age: Span::from_seconds(settings.gateway.max_age),
-        bitrate: f64::from(settings.bus.bitrate),
-        share: settings.gateway.bus_share,
-        burst: OutboxLimits::BURST,
-    };
-    let outbox = Outbox::new(limits);
-    let guard = Span::from_seconds(settings.gateway.guard);
-    let node = node::design(&machine).and_then(|design| Node::new(&design));
-    let gateway = Gateway::new(Monitor::new(machine.design), outbox, guard);
-    match node {
-        Some(node) => gateway.with_node(node),
-        None => gateway,
-    }
-}
-
-/// Identifiers that the gateway of a machine receives on `bus`.
-pub fn identifiers(machine: &Machine, bus: BusNumber) -> Vec<Id> {
-    let settings = &machine.loaded.settings;
-    let node = settings.canopen_node().map(|_| Node::inputs(settings.gateway.node));
-    let node = node.filter(|_| bus == BusNumber::First);
-    let inputs = machine.design.subscriptions.all().iter().filter(|line| line.bus == bus);
-    inputs.map(|line| line.id).chain(node.into_iter().flatten()).collect()
 }
 
 /// What is monitored by the configuration of `machine`.

@@ -11,9 +11,9 @@ mod wording;
 
 use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
+use super::gateway;
 use super::machine::Machine;
 use super::player::Pace;
-use super::run;
 use super::simulation::Simulation;
 use super::stage::Stage;
 use crate::bus::Identifiers;
@@ -78,10 +78,11 @@ impl Demo {
             if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
         let stage = self.stage(&machine)?;
         let mut audience = self.audience(&machine, &stage)?;
-        let opener = stage.opener(Identifiers::Only(run::identifiers(&machine, BusNumber::First)));
+        let opener =
+            stage.opener(Identifiers::Only(gateway::identifiers(&machine, BusNumber::First)));
         let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
-        supervisor::run(run::gateway(machine), opener, &mut audience);
+        supervisor::run(gateway::gateway(machine), opener, &mut audience);
         // Its stopping status.
         audience.attend();
         end(audience)
@@ -133,7 +134,7 @@ impl Demo {
             ear: stage.listener()?,
             listener: Listener::new(
                 &machine.database,
-                run::identifiers(machine, BusNumber::First),
+                gateway::identifiers(machine, BusNumber::First),
             )?,
             screen,
             record,

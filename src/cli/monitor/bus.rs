@@ -9,7 +9,7 @@ use crate::appliance::telemetry::{MachineFacts, Recorder};
 use crate::bus::{Identifiers, ListeningPort, embedded};
 use crate::cli::Failure;
 use crate::cli::machine::Machine;
-use crate::cli::run;
+use crate::cli::{gateway, run};
 use crate::config::Overrides;
 use crate::estimate::Estimate;
 use crate::frame::BusNumber;
@@ -72,7 +72,7 @@ impl BusSource {
         let kept = file.and_then(|file| file.read(&name, cylinders).ok().flatten());
         let archive = kept.unwrap_or_else(|| Archive::new(&name, cylinders));
         let (identifiers, facts) =
-            (run::identifiers(&machine, BusNumber::First), run::facts(&machine));
+            (gateway::identifiers(&machine, BusNumber::First), run::facts(&machine));
         let guard = Span::from_seconds(settings.gateway.guard);
         let limits = settings.drift_limits();
         let mut listener = ListeningMonitor::new(Monitor::new(machine.design), guard);
