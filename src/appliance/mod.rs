@@ -3,6 +3,8 @@
 
 mod aside;
 pub mod http;
+#[cfg(feature = "modbus")]
+pub mod modbus;
 pub mod realtime;
 pub mod store;
 pub mod telemetry;

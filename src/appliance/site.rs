@@ -1,6 +1,7 @@
-//! The address at which the gateway's telemetry is served, and its log lines.
+//! The addresses at which the gateway's telemetry is served, and their log lines.
 
 use super::http::{Desk, DeskPlan, Identity, Server, TlsFiles};
+use super::modbus::ModbusServer;
 use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
@@ -17,15 +18,19 @@ pub struct SitePlan {
     /// Files of the certificate; `None`: what is sent is not encrypted.
     pub tls: Option<TlsFiles>,
     pub desk: DeskPlan,
+    /// Address to listen on for Modbus; port 0 becomes another one. `None`: there is no such server.
+    pub modbus: Option<SocketAddr>,
 }
 
-/// The server, if there is one. The gateway also works without it.
+/// The servers, as far as there are any. The gateway also works without them.
 #[derive(Debug, Default)]
 pub(super) struct Site {
     /// Address as requested; port 0 becomes another one.
     listen: Option<SocketAddr>,
     desk: Desk,
     server: Option<Server>,
+    /// The Modbus server, and its address as requested.
+    modbus: Option<(SocketAddr, ModbusServer)>,
 }
 
 impl Site {
@@ -34,8 +39,45 @@ impl Site {
         Self { desk: Desk::new(store, demand), ..Self::default() }
     }
 
-    /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous server continues.
+    /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous servers continue.
     pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder) {
+        self.listen_for_modbus(plan.modbus, recorder);
+        self.listen_for_http(plan, recorder);
+    }
+
+    fn listen_for_modbus(&mut self, wanted: Option<SocketAddr>, recorder: &Recorder) {
+        let Some(wanted) = wanted else {
+            if self.modbus.take().is_some() {
+                info!("Modbus is now off");
+            }
+            return;
+        };
+        if self.modbus.as_ref().is_some_and(|(listen, _)| *listen == wanted) {
+            return;
+        }
+        match ModbusServer::start(wanted, recorder) {
+            Ok(server) => {
+                let address = server.address();
+                info!("Modbus TCP, read only: {address}");
+                if !address.ip().is_loopback() {
+                    warn!(
+                        "{address} can be reached from other machines, and Modbus knows no login. {UNIT}"
+                    );
+                }
+                self.modbus = Some((wanted, server));
+            }
+            Err(error) => {
+                let help = help(&error, "modbus.listen");
+                let then = match &self.modbus {
+                    None => String::new(),
+                    Some((_, old)) => format!(". It stays on {}", old.address()),
+                };
+                warn!("no Modbus on {wanted}: {error}; {help}{then}");
+            }
+        }
+    }
+
+    fn listen_for_http(&mut self, plan: SitePlan, recorder: &Recorder) {
         self.desk.follow(plan.desk);
         let Some(wanted) = plan.listen else {
             if self.server.take().is_some() {
@@ -60,14 +102,13 @@ impl Site {
                 if !address.ip().is_loopback() {
                     warn!(
                         "{address} can be reached from other machines, where /health and /metrics can be read \
-                         without a login; a loopback address restricts it to this one. Under systemd IPAddressAllow= \
-                         of the unit also applies"
+                         without a login; a loopback address restricts it to this one. {UNIT}"
                     );
                 }
                 (self.listen, self.server) = (plan.listen, Some(server));
             }
             Err(error) => {
-                let help = help(&error);
+                let help = help(&error, "http.listen");
                 match &self.server {
                     None => warn!("no telemetry over HTTP on {wanted}: {error}; {help}"),
                     Some(old) => warn!(
@@ -102,21 +143,21 @@ impl Site {
     }
 }
 
-/// Advice on an error.
-fn help(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::AddrInUse => {
-            "something else listens there. Several gateways on one computer need a port each: \
-             change \
-             `http.listen`, then reload"
-        }
-        ErrorKind::AddrNotAvailable => {
-            "no interface of this machine has the address: change `http.listen`, then reload"
-        }
+/// What else decides who reaches a server.
+const UNIT: &str = "Under systemd IPAddressAllow= of the unit also applies";
+
+/// Advice on an error of the address in the configuration's `key`.
+fn help(error: &io::Error, key: &str) -> String {
+    let (reason, then) = match error.kind() {
+        ErrorKind::AddrInUse => (
+            "something else listens there. Several gateways on one computer need a port each: ",
+            "",
+        ),
+        ErrorKind::AddrNotAvailable => ("no interface of this machine has the address: ", ""),
         ErrorKind::PermissionDenied => {
-            "ports below 1024 need a privilege, which the gateway does without: change \
-             `http.listen`, then reload"
+            ("ports below 1024 need a privilege, which the gateway does without: ", "")
         }
-        _ => "change `http.listen`, then reload; or switch it off with `http.listen = \"off\"`",
-    }
+        _ => ("", "; or switch it off with \"off\""),
+    };
+    format!("{reason}change `{key}`, then reload{then}")
 }

@@ -135,6 +135,7 @@ fn prepare(
             recordings: flight.as_ref().map(|flight| flight.folder.clone()),
             patient: Some(doctor::wanted(&machine, path)),
         },
+        modbus: settings.modbus.address(),
     };
     let keeping = Keeping { history, store, flight };
     Ok(PreparedGateway {

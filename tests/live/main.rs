@@ -12,6 +12,7 @@ mod live_gateway;
 mod metrics;
 mod metrics_command;
 mod metrics_support;
+mod modbus;
 mod monitor_command;
 mod page;
 mod realtime;

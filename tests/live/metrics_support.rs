@@ -12,6 +12,7 @@ use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::Clock as Watch;
 use tertius::bus::embedded::{Clock, EmbeddedBus, Endpoint, ManualClock};
 use tertius::bus::{Identifiers, Port, PortError, UnrestrictedPort};
+use tertius::estimate::Estimate;
 use tertius::frame::Frame;
 use tertius::incident::Incident;
 use tertius::live::gateway::{Gateway, Journal};
@@ -73,6 +74,10 @@ impl Journal for Witness {
 
     fn incident(&mut self, incident: &Incident) {
         self.recorder.incident(incident);
+    }
+
+    fn estimate(&mut self, cylinder: u8, estimate: Option<&Estimate>) {
+        self.recorder.estimate(cylinder, estimate);
     }
 
     fn sent(&mut self, frame: &OwnFrame, _: Timestamp) {

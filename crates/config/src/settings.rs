@@ -26,8 +26,8 @@ pub use cylinder::Cylinder;
 pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
-use gateway::{GATEWAY, HTTP, REALTIME, STORE};
-pub use gateway::{Gateway, Http, Realtime, Store};
+use gateway::{GATEWAY, HTTP, MODBUS, REALTIME, STORE};
+pub use gateway::{Gateway, Http, Modbus, Realtime, Store};
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
@@ -42,7 +42,7 @@ use signals::SIGNALS;
 pub use signals::{CylinderSignals, Signals};
 
 use super::schema::{Kind, table};
-pub use super::text::{HTTP_OFF, PLACEHOLDER, bus_of, object_of};
+pub use super::text::{LISTEN_OFF, PLACEHOLDER, bus_of, object_of};
 
 table! {
     /// The whole file.
@@ -77,6 +77,8 @@ table! {
             "", "CANopen: the gateway as a node, and devices on the bus";
         http: Http = Http::default() => Kind::Table(&HTTP),
             "", "the gateway's own state over HTTP";
+        modbus: Modbus = Modbus::default() => Kind::Table(&MODBUS),
+            "", "the machine's state over Modbus TCP";
         store: Store = Store::default() => Kind::Table(&STORE),
             "", "what is kept of incidents and events";
         recorder: Recorder = Recorder::default() => Kind::Table(&RECORDER),

@@ -6,8 +6,8 @@ use tertius_core::frame::BusNumber;
 /// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
 
-/// Value of `http.listen` for no HTTP at all.
-pub const HTTP_OFF: &str = "off";
+/// Value of `http.listen` and `modbus.listen` for no server.
+pub const LISTEN_OFF: &str = "off";
 
 /// The longest name that a DBC file may hold.
 pub(super) const LONGEST_NAME: usize = 128;
@@ -58,7 +58,7 @@ const OBJECT_HELP: &str = "index and sub-index are hexadecimal, for example obje
 const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries: its name in the \
                             DBC without a signal, for example Sync";
 const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
-                           off, for no HTTP";
+                           off, for no server";
 const DIGEST_HELP: &str =
     "the SHA-256 of the token and not the token itself; `tertius token` makes both";
 const DAY_HELP: &str = "for example 2026-03-14, in UTC";
@@ -96,7 +96,7 @@ impl TextRule {
                 fault("of the form object 0xINDEX:SUB", OBJECT_HELP)
             }
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
-            Self::Listen if text == HTTP_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
+            Self::Listen if text == LISTEN_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
             Self::Digest if is_digest(text) => Ok(()),
             Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),

@@ -24,6 +24,17 @@ struct Slot {
     begin: AtomicI64,
 }
 
+/// An open incident.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenSlot {
+    pub number: u32,
+    pub level: Level,
+    pub suspect: Suspect,
+    pub fault: Fault,
+    /// Time stamp of its first warning.
+    pub begin: Timestamp,
+}
+
 /// An open incident, for people and scripts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OpenIncident {
@@ -67,26 +78,37 @@ impl Incidents {
         self.slots.iter().for_each(|slot| slot.packed.store(0, Ordering::Relaxed));
     }
 
-    /// The open incidents of the cylinder `cylinder`.
-    pub fn open(&self, cylinder: usize) -> impl Iterator<Item = OpenIncident> {
-        self.slots.iter().filter_map(move |slot| {
+    /// The open incidents.
+    pub fn slots(&self) -> impl Iterator<Item = OpenSlot> {
+        self.slots.iter().filter_map(|slot| {
             let packed = slot.packed.load(Ordering::Acquire);
             let number = u32::try_from(packed >> 32).ok().filter(|number| *number > 0)?;
             let byte = |shift: u32| (packed >> shift & 0xFF) as usize;
-            let level = *Level::ALL.get(byte(16))?;
-            let (suspect, fault) = (*Suspect::ALL.get(byte(8))?, *Fault::ALL.get(byte(0))?);
+            Some(OpenSlot {
+                number,
+                level: *Level::ALL.get(byte(16))?,
+                suspect: *Suspect::ALL.get(byte(8))?,
+                fault: *Fault::ALL.get(byte(0))?,
+                begin: Timestamp::from_nanos(slot.begin.load(Ordering::Relaxed)),
+            })
+        })
+    }
+
+    /// The open incidents of the cylinder `cylinder`, for people and scripts.
+    pub fn open(&self, cylinder: usize) -> impl Iterator<Item = OpenIncident> {
+        self.slots().map(move |OpenSlot { number, level, suspect, fault, begin }| {
             let whom = story::whom(suspect);
             let (name, kind) = (level.name(), story::fault(fault));
-            Some(OpenIncident {
+            OpenIncident {
                 number,
                 cylinder,
                 suspect: suspect.name(),
                 level: name,
                 fault: fault.name(),
                 kind,
-                begin: Timestamp::from_nanos(slot.begin.load(Ordering::Relaxed)).as_seconds(),
+                begin: begin.as_seconds(),
                 summary: format!("cylinder {cylinder}, {whom}, {name}: {kind}"),
-            })
+            }
         })
     }
 }

@@ -3,7 +3,7 @@
 //! [`Recorder`] belongs to the data path. It does nothing for a frame, and a few relaxed stores for
 //! a cycle and a turn: no lock, no allocation, and no system call except reading a clock. It writes
 //! to [`Telemetry`], which everyone may read at any time: [`exposition`] for Prometheus, [`health`]
-//! for load balancers, [`overview`] and [`trend`] for people.
+//! for load balancers, [`overview`] and [`trend`] for people, [`snapshot`] for controllers.
 
 mod cell;
 pub mod clock;
@@ -15,6 +15,7 @@ mod incidents;
 pub mod lamp;
 pub mod overview;
 mod recorder;
+pub mod snapshot;
 mod stops;
 mod totals;
 pub mod trend;
@@ -26,7 +27,7 @@ use crate::time::Timestamp;
 use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
 use incidents::Incidents;
-pub use incidents::OpenIncident;
+pub use incidents::{OpenIncident, OpenSlot};
 pub use recorder::Recorder;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};

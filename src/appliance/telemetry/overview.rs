@@ -123,9 +123,8 @@ impl Cylinder {
     }
 }
 
-fn known(state: Option<u8>) -> Health {
-    let all = [Health::Unknown, Health::Healthy, Health::Suspect, Health::Faulty];
-    all.into_iter().find(|health| Some(*health as u8) == state).unwrap_or_default()
+pub(super) fn known(state: Option<u8>) -> Health {
+    Health::ALL.into_iter().find(|health| Some(*health as u8) == state).unwrap_or_default()
 }
 
 /// Words for the lamp of a transducer of the cylinder, with their reason.

@@ -1,4 +1,4 @@
-//! The gateway itself: `[gateway]`, `[http]`, `[store]` and `[realtime]`.
+//! The gateway itself: `[gateway]`, `[http]`, `[modbus]`, `[store]` and `[realtime]`.
 
 use crate::kinds::{DURATION, number, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
@@ -23,7 +23,7 @@ table! {
 table! {
     /// HTTP server of the gateway's own state.
     pub struct Http = HTTP {
-        /// [`HTTP_OFF`](super::HTTP_OFF) is the word for none.
+        /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
         listen: String = "127.0.0.1:9481".to_owned() => text(TextRule::Listen),
             "\"127.0.0.1:9481\"", "where the page, /health and /metrics are served, ADDRESS:PORT; or off";
         token: Option<String> = None => text(TextRule::Digest),
@@ -34,6 +34,15 @@ table! {
             "the certificate (PEM, with its chain) by which the page is served over https, relative to this file";
         key: Option<String> = None => text(TextRule::Path),
             "\"/etc/tertius/page.key\"", "the private key of the certificate (PEM), which others must not be able to read";
+    }
+}
+
+table! {
+    /// Modbus TCP server of the machine's state.
+    pub struct Modbus = MODBUS {
+        /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
+        listen: String = super::LISTEN_OFF.to_owned() => text(TextRule::Listen),
+            "\"off\"", "where the machine's state can be read over Modbus TCP, ADDRESS:PORT; or off";
     }
 }
 
@@ -65,6 +74,13 @@ table! {
 
 impl Http {
     /// Address to listen on; `None` if HTTP is off.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.parse().ok()
+    }
+}
+
+impl Modbus {
+    /// Address to listen on; `None` if Modbus is off.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
     }

@@ -21,6 +21,11 @@ pub enum Health {
 
 choice! { Health { Unknown, Healthy, Suspect, Faulty } }
 
+impl Health {
+    /// All states, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Unknown, Self::Healthy, Self::Suspect, Self::Faulty];
+}
+
 /// State of the monitor as a whole. The numbers are those of Fd_Status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
