@@ -3,6 +3,7 @@
 use super::sheet::{Section, Sheet};
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
+use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
 use std::fmt::Write as _;
 
@@ -77,7 +78,8 @@ pub fn parameters(outcome: &Outcome) -> Section {
 
 /// Characteristics of the models.
 pub fn character(outcome: &Outcome) -> Section {
-    let header = ["cylinder", "poles", "gain u→l̇", "observable", "(4-7)", "(4-8)"];
+    let header =
+        ["cylinder", "poles", "gain u→l̇", "observable", "(4-7)", "explains", "(4-8)", "explains"];
     let mut table = Sheet::new(&header);
     for (cylinder, own) in identified(outcome) {
         let poles = own.poles.map_or("not finite".to_owned(), |poles| {
@@ -99,10 +101,19 @@ pub fn character(outcome: &Outcome) -> Section {
             own.velocity_gain.map_or("none".to_owned(), |gain| format!("{gain:.4}")),
             observable,
             format!("{:.0}", estimate.velocity_row.condition),
+            share(&estimate.velocity_row),
             pressure.map_or("–".to_owned(), |row| format!("{:.0}", row.condition)),
+            pressure.map_or("–".to_owned(), share),
         ]);
     }
-    table.about("poles, gain, observability from the position, condition numbers of the regressors")
+    table.about(
+        "poles, gain, observability from the position; for the regressions (4-7) and (4-8) the condition \
+         numbers of the regressors, and how much they explain of the change from one cycle to the next",
+    )
+}
+
+fn share(row: &Regression) -> String {
+    format!("{:.1} %", 100.0 * row.share())
 }
 
 /// Figure 4-3 as a table.

@@ -27,9 +27,18 @@ pub struct Regression {
     pub standard_errors: Vec<f64>,
     /// Residual norm √Σ(y − φᵀθ)², the root of N V(θ) of (4-6).
     pub residual_norm: f64,
+    /// Norm √Σy² of the target.
+    pub target_norm: f64,
     /// Condition number of the regressors, each scaled to length 1.
     pub condition: f64,
     pub rows: u64,
+}
+
+impl Regression {
+    /// Part of the target's sum of squares that the regressors explain, 0 to 1.
+    pub fn share(&self) -> f64 {
+        1.0 - (self.residual_norm / self.target_norm).powi(2)
+    }
 }
 
 /// Why a regression has no solution.
@@ -103,6 +112,7 @@ impl<const K: usize> Triangle<K> {
                 .map(|j| deviation * inverse.row(j).norm() / scales[j])
                 .collect(),
             residual_norm,
+            target_norm: r.column(count).norm(),
             condition,
             rows: self.rows,
         })
@@ -162,9 +172,12 @@ mod tests {
                 assert!((found - expected).abs() < 1e-13, "{rows}: {all:?}");
             }
             assert!(all.residual_norm < 1e-13 && all.rows == u64::from(rows));
+            let squares = (0..rows).map(|k| row(k)[3].powi(2)).sum::<f64>();
+            assert!((all.target_norm.powi(2) - squares).abs() < 1e-12 * squares, "{all:?}");
             // Without the constant something is left over.
             let partial = triangle.solve(&[0, 1], 3).expect("it is well posed");
             assert!(partial.residual_norm > 0.01, "{partial:?}");
+            assert!((0.0..1.0).contains(&partial.share()) && all.share() > 0.999_999);
         }
     }
 
