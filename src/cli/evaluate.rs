@@ -4,7 +4,7 @@ use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::overriding::SetOptions;
-use super::plant;
+use super::plant::{self, PlantOptions};
 use super::progress::Bar;
 use crate::config::Settings;
 use crate::evaluate::contest::Contest;
@@ -39,9 +39,8 @@ pub struct Evaluate {
     config: PathBuf,
     #[command(flatten)]
     set: SetOptions,
-    /// The simulated machine [default: built in, as config/e-type-plant.toml]
-    #[arg(long, value_name = "FILE")]
-    plant: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantOptions,
     /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -162,7 +161,7 @@ impl Evaluate {
     /// # Errors
     /// A wrong call or file, or output that cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let tables = plant::tables(self.plant.as_deref())?;
+        let tables = self.plant.tables()?;
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
         let plan = Plan::new(self.seed, self.extent(settings)?)
@@ -177,7 +176,7 @@ impl Evaluate {
             stand.weighed = weighed(weighing, &machine)?;
         }
         // And where it cannot be written, before minutes have been spent on it.
-        let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.as_deref()));
+        let inputs = Inputs::new(machine.files(&self.config).chain(self.plant.files()));
         let wanted = [
             (self.output.as_deref(), Mark::Parts(&evaluation::JSON_PARTS)),
             (self.report.as_deref(), Mark::Page("evaluate")),

@@ -8,7 +8,7 @@ use crate::config::design;
 use crate::identify::course::{IdentificationCourse, Options};
 use crate::identify::shaper::WIDEST;
 use crate::identify::{OffsetRule, Outcome};
-use crate::report::{identification, page};
+use crate::report::{identification, nonlinear, page};
 use crate::tables::model;
 use clap::{Args, ValueEnum};
 use std::io::Write;
@@ -24,7 +24,8 @@ use std::path::PathBuf;
 pub struct Identify {
     #[command(flatten)]
     field: Field,
-    /// Writes the tables [model] and [[cylinder]] for the configuration
+    /// Writes the tables [model] and [[cylinder]] for the configuration, with --nonlinear also [cylinder.nonlinear], which
+    /// `simulate --plant` takes, too
     #[arg(long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
     /// Writes a page with figures, in one file
@@ -116,7 +117,8 @@ impl Identify {
             report.write(&page::identification::page(&outcome))?;
         }
         surveyed.damage()?;
-        self.conclude(&outcome)
+        self.conclude(&outcome)?;
+        self.complete(&outcome)
     }
 
     const fn options(&self) -> Options {
@@ -138,7 +140,7 @@ impl Identify {
             return Ok(());
         };
         output.map_or(Ok(()), |output| output.write(&tables))?;
-        self.place.put(&tables, &model::OF_A_MODEL, design::unjudging)
+        self.place.put(&tables, &model::anew(outcome), design::unjudging)
     }
 
     /// Fails if a cylinder has no model, although the others have theirs.
@@ -153,6 +155,20 @@ impl Identify {
             (true, None, None) => Err(Failure::Failed("there is no model".to_owned())),
             (false, ..) => Err(Failure::refused(&refused)),
         }
+    }
+}
+
+impl Identify {
+    /// Fails if flow curves were to be written and a cylinder has none.
+    fn complete(&self, outcome: &Outcome) -> Result<(), Failure> {
+        let wanted = self.output.is_some() || self.place.is_wanted();
+        let missing = outcome.nonlinear.as_ref().map_or(String::new(), nonlinear::no_valve);
+        if !wanted || missing.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::Failed(format!(
+            "{missing}their [cylinder.nonlinear.flow] is not written; everything else is"
+        )))
     }
 }
 

@@ -1,26 +1,73 @@
 //! The simulated machine of a command line.
 
 use super::Failure;
+use crate::plant;
 use crate::simulator::Tables;
+use clap::Args;
+use std::fmt;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Largest table of a plant that is read, bytes.
 const LARGEST_TABLE: u64 = 1 << 20;
 
-/// The tables in the file `path`, or the built-in ones.
-///
-/// # Errors
-/// An error in the file.
-pub fn tables(path: Option<&Path>) -> Result<Tables, Failure> {
-    let Some(path) = path else { return Ok(Tables::default()) };
-    let wrong = |what: String| Failure::Wrong(format!("{}: {what}", path.display()));
+/// Files that describe the simulated machine.
+#[derive(Args, Debug)]
+pub struct PlantOptions {
+    /// The simulated machine [default: built in, as config/e-type-plant.toml]; and a file that `identify --nonlinear`
+    /// wrote, whose valves and friction then replace the machine's
+    #[arg(long = "plant", value_name = "FILE")]
+    files: Vec<PathBuf>,
+}
+
+impl PlantOptions {
+    /// The files, which are inputs.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(PathBuf::as_path)
+    }
+
+    /// The tables in the files, or the built-in ones.
+    ///
+    /// # Errors
+    /// An error in a file, or more than one of a kind.
+    pub fn tables(&self) -> Result<Tables, Failure> {
+        let (mut machine, mut identified) = (None, None);
+        for path in &self.files {
+            let text = read(path)?;
+            let (kind, place) = if plant::is_identified(&text) {
+                ("whose valves and friction were identified", &mut identified)
+            } else {
+                ("that describes a simulated machine", &mut machine)
+            };
+            if let Some((first, _)) = place.replace((path, text)) {
+                let (first, path) = (first.display(), path.display());
+                return Err(Failure::Wrong(format!(
+                    "--plant {path}: {first} is a file already {kind}, give one of them"
+                )));
+            }
+        }
+        let tables = machine.map_or_else(
+            || Ok(Tables::default()),
+            |(path, text)| Tables::parse(&text).map_err(|error| wrong(path, &error)),
+        )?;
+        match identified {
+            Some((path, text)) => tables.identified_by(&text).map_err(|error| wrong(path, &error)),
+            None => Ok(tables),
+        }
+    }
+}
+
+fn wrong(path: &Path, error: &dyn fmt::Display) -> Failure {
+    Failure::Wrong(format!("{}: {error}", path.display()))
+}
+
+fn read(path: &Path) -> Result<String, Failure> {
     let mut text = String::new();
     File::open(path)
         .and_then(|file| file.take(LARGEST_TABLE + 1).read_to_string(&mut text))
-        .map_err(|error| wrong(format!("cannot be read: {error}")))?;
-    Tables::parse(&text).map_err(|error| wrong(error.to_string()))
+        .map_err(|error| wrong(path, &format!("cannot be read: {error}")))?;
+    Ok(text)
 }
 
 /// Parses `HS,TP`.

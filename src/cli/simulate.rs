@@ -6,7 +6,7 @@ use super::faults::{self, FaultOptions, Named};
 use super::files::{Claimed, Inputs, Mark, Overwriting};
 use super::machine::Machine;
 use super::overriding::SetOptions;
-use super::plant;
+use super::plant::{self, PlantOptions};
 use super::player::Pace;
 use super::simulation::Simulation;
 use crate::bus::{Source, append_log_line};
@@ -56,9 +56,8 @@ pub struct Simulate {
     config: PathBuf,
     #[command(flatten)]
     set: SetOptions,
-    /// The simulated machine [default: built in, as config/e-type-plant.toml]
-    #[arg(long, value_name = "FILE")]
-    plant: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantOptions,
     /// Duration in the machine's time, s
     #[arg(long, value_name = "S", default_value_t = 60.0)]
     duration: f64,
@@ -150,7 +149,7 @@ impl Simulate {
         let cycles_for = self.duration()?;
         let sea = self.sea.as_deref().map(plant::sea).transpose()?;
         let faults = self.faults.read()?;
-        let tables = plant::tables(self.plant.as_deref())?;
+        let tables = self.plant.tables()?;
         let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
         let of_the_machine = |named: &Named| matches!(named.fault.wanted, Wanted::Machine(_));
@@ -188,8 +187,8 @@ impl Simulate {
 
     /// The recording, if requested, and the file for the table of `truth`.
     fn outputs(&self, machine: &Machine, truth: &str) -> Result<[Option<Claimed>; 2], Failure> {
-        let others = [self.faults.table(), self.plant.as_deref()];
-        let inputs = Inputs::new(machine.files(&self.config).chain(others.into_iter().flatten()));
+        let others = self.faults.table().into_iter().chain(self.plant.files());
+        let inputs = Inputs::new(machine.files(&self.config).chain(others));
         let standard = self.interface.is_none().then_some(Path::new("-"));
         let recording = (self.output.as_deref().or(standard), Mark::None);
         inputs.claim([recording, (self.truth.as_deref(), Mark::Text(truth))], self.overwriting)

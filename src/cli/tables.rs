@@ -52,6 +52,11 @@ pub struct InPlace {
 }
 
 impl InPlace {
+    /// Whether the tables go into a configuration.
+    pub const fn is_wanted(&self) -> bool {
+        self.into.is_some()
+    }
+
     /// Whether the tables go into the configuration `config` itself.
     pub fn is(&self, config: &Path) -> bool {
         self.into.as_deref().is_some_and(|into| files::is_same(into, config))

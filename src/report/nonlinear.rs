@@ -1,16 +1,67 @@
 //! Flow and friction curves (section 3-3-1) as text.
 
-use super::sheet::Sheet;
+use super::sheet::{Section, Sheet};
 use crate::identify::flow::{FEWEST, FlowCurve, MEMBERSHIPS, NoFlow};
 use crate::identify::friction::{FrictionCurve, NoFriction};
 use crate::identify::nonlinear::Nonlinear;
+use crate::identify::valve::IdentifiedValve;
 use std::fmt::Write as _;
 
 /// The section of the page.
 pub fn section(nonlinear: &Nonlinear) -> String {
     let mut text = flow(nonlinear);
+    let valves = valves(nonlinear).text();
+    if !valves.is_empty() {
+        text += &format!("\n{valves}");
+    }
+    text += &no_valve(nonlinear);
     text += &friction(nonlinear);
     text
+}
+
+/// The valves' curves for a plant, and how each does on the part that was held back.
+pub fn valves(nonlinear: &Nonlinear) -> Section {
+    let header =
+        ["cylinder", "known from", "to", "α bar/m", "β 1/s", "VAF l", "RMS l", "VAF l̇", "RMS l̇"];
+    let mut table = Sheet::new(&header);
+    for (number, valve) in (1..).zip(&nonlinear.valves) {
+        let Ok(IdentifiedValve { curve, reach, score }) = valve else { continue };
+        let stiffening = -1.0 / curve.compression;
+        let (l, v) = (&score.position, &score.velocity);
+        table.add_row([
+            format!("{number}"),
+            format!("{:.2}", reach[0]),
+            format!("{:.2}", reach[1]),
+            format!("{stiffening:.0}"),
+            format!("{:.2}", -curve.leakage * stiffening),
+            format!("{:.3} %", l.vaf()),
+            format!("{:.1} mm", l.rms() * 1e3),
+            format!("{:.3} %", v.vaf()),
+            format!("{:.2} mm/s", v.rms() * 1e3),
+        ]);
+    }
+    table.about(
+        "valves for a plant (3-15), with leakage and compression beside the curve: spool positions for \
+         which they are known; α and β of (3-8); and the rod as they move it by the recorded spool and \
+         pressures, open loop (velocity over 0.2 s)",
+    )
+}
+
+/// Cylinders without a valve for a plant, one line each; one for all of the same reason.
+pub fn no_valve(nonlinear: &Nonlinear) -> String {
+    let mut told: Vec<(String, Vec<String>)> = Vec::new();
+    for (number, valve) in (1..).zip(&nonlinear.valves) {
+        let Err(why) = valve else { continue };
+        let (why, number) = (why.to_string(), format!("{number}"));
+        match told.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, numbers)) => numbers.push(number),
+            None => told.push((why, vec![number])),
+        }
+    }
+    let line = |(why, numbers): (String, Vec<String>)| {
+        format!("cylinder {}: no valve for a plant: {why}\n", numbers.join(", "))
+    };
+    told.into_iter().map(line).collect()
 }
 
 /// Definition of the flow curves, and their data.

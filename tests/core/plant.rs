@@ -256,9 +256,9 @@ fn the_look_up_table_makes_the_speed_that_is_asked_for() {
     for (leg, speed) in (0..6).flat_map(|leg| [-0.6, -0.2, -0.05, 0.05, 0.2, 0.6].map(|v| (leg, v)))
     {
         let (mut plant, mut inputs) = balanced(&parameters(), SUB_STEPS);
-        let cylinder = plant.cylinders()[leg];
+        let cylinder = &plant.cylinders()[leg];
         let pressure = cylinder.balance(0.0, inputs.loads[leg], GRAVITY);
-        let table = LookUp::of(&cylinder, 1.2, pressure, plant.supply_pressure());
+        let table = LookUp::of(cylinder, 1.2, pressure, plant.supply_pressure());
         inputs.spools[leg] = table.spool(speed);
         (0..50).for_each(|_| plant.run(&inputs, SUB_STEPS));
         let found = plant.states()[leg].speed;

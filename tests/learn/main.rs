@@ -18,4 +18,5 @@ mod rates;
 mod report_learning;
 mod tuning;
 mod update;
+mod valve;
 mod yard;

@@ -11,7 +11,7 @@ use tertius::survey::{Row, Surveyor};
 use tertius_testing::oracle;
 
 const SUB_STEPS: u32 = 20;
-const SOURCES: FlowSources = FlowSources { spool: true, supply: None, area_ratio: 0.5 };
+pub const SOURCES: FlowSources = FlowSources { spool: true, supply: None, area_ratio: 0.5 };
 
 fn parameters() -> Parameters {
     Tables::default().plant()
@@ -42,7 +42,7 @@ fn seen(plant: &Plant, leg: usize, k: u32) -> Row {
 }
 
 /// Minutes of a sea with spools within ±0.55, held in the stroke by the position.
-fn swung(cycles: u32) -> Vec<Row> {
+pub fn swung(cycles: u32) -> Vec<Row> {
     let (mut plant, mut inputs) = balanced();
     let mut rows = Vec::new();
     for k in 0..cycles {
@@ -181,7 +181,7 @@ fn what_is_missing_is_named() {
 const SPEEDS: [f64; 8] = [0.012, 0.018, 0.025, 0.04, 0.07, 0.11, 0.16, 0.22];
 
 /// Strokes at constant velocity of cylinder 1 out and in, on a vessel at rest or in waves.
-fn strokes(waves: f64) -> Vec<Row> {
+pub fn strokes(waves: f64) -> Vec<Row> {
     let (mut plant, mut inputs) = balanced();
     let mut rows = Vec::new();
     let (load, supply) = (plant.states()[0].pressure, plant.supply_pressure());
@@ -206,7 +206,7 @@ fn strokes(waves: f64) -> Vec<Row> {
     rows
 }
 
-fn friction(rows: &[Row]) -> Result<FrictionCurve, NoFriction> {
+pub fn friction(rows: &[Row]) -> Result<FrictionCurve, NoFriction> {
     let mut stretches = Stretches::new(1, SOURCES.area_ratio);
     rows.iter().for_each(|row| stretches.row(row));
     stretches.curves().remove(0)

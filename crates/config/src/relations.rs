@@ -279,6 +279,10 @@ impl Relations<'_> {
             if let Some(process) = &cylinder.process {
                 self.process(&format!("cylinder[{index}].process"), process);
             }
+            if let Some(flow) = cylinder.nonlinear.as_ref().and_then(|it| it.flow.as_ref()) {
+                let table = format!("cylinder[{index}].nonlinear.flow");
+                self.pieces(&table, &flow.samples, &flow.curve, "identify --nonlinear");
+            }
         }
     }
 
@@ -286,15 +290,20 @@ impl Relations<'_> {
         let spool = process.spool.as_ref().map(|it| ("spool", &it.samples, &it.curve));
         let flow = process.flow.as_ref().map(|it| ("flow", &it.samples, &it.curve));
         for (name, samples, curve) in spool.into_iter().chain(flow) {
-            let key = format!("{table}.{name}.samples");
-            let (count, pieces) = (samples.len(), curve.len() - 1);
-            self.require(
-                count == pieces,
-                &[&key],
-                format!("`{key}` has {count} values, but `curve` has {pieces} pieces"),
-                "take the table as `tertius calibrate` writes it",
-            );
+            self.pieces(&format!("{table}.{name}"), samples, curve, "calibrate");
         }
+    }
+
+    /// A curve has one count of samples for each of its pieces.
+    fn pieces(&mut self, table: &str, samples: &[u64], curve: &[f64], command: &str) {
+        let key = format!("{table}.samples");
+        let (count, pieces) = (samples.len(), curve.len() - 1);
+        self.require(
+            count == pieces,
+            &[&key],
+            format!("`{key}` has {count} values, but `curve` has {pieces} pieces"),
+            &format!("take the table as `tertius {command}` writes it"),
+        );
     }
 
     fn fitted(&mut self, table: &str, fitted: &CylinderSequential) {

@@ -28,6 +28,8 @@ pub fn add(page: &mut Page, nonlinear: &Nonlinear) {
         .collect();
     show(page, &figures);
     page.lines(&text::no_flow(nonlinear));
+    page.section(&text::valves(nonlinear));
+    page.lines(&text::no_valve(nonlinear));
     page.heading("Friction (3-13), (3-19)");
     let known = (1..).zip(&nonlinear.friction).filter_map(|(n, it)| Some((n, it.as_ref().ok()?)));
     let figures: Vec<Captioned> = known.map(|(number, curve)| friction(number, curve)).collect();

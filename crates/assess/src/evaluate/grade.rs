@@ -31,7 +31,7 @@ impl Grade {
 
     /// The machine of `tables` with transducers of this grade.
     pub fn apply(self, tables: &Tables) -> Tables {
-        let mut tables = *tables;
+        let mut tables = tables.clone();
         tables.transducer.noise = NOISE;
         if self == Self::Coarse {
             tables.transducer.counts = (tables.transducer.counts / COUNTS).max(2.0);

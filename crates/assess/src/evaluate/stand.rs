@@ -47,7 +47,7 @@ impl<'a> Stand<'a> {
         design: &'a MonitorDesign,
     ) -> Self {
         let graded = |tables: &Tables| Grade::ALL.map(|grade| (grade, grade.apply(tables)));
-        let mut still = *tables;
+        let mut still = tables.clone();
         still.transducer.fluctuation_probability = 0.0;
         let (tables, steady) = (graded(tables), graded(&still));
         Self {
@@ -107,13 +107,11 @@ impl<'a> Stand<'a> {
         changed: Option<(Change, f64)>,
         options: &Options,
     ) -> Result<Simulator, StandError> {
-        let mut tables = *self.of_grade(&self.tables, grade);
+        let mut tables = self.of_grade(&self.tables, grade).clone();
         tables.valve.lag = lag;
         if let Some((load, friction)) = changed {
             tables.disturbance.load = Some(load);
-            tables.friction.coulomb *= friction;
-            tables.friction.stiction *= friction;
-            tables.friction.viscous *= friction;
+            tables.rub(friction);
         }
         Ok(Simulator::new(&tables, self.settings, self.database, options)?)
     }

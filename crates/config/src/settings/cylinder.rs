@@ -1,5 +1,6 @@
 //! `[[cylinder]]`.
 
+use super::nonlinear::{CYLINDER_NONLINEAR, CylinderNonlinear};
 use super::process::{CYLINDER_PROCESS, CylinderProcess};
 use super::sequential::{CYLINDER_SEQUENTIAL, CylinderSequential};
 use crate::kinds::{DURATION, FINITE, MOST_CYLINDERS, number, numbers, whole};
@@ -27,6 +28,8 @@ table! {
             "", "what `calibrate` has fitted for the sequential detector";
         process: Option<CylinderProcess> = None => Kind::Table(&CYLINDER_PROCESS),
             "", "what `calibrate` has fitted for the process detector";
+        nonlinear: Option<CylinderNonlinear> = None => Kind::Table(&CYLINDER_NONLINEAR),
+            "", "flow curve and friction, as `identify --nonlinear` finds them";
     }
 }
 
@@ -43,6 +46,7 @@ impl Cylinder {
             sample_time: None,
             sequential: None,
             process: None,
+            nonlinear: None,
         }
     }
 }

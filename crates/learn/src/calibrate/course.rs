@@ -295,6 +295,7 @@ impl CylinderCalibration {
             gamma: None,
             command_offset: None,
             sample_time: None,
+            nonlinear: None,
             process: self.process.as_ref().and_then(|learnt| learnt.table(self.sample_time)),
             sequential: self.sequential.as_ref().map(|(profile, scatter)| {
                 let reference = &profile.reference;

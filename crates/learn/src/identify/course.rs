@@ -5,7 +5,9 @@ use super::flow::{FlowFit, FlowSources, Scout};
 use super::friction::Stretches;
 use super::nonlinear::Nonlinear;
 use super::outcome::ASKED;
+use super::valve::{self, ValveTrial};
 use super::{Census, Expectations, OffsetRule, Outcome, Shaping};
+use crate::relate::ProcessRows;
 use crate::survey::{Origin, Recording, Window};
 use tertius_config::settings::Settings;
 
@@ -51,8 +53,8 @@ const RUNS_AWAY: &str = "simulated open loop, the chosen model runs away (VAF be
 command add up; the monitor uses the prediction, which follows the readings";
 
 impl IdentificationCourse<'_> {
-    /// Reads `recording` three times, for the census, the fit and the validation, and twice more
-    /// for the non-linear parts.
+    /// Reads `recording` three times, for the census, the fit and the validation, and three
+    /// times more for the non-linear parts.
     ///
     /// # Errors
     /// The recording's own.
@@ -82,7 +84,7 @@ impl IdentificationCourse<'_> {
         }
         let nonlinear = options
             .nonlinear
-            .map(|supply| self.nonlinear(recording, fitted, supply))
+            .map(|supply| self.nonlinear(recording, [fitted, validated], supply))
             .transpose()?;
         let mut outcome = Outcome {
             machine: settings.machine.name.clone(),
@@ -133,11 +135,11 @@ impl IdentificationCourse<'_> {
         Ok((census, told))
     }
 
-    /// Finds the reach of the spools, then flow and friction.
+    /// Finds the reach of the spools, then flow and friction; the valves' curves are tried on the second window.
     fn nonlinear<R: Recording>(
         &self,
         recording: &R,
-        fitted: Window,
+        [fitted, validated]: [Window; 2],
         supply: Supply,
     ) -> Result<Nonlinear, R::Error> {
         let (signals, machine) = (&self.settings.signals.cylinder, &self.settings.machine);
@@ -147,9 +149,16 @@ impl IdentificationCourse<'_> {
         recording.read(fitted, &mut scout)?;
         let mut fit = FlowFit::new(&scout);
         let mut stretches = Stretches::new(machine.cylinders, area_ratio);
-        recording.read(fitted, (&mut fit, &mut stretches))?;
+        let mut rows = ProcessRows::of_c1(self.settings, supply);
+        recording.read(fitted, (&mut fit, (&mut stretches, &mut rows)))?;
+        let curves = (1..)
+            .zip(&scout.cylinders)
+            .map(|(n, reach)| valve::curve(&rows, n, reach, spool, machine.sample_time));
+        let mut trial = ValveTrial::new(curves, machine.sample_time, area_ratio, supply);
+        recording.read(validated, &mut trial)?;
+        let valves = trial.finish();
         let (flow, points, friction) = (fit.curves(), fit.samples(), stretches.curves());
-        Ok(Nonlinear { sources, flow, points, friction })
+        Ok(Nonlinear { sources, flow, points, valves, friction })
     }
 }
 

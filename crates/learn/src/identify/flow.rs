@@ -165,6 +165,8 @@ impl Surveyor for Scout {
 }
 
 impl Reach {
+    /// Checks that there is what (3-18) needs.
+    ///
     /// # Errors
     /// What is missing in every second cycle or more.
     pub fn judge(&self) -> Result<(), NoFlow> {

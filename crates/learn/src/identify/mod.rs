@@ -9,11 +9,12 @@
 //! - [`qr`]: least squares over a stream, by orthogonal triangles; [`estimate`]: (4-7) and (4-8).
 //! - [`validate`]: simulation and one-step prediction on data held back; [`correlate`]:
 //!   whether the residuals are white.
-//! - [`flow`], [`friction`]: the non-linear parts of section 3-3-1, on request; [`nonlinear`] holds them.
+//! - [`flow`], [`friction`]: the non-linear parts of section 3-3-1, on request; [`valve`]: the flow in the form of a plant;
+//!   [`nonlinear`] holds them.
 //! - [`outcome`]: the results as plain data, for reports. [`mod@course`]: all stages in turn.
 //!
 //! Every stage reads the recording once, as a [`Surveyor`](crate::survey::Surveyor), and keeps
-//! nothing that grows with it.
+//! nothing that grows with it; of the rows that a valve is identified from, three hours at the most.
 
 pub mod assess;
 pub mod census;
@@ -30,6 +31,7 @@ pub mod refusal;
 pub mod shaper;
 pub mod stages;
 pub mod validate;
+pub mod valve;
 
 pub use census::{Census, Expectations};
 pub use estimate::{Estimate, Estimator, OffsetRule};

@@ -40,7 +40,7 @@ pub struct Fit {
 }
 
 impl SignalScore {
-    fn add(&mut self, measured: f64, predicted: f64) {
+    pub(super) fn add(&mut self, measured: f64, predicted: f64) {
         self.measured.add(measured);
         self.error.add(measured - predicted);
     }

@@ -1,6 +1,6 @@
 //! The configuration that the kept pieces belong to.
 
-use crate::tables::model::OF_A_MODEL;
+use crate::tables::model::{NONLINEAR, OF_A_MODEL};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use thiserror::Error;
 use toml::{Table, Value};
@@ -64,7 +64,11 @@ impl Seals {
             write(&mut calibration, bound);
         }
         for cylinder in cylinders {
+            // The monitor does not use the non-linear model.
             for (key, value) in sorted(cylinder) {
+                if key == NONLINEAR {
+                    continue;
+                }
                 let of_model = OF_A_MODEL.contains(&key.as_str());
                 let text = if of_model { &mut model } else { &mut calibration };
                 // Whose it is stands in both.

@@ -21,7 +21,7 @@ pub(super) fn learn(
     let known: Vec<&ProcessRow> = rows.iter().filter(is_known).collect();
     let seconds = known.len() as f64 * sample_time;
     if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds });
+        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
     }
     let coefficients = fit(&known).ok_or(ProcessRefusal::Undetermined)?;
     let (deviation, growth, dependence) = (1.0, 0.0, [[1.0; WIDTHS.len()]; 2]);

@@ -3,7 +3,7 @@
 use super::rows::ProcessRow;
 use super::{LEAST_TIME, ProcessRefusal, pieces};
 use nalgebra::{DMatrix, DVector};
-use tertius_config::settings::FlowTable;
+use tertius_config::settings::{FlowTable, ValveCurve};
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::flow::{
     self, Flow, FlowBlock, FlowWeighing, FlowWindows, Passage, block_cycles,
@@ -44,20 +44,8 @@ pub(super) fn learn(
     level: f64,
 ) -> Result<FlowTable, ProcessRefusal> {
     let lesson = Lesson { rows, sample_time, gain, area_ratio };
-    let sizes: Vec<f32> = lesson.positions().map(|position| position.abs() as f32).collect();
-    let seconds = sizes.len() as f64 * sample_time;
-    if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds });
-    }
-    let limit = pieces::limit(sizes).filter(|limit| *limit > 0.0);
-    let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
-    let samples = pieces::samples(lesson.positions(), limit, PIECES);
-    let fitted = BETWEEN.into_iter().filter_map(|between| lesson.fit(limit, between));
-    let best = fitted.min_by(|one, other| one.0.total_cmp(&other.0));
-    let (_, mut design) = best.ok_or(ProcessRefusal::Undetermined)?;
-    if design.slope() <= 0.0 {
-        return Err(ProcessRefusal::Undetermined);
-    }
+    let (mut design, samples) = lesson.best(LEAST_TIME)?;
+    let limit = design.limit;
     design.taught = FlowDesign::taught(&samples);
     let blocks = lesson.blocks(&design);
     design.scatter = [0, 1].map(|of| scatter(&blocks, of));
@@ -74,7 +62,40 @@ pub(super) fn learn(
     })
 }
 
+/// The curve of a cylinder's valve from its rows, of at least `least` seconds, by the mean of C1 and `gain` times C2.
+///
+/// # Errors
+/// Too few rows, or rows that do not determine it.
+pub fn curve(
+    rows: &[ProcessRow],
+    gain: f64,
+    sample_time: f64,
+    least: f64,
+) -> Result<ValveCurve, ProcessRefusal> {
+    let lesson = Lesson { rows, sample_time, gain, area_ratio: 1.0 };
+    let (design, samples) = lesson.best(least)?;
+    let FlowDesign { limit, curve, between, leakage, compression, .. } = design;
+    let curve = curve.values().to_vec();
+    Ok(ValveCurve { limit, curve, samples, between, leakage, compression })
+}
+
 impl Lesson<'_> {
+    /// The relation without its scatter, by rows of at least `least` seconds, and the samples in each piece of f.
+    fn best(&self, least: f64) -> Result<(FlowDesign, Vec<u64>), ProcessRefusal> {
+        let sizes: Vec<f32> = self.positions().map(|position| position.abs() as f32).collect();
+        let seconds = sizes.len() as f64 * self.sample_time;
+        if seconds < least {
+            return Err(ProcessRefusal::Short { seconds, least });
+        }
+        let limit = pieces::limit(sizes).filter(|limit| *limit > 0.0);
+        let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
+        let samples = pieces::samples(self.positions(), limit, PIECES);
+        let fitted = BETWEEN.into_iter().filter_map(|between| self.fit(limit, between));
+        let best = fitted.min_by(|one, other| one.0.total_cmp(&other.0));
+        let (_, design) = best.ok_or(ProcessRefusal::Undetermined)?;
+        if design.slope() > 0.0 { Ok((design, samples)) } else { Err(ProcessRefusal::Undetermined) }
+    }
+
     /// The row of this index, if it has everything.
     fn sample(&self, index: usize) -> Option<FlowSample> {
         let row = &self.rows[index];

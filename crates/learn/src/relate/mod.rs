@@ -5,7 +5,7 @@
 //! and evidence as strong as that of a fault refuses the relation.
 
 mod chambers;
-mod flow;
+pub mod flow;
 mod pieces;
 mod rows;
 mod scatter;
@@ -35,8 +35,8 @@ pub struct LearntProcess {
 /// Why a relation was not learnt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProcessRefusal {
-    /// Data for so many seconds only.
-    Short { seconds: f64 },
+    /// Data for so many seconds only, where it takes `least`.
+    Short { seconds: f64, least: f64 },
     /// The signals do not determine it: nothing moves.
     Undetermined,
     /// The recording contradicts it at this time, s, with this much evidence, nats.
@@ -46,9 +46,9 @@ pub enum ProcessRefusal {
 impl fmt::Display for ProcessRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Short { seconds } => write!(
+            Self::Short { seconds, least } => write!(
                 f,
-                "{seconds:.0} s of spool and pressures in monitored states, and it takes {LEAST_TIME:.0} s"
+                "{seconds:.0} s of spool and pressures in monitored states, and it takes {least:.0} s"
             ),
             Self::Undetermined => f.write_str("its signals hardly move, and do not determine it"),
             Self::Contradicted { at, nats } => write!(

@@ -51,6 +51,10 @@ pub struct ProcessRows {
     lulls: [Lull; MAX_CYLINDERS],
     /// α of (3-5).
     area_ratio: f64,
+    /// Whether C1 stands for C2, too.
+    is_alone: bool,
+    /// P_S, bar, where it is given instead of recorded.
+    supply: Option<f64>,
 }
 
 /// Every n-th piece of the rows of one cylinder, counted anew after each pause, so that what is kept
@@ -125,7 +129,14 @@ impl ProcessRows {
             opening: time::cycles(opening, settings.machine.sample_time),
             lulls: Default::default(),
             area_ratio: settings.machine.area_ratio,
+            is_alone: false,
+            supply: None,
         }
+    }
+
+    /// Rows of C1 alone, which stands for C2, too; with this supply pressure, bar, unless it is `None`.
+    pub fn of_c1(settings: &Settings, supply: Option<f64>) -> Self {
+        Self { is_alone: true, supply, ..Self::new(settings) }
     }
 
     /// Puts the stretches of the recording into the order of this `ranking`.
@@ -133,6 +144,16 @@ impl ProcessRows {
         for cylinder in &mut self.cylinders {
             cylinder.rows.sort_by_key(|row| ranking.rank(row.t));
         }
+    }
+
+    fn flow_row(&self, row: &Row) -> Option<FlowRow> {
+        let c1 = row.c1?;
+        let c2 = if self.is_alone { c1 } else { row.c2? };
+        Some(FlowRow {
+            lengths: [c1 as f32, c2 as f32],
+            load: row.load_pressure(self.area_ratio)? as f32,
+            supply: self.supply.or(row.supply)? as f32,
+        })
     }
 
     /// Those of cylinder `n`.
@@ -144,6 +165,7 @@ impl ProcessRows {
 impl Surveyor for ProcessRows {
     fn row(&mut self, row: &Row) {
         let index = usize::from(row.cylinder) - 1;
+        let flow = self.flow_row(row);
         let open = &mut self.open[index];
         if self.lulls[index].ends(row.t) {
             *open = 0;
@@ -164,7 +186,7 @@ impl Surveyor for ProcessRows {
             spool: row.spool.map(|spool| spool as f32),
             pressures: chambers
                 .map(|((bottom, rod), supply)| [bottom, rod, supply].map(|it| it as f32)),
-            flow: flow_row(row, self.area_ratio),
+            flow,
             follows: *open > self.opening,
         });
     }
@@ -174,14 +196,6 @@ impl Surveyor for ProcessRows {
         // The first row after it has none before, and the spool has moved on by less than a cycle or two.
         self.open[index] = self.open[index].min(self.opening - 1);
     }
-}
-
-fn flow_row(row: &Row, area_ratio: f64) -> Option<FlowRow> {
-    Some(FlowRow {
-        lengths: [row.c1? as f32, row.c2? as f32],
-        load: row.load_pressure(area_ratio)? as f32,
-        supply: row.supply? as f32,
-    })
 }
 
 #[cfg(test)]

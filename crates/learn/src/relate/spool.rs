@@ -30,7 +30,7 @@ pub(super) fn learn(
     let count = rows.iter().filter(|row| row.spool.is_some()).count();
     let seconds = count as f64 * sample_time;
     if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds });
+        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
     }
     let commands = rows.iter().map(|row| row.command.abs()).collect();
     let limit = pieces::limit(commands).filter(|limit| *limit > LEAST_LIMIT);

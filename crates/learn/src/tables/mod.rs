@@ -3,6 +3,7 @@
 
 pub mod calibration;
 pub mod model;
+pub mod nonlinear;
 mod process;
 pub mod provenance;
 pub mod tuning;

@@ -1,11 +1,21 @@
 //! Identified models as tables that the configuration reads.
 
+use super::nonlinear;
 use super::provenance::{date, one_line};
 use crate::identify::outcome::{Choice, Identified, Outcome};
 use std::fmt::Write as _;
 
 /// Keys of a cylinder that belong to its model.
 pub const OF_A_MODEL: [&str; 4] = ["theta", "gamma", "sample_time", "command_offset"];
+
+/// Key of a cylinder for its flow curve and friction.
+pub const NONLINEAR: &str = "nonlinear";
+
+/// Keys of a cylinder that an identification makes anew.
+pub fn anew(outcome: &Outcome) -> Vec<&'static str> {
+    let nonlinear = outcome.nonlinear.as_ref().map(|_| NONLINEAR);
+    OF_A_MODEL.into_iter().chain(nonlinear).collect()
+}
 
 /// The tables of `outcome`, with their origin; `per_cylinder`: each cylinder gets its own model
 /// instead of the one chosen for all. `None` where there is no model.
@@ -22,18 +32,22 @@ pub fn of(outcome: &Outcome, version: &str, per_cylinder: bool) -> Option<String
         parameters(chosen, outcome.shaping.sample_time)
     );
     for cylinder in &outcome.cylinders {
-        let Ok(own) = &cylinder.result else { continue };
-        let offset = own.estimate.command_offset;
-        if !per_cylinder && offset.is_none() {
+        let nonlinear = outcome.nonlinear.as_ref();
+        let nonlinear = nonlinear.and_then(|it| nonlinear::table(it, cylinder.number));
+        let own = cylinder.result.as_ref().ok();
+        let offset = own.and_then(|own| own.estimate.command_offset);
+        let model = own.filter(|_| per_cylinder);
+        if model.is_none() && offset.is_none() && nonlinear.is_none() {
             continue;
         }
         _ = writeln!(text, "\n[[cylinder]]\nn = {}", cylinder.number);
-        if per_cylinder {
+        if let Some(own) = model {
             _ = writeln!(text, "{}", parameters(own, outcome.shaping.sample_time));
         }
         if let Some(offset) = offset {
             _ = writeln!(text, "command_offset = {offset:?}  # m/s; the command at which it rests");
         }
+        text += nonlinear.as_deref().unwrap_or("");
     }
     Some(text)
 }

@@ -3,6 +3,7 @@
 use super::PASCAL;
 use super::ailment::Wear;
 use super::friction::Friction;
+use super::identified::{self, IdentifiedFlow};
 use super::parameters::{Chambers, Parameters};
 use super::valve::Valve;
 
@@ -37,9 +38,11 @@ pub struct Drive {
 }
 
 /// Parameters of (3-15) for one cylinder.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cylinder {
     valve: Valve,
+    /// What passes the valve, where it was identified.
+    identified: Option<IdentifiedFlow>,
     friction: Friction,
     /// Piston area A_p as force per pressure, N/bar.
     force_per_bar: f64,
@@ -67,16 +70,21 @@ impl Cylinder {
         let table = &parameters.cylinder;
         let spread = &parameters.spread;
         let factors = [spread.extend[index], spread.retract[index]];
+        let own = parameters.identified.iter().find(|it| usize::from(it.number) == index + 1);
+        let identified = own.and_then(|it| it.flow.clone());
+        let stribeck = own.and_then(|it| it.friction.as_ref());
         Self {
             valve: Valve::new(&parameters.valve, factors, parameters.supply.pressure),
-            friction: parameters.friction,
+            friction: stribeck
+                .map_or(parameters.friction, |it| identified::friction(it, table.piston_area)),
             force_per_bar: table.piston_area * PASCAL,
             areas: [table.piston_area, table.piston_area * table.area_ratio],
             area_ratio: table.area_ratio,
             stiffness: table.stiffness,
             mass: table.load_mass,
-            stiffening: table.pressure_rise,
-            leakage: table.leakage,
+            stiffening: identified.as_ref().map_or(table.pressure_rise, |it| it.stiffening),
+            leakage: identified.as_ref().map_or(table.leakage, |it| it.leakage),
+            identified,
             ends: table.ends,
             sub_step,
             spool_decay: (-0.5 * sub_step / parameters.valve.lag).exp(),
@@ -84,6 +92,7 @@ impl Cylinder {
         }
     }
 
+    /// The valve of the tables, whether or not another one was identified.
     pub fn valve(&self) -> &Valve {
         &self.valve
     }
@@ -100,7 +109,7 @@ impl Cylinder {
     /// The speed at which a piston without friction settles when it carries its load with the spool
     /// at `spool`, m/s: flow less leakage.
     pub fn settled_speed(&self, spool: f64, pressure: f64, supply: f64) -> f64 {
-        self.valve.flow(spool, pressure, supply) - self.leakage / self.stiffening * pressure
+        self.passed(spool, pressure, supply) - self.leakage / self.stiffening * pressure
     }
 
     /// P_bot and P_rod, bar. A valve whose ports match the areas loses the same pressure on both
@@ -170,10 +179,18 @@ impl Cylinder {
         if flow >= 0.0 { self.areas[0] * flow } else { -self.areas[1] * flow }
     }
 
+    /// Flow through the sound valve (3-7), m/s of the piston, at load and supply pressure, bar.
+    pub fn passed(&self, spool: f64, load: f64, supply: f64) -> f64 {
+        match &self.identified {
+            Some(it) => it.valve.speed(spool, load, supply),
+            None => self.valve.flow(spool, load, supply),
+        }
+    }
+
     /// Flow through the valve as it is worn (3-7), m/s of the piston.
     fn flow(&self, spool: f64, pressure: f64, drive: &Drive) -> f64 {
         let wear = &drive.wear;
-        let flow = self.valve.flow(wear.effective(spool), pressure, drive.supply);
+        let flow = self.passed(wear.effective(spool), pressure, drive.supply);
         (1.0 + wear.flow) * flow - wear.lost(spool, pressure)
     }
 

@@ -11,6 +11,7 @@
 mod ailment;
 mod cylinder;
 mod friction;
+mod identified;
 mod parameters;
 mod supply;
 mod valve;
@@ -18,6 +19,7 @@ mod valve;
 pub use ailment::{Ailment, MOST_LATE, Wear};
 pub use cylinder::{Cylinder, CylinderState, Drive};
 pub use friction::Friction;
+pub use identified::{Identified, IdentifiedFlow, identified, is_identified};
 pub use parameters::{Chambers, CylinderTable, Parameters, Spread, SupplyTable, ValveTable};
 pub use supply::Supply;
 pub use valve::Valve;

@@ -2,10 +2,11 @@
 
 use super::CYLINDERS;
 use super::friction::Friction;
+use super::identified::Identified;
 use serde::Deserialize;
 
 /// Six cylinders on one supply, alike but for their [`Spread`].
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {
     pub cylinder: CylinderTable,
@@ -16,6 +17,19 @@ pub struct Parameters {
     /// `None`: P_bot + P_rod = P_S.
     #[serde(default)]
     pub chambers: Option<Chambers>,
+    /// Cylinders that were identified, in the place of their tables.
+    #[serde(skip)]
+    pub identified: Vec<Identified>,
+}
+
+impl Parameters {
+    /// The same with other valves built in, none of which was identified.
+    #[must_use]
+    pub fn with_valve(&self, valve: ValveTable) -> Self {
+        let identified = self.identified.iter().cloned();
+        let identified = identified.map(|it| Identified { flow: None, ..it }).collect();
+        Self { valve, identified, ..self.clone() }
+    }
 }
 
 /// Chambers whose pressures do not add up to P_S: P_bot + P_rod − P_S follows P_L and the speed with a lag.

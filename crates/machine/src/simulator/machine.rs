@@ -7,7 +7,7 @@ use super::tables::{Gangway, SensorTable, Tables, Thermal};
 use super::trail::Trail;
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
 use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, Rate};
-use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Parameters, Plant, Wear};
+use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Plant, Wear};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
 use nalgebra::Vector3;
@@ -111,8 +111,8 @@ impl Machine {
         let late = ((tables.controller.latency / sub_step).round() as u32).min(sub_steps);
         let parameters = tables.plant();
         let retracted = parameters.cylinder.ends[0];
-        let built = tables.disturbance.valve.unwrap_or(parameters.valve);
-        let plant = Plant::new(&Parameters { valve: built, ..parameters }, sub_step, retracted);
+        let built = tables.disturbance.valve.map(|valve| parameters.with_valve(valve));
+        let plant = Plant::new(built.as_ref().unwrap_or(&parameters), sub_step, retracted);
         let weights = weights(&hexapod);
         let loads = parameters.spread.load;
         let look_ups = std::array::from_fn(|leg| {

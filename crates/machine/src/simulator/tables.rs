@@ -5,7 +5,8 @@ use super::disturbance::Disturbance;
 use crate::controller::ControllerTable;
 use crate::hexapod::Geometry;
 use crate::plant::{
-    CYLINDERS, Chambers, CylinderTable, Friction, Parameters, Spread, SupplyTable, ValveTable,
+    self, CYLINDERS, Chambers, CylinderTable, Friction, Identified, Parameters, Spread,
+    SupplyTable, ValveTable,
 };
 use crate::sea::Vessel;
 use crate::transducer::{Common, Errors};
@@ -18,7 +19,7 @@ pub const MAX_TEXT: usize = 1 << 20;
 const DEFAULT: &str = include_str!("../../../../config/e-type-plant.toml");
 
 /// All tables of a simulated machine.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tables {
     pub hexapod: Geometry,
@@ -41,6 +42,9 @@ pub struct Tables {
     pub sensors: SensorTable,
     #[serde(default)]
     pub disturbance: Disturbance,
+    /// Cylinders that were identified, see [`Tables::identified_by`].
+    #[serde(skip)]
+    pub identified: Vec<Identified>,
 }
 
 /// The default sea.
@@ -113,6 +117,8 @@ pub enum TableError {
     Range { key: String, value: f64, low: f64, high: f64 },
     #[error("{key} is [{}, {}], expected the lower one first", .value[0], .value[1])]
     Order { key: &'static str, value: [f64; 2] },
+    #[error("{0}")]
+    Identified(String),
     #[error("longer than {MAX_TEXT} bytes; tables are a page of text")]
     TooLong,
 }
@@ -133,6 +139,38 @@ impl Tables {
         Ok(tables)
     }
 
+    /// These tables with the valves and the friction in `text`, which `identify --nonlinear` wrote, in the place of their
+    /// own.
+    ///
+    /// # Errors
+    /// What is wrong with the text, or a cylinder that is not there.
+    pub fn identified_by(self, text: &str) -> Result<Self, TableError> {
+        if text.len() > MAX_TEXT {
+            return Err(TableError::TooLong);
+        }
+        let identified = plant::identified(text).map_err(TableError::Identified)?;
+        let strange = identified.iter().find(|it| !(1..=CYLINDERS).contains(&it.number.into()));
+        if let Some(Identified { number, .. }) = strange {
+            let what =
+                format!("has a cylinder {number}, and the simulated machine has {CYLINDERS}");
+            return Err(TableError::Identified(what));
+        }
+        Ok(Self { identified, ..self })
+    }
+
+    /// Multiplies all friction by `factor`.
+    pub fn rub(&mut self, factor: f64) {
+        let of_table = &mut self.friction;
+        for force in [&mut of_table.coulomb, &mut of_table.stiction, &mut of_table.viscous] {
+            *force *= factor;
+        }
+        for friction in self.identified.iter_mut().filter_map(|it| it.friction.as_mut()) {
+            for force in [&mut friction.coulomb, &mut friction.stiction, &mut friction.viscous] {
+                *force *= factor;
+            }
+        }
+    }
+
     /// The tables of the plant that the controller was designed for.
     pub fn plant(&self) -> Parameters {
         Parameters {
@@ -142,6 +180,7 @@ impl Tables {
             supply: self.supply,
             spread: self.spread,
             chambers: self.chambers,
+            identified: self.identified.clone(),
         }
     }
 }
