@@ -34,7 +34,9 @@ struct JobLine<'a> {
 impl MachinePlan {
     /// What replays of the machine have in common, after the recording.
     fn options(&self) -> Vec<String> {
-        let mut options = vec!["--config".to_owned(), self.config.display().to_string()];
+        // Machines are replayed beside each other: each on a core of its own.
+        let mut options = vec!["--threads".to_owned(), "1".to_owned()];
+        options.extend(["--config".to_owned(), self.config.display().to_string()]);
         options.extend(["--machine".to_owned(), self.name.clone()]);
         if let Some(interface) = &self.interface {
             options.extend(["--interface".to_owned(), interface.clone()]);
