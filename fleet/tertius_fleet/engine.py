@@ -35,7 +35,8 @@ class Progress:
 
     def job(self, job, done):
         self.done += 1
-        self.processor += done["processor_seconds"]
+        # `tertius fleet run` does not know it.
+        self.processor += done["processor_seconds"] or 0.0
         self.recorded += done["duration"]
         gone = time.monotonic() - self.began
         left = gone / self.done * (self.all - self.done)

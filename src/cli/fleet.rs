@@ -1,11 +1,14 @@
 //! `tertius fleet`: many machines, each with its recordings.
 
+mod beside;
 mod listing;
 mod plan;
 mod recordings;
 mod roster;
+mod step;
 
 use super::Failure;
+use super::replay::processors;
 use clap::{Args, ValueEnum};
 use listing::{lines, shell, text};
 use plan::FleetPlan;
@@ -13,8 +16,11 @@ use roster::Roster;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Lists the recordings of many machines in the order in which they have to be replayed: those of a machine one after
-/// the other, each going on from the state that the one before has left; machines beside each other.
+/// Most machines that are replayed at a time.
+const MOST_JOBS: usize = 1024;
+
+/// Lists the recordings of many machines in the order in which they have to be replayed, or replays them: those of a
+/// machine one after the other, each going on from the state that the one before has left; machines beside each other.
 #[derive(Args, Debug)]
 #[command(after_help = "Example of FLEET.toml, whose paths are relative to it:
   [[machine]]
@@ -27,7 +33,8 @@ interface, and a history of the stops to begin with.
 
 Examples:
   tertius fleet plan FLEET.toml
-  tertius fleet plan FLEET.toml --format jsonl > plan.jsonl")]
+  tertius fleet plan FLEET.toml --format jsonl > plan.jsonl
+  tertius fleet run FLEET.toml --output results --jobs 4")]
 pub struct Fleet {
     /// What to do
     #[arg(value_enum)]
@@ -35,19 +42,33 @@ pub struct Fleet {
     /// The machines
     #[arg(value_name = "FLEET.toml")]
     fleet: PathBuf,
-    /// A list for people, a line of JSON for each job, or a shell command for each machine
-    #[arg(long, value_enum, default_value_t = PlanFormat::Human)]
-    format: PlanFormat,
+    /// For plan: a list for people, a line of JSON for each job, or a shell command for each machine [default: human]
+    #[arg(long, value_enum)]
+    format: Option<PlanFormat>,
     /// Reads only the first frame of each recording, not all of it: recordings that overlap are then refused by the
     /// replay of the later one
     #[arg(long)]
     quick: bool,
+    /// For run: the folder of the results. What is done there already is not done again
+    #[arg(long, value_name = "FOLDER", required_if_eq("action", "run"))]
+    output: Option<PathBuf>,
+    /// For run: machines that are replayed at a time, each on one thread. The results are the same [default: as many as
+    /// there are processors]
+    #[arg(long, value_name = "N", value_parser = jobs)]
+    jobs: Option<usize>,
+}
+
+fn jobs(text: &str) -> Result<usize, String> {
+    let wanted = text.parse().ok().filter(|wanted| (1..=MOST_JOBS).contains(wanted));
+    wanted.ok_or_else(|| format!("expected a number of machines, 1 to {MOST_JOBS}"))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum FleetAction {
     /// Lists what has to be replayed, in order
     Plan,
+    /// Replays what is not done yet
+    Run,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,15 +84,34 @@ impl Fleet {
     /// # Errors
     /// A wrong FLEET.toml, configuration or recording.
     pub fn run(self) -> Result<(), Failure> {
-        let FleetAction::Plan = self.action;
+        self.refuse_of_the_other()?;
         let roster = Roster::read(&self.fleet)?;
         let fleet = FleetPlan::new(&roster, self.quick)?;
-        let text = match self.format {
-            PlanFormat::Human => text(&fleet),
-            PlanFormat::Jsonl => lines(&fleet),
-            PlanFormat::Shell => shell(&fleet),
+        let (text, result) = match (self.output, self.format) {
+            (Some(output), _) => beside::run(&fleet, &output, self.jobs.unwrap_or_else(processors)),
+            (None, None | Some(PlanFormat::Human)) => (text(&fleet), Ok(())),
+            (None, Some(PlanFormat::Jsonl)) => (lines(&fleet), Ok(())),
+            (None, Some(PlanFormat::Shell)) => (shell(&fleet), Ok(())),
         };
         let mut out = std::io::stdout();
-        out.write_all(text.as_bytes()).map_err(|error| Failure::writing("standard output", &error))
+        let written = out.write_all(text.as_bytes());
+        result.and(written.map_err(|error| Failure::writing("standard output", &error)))
+    }
+
+    /// Refuses an option that only the other action has.
+    fn refuse_of_the_other(&self) -> Result<(), Failure> {
+        let (action, given) = match self.action {
+            FleetAction::Plan => {
+                let given = self.output.is_some().then_some("--output");
+                ("run", given.or(self.jobs.is_some().then_some("--jobs")))
+            }
+            FleetAction::Run => ("plan", self.format.is_some().then_some("--format")),
+        };
+        match given {
+            Some(option) => {
+                Err(Failure::Wrong(format!("{option} is an option of `tertius fleet {action}`")))
+            }
+            None => Ok(()),
+        }
     }
 }

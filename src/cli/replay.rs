@@ -135,7 +135,8 @@ fn threads(text: &str) -> Result<usize, String> {
     })
 }
 
-fn processors() -> usize {
+/// Number of processors that may be used.
+pub(super) fn processors() -> usize {
     thread::available_parallelism().map_or(1, NonZero::get)
 }
 

@@ -14,6 +14,7 @@ mod doctor;
 mod dwell_history;
 mod eds_command;
 mod fleet;
+mod fleet_run;
 mod formats;
 mod gateway_frames;
 mod golden;

@@ -131,6 +131,15 @@ def main(program):
 
         dying(jobs[:3], folder, program, one)
 
+        # What the program leaves by itself, which either of the two goes on from.
+        run = [program, "fleet", "run", folder / "fleet.toml", "--jobs", "2", "--output", folder / "own"]
+        subprocess.run(run, check=True, capture_output=True)
+        assert left(folder / "own") == one
+        assert in_turn(jobs, folder / "own", program, Progress(jobs, io.StringIO())) == {}
+        run[-1] = folder / "dask"
+        subprocess.run(run, check=True, capture_output=True)
+        assert left(folder / "own") == one and left(folder / "dask") == other
+
         # Once more there is nothing to do, and what is in the way is refused.
         again = time.monotonic()
         assert in_turn(jobs, folder / "dask", program, Progress(jobs, io.StringIO())) == {}

@@ -32,12 +32,14 @@ struct JobLine<'a> {
 }
 
 impl MachinePlan {
-    /// What replays of the machine have in common, after the recording.
-    fn options(&self) -> Vec<String> {
+    /// What replays of the machine have in common, after the recording; with its name if there are `tables`.
+    pub fn options(&self, tables: bool) -> Vec<String> {
         // Machines are replayed beside each other: each on a core of its own.
         let mut options = vec!["--threads".to_owned(), "1".to_owned()];
         options.extend(["--config".to_owned(), self.config.display().to_string()]);
-        options.extend(["--machine".to_owned(), self.name.clone()]);
+        if tables {
+            options.extend(["--machine".to_owned(), self.name.clone()]);
+        }
         if let Some(interface) = &self.interface {
             options.extend(["--interface".to_owned(), interface.clone()]);
         }
@@ -82,7 +84,7 @@ pub fn lines(fleet: &FleetPlan) -> String {
                 config: machine.config.display().to_string(),
                 configuration: &machine.configuration,
                 history: machine.history.as_ref().map(|it| it.display().to_string()),
-                arguments: [vec!["replay".to_owned(), source], machine.options()].concat(),
+                arguments: [vec!["replay".to_owned(), source], machine.options(true)].concat(),
             };
             // Texts and numbers always become JSON.
             text += &serde_json::to_string(&line).unwrap_or_default();
@@ -123,7 +125,7 @@ pub fn shell(fleet: &FleetPlan) -> String {
         let history =
             machine.history.as_ref().map_or("-".to_owned(), |it| it.display().to_string());
         let head = ["fleet/fold".to_owned(), machine.name.clone(), history];
-        let options = machine.options();
+        let options = machine.options(true);
         let recordings = machine.inputs.iter().map(PlannedInput::name);
         let words = head.into_iter().chain(options).chain(["--".to_owned()]).chain(recordings);
         words.map(|word| quoted(&word)).collect::<Vec<_>>().join(" ") + "\n"
