@@ -5,18 +5,22 @@
 //!                                     C1, l̇, P_L ──↑
 //! ```
 //!
-//! It replaces the real controller in simulations. Nothing in the monitor uses it, and it switches
+//! For each cylinder it can take another [`Measurement`] than C1, and [`Supervision`] watches both. It replaces the real controller in simulations. Nothing in the monitor uses it, and it switches
 //! nothing itself: the platform goes to the state that is requested.
 
 mod limit;
 mod lookup;
+mod measuring;
 mod plc;
 mod reference;
+mod supervision;
 
 pub use limit::soft;
 pub use lookup::LookUp;
+pub use measuring::{Heard, Measurement};
 pub use plc::{Phase, Plc, State};
 pub use reference::Reference;
+pub use supervision::Supervision;
 
 use crate::hexapod::{Hexapod, LEGS, Pose, Rate};
 use serde::Deserialize;
@@ -53,7 +57,7 @@ pub struct ControllerTable {
 /// What the controller measures in a cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Readings {
-    /// C1 of each cylinder, m.
+    /// Length of each cylinder by its [`Measurement`], m.
     pub lengths: [f64; LEGS],
     /// Velocity of each cylinder, m/s.
     pub speeds: [f64; LEGS],

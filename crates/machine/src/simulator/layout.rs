@@ -1,7 +1,7 @@
 //! Messages that the machine sends, their order and contents.
 
 use super::values::{Origin, Values};
-use crate::controller::Readings;
+use crate::controller::Heard;
 use crate::inject::Unrounded;
 use crate::plant::CYLINDERS;
 use crate::transducer::Grid;
@@ -104,12 +104,12 @@ impl Planned {
         values.unrounded(*origin)
     }
 
-    /// The readings that the controller takes from `frame`, a frame of this message.
-    pub fn read_back(&self, frame: &Frame, readings: &mut Readings) {
+    /// What the controller hears in `frame`, a frame of this message.
+    pub fn read_back(&self, frame: &Frame, heard: &mut Heard) {
         for (plan, origin) in &self.fields {
             let place = match origin {
-                Origin::Length(cylinder, 0) => &mut readings.lengths[*cylinder],
-                Origin::Speed(cylinder, 0) => &mut readings.speeds[*cylinder],
+                Origin::Length(cylinder, which) => &mut heard.lengths[*cylinder][*which],
+                Origin::Speed(cylinder, which) => &mut heard.speeds[*cylinder][*which],
                 _ => continue,
             };
             if let Some(value) = plan.decode(frame).value().filter(|v| v.physical.is_finite()) {
@@ -124,8 +124,8 @@ impl Planned {
 pub struct Layout {
     pub messages: Vec<Planned>,
     pub values: Values,
-    /// Whether C1's speed is on the bus; otherwise the controller has its own wire for it.
-    pub carries_speed: bool,
+    /// Whether the speeds by C1 and C2 are on the bus; the controller has its own wire for those that are not.
+    pub carries_speed: [bool; 2],
 }
 
 impl Layout {
@@ -163,7 +163,8 @@ impl Layout {
                 Origin::Spool(usize::from(cylinder)),
             )?;
         }
-        let carries_speed = settings.signals.cylinder.c1_velocity.is_some();
+        let signals = &settings.signals.cylinder;
+        let carries_speed = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
         Ok(Self { messages: builder.messages, values: Values::new(grid), carries_speed })
     }
 }

@@ -5,6 +5,9 @@
 //!                     ↑────────────────── C1 ───────────────────┘ (with faults: in the loop)
 //! ```
 //!
+//! The controller can be told to take C2, or a length that another node tells, for single cylinders
+//! ([`Simulator::measure`]), and can supervise the difference of C1 and C2 ([`Simulator::supervise`]).
+//!
 //! A fault of a transducer is added to its length before it is rounded to counts.
 //!
 //! [`Simulator::step`] makes the frames of one cycle and passes them to a sink, in the order of the
@@ -29,7 +32,7 @@ pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
 pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables, Thermal};
 
-use crate::controller::{Readings, State};
+use crate::controller::{Heard, Measurement, Readings, State, Supervision};
 use crate::inject::{Fault, Injector, Placed, Tally};
 use crate::plant::CYLINDERS;
 use arrivals::Arrivals;
@@ -115,7 +118,10 @@ pub struct Simulator {
     services: Services,
     injector: Injector,
     in_loop: bool,
-    /// Readings of the controller; lengths that did not arrive are those of the previous cycle.
+    /// What the controller has heard; lengths that did not arrive are those of the previous cycle.
+    heard: Heard,
+    measurements: [Measurement; CYLINDERS],
+    supervision: Option<Supervision>,
     readings: Readings,
     cycle: u64,
     epoch: Timestamp,
@@ -144,6 +150,9 @@ impl Simulator {
             services: Services::new(settings, database, &options.faults, options.epoch),
             injector: Injector::new(&options.faults, options.seed),
             in_loop: options.in_loop,
+            heard: Heard::default(),
+            measurements: [Measurement::C1; CYLINDERS],
+            supervision: None,
             readings: Readings::default(),
             cycle: 0,
             epoch: options.epoch,
@@ -156,6 +165,37 @@ impl Simulator {
         self.machine.request(state);
     }
 
+    /// Lets the controller take `measurement` for the length of the cylinder `leg`, from 0, from the next cycle on.
+    pub fn measure(&mut self, leg: usize, measurement: Measurement) {
+        self.measurements[leg] = measurement;
+    }
+
+    /// Lengths that another node tells of the newest cycle, m.
+    pub fn tell(&mut self, lengths: [Option<f64>; CYLINDERS]) {
+        self.heard.told = lengths;
+    }
+
+    /// Lets the machine supervise its transducers: a code black releases the valves, and stays.
+    pub fn supervise(&mut self, supervision: Supervision) {
+        self.supervision = Some(supervision);
+    }
+
+    /// The machine's supervision of its transducers, if there is one.
+    pub fn supervision(&mut self) -> Option<&mut Supervision> {
+        self.supervision.as_mut()
+    }
+
+    /// Whether a code black stands.
+    pub fn is_black(&self) -> bool {
+        self.supervision.as_ref().is_some_and(Supervision::has_tripped)
+    }
+
+    /// Replaces the faults of readings, except those of devices' services, from the next cycle on; their times count
+    /// from there.
+    pub fn afflict(&mut self, faults: &[Placed], seed: u64) {
+        self.injector = Injector::new(faults, seed);
+    }
+
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
@@ -163,6 +203,11 @@ impl Simulator {
     /// Readings of the controller in the newest cycle.
     pub fn readings(&self) -> &Readings {
         &self.readings
+    }
+
+    /// What the controller has heard up to the newest cycle.
+    pub fn heard(&self) -> &Heard {
+        &self.heard
     }
 
     /// Opening of the next cycle, without the jitter of its Sync.
@@ -185,14 +230,15 @@ impl Simulator {
         self.readings.pressures = sample.load_pressures;
         self.readings.pose = sample.motion.pose;
         self.readings.rate = sample.motion.rate;
-        for leg in 0..CYLINDERS {
-            if !self.layout.carries_speed {
-                self.readings.speeds[leg] = sample.transducers[leg][0].speed;
-            }
-        }
+        self.hear_by_wire(&sample);
         self.send_early(&sample, sink);
         self.arrivals.open(self.opening());
         self.send(SendPhase::Sampled, sink);
+        let Self { heard, measurements, readings, supervision, .. } = self;
+        heard.measure(measurements, self.sample_time.as_seconds(), readings);
+        if supervision.as_mut().is_some_and(|it| it.step(&heard.lengths)) {
+            self.machine.request(State::Safe);
+        }
         let commands = self.machine.command(&self.readings);
         self.layout.values.commanded(&commands);
         self.arrivals.answer();
@@ -201,6 +247,17 @@ impl Simulator {
         self.services.send(end, &mut self.arrivals, &mut self.injector, sink);
         self.machine.advance();
         self.cycle += 1;
+    }
+
+    /// The speeds that are not on the bus.
+    fn hear_by_wire(&mut self, sample: &Sample) {
+        for (leg, pair) in sample.transducers.iter().enumerate() {
+            for (which, reading) in pair.iter().enumerate() {
+                if !self.layout.carries_speed[which] {
+                    self.heard.speeds[leg][which] = reading.speed;
+                }
+            }
+        }
     }
 
     /// Sends the readings that were sampled before the Sync, the oldest first.
@@ -231,17 +288,17 @@ impl Simulator {
 
     /// Sends the message at `place` of the layout.
     fn put(&mut self, place: usize, sink: &mut impl FnMut(&Frame)) {
-        let Self { layout, arrivals, injector, readings, in_loop, .. } = self;
+        let Self { layout, arrivals, injector, heard, in_loop, .. } = self;
         let message = &mut layout.messages[place];
         message.fill(&layout.values);
         message.frame.timestamp = arrivals.next(message.frame.length());
         if !*in_loop {
-            message.read_back(&message.frame, readings);
+            message.read_back(&message.frame, heard);
         }
         let unrounded = |plan: &SignalPlan| message.unrounded(plan, &layout.values);
         if let Some(frame) = injector.take_measured(&message.frame, unrounded) {
             if *in_loop {
-                message.read_back(frame, readings);
+                message.read_back(frame, heard);
             }
             sink(frame);
         }
