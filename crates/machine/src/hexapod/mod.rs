@@ -12,11 +12,13 @@ mod forward;
 mod geometry;
 mod inverse;
 mod pose;
+mod tip;
 
 pub use forward::{MAX_ITERATIONS, Solution};
 pub use geometry::{Geometry, Hexapod};
 pub use inverse::{FrameMotion, Legs};
 pub use pose::{Pose, Rate};
+pub use tip::Tip;
 
 /// Legs of a hexapod.
 pub const LEGS: usize = 6;
