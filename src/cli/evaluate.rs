@@ -10,7 +10,8 @@ use crate::config::Settings;
 use crate::evaluate::contest::Contest;
 use crate::evaluate::weights::{self, Weighing};
 use crate::evaluate::{
-    Evaluation, Extent, Gathering, Job, Learnt, Lessons, Plan, Product, Stand, StandError, Study,
+    Evaluation, Extent, Gathering, Grade, Job, Learnt, Lessons, Plan, Product, Stand, StandError,
+    Study,
 };
 use crate::monitor::MonitorDesign;
 use crate::report::{evaluation, page};
@@ -44,7 +45,7 @@ pub struct Evaluate {
     /// Seed of everything random: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
-    /// Number of faults in a row; a quarter of it in the rows of the loop [default: 600; --quick:
+    /// Number of faults in a row; a quarter of it in the rows of the loop and of the hand-over [default: 600; --quick:
     /// 12]
     #[arg(long, value_name = "N")]
     trials: Option<u32>,
@@ -115,6 +116,8 @@ enum Studied {
     Weights,
     /// Faults of valves, pressures and commands, which are no transducer's
     Process,
+    /// A machine whose controller hears who is blamed: code blacks with and without
+    Handover,
     /// False alarms
     Healthy,
 }
@@ -123,7 +126,10 @@ impl Studied {
     /// Whether it takes seconds with few faults; studies that learn first, or simulate long, do
     /// not.
     const fn is_quick(self) -> bool {
-        !matches!(self, Self::Contest | Self::Estimate | Self::Weights | Self::Process)
+        !matches!(
+            self,
+            Self::Contest | Self::Estimate | Self::Weights | Self::Process | Self::Handover
+        )
     }
 
     const fn study(self) -> Option<Study> {
@@ -140,6 +146,7 @@ impl Studied {
             Self::Estimate => Study::Estimate,
             Self::Weights => Study::Weights,
             Self::Process => Study::Process,
+            Self::Handover => Study::Handover,
             Self::Healthy => return None,
         })
     }
@@ -188,6 +195,10 @@ impl Evaluate {
         if let Some(process) = &plan.process {
             stand.taught =
                 process.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
+        if let Some(handover) = &plan.handover {
+            stand.handing =
+                of_grades(&handover.grades, |grade| Ok((grade, handover.design(&stand, grade)?)))?;
         }
         let evaluation = self.evaluate(&plan, &stand)?;
         let json = evaluation::json(&evaluation);
@@ -299,10 +310,20 @@ fn weighed(weighing: &Weighing, machine: &Machine) -> Result<Vec<MonitorDesign>,
 
 /// Teaches the detectors of all grades, each grade on a core of its own.
 fn learn(contest: &Contest, stand: &Stand, lessons: Lessons) -> Result<Vec<Learnt>, Failure> {
-    let of = |grade| stand.learn(grade, &contest.seas, contest.lessons(), lessons);
+    of_grades(&contest.grades, |grade| {
+        stand.learn(grade, &contest.seas, contest.lessons(), lessons)
+    })
+}
+
+/// What is learnt of each grade, each on a core of its own.
+fn of_grades<T: Send>(
+    grades: &[Grade],
+    learn: impl Fn(Grade) -> Result<T, StandError> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let learn = &learn;
     let learnt: Vec<_> = std::thread::scope(|scope| {
         let started: Vec<_> =
-            contest.grades.iter().map(|grade| scope.spawn(move || of(*grade))).collect();
+            grades.iter().map(|grade| scope.spawn(move || learn(*grade))).collect();
         started.into_iter().map(|it| it.join().expect("learning does not panic")).collect()
     });
     let wrong = |error: StandError| Failure::Wrong(error.to_string());

@@ -1,6 +1,7 @@
 //! An evaluation as text for a terminal and as JSON. The HTML page is made from the same tables.
 
 mod contest;
+mod handover;
 mod process;
 mod weights;
 
@@ -34,7 +35,7 @@ pub fn text(plan: &Plan, evaluation: &Evaluation) -> String {
 /// Extent of the evaluation, and the meaning of the columns.
 pub fn extent(plan: &Plan) -> String {
     format!(
-        "simulated, seed {}, {} faults a row (a quarter for the loop); intervals of {:.0} % \
+        "simulated, seed {}, {} faults a row (a quarter for the loop and the hand-over); intervals of {:.0} % \
          confidence, exact; suspects: right/undecided/process/the other transducer",
         plan.seed,
         plan.extent.trials,
@@ -52,6 +53,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.push(estimates(&evaluation.estimates));
     sections.push(weights::section(&evaluation.weights));
     sections.extend(evaluation.process.iter().flat_map(process::sections));
+    sections.extend(evaluation.handover.iter().flat_map(handover::sections));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

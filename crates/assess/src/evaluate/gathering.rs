@@ -4,6 +4,7 @@ use super::claim::Judged;
 use super::contest;
 use super::estimate::{CASES, Errors, EstimateResult};
 use super::figures::Figures;
+use super::handover::{HandoverGathering, HandoverResult};
 use super::healthy::Healthy;
 use super::learning::Learnt;
 use super::outcome::Outcome;
@@ -34,6 +35,9 @@ pub struct Evaluation {
     /// Faults of the cylinders themselves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process: Option<ProcessResult>,
+    /// Machines whose controller hears who is blamed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub handover: Option<HandoverResult>,
 }
 
 /// A row with its figures.
@@ -87,6 +91,7 @@ pub struct Gathering<'a> {
     contest: Option<contest::ContestGathering<'a>>,
     weights: Option<weights::WeightsGathering<'a>>,
     process: Option<ProcessGathering<'a>>,
+    handover: Option<HandoverGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -108,6 +113,7 @@ impl<'a> Gathering<'a> {
             contest: plan.contest.as_ref().map(contest::ContestGathering::new),
             weights: plan.weighing.as_ref().map(weights::WeightsGathering::new),
             process: plan.process.as_ref().map(ProcessGathering::new),
+            handover: plan.handover.as_ref().map(HandoverGathering::new),
             estimates: BTreeMap::new(),
         }
     }
@@ -140,6 +146,11 @@ impl<'a> Gathering<'a> {
                     process.take(job, product);
                 }
             }
+            (Job::Handover(job), Product::Handover(outcomes)) => {
+                if let Some(handover) = &mut self.handover {
+                    handover.take(job, outcomes);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -150,6 +161,7 @@ impl<'a> Gathering<'a> {
                 | Job::Contest(_)
                 | Job::Weights(_)
                 | Job::Process(_)
+                | Job::Handover(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -166,6 +178,7 @@ impl<'a> Gathering<'a> {
             contest: contest.unwrap_or_default(),
             weights: self.weights.map(|weights| weights.finish(block)).unwrap_or_default(),
             process: self.process.as_ref().map(ProcessGathering::finish),
+            handover: self.handover.as_ref().map(HandoverGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

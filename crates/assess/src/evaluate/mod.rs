@@ -14,7 +14,7 @@
 //! the machine first ([`Stand::learn`]).
 //!
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
-//! cylinders themselves.
+//! cylinders themselves, and [`handover`] what it is worth that a machine hears who is blamed.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
@@ -26,6 +26,7 @@ mod estimate;
 mod figures;
 mod gathering;
 mod grade;
+pub mod handover;
 mod healthy;
 mod interval;
 mod learning;

@@ -3,6 +3,7 @@
 use super::contest::{self, Contest};
 use super::estimate::{CASES, Errors};
 use super::grade::Grade;
+use super::handover::{HandoverJob, HandoverOutcome, HandoverStudy};
 use super::healthy::{Healthy, STRETCH};
 use super::learning::Lessons;
 use super::outcome::Outcome;
@@ -27,8 +28,8 @@ pub struct Cell {
 /// Extent of the evaluation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
-    /// Number of faults in a row, rounded up to whole machines; the rows of [`Study::Loop`], which
-    /// need two machines for each fault, have a quarter.
+    /// Number of faults in a row, rounded up to whole machines; the rows of [`Study::Loop`] and [`Study::Handover`],
+    /// which need a machine or more for each fault, have a quarter.
     pub trials: u32,
     /// Hours of a healthy machine in each cell, rounded up to whole stretches.
     pub hours: f64,
@@ -76,6 +77,8 @@ pub enum Job {
     Weights(weights::WeightsJob),
     /// A job of the process detectors.
     Process(ProcessJob),
+    /// A machine of the hand-over.
+    Handover(HandoverJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -88,6 +91,7 @@ pub enum Product {
     Contest(contest::ContestProduct),
     Weights(weights::WeightsProduct),
     Process(ProcessProduct),
+    Handover(Vec<HandoverOutcome>),
     Estimate(Errors),
 }
 
@@ -104,6 +108,8 @@ pub struct Plan {
     pub weighing: Option<Weighing>,
     /// The process detectors, if requested.
     pub process: Option<ProcessStudy>,
+    /// The hand-over, if requested.
+    pub handover: Option<HandoverStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -151,7 +157,11 @@ impl Plan {
         let process = extent.studies.contains(&Study::Process).then(|| {
             ProcessStudy::new(seed, extent.seas.clone(), extent.trials, extent.process_hours)
         });
-        Ok(Self { seed, extent, rows, cells, contest, weighing, process })
+        let asked = extent.studies.contains(&Study::Handover);
+        let machines = extent.trials.div_ceil(4);
+        let handover =
+            asked.then(|| HandoverStudy::new(seed, extent.seas.clone(), machines, extent.lessons));
+        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover })
     }
 
     /// The number of machines of a row.
@@ -182,9 +192,11 @@ impl Plan {
         });
         let weights = self.weighing.iter().flat_map(Weighing::jobs).map(Job::Weights);
         let process = self.process.iter().flat_map(ProcessStudy::jobs).map(Job::Process);
+        let handover = self.handover.iter().flat_map(HandoverStudy::jobs).map(Job::Handover);
         contest
             .chain(weights)
             .chain(process)
+            .chain(handover)
             .chain(trials)
             .chain(healthy)
             .chain(estimates)
@@ -215,6 +227,10 @@ impl Plan {
             Job::Process(job) => {
                 let process = self.process.as_ref().expect("its jobs are of its own plan");
                 Product::Process(process.run(stand, job)?)
+            }
+            Job::Handover(job) => {
+                let handover = self.handover.as_ref().expect("its jobs are of its own plan");
+                Product::Handover(handover.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -35,10 +35,12 @@ pub enum Study {
     Weights,
     /// Faults of the cylinders themselves, which have their own cases.
     Process,
+    /// A machine whose controller hears who is blamed, which has its own cases.
+    Handover,
 }
 
 impl Study {
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -51,6 +53,7 @@ impl Study {
         Self::Estimate,
         Self::Weights,
         Self::Process,
+        Self::Handover,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -67,6 +70,7 @@ impl Study {
             Self::Estimate => "estimate",
             Self::Weights => "weights",
             Self::Process => "process",
+            Self::Handover => "handover",
         }
     }
 }

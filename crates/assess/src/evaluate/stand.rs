@@ -16,6 +16,8 @@ pub enum StandError {
     Simulator(#[from] SimulatorError),
     #[error(transparent)]
     Place(#[from] PlaceError),
+    #[error("the gateway's frames cannot be read: {0}")]
+    Unread(String),
     #[error("the sequential detectors cannot be calibrated to the simulated machine: {0}")]
     Untaught(String),
 }
@@ -32,6 +34,8 @@ pub struct Stand<'a> {
     pub weighed: Vec<MonitorDesign>,
     /// Monitors with the process detectors that were taught.
     pub taught: Vec<MonitorDesign>,
+    /// Monitors whose frames a controller hears, for the grades that were learnt.
+    pub handing: Vec<(Grade, MonitorDesign)>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -57,6 +61,7 @@ impl<'a> Stand<'a> {
             monitors: Vec::new(),
             weighed: Vec::new(),
             taught: Vec::new(),
+            handing: Vec::new(),
             tables,
             steady,
         }

@@ -5,7 +5,8 @@
 //!                                     C1, l̇, P_L ──↑
 //! ```
 //!
-//! For each cylinder it can take another [`Measurement`] than C1, and [`Supervision`] watches both. It replaces the real controller in simulations. Nothing in the monitor uses it, and it switches
+//! For each cylinder it can take another [`Measurement`] than C1, and [`Supervision`] watches both.
+//! It replaces the real controller in simulations. Nothing in the monitor uses it, and it switches
 //! nothing itself: the platform goes to the state that is requested.
 
 mod limit;
