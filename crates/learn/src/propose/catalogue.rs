@@ -16,6 +16,8 @@ pub struct Catalogue<'a> {
     /// Number of each message's first signal.
     first: Vec<usize>,
     by_id: BTreeMap<Id, usize>,
+    /// Why the first message that cannot be used is refused, and how many there are.
+    pub(super) refused: Option<(String, usize)>,
 }
 
 /// A signal of a [`Catalogue`].
@@ -43,7 +45,9 @@ impl<'a> Catalogue<'a> {
             }));
         }
         let by_id = messages.iter().enumerate().map(|(place, it)| (it.id, place)).collect();
-        Self { messages, signals, first, by_id }
+        let mut refused = database.refused().map(|(_, why)| why.to_string());
+        let refused = refused.next().map(|first| (first, 1 + refused.count()));
+        Self { messages, signals, first, by_id, refused }
     }
 
     /// Number of messages.

@@ -137,7 +137,8 @@ impl Assembly<'_> {
             {
                 return None;
             }
-            let follows = following(&smooth(&self.tracks.clean(signal)), &driver);
+            let spool = smooth(&self.tracks.clean(signal));
+            let follows = following(&spool, &driver, self.tracks.period);
             let correlation = follows.map_or(0.0, |it| it.correlation.abs());
             (name || correlation >= SURE).then_some((signal, correlation))
         });

@@ -9,9 +9,9 @@ use super::words::{Hint, Measure, measure, says};
 use super::{Proposal, guessing, machine};
 
 /// Most periods of the bus that are looked at, the one with the most signals first.
-const MOST_CLASSES: usize = 3;
+const MOST_CLASSES: usize = 8;
 
-/// Most signals whose values are kept.
+/// Most signals whose values are kept, the most promising of all periods.
 const MOST_SIGNALS: usize = 192;
 
 /// Most signals that may be the platform's state.
@@ -29,19 +29,22 @@ pub struct Finder {
 impl Finder {
     /// The second pass, by what the first one counted.
     pub fn new(catalogue: &Catalogue<'_>, tally: &BusTally) -> Self {
-        let (mut tracks, mut room, mut left_out) = (Vec::new(), MOST_SIGNALS, 0);
+        let mut classes = tally.classes();
+        classes.truncate(MOST_CLASSES);
+        let mut promising: Vec<usize> =
+            classes.iter().flat_map(|(_, signals)| signals).copied().collect();
+        promising.sort_by_key(|signal| std::cmp::Reverse(promise(catalogue, *signal)));
+        let left_out = promising.split_off(promising.len().min(MOST_SIGNALS));
+        let mut tracks = Vec::new();
         let states: Vec<usize> =
             machine::state_candidates(catalogue, tally).into_iter().take(MOST_STATES).collect();
-        for (period, mut signals) in tally.classes().into_iter().take(MOST_CLASSES) {
+        for (period, mut signals) in classes {
+            signals.retain(|signal| !left_out.contains(signal));
             let Some(opener) = tally.opener(period).filter(|_| signals.len() > 1) else { continue };
-            signals.sort_by_key(|signal| std::cmp::Reverse(promise(catalogue, *signal)));
-            left_out += signals.len().saturating_sub(room);
-            signals.truncate(room);
-            room -= signals.len();
             signals.extend(states.iter().filter(|state| !tally.signals[**state].moves()));
             tracks.push(Tracks::new(catalogue, period, opener, &signals));
         }
-        Self { tracks, left_out }
+        Self { tracks, left_out: left_out.len() }
     }
 
     /// Takes the next frame of the second pass, `t` seconds after the first one.
@@ -78,6 +81,10 @@ pub fn find(catalogue: &Catalogue<'_>, tally: &BusTally, finder: Option<&Finder>
         if driven.len() > best.as_ref().map_or(0, |(_, twins)| twins.len()) {
             best = Some((tracks, driven));
         }
+    }
+    if let Some((why, count)) = &catalogue.refused {
+        let others = if *count > 1 { format!(", and {} more", count - 1) } else { String::new() };
+        lacks.push(format!("not looked at, as the DBC contradicts itself: {why}{others}"));
     }
     if let Some(left_out) = finder.map(|it| it.left_out).filter(|count| *count > 0) {
         lacks.push(format!("{left_out} of the signals that move were not looked at: too many"));

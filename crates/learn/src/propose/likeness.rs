@@ -2,12 +2,20 @@
 
 use super::tally::median;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// Cycles on either side over which a derivative and its command are averaged, so that counts matter little.
 const HALF: usize = 4;
 
-/// Cycles by which a command may lead the motion, and the motion a reading of it.
-const LEADS: std::ops::RangeInclusive<isize> = -6..=16;
+/// Longest time by which the motion may lead a reading of it, and a command the motion, s: filters and valves take less.
+const LONGEST: [f64; 2] = [0.12, 0.35];
+
+/// Cycles that these times are at least and at most.
+const FEWEST: [f64; 2] = [6.0, 4.0];
+const MOST: f64 = 64.0;
+
+/// Cycles between two of the leads that are tried first.
+const COARSE: usize = 4;
 
 /// Samples that a correlation is computed from at the most.
 const SAMPLED: usize = 4000;
@@ -17,6 +25,9 @@ const PASSES: usize = 4;
 
 /// Standard deviations beyond which a sample is left out of the next pass.
 const FAR: f64 = 4.0;
+
+/// Standard deviation of the difference of two rounded readings, in steps: 1/√6.
+const ROUNDED: f64 = 0.408;
 
 /// How the readings of one signal follow from those of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,15 +51,17 @@ pub(super) struct Agreement {
 pub(super) struct Following {
     /// Correlation of the derivative with the other signal, leading by [`Self::lead`].
     pub correlation: f64,
-    /// Cycles by which the other signal leads the motion.
+    /// Cycles by which the other signal leads the motion, from sample to sample.
     pub lead: f64,
     /// Derivative by the other signal.
     pub gain: f64,
 }
 
-/// How `first` follows from `second`, where they may be sampled at slightly different times. `None` if there are
-/// too few readings, or no motion in them.
-pub(super) fn agreement(first: &[f64], second: &[f64]) -> Option<Agreement> {
+/// How `first` follows from `second`, where they may be sampled at slightly different times and have steps of
+/// `resolution`. `None` if there are too few readings, or no motion in them.
+pub(super) fn agreement(first: &[f64], second: &[f64], resolution: f64) -> Option<Agreement> {
+    // Of coarse readings most are the same count, and the others are no outliers.
+    let least = (ROUNDED * resolution).max(1e-12);
     let samples = samples(first, second);
     let mut kept: Vec<bool> = vec![true; samples.len()];
     let mut found = None;
@@ -59,12 +72,13 @@ pub(super) fn agreement(first: &[f64], second: &[f64]) -> Option<Agreement> {
         let sizes: Vec<f64> = chosen().map(|one| rest(one).abs()).collect();
         let spread = 1.4826 * median(&sizes)?;
         let worst = sizes.iter().copied().fold(0.0, f64::max);
-        found = Some((solution, spread.max(1e-12)));
+        let spread = spread.max(least);
+        found = Some((solution, spread));
         if worst <= FAR * spread {
             break;
         }
         for (keep, one) in kept.iter_mut().zip(&samples) {
-            *keep = rest(*one).abs() <= FAR * spread.max(1e-12);
+            *keep = rest(*one).abs() <= FAR * spread;
         }
     }
     let (solution, spread) = found?;
@@ -142,37 +156,47 @@ pub(super) fn smooth(values: &[f64]) -> Vec<f64> {
     (0..values.len()).map(at).collect()
 }
 
-/// How the motion with this derivative follows the smoothed signal `driver`.
-pub(super) fn following(derivative: &[f64], driver: &[f64]) -> Option<Following> {
+/// How the motion with this derivative follows the smoothed signal `driver`, in cycles of `period` seconds. `None` where
+/// nothing within [`LONGEST`] follows best: what two slow signals have in common grows towards the end of any range.
+pub(super) fn following(derivative: &[f64], driver: &[f64], period: f64) -> Option<Following> {
+    let [behind, ahead] =
+        [0, 1].map(|side| (LONGEST[side] / period).round().clamp(FEWEST[side], MOST) as isize);
+    // One more on either side, so that the best one has neighbours.
+    let leads = -behind - 1..=ahead + 1;
+    // The same part of the motion for all of them: of a rod that only extends, another part may correlate better.
+    let length = derivative.len().min(driver.len());
+    let part = leads.end().unsigned_abs()..length.saturating_sub(leads.start().unsigned_abs());
+    let at_lead = |lead| at_lead(derivative, driver, part.clone(), lead);
     // The whole range only where a coarse look is promising.
-    let coarse = [-4, 0, 4, 8, 12].map(|lead| at_lead(derivative, driver, lead));
-    let promising = |it: &Option<(f64, f64)>| it.is_some_and(|(r, _)| r.abs() > 0.4);
-    if !coarse.iter().any(promising) {
+    let promising = |(r, _): (f64, f64)| r.abs() > 0.4;
+    let mut coarse = leads.clone().step_by(COARSE);
+    if !coarse.any(|lead| at_lead(lead).is_some_and(promising)) {
         return None;
     }
     let all: Vec<(isize, (f64, f64))> =
-        LEADS.filter_map(|lead| Some((lead, at_lead(derivative, driver, lead)?))).collect();
+        leads.filter_map(|lead| Some((lead, at_lead(lead)?))).collect();
     let place = (0..all.len()).max_by(|a, b| all[*a].1.0.abs().total_cmp(&all[*b].1.0.abs()))?;
     let (lead, (correlation, gain)) = all[place];
     let size = |place: usize| all.get(place).map(|(_, (r, _))| r.abs());
+    let [before, after] = [size(place.checked_sub(1)?)?, size(place + 1)?];
     // The top of a parabola through the best lead and its neighbours.
-    let between = match (place.checked_sub(1).and_then(size), size(place + 1)) {
-        (Some(before), Some(after)) => {
-            let bend = before - 2.0 * correlation.abs() + after;
-            if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 }
-        }
-        _ => 0.0,
-    };
+    let bend = before - 2.0 * correlation.abs() + after;
+    let between = if bend < 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
     Some(Following { correlation, lead: lead as f64 + between.clamp(-0.5, 0.5), gain })
 }
 
-/// Correlation, and the slope of the derivative over the driver that leads by so many cycles.
-fn at_lead(derivative: &[f64], driver: &[f64], lead: isize) -> Option<(f64, f64)> {
-    let length = derivative.len().min(driver.len());
+/// Correlation, and the slope of a part of the derivative over the driver that leads by so many cycles.
+fn at_lead(
+    derivative: &[f64],
+    driver: &[f64],
+    part: Range<usize>,
+    lead: isize,
+) -> Option<(f64, f64)> {
     let mut sums = [0.0; 5];
     let mut count = 0.0;
-    for k in (0..length).step_by(stride(length)) {
-        let Some(at) = k.checked_add_signed(-lead).filter(|at| *at < length) else { continue };
+    let stride = stride(part.len());
+    for k in part.step_by(stride) {
+        let Some(at) = k.checked_add_signed(-lead) else { continue };
         let (y, x) = (derivative[k], driver[at]);
         if y.is_finite() && x.is_finite() {
             count += 1.0;

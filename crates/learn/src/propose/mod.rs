@@ -18,6 +18,8 @@ mod machine;
 mod pairing;
 mod pattern;
 mod tally;
+#[cfg(test)]
+mod tests;
 mod text;
 mod track;
 mod words;

@@ -22,13 +22,15 @@ const LEAST_STEPS: f64 = 250.0;
 /// Least motion between cycles, as a part of the travel, for a signal that jumps instead of moving.
 const JUMPS: f64 = 0.08;
 
-/// Correlation from which a command is one by its motion alone, and from which its name has to help.
+/// Correlation from which a command is one by its motion alone, where name or unit say so as well, and where those of
+/// the readings do, too: slow signals that have nothing to do with each other may correlate.
+const ALONE: f64 = 0.95;
 pub(super) const SURE: f64 = 0.9;
 const POSSIBLE: f64 = 0.7;
 
 /// Correlation of the rod's speed and a reading of it, and the most cycles by which such a reading leads.
 const SAME_SPEED: f64 = 0.93;
-const NO_LEAD: f64 = 0.55;
+const NO_LEAD: f64 = 0.2;
 
 /// A spool follows its command so closely that the motion follows either: by how much more of it one may leave
 /// unexplained than the other, and how many cycles their leads may differ, for name and unit to tell them apart.
@@ -37,6 +39,7 @@ const ALIKE: (f64, f64) = (0.02, 1.0);
 /// The signals of one period, ready to be compared.
 pub(super) struct Field<'a> {
     pub catalogue: &'a Catalogue<'a>,
+    tracks: &'a Tracks,
     /// Values without wild ones, by the signal's number.
     pub clean: BTreeMap<usize, Vec<f64>>,
     smooth: BTreeMap<usize, Vec<f64>>,
@@ -58,11 +61,11 @@ type Offer = (usize, usize, Following);
 
 impl<'a> Field<'a> {
     /// The signals of `tracks` that move.
-    pub fn new(catalogue: &'a Catalogue<'a>, tally: &BusTally, tracks: &Tracks) -> Self {
+    pub fn new(catalogue: &'a Catalogue<'a>, tally: &BusTally, tracks: &'a Tracks) -> Self {
         let moving = tracks.signals().filter(|signal| tally.signals[*signal].moves());
         let clean: BTreeMap<_, _> = moving.map(|signal| (signal, tracks.clean(signal))).collect();
         let smooth = clean.iter().map(|(signal, values)| (*signal, smooth(values))).collect();
-        Self { catalogue, clean, smooth }
+        Self { catalogue, tracks, clean, smooth }
     }
 
     /// Pairs of readings with their commands; pairs without one last.
@@ -74,9 +77,11 @@ impl<'a> Field<'a> {
         let paired: Vec<usize> = pairs.iter().flat_map(|twins| twins.signals).collect();
         let mut offers: Vec<Offer> = Vec::new();
         for (place, [first, second]) in speeds.iter().enumerate() {
-            for (&signal, values) in &self.smooth {
+            let [one, other] = pairs[place].signals;
+            for &signal in self.smooth.keys() {
                 // One of the two may have had a fault.
-                let both = [first, second].map(|speed| following(speed, values));
+                let both = [(first, one), (second, other)]
+                    .map(|(speed, reading)| self.following(speed, reading, signal));
                 let size = |it: &Following| it.correlation.abs();
                 let best = both.into_iter().flatten().max_by(|a, b| size(a).total_cmp(&size(b)));
                 if let Some(found) = best {
@@ -102,8 +107,11 @@ impl<'a> Field<'a> {
         };
         let drives = |offer: &Offer| {
             let (place, signal, found) = offer;
-            let open = !self.is_length(&pairs[*place]);
-            let least = if open { SURE } else { POSSIBLE };
+            let least = match (self.is_called_a_command(*signal), self.is_length(&pairs[*place])) {
+                (true, true) => POSSIBLE,
+                (true, false) => SURE,
+                (false, _) => ALONE,
+            };
             lengths[*place]
                 && !paired.contains(signal)
                 && !is_some_speed(*signal)
@@ -119,6 +127,20 @@ impl<'a> Field<'a> {
         }
         found.sort_by_key(|twins| (twins.command.is_none(), twins.signals));
         found
+    }
+
+    /// How the motion with the derivative `speed` of `reading` follows another signal, from the time at which the one is
+    /// sampled to that of the other.
+    fn following(&self, speed: &[f64], reading: usize, signal: usize) -> Option<Following> {
+        let found = following(speed, &self.smooth[&signal], self.tracks.period)?;
+        let delay = |signal| self.tracks.delay(self.catalogue, signal);
+        Some(Following { lead: found.lead + delay(reading) - delay(signal), ..found })
+    }
+
+    /// Whether its unit or its name says that a signal may be a command.
+    fn is_called_a_command(&self, signal: usize) -> bool {
+        measure(self.catalogue.unit(signal)) == Measure::Speed
+            || says(self.catalogue.name(signal), Hint::Command)
     }
 
     /// Gives each pair a command of its own, so that together the motions follow them best.
@@ -201,10 +223,10 @@ impl<'a> Field<'a> {
     }
 
     fn compare(&self, first: usize, second: usize) -> Option<Twins> {
-        let agreement = agreement(&self.clean[&first], &self.clean[&second])?;
+        let resolution = self.catalogue.signals[first].signal.plan.factor().abs();
+        let agreement = agreement(&self.clean[&first], &self.clean[&second], resolution)?;
         let twins =
             Twins { signals: [first, second], agreement, command: None, velocities: [None, None] };
-        let resolution = self.catalogue.signals[first].signal.plan.factor().abs();
         let least = if self.is_length(&twins) { AGREE } else { AGREE_OPEN };
         let agrees = agreement.spread <= least * agreement.motion
             && agreement.share >= MOSTLY
@@ -264,9 +286,9 @@ impl<'a> Field<'a> {
                         Measure::Speed | Measure::Open
                     )
             });
-            let found = others.filter_map(|(other, values)| {
-                let found = following(&speed, values).filter(is_reading_of_speed)?;
-                Some((*other, found))
+            let found = others.filter_map(|(&other, _)| {
+                let found = self.following(&speed, signal, other).filter(is_reading_of_speed)?;
+                Some((other, found))
             });
             let near = |(other, found): &(usize, Following)| {
                 f64::from(beside.contains(other)) + found.correlation.abs()

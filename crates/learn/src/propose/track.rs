@@ -28,6 +28,8 @@ pub struct Tracks {
     places: Vec<Option<usize>>,
     /// Values by signal and cycle; NaN where there is none.
     values: Vec<Vec<f32>>,
+    /// Sum of the times from the opening to the frames of each message, cycles, and their number.
+    delays: Vec<(f64, u32)>,
 }
 
 impl Tracks {
@@ -49,6 +51,7 @@ impl Tracks {
             opened: None,
             places,
             values: vec![Vec::new(); signals.len()],
+            delays: vec![(0.0, 0); catalogue.messages()],
         }
     }
 
@@ -64,11 +67,13 @@ impl Tracks {
         }
         let Some((last, opened)) = self.opened else { return };
         let late = (t - last) / self.period;
-        let cycle =
-            opened + if late > PATIENCE { late.min(MOST_CYCLES as f64) as usize } else { 0 };
+        let lost = if late > PATIENCE { late.min(MOST_CYCLES as f64) as usize } else { 0 };
+        let cycle = opened + lost;
         if cycle >= MOST_CYCLES {
             return;
         }
+        let (sum, count) = &mut self.delays[message];
+        (*sum, *count) = (*sum + late - lost as f64, *count + 1);
         for (signal, value) in catalogue.values(message, frame) {
             let Some(place) = self.places[signal] else { continue };
             let track = &mut self.values[place];
@@ -85,6 +90,12 @@ impl Tracks {
             (Some(first), Some((last, cycles))) if cycles > 0 => (last - first) / cycles as f64,
             _ => self.period,
         }
+    }
+
+    /// The usual time from the opening of a cycle to a signal's frame, cycles.
+    pub(super) fn delay(&self, catalogue: &Catalogue<'_>, signal: usize) -> f64 {
+        let (sum, count) = self.delays[catalogue.signals[signal].message];
+        if count > 0 { sum / f64::from(count) } else { 0.0 }
     }
 
     /// The message that opens the cycles.
