@@ -2,9 +2,13 @@
 //! knows what runs the gateway.
 
 mod aside;
+#[cfg(any(feature = "cli", feature = "mqtt"))]
+mod durable;
 pub mod http;
 #[cfg(feature = "modbus")]
 pub mod modbus;
+#[cfg(feature = "mqtt")]
+pub mod mqtt;
 pub mod realtime;
 pub mod store;
 pub mod telemetry;

@@ -1,7 +1,8 @@
-//! The addresses at which the gateway's telemetry is served, and their log lines.
+//! Where the gateway's telemetry is served and published, and the log lines about it.
 
 use super::http::{Desk, DeskPlan, Identity, Server, TlsFiles};
 use super::modbus::ModbusServer;
+use super::mqtt::{MqttPlan, MqttPublisher};
 use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
@@ -20,6 +21,8 @@ pub struct SitePlan {
     pub desk: DeskPlan,
     /// Address to listen on for Modbus; port 0 becomes another one. `None`: there is no such server.
     pub modbus: Option<SocketAddr>,
+    /// What is published over MQTT; `None`: nothing.
+    pub mqtt: Option<MqttPlan>,
 }
 
 /// The servers, as far as there are any. The gateway also works without them.
@@ -31,6 +34,8 @@ pub(super) struct Site {
     server: Option<Server>,
     /// The Modbus server, and its address as requested.
     modbus: Option<(SocketAddr, ModbusServer)>,
+    /// The publisher, and its plan.
+    mqtt: Option<(MqttPlan, MqttPublisher)>,
 }
 
 impl Site {
@@ -40,8 +45,9 @@ impl Site {
     }
 
     /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous servers continue.
-    pub fn listen(&mut self, plan: SitePlan, recorder: &Recorder) {
+    pub fn listen(&mut self, mut plan: SitePlan, recorder: &Recorder) {
         self.listen_for_modbus(plan.modbus, recorder);
+        self.publish(plan.mqtt.take(), recorder);
         self.listen_for_http(plan, recorder);
     }
 
@@ -74,6 +80,30 @@ impl Site {
                 };
                 warn!("no Modbus on {wanted}: {error}; {help}{then}");
             }
+        }
+    }
+
+    fn publish(&mut self, wanted: Option<MqttPlan>, recorder: &Recorder) {
+        if self.mqtt.as_ref().map(|(plan, _)| plan) == wanted.as_ref() {
+            return;
+        }
+        // The one before goes first: a broker knows both by the same name.
+        if self.mqtt.take().is_some() && wanted.is_none() {
+            info!("nothing is published over MQTT any more");
+        }
+        let Some(plan) = wanted else { return };
+        if plan.store.is_none() {
+            info!("without `store.file` no events are published over MQTT, only the state");
+        }
+        if plan.login.is_some() && plan.authority.is_none() {
+            warn!(
+                "the password for {}:{} is sent unencrypted; `mqtt.authority` encrypts",
+                plan.host, plan.port
+            );
+        }
+        match MqttPublisher::start(plan.clone(), recorder) {
+            Ok(publisher) => self.mqtt = Some((plan, publisher)),
+            Err(error) => warn!("nothing is published over MQTT: {error}"),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::http::{DeskPlan, TlsFiles};
 use crate::appliance::logging::{self, LogFormat};
+use crate::appliance::mqtt::MqttPlan;
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
@@ -26,6 +27,7 @@ use crate::time::Span;
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Monitors a machine on its CAN bus, until it is told to stop (SIGTERM). SIGHUP reads the
 /// configuration again.
@@ -136,6 +138,7 @@ fn prepare(
             patient: Some(doctor::wanted(&machine, path)),
         },
         modbus: settings.modbus.address(),
+        mqtt: mqtt_plan(path, &machine),
     };
     let keeping = Keeping { history, store, flight };
     Ok(PreparedGateway {
@@ -155,6 +158,23 @@ fn tls_files(path: &Path, machine: &Machine) -> Option<TlsFiles> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let (certificate, key) = http.certificate.as_ref().zip(http.key.as_ref())?;
     Some(TlsFiles { certificate: folder.join(certificate), key: folder.join(key) })
+}
+
+/// What is published over MQTT, with files relative to the configuration `path`.
+fn mqtt_plan(path: &Path, machine: &Machine) -> Option<MqttPlan> {
+    let mqtt = &machine.loaded.settings.mqtt;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (host, port) = mqtt.address()?;
+    let password = mqtt.password.as_ref().map(|password| folder.join(password));
+    Some(MqttPlan {
+        host: host.to_owned(),
+        port,
+        topic: mqtt.topic.clone(),
+        login: mqtt.user.clone().zip(password),
+        authority: mqtt.authority.as_ref().map(|authority| folder.join(authority)),
+        period: Duration::from_secs_f64(mqtt.period),
+        store: machine.loaded.store_path.clone(),
+    })
 }
 
 /// The event store of a machine, if it has one.

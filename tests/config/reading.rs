@@ -267,3 +267,38 @@ fn the_report_shows_the_line_and_the_help() {
         assert!(report.contains(part), "{part}\n{report}");
     }
 }
+
+#[test]
+fn mqtt_goes_to_a_broker_under_a_topic_or_nowhere() {
+    let with = |lines: &str| format!("{EXAMPLE}[mqtt]\n{lines}\n");
+    for (broker, address) in [
+        ("mqtt.ship.lan:8883", Some(("mqtt.ship.lan", 8883))),
+        ("192.168.1.5:1883", Some(("192.168.1.5", 1883))),
+        ("[fd00::5]:1883", Some(("fd00::5", 1883))),
+        ("off", None),
+    ] {
+        let (settings, _) =
+            parse("mqtt.toml", &with(&format!("broker = \"{broker}\""))).expect("it is sound");
+        assert_eq!(settings.mqtt.address(), address);
+    }
+    for broker in [
+        "",
+        "mqtt.ship.lan",
+        ":1883",
+        "ship:0",
+        "ship:65536",
+        "mqtt://ship:1883",
+        "fd00::5:1",
+        "a b:1",
+    ] {
+        let lines = refusal(&with(&format!("broker = \"{broker}\"")));
+        let expected = format!("`mqtt.broker` is \"{broker}\", but must be HOST:PORT or off");
+        assert!(lines.len() == 1 && lines[0].contains(&expected), "{lines:#?}");
+    }
+    for topic in ["", "/ship", "ship/", "a//b", "ship/#", "+/a", "$SYS/a"] {
+        let lines = refusal(&with(&format!("topic = \"{topic}\"")));
+        assert!(lines.len() == 1 && lines[0].contains("the first levels of a topic"), "{lines:#?}");
+    }
+    let lines = refusal(&with("user = \"gateway\""));
+    assert!(lines.len() == 1 && lines[0].contains("`mqtt.password` belong together"), "{lines:#?}");
+}

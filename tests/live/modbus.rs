@@ -1,24 +1,23 @@
-//! What the ship's own system reads over Modbus TCP is what the gateway's frames say at the same time.
-//!
-//! `UPDATE_GOLDEN=1 cargo test --test live modbus` writes docs/modbus.csv and the tables of docs/MODBUS.md anew.
+//! What the ship's own systems read over Modbus TCP and MQTT is what the gateway's frames say at the same time.
 
 use crate::metrics_support::Bench;
+use crate::mqtt;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
-use std::{env, fs};
 use tertius::appliance::modbus::ModbusServer;
-use tertius::appliance::modbus::map::described;
-use tertius::appliance::modbus::sheet::RegisterEntry;
+use tertius::appliance::mqtt::{MqttPlan, MqttPublisher};
 use tertius::bus::embedded::{BusState, Endpoint};
 use tertius::bus::{Identifiers, Port};
 use tertius::frame::Frame;
 use tertius::time::Span;
+use tertius_testing::broker::Broker;
 use tertius_testing::machine::{Cycle, estimating, gateway_of};
-use tertius_testing::oracle::{self, top};
+use tertius_testing::oracle;
 use tertius_testing::support::Scratch;
 
 const STATUS: u64 = 0x1D1;
@@ -262,11 +261,21 @@ fn a_master_reads_what_the_frames_say() {
     let mut listener = bench.bus.open(&Identifiers::All, 1 << 18).expect("the bus is up");
     let listen = "127.0.0.1:0".parse().expect("an address");
     let server = ModbusServer::start(listen, &bench.witness.recorder).expect("a free port");
+    let folder = tempfile::tempdir().expect("there is room");
+    let broker = Broker::start(folder.path(), "");
+    let mut subscriber = broker.subscribe("ship/gangway/state", &[]);
+    let plan = MqttPlan { period: Duration::from_millis(500), ..mqtt::plan(&broker, None) };
+    let _publisher = MqttPublisher::start(plan, &bench.witness.recorder).expect("a thread");
     bench.witness.recorder.opened();
     let mut moments = Vec::new();
     for (name, happens, expected) in cases() {
         happens(&mut bench);
+        // A time at which nothing happens any more, by which the state of this moment is known.
+        bench.hands.pass(Span::from_nanos(1000));
         let values = Values::read(&server);
+        let now = bench.hands.bus.now().as_seconds();
+        let state = subscriber.find(|it| it.payload["at_s"] == now).payload;
+        mqtt::says_the_same(name, &state, &values.0);
         moments.push((name, values, expected, bench.hands.bus.now().as_nanos() / 1000));
     }
     let frames = sent(&mut listener);
@@ -347,52 +356,4 @@ fn clients_that_hang_or_flood_stop_neither_others_nor_the_gateway() {
     drop(more);
     let again = (0..10_000).any(|_| said(&server, &REQUEST).len() == 11);
     assert!(again, "places are free again");
-}
-
-const BEGIN: &str = "<!-- The registers, by `UPDATE_GOLDEN=1 cargo test --test live modbus` -->\n";
-
-/// Compares a file with what it should be, or makes it so.
-fn compare(path: &str, found: &str, expected: &str) {
-    if env::var_os("UPDATE_GOLDEN").is_some_and(|value| value == "1") && found != expected {
-        fs::write(top().join(path), expected).expect("it can be written");
-    } else {
-        let advice = "write it anew: UPDATE_GOLDEN=1 cargo test --test live modbus";
-        assert!(found == expected, "{path} does not follow from the map; {advice}");
-    }
-}
-
-#[test]
-fn the_documents_list_the_registers() {
-    let entries = described();
-    let mut csv = String::from("address,registers,type,name,unit,meaning\n");
-    for RegisterEntry { address, kind, name, unit, meaning } in &entries {
-        let registers = if kind.name() == "u16" { 1 } else { 2 };
-        _ = writeln!(csv, "{address},{registers},{},{name},{unit},\"{meaning}\"", kind.name());
-    }
-    let path = "docs/modbus.csv";
-    compare(path, &fs::read_to_string(top().join(path)).unwrap_or_default(), &csv);
-
-    let mut list = BEGIN.to_owned();
-    let mut table = |title: &str, of: &dyn Fn(&RegisterEntry) -> Option<[String; 2]>| {
-        _ = write!(list, "\n### {title}\n\n| address | type | name | unit | meaning |\n");
-        list.push_str("| --- | --- | --- | --- | --- |\n");
-        for entry in &entries {
-            let Some([address, name]) = of(entry) else { continue };
-            let RegisterEntry { kind, unit, meaning, .. } = entry;
-            let meaning = meaning.replace('|', "\\|");
-            _ = writeln!(list, "| {address} | {} | `{name}` | {unit} | {meaning} |", kind.name());
-        }
-    };
-    table("The machine", &|entry| {
-        (entry.address < 100).then(|| [entry.address.to_string(), entry.name.clone()])
-    });
-    table("Cylinder n", &|entry| {
-        let own = (100..200).contains(&entry.address);
-        let name = || entry.name.replacen("cylinder_1", "cylinder_n", 1);
-        own.then(|| [format!("100 n + {}", entry.address - 100), name()])
-    });
-    let path = "docs/MODBUS.md";
-    let found = fs::read_to_string(top().join(path)).expect("it is there");
-    let (before, _) = found.split_once(BEGIN).expect("the list begins there");
-    compare(path, &found, &format!("{before}{list}"));
 }

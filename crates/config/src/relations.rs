@@ -21,6 +21,7 @@ pub(super) fn check(settings: &Settings, document: &Document, problems: &mut Pro
     relations.share(settings);
     relations.heartbeat(settings);
     relations.tls(settings);
+    relations.login(settings);
     relations.buses(settings);
     relations.signals(settings);
     relations.cylinders(settings);
@@ -56,6 +57,17 @@ impl Relations<'_> {
             "`http.certificate` and `http.key` belong together, but one of them is missing"
                 .to_owned(),
             "give both for a page over https, or none of them",
+        );
+    }
+
+    fn login(&mut self, settings: &Settings) {
+        let mqtt = &settings.mqtt;
+        self.require(
+            mqtt.user.is_some() == mqtt.password.is_some(),
+            &["mqtt.user", "mqtt.password"],
+            "`mqtt.user` and `mqtt.password` belong together, but one of them is missing"
+                .to_owned(),
+            "give both for a broker that asks for them, or none of them",
         );
     }
 

@@ -27,8 +27,8 @@ pub use cylinder::Cylinder;
 pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
-use gateway::{GATEWAY, HTTP, MODBUS, REALTIME, STORE};
-pub use gateway::{Gateway, Http, Modbus, Realtime, Store};
+use gateway::{GATEWAY, HTTP, MODBUS, MQTT, REALTIME, STORE};
+pub use gateway::{Gateway, Http, Modbus, Mqtt, Realtime, Store};
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
@@ -81,6 +81,8 @@ table! {
             "", "the gateway's own state over HTTP";
         modbus: Modbus = Modbus::default() => Kind::Table(&MODBUS),
             "", "the machine's state over Modbus TCP";
+        mqtt: Mqtt = Mqtt::default() => Kind::Table(&MQTT),
+            "", "state and events, published over MQTT 5";
         store: Store = Store::default() => Kind::Table(&STORE),
             "", "what is kept of incidents and events";
         recorder: Recorder = Recorder::default() => Kind::Table(&RECORDER),

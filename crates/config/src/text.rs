@@ -6,7 +6,7 @@ use tertius_core::frame::BusNumber;
 /// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
 
-/// Value of `http.listen` and `modbus.listen` for no server.
+/// Value of `http.listen` and `modbus.listen` for no server, and of `mqtt.broker` for no broker.
 pub const LISTEN_OFF: &str = "off";
 
 /// The longest name that a DBC file may hold.
@@ -36,6 +36,10 @@ pub(super) enum TextRule {
     CylinderSignal,
     /// An address and a port, or "off".
     Listen,
+    /// A host and a port, or "off".
+    Broker,
+    /// Levels of MQTT topics.
+    Topic,
     /// A SHA-256 in hexadecimal digits.
     Digest,
     /// A day of the calendar.
@@ -59,6 +63,10 @@ const MESSAGE_HELP: &str = "a cycle is opened by a message, whatever it carries:
                             DBC without a signal, for example Sync";
 const LISTEN_HELP: &str = "an IP address and a port, for example 127.0.0.1:9481 or [::1]:9481; or \
                            off, for no server";
+const BROKER_HELP: &str =
+    "a name or an address and a port, for example mqtt.ship.lan:8883; or off, for none";
+const TOPIC_HELP: &str = "levels separated by slashes, for example ship/gangway, with none of + # $ and no slash \
+                          at an end";
 const DIGEST_HELP: &str =
     "the SHA-256 of the token and not the token itself; `tertius token` makes both";
 const DAY_HELP: &str = "for example 2026-03-14, in UTC";
@@ -97,6 +105,10 @@ impl TextRule {
             }
             Self::CylinderSignal => fault("of the form MESSAGE.SIGNAL", CYLINDER_HELP),
             Self::Listen if text == LISTEN_OFF || text.parse::<SocketAddr>().is_ok() => Ok(()),
+            Self::Broker if text == LISTEN_OFF || broker_of(text).is_some() => Ok(()),
+            Self::Broker => fault("HOST:PORT or off", BROKER_HELP),
+            Self::Topic if is_topic(text) => Ok(()),
+            Self::Topic => fault("the first levels of a topic", TOPIC_HELP),
             Self::Digest if is_digest(text) => Ok(()),
             Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),
@@ -128,6 +140,25 @@ fn interface(text: &str) -> Result<(), TextFault> {
         return fault("without spaces and slashes", INTERFACE_HELP);
     }
     Ok(())
+}
+
+/// Host, without brackets, and port of `HOST:PORT`.
+pub(super) fn broker_of(text: &str) -> Option<(&str, u16)> {
+    let (host, port) = text.rsplit_once(':')?;
+    let port = port.parse().ok().filter(|port| *port > 0)?;
+    if let Some(address) = host.strip_prefix('[').and_then(|host| host.strip_suffix(']')) {
+        return text.parse::<SocketAddr>().is_ok().then_some((address, port));
+    }
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'_');
+    let is_name = (1..=LONGEST_TEXT).contains(&host.len()) && host.bytes().all(plain);
+    is_name.then_some((host, port))
+}
+
+fn is_topic(text: &str) -> bool {
+    let is_level = |level: &str| {
+        !level.is_empty() && !level.contains(['+', '#', '$']) && !level.contains(char::is_control)
+    };
+    text.len() <= LONGEST_NAME && text.split('/').all(is_level)
 }
 
 fn is_digest(text: &str) -> bool {

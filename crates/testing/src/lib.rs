@@ -7,6 +7,7 @@
 #![allow(clippy::new_without_default, clippy::should_implement_trait)]
 
 pub mod bench;
+pub mod broker;
 pub mod candump;
 pub mod certificates;
 pub mod detection;

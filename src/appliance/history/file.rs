@@ -1,10 +1,11 @@
 //! The file of a machine's dwells, which is replaced atomically.
 
-use crate::appliance::aside::{beside, set_aside};
+use crate::appliance::aside::set_aside;
+use crate::appliance::durable;
 use crate::sequential::Archive;
 use crate::sequential::archive::{MAX_SIZE, Refusal};
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Read, Write};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -51,20 +52,7 @@ impl HistoryFile {
     /// # Errors
     /// The file cannot be written; the previous one then remains.
     pub fn write(&self, archive: &Archive) -> io::Result<()> {
-        let target = self.target();
-        // Always the same name, so that crashes do not heap them up.
-        let beside = beside(&target, ".new");
-        match fs::remove_file(&beside) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-        let written = put(&beside, archive).and_then(|()| fs::rename(&beside, &target));
-        if let Err(error) = written {
-            // What could not be written whole is of no use to anybody.
-            _ = fs::remove_file(&beside);
-            return Err(error);
-        }
-        File::open(folder(&target))?.sync_all()
+        durable::replace(&self.target(), archive.to_text().as_bytes())
     }
 
     /// Renames the file, so that its contents can be examined, and returns the new name.
@@ -80,16 +68,6 @@ impl HistoryFile {
     fn target(&self) -> PathBuf {
         fs::canonicalize(&self.0).unwrap_or_else(|_| self.0.clone())
     }
-}
-
-fn put(path: &Path, archive: &Archive) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
-    file.write_all(archive.to_text().as_bytes())?;
-    file.sync_all()
-}
-
-fn folder(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(test)]

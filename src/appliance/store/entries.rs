@@ -176,7 +176,7 @@ pub(super) fn seconds(nanos: i64) -> f64 {
     Timestamp::from_nanos(nanos).as_seconds()
 }
 
-fn digits<S: serde::Serializer>(at: &Timestamp, to: S) -> Result<S::Ok, S::Error> {
+pub(super) fn digits<S: serde::Serializer>(at: &Timestamp, to: S) -> Result<S::Ok, S::Error> {
     let digits = serde_json::value::RawValue::from_string(at.to_string());
     digits.map_err(serde::ser::Error::custom)?.serialize(to)
 }

@@ -84,6 +84,10 @@ impl StoreReader {
         schema::open_to_read(path).map(Self)
     }
 
+    pub(super) const fn connection(&self) -> &Connection {
+        &self.0
+    }
+
     /// The alarm list at `now`; `gated`: the monitor does not judge by design.
     ///
     /// # Errors

@@ -20,7 +20,7 @@ const SETTINGS: &str = "PRAGMA cache_size = -1024; PRAGMA synchronous = FULL; \
 
 /// SQL that turns each version into the next; version 0 is an empty file. What has been released is never
 /// changed: another version follows.
-pub const MIGRATIONS: [&str; 1] = [V1];
+pub const MIGRATIONS: [&str; 2] = [V1, V2];
 
 /// Times are nanoseconds since 1970, of frames where a frame is behind it, otherwise of the system. Lengths are
 /// metres. An incident has the number of its event.
@@ -101,6 +101,26 @@ CREATE TABLE hours (
     mean_m REAL NOT NULL, squares_m2 REAL NOT NULL, least_m REAL NOT NULL, most_m REAL NOT NULL,
     PRIMARY KEY (hour_s, cylinder, quantity)
 ) STRICT, WITHOUT ROWID;
+";
+
+/// The order in which things were written, across tables, for those who follow the store from elsewhere; and the identity
+/// of the store, by which they know that it is another one.
+const V2: &str = "
+CREATE TABLE identity (store TEXT NOT NULL) STRICT;
+INSERT INTO identity VALUES (lower(hex(randomblob(8))));
+CREATE TABLE news (
+    id INTEGER PRIMARY KEY AUTOINCREMENT, event INTEGER NOT NULL, revision INTEGER
+) STRICT;
+CREATE INDEX news_of_event ON news (event);
+CREATE TRIGGER news_event AFTER INSERT ON events WHEN new.kind <> 'incident' BEGIN
+    INSERT INTO news (event) VALUES (new.id);
+END;
+CREATE TRIGGER news_revision AFTER INSERT ON revisions BEGIN
+    INSERT INTO news (event, revision) VALUES (new.incident, new.id);
+END;
+CREATE TRIGGER news_gone AFTER DELETE ON events BEGIN
+    DELETE FROM news WHERE event = old.id;
+END;
 ";
 
 /// Opens the database at `path` to write, makes it where there is none, and brings an older one up to date. It

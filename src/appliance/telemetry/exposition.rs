@@ -23,7 +23,8 @@ pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; cha
 pub(super) const MODES: [&str; 5] = ["starting", "monitoring", "gated", "degraded", "stopping"];
 
 /// Names of the transducers' states, by the numbers of Fd_Status.
-const TRANSDUCER_STATES: [&str; 4] = ["unknown", "healthy", "suspect", "faulty"];
+pub(in crate::appliance) const TRANSDUCER_STATES: [&str; 4] =
+    ["unknown", "healthy", "suspect", "faulty"];
 
 /// Names of the alarm levels, by the numbers of Fd_Status.
 pub(super) const ALARM_LEVELS: [&str; 5] = ["none", "yellow", "orange", "red", "black"];

@@ -1,8 +1,8 @@
-//! The gateway itself: `[gateway]`, `[http]`, `[modbus]`, `[store]` and `[realtime]`.
+//! The gateway itself: `[gateway]`, `[http]`, `[modbus]`, `[mqtt]`, `[store]` and `[realtime]`.
 
 use crate::kinds::{DURATION, number, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
-use crate::text::TextRule;
+use crate::text::{TextRule, broker_of};
 use std::net::SocketAddr;
 
 table! {
@@ -47,6 +47,25 @@ table! {
 }
 
 table! {
+    /// Publisher of state and events over MQTT 5.
+    pub struct Mqtt = MQTT {
+        /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
+        broker: String = super::LISTEN_OFF.to_owned() => text(TextRule::Broker),
+            "\"off\"", "the broker to which state and events are published over MQTT 5, HOST:PORT; or off";
+        topic: String = "tertius".to_owned() => text(TextRule::Topic),
+            "\"tertius\"", "first levels of the topics, others for each gateway of a broker";
+        user: Option<String> = None => text(TextRule::Name),
+            "\"gateway\"", "the user by whose name the broker knows the gateway";
+        password: Option<String> = None => text(TextRule::Path),
+            "\"/etc/tertius/mqtt-password\"", "the file with the user's password in a line, relative to this file, which others must not be able to read";
+        authority: Option<String> = None => text(TextRule::Path),
+            "\"/etc/tertius/mqtt-ca.crt\"", "who certifies the broker (PEM), relative to this file; without it nothing is encrypted";
+        period: f64 = 10.0 => number(Limits::least(1.0, DURATION).most(3600.0)),
+            "10.0", "s, the longest time from one published state to the next";
+    }
+}
+
+table! {
     /// The event store: what happened on the machine, kept for years.
     pub struct Store = STORE {
         file: Option<String> = None => text(TextRule::Path),
@@ -76,6 +95,13 @@ impl Http {
     /// Address to listen on; `None` if HTTP is off.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
+    }
+}
+
+impl Mqtt {
+    /// Host and port of the broker; `None` if MQTT is off.
+    pub fn address(&self) -> Option<(&str, u16)> {
+        broker_of(&self.broker)
     }
 }
 

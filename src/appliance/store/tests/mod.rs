@@ -278,3 +278,35 @@ fn a_search_finds_by_words_and_facts_page_by_page() {
     assert_eq!(ids.len(), 31);
     assert!(ids.is_sorted_by(|a, b| a > b), "each once, the newest first");
 }
+
+#[test]
+fn news_are_in_the_order_of_writing_and_go_with_their_events() {
+    let bench = Bench::new();
+    let mut writer = bench.writer();
+    writer.take(Note::Incident(incident(1)));
+    let text = "no answer".to_owned();
+    let event = Event { kind: EventKind::BusLost, at: BEGIN, cylinder: None, text };
+    writer.take(Note::Event(Box::new(event)));
+    writer.take(Note::Incident(closed(1)));
+    writer.write();
+    let news = |after| bench.reader().news(|_| after, 100).expect("it can be read");
+    let all = news(0);
+    let told = all.iter().map(|it| (it.number, it.kind.as_str(), it.progress.as_deref()));
+    let expected = [
+        (1, "start", None),
+        (2, "incident", Some("opened")),
+        (3, "bus_lost", None),
+        (4, "incident", Some("closed")),
+    ];
+    assert_eq!(told.collect::<Vec<_>>(), expected);
+    assert_eq!((all[1].id, &all[1].store), (all[3].id, &all[0].store));
+    assert_eq!(news(3), all[3..]);
+    // What gives way is no news any more, and its number is not given again.
+    let other = rusqlite::Connection::open(bench.path()).expect("it was written");
+    other.execute_batch("DELETE FROM events WHERE kind <> 'incident'").expect("it is ours");
+    let left: Vec<i64> = news(0).iter().map(|it| it.number).collect();
+    assert_eq!(left, [2, 4]);
+    writer.take(Note::Incident(incident(2)));
+    writer.write();
+    assert_eq!(news(4)[0].number, 5);
+}

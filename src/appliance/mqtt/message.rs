@@ -1,0 +1,120 @@
+//! What is published of the state, as JSON.
+
+use crate::appliance::telemetry::Telemetry;
+use crate::appliance::telemetry::exposition::TRANSDUCER_STATES;
+use crate::appliance::telemetry::health::HealthReport;
+use crate::appliance::telemetry::lamp::Lamp;
+use crate::appliance::telemetry::snapshot::{CylinderSnapshot, Snapshot};
+use crate::time::Timestamp;
+use serde::Serialize;
+use std::time::Duration;
+
+/// What the broker says in the gateway's place once the connection is lost.
+pub(super) const WILL: &str =
+    r#"{"online":false,"status":"unknown","reason":"the gateway is not connected to the broker"}"#;
+
+/// The state of gateway and machine, as in `/health`, and of each cylinder.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct StateMessage {
+    online: bool,
+    /// Time of the message by the system's clock, s since 1970.
+    at_s: f64,
+    machine: String,
+    #[serde(flatten)]
+    health: HealthReport,
+    /// Number of the highest level in Fd_Status.
+    level_number: u8,
+    /// Number of the platform's state.
+    platform_state: Option<i64>,
+    uptime_s: u64,
+    cycles: u64,
+    cylinders: Vec<CylinderMessage>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct CylinderMessage {
+    cylinder: usize,
+    c1: TransducerMessage,
+    c2: TransducerMessage,
+    /// |R1|, |R2| and |R3| of the newest cycle, m.
+    r1_m: Option<f64>,
+    r2_m: Option<f64>,
+    r3_m: Option<f64>,
+    /// Estimated length and its standard deviation, m.
+    estimate_m: Option<f64>,
+    sigma_m: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct TransducerMessage {
+    state: &'static str,
+    lamp: Lamp,
+}
+
+impl StateMessage {
+    /// The state at the uptime `now`, at which it is `at` by the system's clock.
+    pub fn new(telemetry: &Telemetry, now: Duration, at: Timestamp) -> Self {
+        let Snapshot { level, platform, cycles, uptime, cylinders, .. } = telemetry.snapshot(now);
+        Self {
+            online: true,
+            at_s: at.as_seconds(),
+            machine: telemetry.facts().name.clone(),
+            health: telemetry.health(now),
+            level_number: level,
+            platform_state: platform,
+            uptime_s: uptime.as_secs(),
+            cycles,
+            cylinders: (1..).zip(&cylinders).map(CylinderMessage::new).collect(),
+        }
+    }
+
+    /// Whether it says nothing else than `other` but of numbers that change with each cycle.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let plain = |it: &Self| {
+            let mut it = it.clone();
+            (it.at_s, it.uptime_s, it.cycles) = (0.0, 0, 0);
+            it.health.reason.clear();
+            (it.health.seconds_since_turn, it.health.seconds_since_frame) = (None, None);
+            for of in &mut it.cylinders {
+                *of = CylinderMessage { cylinder: of.cylinder, c1: of.c1, c2: of.c2, ..NO_NUMBERS };
+            }
+            it
+        };
+        plain(self) == plain(other)
+    }
+
+    pub fn to_json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+const NO_NUMBERS: CylinderMessage = CylinderMessage {
+    cylinder: 0,
+    c1: TransducerMessage { state: "", lamp: Lamp::Unknown },
+    c2: TransducerMessage { state: "", lamp: Lamp::Unknown },
+    r1_m: None,
+    r2_m: None,
+    r3_m: None,
+    estimate_m: None,
+    sigma_m: None,
+};
+
+impl CylinderMessage {
+    fn new((number, of): (usize, &CylinderSnapshot)) -> Self {
+        let transducer = |which: usize| TransducerMessage {
+            state: TRANSDUCER_STATES[of.transducers[which] as usize],
+            lamp: of.lamps[which],
+        };
+        let [r1_m, r2_m, r3_m] = of.residuals;
+        Self {
+            cylinder: number,
+            c1: transducer(0),
+            c2: transducer(1),
+            r1_m,
+            r2_m,
+            r3_m,
+            estimate_m: of.estimate,
+            sigma_m: of.sigma,
+        }
+    }
+}

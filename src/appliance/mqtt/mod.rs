@@ -1,0 +1,108 @@
+//! State and events published to a broker over MQTT 5, read only: nothing is subscribed to.
+//!
+//! ```text
+//! Telemetry ─ state ─→ Session ─→ broker      retained; a will takes its place when the gateway is gone
+//! StoreReader ─ news ─↗      └─→ Cursor       each event once or more, in order, over outages and restarts
+//! ```
+//!
+//! The publisher is a thread of its own, which only reads what the data path has stored and what the event store has
+//! on disk: neither waits for the broker. An outage costs no memory, since what is to be published is in the store.
+
+mod cursor;
+mod link;
+mod message;
+mod plan;
+mod session;
+mod trouble;
+
+use super::realtime;
+use super::telemetry::Recorder;
+use cursor::Cursor;
+pub use plan::{MqttFileError, MqttPlan};
+use session::{Desk, Session};
+use std::io;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use tokio::sync::oneshot;
+use tracing::warn;
+use trouble::MqttTrouble;
+
+/// Stack of the thread, bytes.
+const STACK_SIZE: usize = 512 * 1024;
+
+/// Pauses before the next attempt: the first, which doubles, and the longest.
+const PAUSES: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(60)];
+
+/// A running publisher; it ends when this is dropped, and the broker then publishes the will.
+#[derive(Debug)]
+pub struct MqttPublisher {
+    _stop: oneshot::Sender<()>,
+}
+
+impl MqttPublisher {
+    /// Publishes by `plan` what `recorder` writes.
+    ///
+    /// # Errors
+    /// The system provides no thread.
+    pub fn start(plan: MqttPlan, recorder: &Recorder) -> io::Result<Self> {
+        Self::with_pauses(plan, recorder, PAUSES)
+    }
+
+    /// The same, which tries again after pauses from the first to the second of `pauses`.
+    ///
+    /// # Errors
+    /// The system provides no thread.
+    pub fn with_pauses(
+        plan: MqttPlan,
+        recorder: &Recorder,
+        pauses: [Duration; 2],
+    ) -> io::Result<Self> {
+        let (telemetry, clock) = (recorder.telemetry().clone(), recorder.clock().clone());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let (stop, stopped) = oneshot::channel();
+        let work = move || {
+            realtime::be_ordinary();
+            let cursor =
+                plan.store.as_deref().map(|path| Arc::new(Mutex::new(Cursor::beside(path))));
+            runtime.spawn(publish(Desk { plan: Arc::new(plan), telemetry, clock, cursor }, pauses));
+            // Ends with an error once the sender is dropped.
+            _ = runtime.block_on(stopped);
+            // A name server that does not answer is not waited for.
+            runtime.shutdown_background();
+        };
+        std::thread::Builder::new().name("mqtt".to_owned()).stack_size(STACK_SIZE).spawn(work)?;
+        Ok(Self { _stop: stop })
+    }
+}
+
+/// Connects again and again until the task is dropped.
+async fn publish(desk: Desk, [first, longest]: [Duration; 2]) {
+    let mut pause = first;
+    let mut told = String::new();
+    loop {
+        let began = Instant::now();
+        // A task of its own: whatever a stranger sends, the next attempt follows.
+        let ended = tokio::spawn(converse(desk.clone())).await;
+        let unreadable = |_| "what it sends cannot be read".to_owned();
+        let trouble = ended.map_or_else(unreadable, |trouble| trouble.to_string());
+        if began.elapsed() > longest {
+            // It was a connection of use, and not one that comes and goes.
+            (pause, told) = (first, String::new());
+        }
+        if trouble != told {
+            let MqttPlan { host, port, .. } = &*desk.plan;
+            warn!("no MQTT to {host}:{port}: {trouble}; trying again, events wait in the store");
+            told = trouble;
+        }
+        tokio::time::sleep(pause).await;
+        pause = (2 * pause).min(longest);
+    }
+}
+
+/// One connection, and why it ended.
+async fn converse(desk: Desk) -> MqttTrouble {
+    match Session::open(desk).await {
+        Ok(session) => session.run().await,
+        Err(trouble) => trouble,
+    }
+}

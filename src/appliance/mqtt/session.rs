@@ -1,0 +1,240 @@
+//! One connection to the broker: the state whenever it changes, and the news of the store one after the other.
+
+use super::cursor::Cursor;
+use super::link::{ANSWER, Link, within};
+use super::message::{StateMessage, WILL};
+use super::plan::MqttPlan;
+use super::trouble::MqttTrouble;
+use crate::appliance::store::{NewsEntry, StoreReader};
+use crate::appliance::telemetry::Telemetry;
+use crate::appliance::telemetry::clock::Clock;
+use rumqttc::v5::mqttbytes::QoS;
+use rumqttc::v5::mqttbytes::v5::{
+    ConnAck, ConnAckProperties, Connect, ConnectReturnCode, LastWill, Login, Packet, PingReq,
+    PubAck, PubAckReason, Publish, PublishProperties,
+};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tokio::time::timeout;
+use tracing::info;
+
+/// Interval at which state and store are looked at.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Most messages that are on their way, so that few come twice after a loss.
+const WINDOW: usize = 16;
+
+/// Time without a packet after which the broker publishes the will, s.
+const KEEP_ALIVE: u16 = 20;
+
+/// A state is worth nothing after so many periods without the next.
+const STALE: u32 = 4;
+
+/// What is published, for whatever broker is connected.
+#[derive(Clone)]
+pub(super) struct Desk {
+    pub plan: Arc<MqttPlan>,
+    pub telemetry: Arc<Telemetry>,
+    pub clock: Arc<dyn Clock>,
+    /// How far the news are published; `None` where nothing is kept.
+    pub cursor: Option<Arc<Mutex<Cursor>>>,
+}
+
+/// A connection, from its begin to its end.
+pub(super) struct Session {
+    desk: Desk,
+    link: Link,
+    /// Packet identifiers that are not acknowledged, the oldest first.
+    awaited: VecDeque<u16>,
+    /// Store and number of the newest news among them.
+    news: Option<(String, i64)>,
+    last_id: u16,
+    window: usize,
+    ping_after: Duration,
+    /// When something was sent last, and since when an answer is awaited.
+    sent: Instant,
+    asked: Option<Instant>,
+    /// Whether a ping is not answered.
+    pinged: bool,
+    state: Option<(StateMessage, Instant)>,
+}
+
+impl Session {
+    /// Connects.
+    pub async fn open(desk: Desk) -> Result<Self, MqttTrouble> {
+        let plan = &desk.plan;
+        let credentials = plan.credentials()?;
+        let mut link = Link::open(plan).await?;
+        let connect = Connect {
+            keep_alive: KEEP_ALIVE,
+            client_id: plan.client(),
+            clean_start: true,
+            properties: None,
+        };
+        let will = LastWill::new(topic(plan, "state"), WILL, QoS::AtLeastOnce, true, None);
+        let login = credentials.map(|[user, password]| Login::new(user, password));
+        link.send(&Packet::Connect(connect, Some(will), login)).await?;
+        let answer = match within(link.next()).await?? {
+            Packet::ConnAck(answer) => answer,
+            Packet::Disconnect(end) => return Err(MqttTrouble::Ended(end.reason_code)),
+            _ => return Err(MqttTrouble::Unasked),
+        };
+        let (window, keep_alive) = agreed(&answer)?;
+        link.largest = answer.properties.and_then(|it| it.max_packet_size);
+        info!("published over MQTT: {} at {}:{}", plan.topic, plan.host, plan.port);
+        Ok(Self {
+            desk,
+            link,
+            awaited: VecDeque::new(),
+            news: None,
+            last_id: 0,
+            window,
+            ping_after: Duration::from_secs(u64::from(keep_alive)) / 2,
+            sent: Instant::now(),
+            asked: None,
+            pinged: false,
+            state: None,
+        })
+    }
+
+    /// Publishes until the connection ends.
+    pub async fn run(mut self) -> MqttTrouble {
+        loop {
+            if let Err(trouble) = self.turn().await {
+                return trouble;
+            }
+        }
+    }
+
+    async fn turn(&mut self) -> Result<(), MqttTrouble> {
+        self.publish_state().await?;
+        self.forward().await?;
+        if self.sent.elapsed() >= self.ping_after && !self.pinged {
+            self.pinged = true;
+            self.send(&Packet::PingReq(PingReq)).await?;
+            self.asked.get_or_insert_with(Instant::now);
+        }
+        if self.asked.is_some_and(|since| since.elapsed() > ANSWER) {
+            return Err(MqttTrouble::Silent(ANSWER.as_secs()));
+        }
+        match timeout(LOOK, self.link.next()).await {
+            Ok(packet) => self.take(packet?),
+            Err(_) => Ok(()),
+        }
+    }
+
+    fn take(&mut self, packet: Packet) -> Result<(), MqttTrouble> {
+        match packet {
+            Packet::PubAck(PubAck { pkid, reason, .. }) => {
+                let known = self.awaited.iter().position(|id| *id == pkid);
+                let known = known.ok_or(MqttTrouble::Unasked)?;
+                if !matches!(reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers) {
+                    return Err(MqttTrouble::NotTaken(reason));
+                }
+                self.awaited.remove(known);
+            }
+            Packet::PingResp(_) if self.pinged => self.pinged = false,
+            Packet::Disconnect(end) => return Err(MqttTrouble::Ended(end.reason_code)),
+            _ => return Err(MqttTrouble::Unasked),
+        }
+        self.asked = (self.pinged || !self.awaited.is_empty()).then(Instant::now);
+        if self.awaited.is_empty()
+            && let Some((store, number)) = self.news.take()
+            && let Some(cursor) = &self.desk.cursor
+        {
+            cursor.lock().unwrap_or_else(PoisonError::into_inner).advance(&store, number);
+        }
+        Ok(())
+    }
+
+    /// Publishes the state where it is another one, or the last one is old.
+    async fn publish_state(&mut self) -> Result<(), MqttTrouble> {
+        let Desk { plan, telemetry, clock, .. } = &self.desk;
+        let state = StateMessage::new(telemetry, clock.uptime(), clock.system());
+        let is_known = self
+            .state
+            .as_ref()
+            .is_some_and(|(known, since)| known.is_like(&state) && since.elapsed() < plan.period);
+        if is_known || self.awaited.len() >= self.window {
+            return Ok(());
+        }
+        let expiry = plan.period.saturating_mul(STALE).as_secs().max(u64::from(KEEP_ALIVE));
+        let (topic, text) = (topic(plan, "state"), state.to_json());
+        let expiry = u32::try_from(expiry).ok();
+        self.state = Some((state, Instant::now()));
+        self.publish(&topic, text, true, expiry).await
+    }
+
+    /// Publishes what comes next of the news, once all before it are taken.
+    async fn forward(&mut self) -> Result<(), MqttTrouble> {
+        if !self.awaited.is_empty() {
+            return Ok(());
+        }
+        let topic = topic(&self.desk.plan, "events");
+        for entry in self.news_to_come().unwrap_or_default() {
+            self.news = Some((entry.store.clone(), entry.number));
+            let text = serde_json::to_string(&entry).unwrap_or_default();
+            self.publish(&topic, text, false, None).await?;
+        }
+        Ok(())
+    }
+
+    /// The next news; `None` where the store cannot be read now, of which its writer tells.
+    fn news_to_come(&self) -> Option<Vec<NewsEntry>> {
+        let cursor = self.desk.cursor.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner);
+        let reader = StoreReader::open(self.desk.plan.store.as_ref()?).ok()?;
+        reader.news(|store| cursor.number(store), self.window).ok()
+    }
+
+    async fn publish(
+        &mut self,
+        topic: &str,
+        text: String,
+        retain: bool,
+        expiry: Option<u32>,
+    ) -> Result<(), MqttTrouble> {
+        let properties = PublishProperties {
+            payload_format_indicator: Some(1),
+            message_expiry_interval: expiry,
+            content_type: Some("application/json".to_owned()),
+            ..PublishProperties::default()
+        };
+        let mut message = Publish::new(topic, QoS::AtLeastOnce, text, Some(properties));
+        self.last_id = self.last_id.checked_add(1).unwrap_or(1);
+        (message.pkid, message.retain) = (self.last_id, retain);
+        self.awaited.push_back(self.last_id);
+        self.asked.get_or_insert_with(Instant::now);
+        self.send(&Packet::Publish(message)).await
+    }
+
+    async fn send(&mut self, packet: &Packet) -> Result<(), MqttTrouble> {
+        self.sent = Instant::now();
+        self.link.send(packet).await
+    }
+}
+
+/// Most messages on their way and the keep-alive, s, by which broker and gateway can do.
+fn agreed(answer: &ConnAck) -> Result<(usize, u16), MqttTrouble> {
+    if answer.code != ConnectReturnCode::Success {
+        return Err(MqttTrouble::Refused(answer.code));
+    }
+    let Some(ConnAckProperties {
+        receive_max, max_qos, retain_available, server_keep_alive, ..
+    }) = &answer.properties
+    else {
+        return Ok((WINDOW, KEEP_ALIVE));
+    };
+    if *max_qos == Some(0) {
+        return Err(MqttTrouble::Lacks("QoS 1"));
+    }
+    if *retain_available == Some(0) {
+        return Err(MqttTrouble::Lacks("retained messages"));
+    }
+    let window = receive_max.map_or(WINDOW, |most| WINDOW.min(usize::from(most.max(1))));
+    Ok((window, server_keep_alive.map_or(KEEP_ALIVE, |seconds| seconds.clamp(1, KEEP_ALIVE))))
+}
+
+fn topic(plan: &MqttPlan, last: &str) -> String {
+    format!("{}/{last}", plan.topic)
+}

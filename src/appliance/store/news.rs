@@ -1,0 +1,77 @@
+//! The news of the store: every event, and everything that became of an incident, in the order of writing.
+
+use super::entries::digits;
+use super::incident_rows::level;
+use super::reader::StoreReader;
+use super::trouble::Trouble;
+use crate::time::Timestamp;
+use rusqlite::{Row, params};
+use serde::Serialize;
+
+/// Something that happened, once.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NewsEntry {
+    /// Identity of the store; another one after the database was replaced.
+    pub store: String,
+    /// Number of the news in the store, by which doubles and gaps are told: each is one more than the one before.
+    pub number: i64,
+    /// Number of the event; all news of an incident have the same.
+    pub id: i64,
+    /// Exact time, s since 1970.
+    #[serde(serialize_with = "digits")]
+    pub at_s: Timestamp,
+    /// Name of its [`EventKind`](super::EventKind).
+    pub kind: String,
+    /// What became of an incident: `opened`, `revised`, `standing`, `closed` or `interrupted`.
+    pub progress: Option<String>,
+    /// Cylinder number, counted from 1.
+    pub cylinder: Option<u8>,
+    pub level: Option<&'static str>,
+    pub suspect: Option<String>,
+    pub fault: Option<String>,
+    /// Incident that an act is about.
+    pub about: Option<i64>,
+    pub text: String,
+}
+
+impl StoreReader {
+    /// The oldest news, at most so many, behind the number that `after` gives for the identity of the store.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn news(
+        &self,
+        after: impl Fn(&str) -> i64,
+        most: usize,
+    ) -> Result<Vec<NewsEntry>, Trouble> {
+        let store = "SELECT store FROM identity LIMIT 1";
+        let store: String = self.connection().query_row(store, [], |row| row.get(0))?;
+        // What gave way meanwhile is left out, which shows in the numbers.
+        let sql = "SELECT n.id, e.id, coalesce(r.at_ns, e.at_ns), e.kind, r.progress, e.cylinder,
+                 coalesce(r.level, e.level), coalesce(r.suspect, e.suspect), r.fault, e.incident,
+                 coalesce(r.text, e.text)
+             FROM news n JOIN events e ON e.id = n.event LEFT JOIN revisions r ON r.id = n.revision
+             WHERE n.id > ? ORDER BY n.id LIMIT ?";
+        let most = i64::try_from(most).unwrap_or(i64::MAX);
+        let mut query = self.connection().prepare(sql)?;
+        let rows = query.query_map(params![after(&store), most], |row| news(row, &store))?;
+        Ok(rows.collect::<rusqlite::Result<Vec<NewsEntry>>>()?)
+    }
+}
+
+fn news(row: &Row<'_>, store: &str) -> rusqlite::Result<NewsEntry> {
+    Ok(NewsEntry {
+        store: store.to_owned(),
+        number: row.get(0)?,
+        id: row.get(1)?,
+        at_s: Timestamp::from_nanos(row.get(2)?),
+        kind: row.get(3)?,
+        progress: row.get(4)?,
+        cylinder: row.get(5)?,
+        level: row.get::<_, Option<u8>>(6)?.map(|number| level(number).name()),
+        suspect: row.get(7)?,
+        fault: row.get(8)?,
+        about: row.get(9)?,
+        text: row.get(10)?,
+    })
+}
