@@ -49,8 +49,12 @@ pub struct ProcessInput {
     pub lengths: [Option<f64>; 2],
     /// Whether the platform is in a monitored state.
     pub monitored: bool,
+    /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
+    pub apart: Option<f64>,
     /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
     pub held: bool,
+    /// Whether it is asked whose reading has moved.
+    pub asked: bool,
     pub at: Timestamp,
 }
 
@@ -137,9 +141,13 @@ impl Process {
     }
 
     fn forget(&mut self) {
+        self.forget_cycles();
+        self.forget_flow();
+    }
+
+    fn forget_cycles(&mut self) {
         self.of_spool.clear();
         self.of_chambers.clear();
-        self.forget_flow();
         self.trace.clear();
     }
 
@@ -176,15 +184,19 @@ impl Process {
         core::array::from_fn(|which| known[which].then_some(self.judged[which]))
     }
 
-    /// Takes a cycle.
-    pub fn step(&mut self, input: &ProcessInput) {
+    /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:
+    /// positive for C1, negative for C2.
+    pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
         self.judged = [false; RELATIONS];
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.
         let stand = self.spool.as_mut().and_then(|it| it.step(input.command, input.spool));
-        if self.open < self.counts.opening || input.held {
+        if self.open < self.counts.opening {
             self.forget();
-            return;
+            return None;
+        }
+        if input.held {
+            return self.step_held(input);
         }
         match stand {
             Some(stand) => {
@@ -207,6 +219,17 @@ impl Process {
             self.weigh(CHAMBERS, input.at);
         }
         self.step_flow(input);
+        None
+    }
+
+    /// Takes a cycle in which a transducer is under suspicion. Of a cylinder that has a fault of its own the oil tells
+    /// nothing.
+    #[cold]
+    fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
+        self.forget_cycles();
+        let asked = input.asked && self.alarms == [None; RELATIONS];
+        let flow = self.flow.as_mut()?;
+        flow.step_held(flow_sample(input, flow.area_ratio()), asked)
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
@@ -330,7 +353,8 @@ fn flow_sample(input: &ProcessInput, area_ratio: f64) -> Option<FlowSample> {
     let [bottom, rod] = input.chambers;
     let load = input.load.or_else(|| Some(bottom? - area_ratio * rod?))?;
     let [c1, c2] = input.lengths;
-    Some(FlowSample { lengths: [c1?, c2?], spool: input.spool?, load, supply: input.supply? })
+    let (lengths, apart) = ([c1?, c2?], input.apart);
+    Some(FlowSample { lengths, spool: input.spool?, load, supply: input.supply?, apart })
 }
 
 fn named(form: SpoolForm) -> (Malfunction, Option<f64>) {
@@ -341,3 +365,6 @@ fn named(form: SpoolForm) -> (Malfunction, Option<f64>) {
         SpoolForm::Gain(_) | SpoolForm::Elsewhere(_) => (Malfunction::OtherCommand, None),
     }
 }
+
+#[cfg(test)]
+mod tests;

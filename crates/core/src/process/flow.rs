@@ -6,6 +6,7 @@
 
 pub mod directions;
 pub mod evidence;
+mod side;
 mod watch;
 
 use super::curve::{self, Curve};
@@ -15,6 +16,7 @@ use crate::time;
 use alloc::vec::Vec;
 use directions::{Along, DIRECTIONS};
 pub use evidence::{FlowKind, FlowWeighing, FlowWindows};
+pub use side::FlowSide;
 pub use watch::FlowWatch;
 
 /// Pressure drop at which f holds, bar.
@@ -50,9 +52,11 @@ pub struct FlowSample {
     /// P_L and P_S, bar.
     pub load: f64,
     pub supply: f64,
+    /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
+    pub apart: Option<f64>,
 }
 
-whole! { FlowSample { lengths, spool, load, supply } }
+whole! { FlowSample { lengths, spool, load, supply, apart } }
 
 /// What drives oil through the valve from one cycle to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,6 +106,8 @@ pub struct FlowBlock {
     pub left: [f64; 2],
     /// The way that a fault of size 1 adds, of each direction.
     pub directions: [f64; DIRECTIONS],
+    /// By how much C1 has moved away from C2, m, where it is known.
+    pub parted: Option<f64>,
 }
 
 /// The balance of oil and rod.
@@ -203,7 +209,8 @@ impl OpenBlock {
         self.directions[DIRECTIONS - 1] = pressed;
         let way = self.way + design.compression * pressed;
         let left = core::array::from_fn(|i| last.lengths[i] - self.first.lengths[i] - way);
-        FlowBlock { left, directions: self.directions }
+        let parted = last.apart.zip(self.first.apart).map(|(now, before)| now - before);
+        FlowBlock { left, directions: self.directions, parted }
     }
 }
 
@@ -243,6 +250,7 @@ mod tests {
             spool: -10.0,
             load,
             supply: 210.0 + load,
+            apart: None,
         }
     }
 

@@ -56,6 +56,7 @@ pub struct ProcessParameters {
     pub edges_least: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
+    pub side: SideParameters,
 }
 
 impl ProcessParameters {
@@ -83,10 +84,51 @@ impl ProcessParameters {
         edges: 0.022,
         edges_least: 2.0,
         over: 0.5,
+        side: SideParameters::DEFAULT,
     };
 
     /// Widths of the windows, samples, shortest and longest.
     pub fn widths(&self, sample_time: f64) -> [usize; 2] {
         self.windows.map(|seconds| time::samples(seconds, sample_time) as usize)
     }
+}
+
+/// The numbers by which the oil tells whose reading has moved ([`crate::process::flow::FlowSide`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideParameters {
+    /// What a lesson leaves of each direction, in the units of [`ProcessParameters::flow_tolerances`], and of a constant
+    /// speed, m/s.
+    pub usual: [f64; DIRECTIONS + 1],
+    /// How far they walk in a second, a random walk: oil warms up, the load moves on.
+    pub walks: [f64; DIRECTIONS + 1],
+    /// Standard deviation of the mean speed over so many seconds beside the oil's, m/s, before any was measured, …
+    pub scatter: f64,
+    pub scatter_time: f64,
+    /// … and the blocks of a stretch of which it is measured, the stretches that this counts for, and the most that are
+    /// remembered.
+    pub stretch: u32,
+    pub stretches: [u32; 2],
+    /// No block teaches more than one that is off by so many standard deviations.
+    pub odd: f64,
+    /// What one reading may be off, m.
+    pub reading: f64,
+    /// Blocks after an alarm before anything is said.
+    pub blocks: u32,
+    /// Nothing is said where both explanations are off by more than so many standard deviations.
+    pub beside: f64,
+}
+
+impl SideParameters {
+    pub const DEFAULT: Self = Self {
+        usual: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4, 0.2e-3],
+        walks: [3e-6, 3e-6, 3e-5, 3e-6, 3e-6, 3e-7, 1e-5],
+        scatter: 0.2e-3,
+        scatter_time: 10.0,
+        stretch: 25,
+        stretches: [10, 60],
+        odd: 4.0,
+        reading: 1e-4,
+        blocks: 5,
+        beside: 4.0,
+    };
 }

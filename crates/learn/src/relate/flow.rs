@@ -102,7 +102,8 @@ impl Lesson<'_> {
         let flow = row.flow?;
         let [c1, c2] = flow.lengths.map(f64::from);
         let [load, supply] = [flow.load, flow.supply].map(f64::from);
-        Some(FlowSample { lengths: [c1, self.gain * c2], spool: row.spool?.into(), load, supply })
+        let lengths = [c1, self.gain * c2];
+        Some(FlowSample { lengths, spool: row.spool?.into(), load, supply, apart: None })
     }
 
     /// Positions of the spool in the rows that have everything.

@@ -7,7 +7,7 @@ use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
 use crate::process::ProcessInput;
 use crate::sample::{Quality, Reading};
-use crate::sequential;
+use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Residuals, Suspect, Verdict};
 
@@ -84,12 +84,13 @@ impl Cylinder {
         let doubted = |suspect: Suspect| suspect != Suspect::Process;
         let difference = self.bank.any_found()
             && self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
-        let sequential = self.sequential.as_ref().and_then(|it| it.alarm());
+        let sequential = self.sequential.as_deref();
+        let implausible = self.implausible[..2].iter().any(Implausible::raised);
         let monitored = now.gate == Opening::Open;
         let [bottom, rod, load] = self.inputs.pressures();
         let [c1, c2] = good.map(|reading| reading.map(|it| it.position));
         let c2 = c2.map(|c2| self.design.comparator.corrected(c2));
-        process.step(&ProcessInput {
+        let side = process.step(&ProcessInput {
             command: self.inputs.command_value(),
             spool: self.inputs.spool_value(),
             chambers: [bottom, rod],
@@ -97,11 +98,16 @@ impl Cylinder {
             lengths: [c1, c2],
             supply: self.inputs.supply_value(),
             monitored,
+            apart: sequential.and_then(Sequential::residual),
             held: difference
-                || sequential.is_some_and(|it| doubted(it.suspect))
-                || self.implausible[..2].iter().any(Implausible::raised),
+                || sequential.and_then(Sequential::alarm).is_some_and(|it| doubted(it.suspect))
+                || implausible,
+            asked: sequential.is_some_and(Sequential::is_displaced) && !implausible,
             at: now.opened,
         });
+        if let (Some(nats), Some(sequential)) = (side, &mut self.sequential) {
+            sequential.hear_oil(nats);
+        }
         if monitored {
             self.tally.process.get_or_insert_default().count(process.judged());
         }

@@ -133,7 +133,7 @@ impl FlowWindows {
 
     /// Takes a block; nothing that is not finite, which no sum would ever forget.
     pub fn push(&mut self, block: &FlowBlock) {
-        let FlowBlock { left, directions } = block;
+        let FlowBlock { left, directions, .. } = block;
         if !left.iter().chain(directions).all(|it| it.is_finite()) {
             return;
         }
@@ -285,7 +285,11 @@ mod tests {
                 let sign = if k / (i + 1) % 2 == 0 { 1.0 } else { -1.0 };
                 WAY * if i == direction as usize { 1.0 } else { sign }
             });
-            windows.push(&FlowBlock { left: sizes.map(|size| size * WAY), directions });
+            windows.push(&FlowBlock {
+                left: sizes.map(|size| size * WAY),
+                directions,
+                parted: None,
+            });
         }
         windows
     }
@@ -295,7 +299,7 @@ mod tests {
         let mut windows = FlowWindows::default();
         for _ in 0..50 {
             let directions = [WAY, 0.0, 0.0, 0.0, 0.0, 0.0];
-            windows.push(&FlowBlock { left: [1e-3 * WAY, 1.2e-3 * WAY], directions });
+            windows.push(&FlowBlock { left: [1e-3 * WAY, 1.2e-3 * WAY], directions, parted: None });
         }
         let peak = windows.peak(&weighing(), 1.0);
         // The one of 1 mm/s, 0.2 mm/s beyond what is no fault.
@@ -330,8 +334,16 @@ mod tests {
     #[test]
     fn nothing_spoils_the_sums_for_good() {
         let mut spoilt = windows(10, Direction::Null, [0.0; 2]);
-        spoilt.push(&FlowBlock { left: [f64::NAN, 0.0], directions: [WAY; DIRECTIONS] });
-        spoilt.push(&FlowBlock { left: [0.0; 2], directions: [f64::INFINITY; DIRECTIONS] });
+        spoilt.push(&FlowBlock {
+            left: [f64::NAN, 0.0],
+            directions: [WAY; DIRECTIONS],
+            parted: None,
+        });
+        spoilt.push(&FlowBlock {
+            left: [0.0; 2],
+            directions: [f64::INFINITY; DIRECTIONS],
+            parted: None,
+        });
         assert_eq!(spoilt.held(), 10);
     }
 }

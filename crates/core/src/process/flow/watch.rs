@@ -3,7 +3,7 @@
 use super::super::alarm::Malfunction;
 use super::super::parameters::ProcessParameters;
 use super::directions::Direction;
-use super::{Flow, FlowDesign, FlowKind, FlowSample, FlowWeighing, FlowWindows};
+use super::{Flow, FlowDesign, FlowKind, FlowSample, FlowSide, FlowWeighing, FlowWindows};
 use crate::sequential::statistic::Peak;
 use crate::state::state;
 use crate::time;
@@ -13,13 +13,16 @@ use crate::time;
 pub struct FlowWatch {
     flow: Flow,
     windows: FlowWindows,
+    side: FlowSide,
+    /// Whether a transducer was under suspicion in the cycle before.
+    was_held: bool,
     weighing: FlowWeighing,
     /// Blocks after which a kind is sought anew, and after which it stands.
     looks: [u32; 2],
 }
 
 state! {
-    FlowWatch { flow, windows }
+    FlowWatch { flow, windows, side, was_held }
     but { weighing, looks }
 }
 
@@ -30,7 +33,8 @@ impl FlowWatch {
         let flow = Flow::new(design, sample_time);
         let looks =
             by.flow_looks.map(|seconds| (time::cycles(seconds, sample_time) / flow.block()).max(1));
-        Some(Self { flow, windows: FlowWindows::default(), weighing, looks })
+        let side = FlowSide::new(f64::from(flow.block()) * sample_time);
+        Some(Self { flow, windows: FlowWindows::default(), side, was_held: false, weighing, looks })
     }
 
     pub const fn area_ratio(&self) -> f64 {
@@ -47,18 +51,38 @@ impl FlowWatch {
         self.flow.is_judging()
     }
 
-    pub const fn forget(&mut self) {
+    pub fn forget(&mut self) {
         self.flow.reset();
         self.windows.clear();
+        self.side.forget();
+        self.was_held = false;
     }
 
     /// Takes a cycle; `None` without all of it. Returns whether a block was completed with it.
     pub fn step(&mut self, sample: Option<FlowSample>) -> bool {
+        if core::mem::take(&mut self.was_held) {
+            // A block is either before or after.
+            self.flow.reset();
+        }
         let block = self.flow.step(sample);
         if let Some(block) = &block {
             self.windows.push(block);
+            self.side.learn(block);
         }
         block.is_some()
+    }
+
+    /// Takes a cycle in which a transducer is under suspicion, which proves nothing of the hydraulics. If it `is_asked`
+    /// whose reading has moved, returns the evidence of it; see [`FlowSide::weigh`].
+    pub fn step_held(&mut self, sample: Option<FlowSample>, is_asked: bool) -> Option<f64> {
+        self.was_held = true;
+        self.windows.clear();
+        let block = self.flow.step(sample);
+        if !is_asked {
+            self.side.rest();
+            return None;
+        }
+        self.side.weigh(&block?)
     }
 
     /// See [`FlowWindows::peak`].

@@ -183,6 +183,23 @@ impl Sequential {
         }
     }
 
+    /// Whether an alarm stands because the readings have moved apart.
+    pub fn is_displaced(&self) -> bool {
+        self.alarm
+            .is_some_and(|it| it.fault != Fault::Noise && !it.of_timing && it.cause != Cause::Dwell)
+    }
+
+    /// Takes the evidence of whose reading has moved that the oil gives, nats, where the readings and the command alone
+    /// have not told.
+    pub fn hear_oil(&mut self, nats: f64) {
+        let enough = self.design.parameters.alarm.decided_by_oil;
+        if let Some(alarm) = self.alarm.as_mut().filter(|it| it.suspect == Suspect::Undecided)
+            && nats.abs() > enough
+        {
+            decide(alarm, Some(nats), enough);
+        }
+    }
+
     /// The alarm is over. A baseline that may have followed the fault begins anew.
     pub(super) fn end(&mut self) {
         let ended = self.alarm.take();
