@@ -118,6 +118,8 @@ enum Studied {
     Process,
     /// A machine whose controller hears who is blamed: code blacks with and without
     Handover,
+    /// Drifts of C1 and of C2 that the controller reads: which of them is named, and how soon
+    Side,
     /// False alarms
     Healthy,
 }
@@ -128,7 +130,12 @@ impl Studied {
     const fn is_quick(self) -> bool {
         !matches!(
             self,
-            Self::Contest | Self::Estimate | Self::Weights | Self::Process | Self::Handover
+            Self::Contest
+                | Self::Estimate
+                | Self::Weights
+                | Self::Process
+                | Self::Handover
+                | Self::Side
         )
     }
 
@@ -147,6 +154,7 @@ impl Studied {
             Self::Weights => Study::Weights,
             Self::Process => Study::Process,
             Self::Handover => Study::Handover,
+            Self::Side => Study::Side,
             Self::Healthy => return None,
         })
     }
@@ -200,6 +208,10 @@ impl Evaluate {
             stand.handing =
                 of_grades(&handover.grades, |grade| Ok((grade, handover.design(&stand, grade)?)))?;
         }
+        if let Some(side) = &plan.side {
+            stand.sided =
+                side.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
         let evaluation = self.evaluate(&plan, &stand)?;
         let json = evaluation::json(&evaluation);
         if let Some(file) = output {
@@ -239,6 +251,7 @@ impl Evaluate {
             weights_hours: if asked.contains(&Studied::Weights) { hours } else { 0.0 },
             weights: self.sets(settings)?,
             process_hours: if asked.contains(&Studied::Process) { hours } else { 0.0 },
+            side_hours: if asked.contains(&Studied::Side) { hours } else { 0.0 },
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },

@@ -31,6 +31,7 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
     let lessons = Lessons { calibration: 0.0, level: 0.0 };
     let extent = Extent {
         process_hours: 0.0,
+        side_hours: 0.0,
         trials: 6 * machines,
         hours: 0.0,
         seas: vec![SEA],

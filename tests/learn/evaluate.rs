@@ -58,6 +58,7 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
     let studies = studies.to_vec();
     let extent = Extent {
         process_hours: 0.0,
+        side_hours: 0.0,
         trials,
         hours,
         seas: vec![SEA],

@@ -3,6 +3,7 @@
 mod contest;
 mod handover;
 mod process;
+mod side;
 mod weights;
 
 use super::sheet::{Section, Sheet};
@@ -54,6 +55,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.push(weights::section(&evaluation.weights));
     sections.extend(evaluation.process.iter().flat_map(process::sections));
     sections.extend(evaluation.handover.iter().flat_map(handover::sections));
+    sections.extend(evaluation.side.iter().flat_map(side::sections));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

@@ -49,6 +49,7 @@ pub fn sections(result: &ProcessResult) -> [Section; 2] {
     [faults, healthy]
 }
 
-fn machine(grade: &str, lag: f64) -> String {
+/// A machine in words; `lag` is its spools' time constant, s.
+pub(super) fn machine(grade: &str, lag: f64) -> String {
     format!("{grade}, spool {:.0} ms", 1e3 * lag)
 }

@@ -13,6 +13,7 @@ use super::process::{ProcessGathering, ProcessResult};
 use super::proportion::Proportion;
 use super::rate::Rate;
 use super::row::Row;
+use super::side::{SideGathering, SideResult};
 use super::weights;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -38,6 +39,9 @@ pub struct Evaluation {
     /// Machines whose controller hears who is blamed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub handover: Option<HandoverResult>,
+    /// Drifts of C1 and of C2 in the loop.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<SideResult>,
 }
 
 /// A row with its figures.
@@ -92,6 +96,7 @@ pub struct Gathering<'a> {
     weights: Option<weights::WeightsGathering<'a>>,
     process: Option<ProcessGathering<'a>>,
     handover: Option<HandoverGathering<'a>>,
+    side: Option<SideGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -114,6 +119,7 @@ impl<'a> Gathering<'a> {
             weights: plan.weighing.as_ref().map(weights::WeightsGathering::new),
             process: plan.process.as_ref().map(ProcessGathering::new),
             handover: plan.handover.as_ref().map(HandoverGathering::new),
+            side: plan.side.as_ref().map(SideGathering::new),
             estimates: BTreeMap::new(),
         }
     }
@@ -151,6 +157,11 @@ impl<'a> Gathering<'a> {
                     handover.take(job, outcomes);
                 }
             }
+            (Job::Side(job), Product::Side(product)) => {
+                if let Some(side) = &mut self.side {
+                    side.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -162,6 +173,7 @@ impl<'a> Gathering<'a> {
                 | Job::Weights(_)
                 | Job::Process(_)
                 | Job::Handover(_)
+                | Job::Side(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -179,6 +191,7 @@ impl<'a> Gathering<'a> {
             weights: self.weights.map(|weights| weights.finish(block)).unwrap_or_default(),
             process: self.process.as_ref().map(ProcessGathering::finish),
             handover: self.handover.as_ref().map(HandoverGathering::finish),
+            side: self.side.as_ref().map(SideGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

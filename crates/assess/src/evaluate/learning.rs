@@ -40,6 +40,8 @@ pub struct Learnt {
 struct Run<'a> {
     stand: &'a Stand<'a>,
     grade: Grade,
+    /// Time constant of the spools, s; `None`: the plant's.
+    lag: Option<f64>,
     seas: &'a [[f64; 2]],
     settings: &'a Settings,
     seed: u64,
@@ -50,11 +52,11 @@ impl Recording for Run<'_> {
 
     /// Reads the run into `surveyor`; `window` is a part of the time in each sea.
     fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), StandError> {
-        let Self { stand, grade, seas, settings, seed } = *self;
+        let Self { stand, grade, lag, seas, settings, seed } = *self;
         let design = design::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
         for sea in seas {
             let options = Options { seed, sea: Some(*sea), ..Options::default() };
-            let mut simulator = stand.steady(grade, &options)?;
+            let mut simulator = stand.steady_with_lag(grade, lag, None, &options)?;
             let mut monitor = Monitor::new(design.clone());
             let mut survey = Survey::new(EPOCH, window, &mut surveyor);
             for _ in 0..stand.cycles(window.to) {
@@ -89,9 +91,25 @@ impl Stand<'_> {
         seeds: [u64; 2],
         lessons: Lessons,
     ) -> Result<Learnt, StandError> {
+        self.learn_with_lag(grade, None, seas, seeds, lessons)
+    }
+
+    /// As [`Self::learn`], from a machine with spools of the time constant `lag`, s, where it is given; with them the
+    /// process detectors, where the machine sends what they need.
+    ///
+    /// # Errors
+    /// See [`Self::learn`].
+    pub fn learn_with_lag(
+        &self,
+        grade: Grade,
+        lag: Option<f64>,
+        seas: &[[f64; 2]],
+        seeds: [u64; 2],
+        lessons: Lessons,
+    ) -> Result<Learnt, StandError> {
         let mut settings = self.settings.clone();
         let [seed, other] = seeds;
-        let run = Run { stand: self, grade, seas, settings: self.settings, seed };
+        let run = Run { stand: self, grade, lag, seas, settings: self.settings, seed };
         let time = 3600.0 * lessons.calibration;
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
         let per_year = settings.sequential.false_alarms_per_year;

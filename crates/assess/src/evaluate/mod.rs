@@ -14,7 +14,8 @@
 //! the machine first ([`Stand::learn`]).
 //!
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
-//! cylinders themselves, and [`handover`] what it is worth that a machine hears who is blamed.
+//! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, and [`side`] whose drift it
+//! is inside the loop.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
@@ -36,6 +37,7 @@ pub mod process;
 mod proportion;
 mod rate;
 mod row;
+pub mod side;
 mod stand;
 mod trial;
 pub mod weights;

@@ -9,6 +9,7 @@ use super::learning::Lessons;
 use super::outcome::Outcome;
 use super::process::{ProcessJob, ProcessProduct, ProcessStudy};
 use super::row::{Row, Study, rows};
+use super::side::{SideJob, SideProduct, SideStudy};
 use super::stand::{Stand, StandError};
 use super::trial::Try;
 use super::weights::{self, TransducerKind, Weighing};
@@ -45,8 +46,9 @@ pub struct Extent {
     pub weights_hours: f64,
     /// Sets of weights that are tried.
     pub weights: Vec<Weights>,
-    /// Hours of each healthy machine for the process detectors.
+    /// Hours of each healthy machine for the process detectors, and for the drifts in the loop.
     pub process_hours: f64,
+    pub side_hours: f64,
 }
 
 /// Why there is no plan.
@@ -79,6 +81,8 @@ pub enum Job {
     Process(ProcessJob),
     /// A machine of the hand-over.
     Handover(HandoverJob),
+    /// A job of the drifts in the loop.
+    Side(SideJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -92,6 +96,7 @@ pub enum Product {
     Weights(weights::WeightsProduct),
     Process(ProcessProduct),
     Handover(Vec<HandoverOutcome>),
+    Side(SideProduct),
     Estimate(Errors),
 }
 
@@ -110,6 +115,8 @@ pub struct Plan {
     pub process: Option<ProcessStudy>,
     /// The hand-over, if requested.
     pub handover: Option<HandoverStudy>,
+    /// The drifts in the loop, if requested.
+    pub side: Option<SideStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -131,9 +138,8 @@ impl Plan {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
         }
-        for given in
-            [extent.hours, extent.contest_hours, extent.weights_hours, extent.process_hours]
-        {
+        let Extent { hours, contest_hours, weights_hours, process_hours, side_hours, .. } = extent;
+        for given in [hours, contest_hours, weights_hours, process_hours, side_hours] {
             if !(0.0..=MOST_HOURS).contains(&given) {
                 return Err(PlanError::Hours { given });
             }
@@ -161,7 +167,11 @@ impl Plan {
         let machines = extent.trials.div_ceil(4);
         let handover =
             asked.then(|| HandoverStudy::new(seed, extent.seas.clone(), machines, extent.lessons));
-        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover })
+        let side = extent
+            .studies
+            .contains(&Study::Side)
+            .then(|| SideStudy::new(seed, extent.seas.clone(), extent.trials, extent.side_hours));
+        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover, side })
     }
 
     /// The number of machines of a row.
@@ -193,10 +203,12 @@ impl Plan {
         let weights = self.weighing.iter().flat_map(Weighing::jobs).map(Job::Weights);
         let process = self.process.iter().flat_map(ProcessStudy::jobs).map(Job::Process);
         let handover = self.handover.iter().flat_map(HandoverStudy::jobs).map(Job::Handover);
+        let side = self.side.iter().flat_map(SideStudy::jobs).map(Job::Side);
         contest
             .chain(weights)
             .chain(process)
             .chain(handover)
+            .chain(side)
             .chain(trials)
             .chain(healthy)
             .chain(estimates)
@@ -231,6 +243,10 @@ impl Plan {
             Job::Handover(job) => {
                 let handover = self.handover.as_ref().expect("its jobs are of its own plan");
                 Product::Handover(handover.run(stand, job)?)
+            }
+            Job::Side(job) => {
+                let side = self.side.as_ref().expect("its jobs are of its own plan");
+                Product::Side(side.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -37,10 +37,12 @@ pub enum Study {
     Process,
     /// A machine whose controller hears who is blamed, which has its own cases.
     Handover,
+    /// Whose drift it is inside the loop, with its own cases.
+    Side,
 }
 
 impl Study {
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -54,6 +56,7 @@ impl Study {
         Self::Weights,
         Self::Process,
         Self::Handover,
+        Self::Side,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -71,6 +74,7 @@ impl Study {
             Self::Weights => "weights",
             Self::Process => "process",
             Self::Handover => "handover",
+            Self::Side => "side",
         }
     }
 }

@@ -36,6 +36,8 @@ pub struct Stand<'a> {
     pub taught: Vec<MonitorDesign>,
     /// Monitors whose frames a controller hears, for the grades that were learnt.
     pub handing: Vec<(Grade, MonitorDesign)>,
+    /// Monitors with the sequential detectors and those of the process, for the drifts in the loop.
+    pub sided: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -62,6 +64,7 @@ impl<'a> Stand<'a> {
             weighed: Vec::new(),
             taught: Vec::new(),
             handing: Vec::new(),
+            sided: Vec::new(),
             tables,
             steady,
         }
@@ -112,8 +115,33 @@ impl<'a> Stand<'a> {
         changed: Option<(Change, f64)>,
         options: &Options,
     ) -> Result<Simulator, StandError> {
-        let mut tables = self.of_grade(&self.tables, grade).clone();
-        tables.valve.lag = lag;
+        self.simulate_changed(
+            self.of_grade(&self.tables, grade).clone(),
+            Some(lag),
+            changed,
+            options,
+        )
+    }
+
+    /// The same with transducers that do not fluctuate; without a `lag`, spools are the plant's.
+    pub(super) fn steady_with_lag(
+        &self,
+        grade: Grade,
+        lag: Option<f64>,
+        changed: Option<(Change, f64)>,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        self.simulate_changed(self.of_grade(&self.steady, grade).clone(), lag, changed, options)
+    }
+
+    fn simulate_changed(
+        &self,
+        mut tables: Tables,
+        lag: Option<f64>,
+        changed: Option<(Change, f64)>,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        tables.valve.lag = lag.unwrap_or(tables.valve.lag);
         if let Some((load, friction)) = changed {
             tables.disturbance.load = Some(load);
             tables.rub(friction);

@@ -108,12 +108,12 @@ impl ProcessFigures {
             lag: machine.lag,
             label: case.label,
             found: Proportion::counting(outcomes, |it| it.delay.is_some()),
-            delay: percentile(delays, 0.5),
+            delay: percentiles(delays, 0.5),
             kind: case
                 .expected
                 .map(|expected| Proportion::counting(&found, |it| it.kind == Some(expected))),
-            size: percentile(ratios, 0.5)
-                .zip(percentile(off, 0.5))
+            size: percentiles(ratios, 0.5)
+                .zip(percentiles(off, 0.5))
                 .map(|(of, off)| [of[0], off[1]]),
             blamed: [0, 1].map(|at| Proportion::counting(outcomes, |it| it.blamed[at])),
         }
@@ -121,7 +121,7 @@ impl ProcessFigures {
 }
 
 /// That part of `values`, and the 95th percentile.
-fn percentile(mut values: Vec<f64>, part: f64) -> Option<[f64; 2]> {
+pub fn percentiles(mut values: Vec<f64>, part: f64) -> Option<[f64; 2]> {
     values.sort_unstable_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;
     let at = |part: f64| values[((part * values.len() as f64) as usize).min(last)];

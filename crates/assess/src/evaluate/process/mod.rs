@@ -9,8 +9,10 @@ mod figures;
 mod trial;
 
 pub use cases::{CASES, ProcessCase};
+pub(super) use figures::percentiles;
 pub use figures::{ProcessFigures, ProcessGathering, ProcessHealthy, ProcessResult};
 pub use trial::{ProcessOutcome, ProcessQuiet};
+pub(super) use trial::{is_process, varied};
 
 use super::grade::Grade;
 use super::stand::{Stand, StandError};

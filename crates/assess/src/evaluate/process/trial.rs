@@ -147,9 +147,7 @@ impl Stand<'_> {
         rng: &mut ChaCha8Rng,
     ) -> Result<ProcessQuiet, StandError> {
         let options = Options { seed: rng.random(), sea: Some(sea), ..Options::default() };
-        let part = rng.random_range(LOADS[0]..LOADS[1]);
-        let friction = rng.random_range(FRICTIONS[0]..FRICTIONS[1]);
-        let changed = Some((Change { time: [0.0, 1e9], part }, friction));
+        let changed = Some(varied(rng));
         let mut simulator = self.with_lag(machine.grade, machine.lag, changed, &options)?;
         let warnings = self.watched(&mut simulator, index, STRETCH);
         let raised = |it: &&Warning| is_process(it) && it.state == State::Raised;
@@ -167,7 +165,14 @@ impl Stand<'_> {
     }
 }
 
-fn is_process(warning: &Warning) -> bool {
+/// The load of a healthy machine, and the factor of its friction.
+pub fn varied(rng: &mut ChaCha8Rng) -> (Change, f64) {
+    let part = rng.random_range(LOADS[0]..LOADS[1]);
+    let friction = rng.random_range(FRICTIONS[0]..FRICTIONS[1]);
+    (Change { time: [0.0, 1e9], part }, friction)
+}
+
+pub fn is_process(warning: &Warning) -> bool {
     warning.detector == Detector::Process
 }
 
