@@ -5,6 +5,7 @@ mod canopen;
 mod canopen_story;
 mod canopen_timers;
 mod check_command;
+mod cli_document;
 #[cfg(feature = "parquet")]
 mod columns;
 mod convert;
