@@ -86,7 +86,7 @@ impl Calibrate {
             Study::alone(surveyed)
         };
         let result = self.calibration(&study)?;
-        let page = calibration::page(&result);
+        let page = calibration::page(&result, &study.surveyed.machine.loaded.fingerprints());
         let settings = &study.surveyed.machine.loaded.settings;
         let usable = result.usable(settings.comparator.critical);
         let written =
@@ -139,5 +139,6 @@ fn figures(study: &Study, result: &Calibration) -> Result<String, Failure> {
     let settings = &study.surveyed.machine.loaded.settings;
     let mut differences = Differences::new(result, settings.machine.sample_time);
     study.read(study.window, &mut differences)?;
-    Ok(page::calibration::page(result, &differences, settings.comparator.bound))
+    let with = study.surveyed.machine.loaded.fingerprints();
+    Ok(page::calibration::page(result, &differences, settings.comparator.bound, &with))
 }

@@ -92,7 +92,7 @@ impl Commission {
         };
         let result = task.run(&study, tell)?;
         std::io::stdout()
-            .write_all(commission::page(&result).as_bytes())
+            .write_all(commission::page(&result, &machine.loaded.fingerprints()).as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
         if let Some(report) = report {
             report.write(&figures(&study, &result)?)?;
@@ -189,7 +189,8 @@ fn figures(study: &Study, result: &Commissioned) -> Result<String, Failure> {
     if let Some(differences) = &mut differences {
         study.read(study.window, differences)?;
     }
-    Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound))
+    let with = study.surveyed.machine.loaded.fingerprints();
+    Ok(page::commission::page(result, differences.as_ref(), settings.comparator.bound, &with))
 }
 
 /// Tells a person at a terminal which step has begun.

@@ -213,16 +213,17 @@ impl Evaluate {
                 side.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
         }
         let evaluation = self.evaluate(&plan, &stand)?;
+        let with = machine.loaded.fingerprints();
         let json = evaluation::json(&evaluation);
         if let Some(file) = output {
             file.write(&json)?;
         }
         if let Some(file) = report {
-            file.write(&page::evaluation::page(&plan, &evaluation))?;
+            file.write(&page::evaluation::page(&plan, &evaluation, &with))?;
         }
         let shown = match self.format {
             Format::Json => json,
-            Format::Human => evaluation::text(&plan, &evaluation),
+            Format::Human => evaluation::text(&plan, &evaluation, &with),
         };
         std::io::stdout()
             .write_all(shown.as_bytes())

@@ -108,13 +108,14 @@ impl Identify {
         let (settings, origin) = (&surveyed.machine.loaded.settings, &surveyed.origin());
         let outcome =
             IdentificationCourse { settings, origin, options: self.options() }.run(&surveyed)?;
-        let text = identification::page(&outcome);
+        let with = surveyed.machine.loaded.fingerprints();
+        let text = identification::page(&outcome, &with);
         std::io::stdout()
             .write_all(text.as_bytes())
             .map_err(|error| Failure::writing("standard output", &error))?;
         self.write(&outcome, output)?;
         if let Some(report) = report {
-            report.write(&page::identification::page(&outcome))?;
+            report.write(&page::identification::page(&outcome, &with))?;
         }
         surveyed.damage()?;
         self.conclude(&outcome)?;

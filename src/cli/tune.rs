@@ -75,12 +75,13 @@ impl Tune {
         let usable = result.usable(settings);
         let written =
             usable.is_ok().then(|| learnt::tuning::of(&result, env!("CARGO_PKG_VERSION")));
-        tables::publish(&tuning::page(&result), output, written.as_deref())?;
+        let with = surveyed.machine.loaded.fingerprints();
+        tables::publish(&tuning::page(&result, &with), output, written.as_deref())?;
         if let Some(tables) = written {
             self.place.put(&tables, &[], design::judging)?;
         }
         if let Some(report) = report {
-            report.write(&page::tuning::page(&result))?;
+            report.write(&page::tuning::page(&result, &with))?;
         }
         surveyed.damage()?;
         usable.map_err(Failure::Failed)

@@ -3,15 +3,17 @@
 use super::coverage;
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, TriedBand};
+use crate::config::Fingerprints;
 use crate::config::settings::CylinderProcess;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::provenance::four_digits;
 use std::fmt::Write as _;
 
-/// The page.
-pub fn page(result: &Calibration) -> String {
-    let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, parts(result));
+/// The page; the recordings were read with the configuration `with`.
+pub fn page(result: &Calibration, with: &Fingerprints) -> String {
+    let Calibration { machine, inputs, .. } = result;
+    let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", parts(result));
     let coverage = coverage::section(result);
     for section in [lines(result), bands(result), sequential(result), process(result), coverage] {
         let section = section.text();

@@ -5,20 +5,21 @@ use crate::alarm::Detector;
 use crate::alarm::detector::Basis;
 use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
+use crate::config::Fingerprints;
 use crate::evaluate::{CONFIDENCE, poisson_upper};
 use crate::tables::provenance::four_digits;
 use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
 
-/// The page.
-pub fn page(result: &Commissioned) -> String {
+/// The page; the recordings were read with the configuration `with`.
+pub fn page(result: &Commissioned, with: &Fingerprints) -> String {
     let mut text = format!("{}\n", result.verdict.sentence);
     for (head, lines) in [("why", &result.verdict.reasons), ("what to do", &result.verdict.advice)]
     {
         text += &listed(head, lines);
     }
-    _ = writeln!(text, "\n{}", origin(result));
+    _ = writeln!(text, "\n{}", origin(result, with));
     for section in [tables(result), trial(result), faults(result)] {
         let section = section.text();
         if !section.is_empty() {
@@ -38,14 +39,14 @@ fn listed(head: &str, lines: &[String]) -> String {
     format!("\n{head}:\n{lines}")
 }
 
-/// Recordings that were learnt from.
-pub fn origin(result: &Commissioned) -> String {
+/// Recordings that were learnt from, and the configuration that they were read with.
+pub fn origin(result: &Commissioned, with: &Fingerprints) -> String {
     let minutes = result.length / 60.0;
     let tried = result.trial.as_ref().map_or(String::new(), |trial| {
         let held = trial.held / 60.0;
         format!("; the trial uses tables that were learnt without its own {held:.1} min")
     });
-    format!("learnt from all {minutes:.1} min of {}{tried}", result.inputs)
+    format!("learnt from all {minutes:.1} min of {} with {with}{tried}", result.inputs)
 }
 
 /// Tables of the resulting configuration.

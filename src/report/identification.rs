@@ -1,15 +1,17 @@
 //! An identification as a page for people.
 
 use super::sheet::{Section, Sheet};
+use crate::config::Fingerprints;
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Identified, Outcome};
 use crate::identify::qr::Regression;
 use crate::identify::validate::SignalScore;
 use std::fmt::Write as _;
 
-/// The page.
-pub fn page(outcome: &Outcome) -> String {
-    let mut text = format!("{}: {}\n{}\n", outcome.machine, outcome.inputs, parts(outcome));
+/// The page; the recordings were read with the configuration `with`.
+pub fn page(outcome: &Outcome, with: &Fingerprints) -> String {
+    let Outcome { machine, inputs, .. } = outcome;
+    let mut text = format!("{machine}: {inputs} with {with}\n{}\n", parts(outcome));
     for section in [parameters(outcome), character(outcome), cross_validation(outcome)] {
         text += &spaced(&section.text());
     }

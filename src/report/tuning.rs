@@ -1,6 +1,7 @@
 //! A tuning as a page for people.
 
 use super::sheet::{Section, Sheet};
+use crate::config::Fingerprints;
 use crate::extremes::{HOURS_PER_YEAR, per_second};
 use crate::tables::provenance::four_digits;
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
@@ -8,9 +9,10 @@ use crate::tune::criterion::STEP;
 use crate::tune::{Score, Search, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 
-/// The page.
-pub fn page(result: &Tuning) -> String {
-    let mut text = format!("{}: {}\n{}\n\n", result.machine, result.inputs, part(result));
+/// The page; the recordings were read with the configuration `with`.
+pub fn page(result: &Tuning, with: &Fingerprints) -> String {
+    let Tuning { machine, inputs, .. } = result;
+    let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", part(result));
     text += &format!("{}{}\n\n", search(&result.search).text(), tried(&result.search));
     text += &format!("{}\n{}\n", tails(result).text(), ladder(result).text());
     text += &format!("{}\n{}", thresholds(result), sensitivity(result).text());

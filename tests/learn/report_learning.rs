@@ -17,7 +17,13 @@ fn learnt_on(log: &str, config: &str, command: &[&str], code: i32) -> (String, S
     assert_eq!(run.code, Some(code), "{}", run.stderr);
     // What is printed, and the exit code, are the same with a page.
     assert_eq!(run, tertius(&[&plain[..], &["--report", &path]].concat(), b""));
-    (run.stdout, scratch.read("page.html"))
+    let page = scratch.read("page.html");
+    // Both say which configuration it was, as `check` does.
+    let check = tertius(&["check", config], b"").ok().stdout;
+    let identity = check.lines().find_map(|line| line.strip_prefix("judged by "));
+    let with = format!("with {}", identity.expect("it has one"));
+    assert!(run.stdout.contains(&with) && page.contains(&with), "{with}: {}", run.stdout);
+    (run.stdout, page)
 }
 
 /// Every number of the text's tables is on the page.

@@ -7,6 +7,7 @@ mod side;
 mod weights;
 
 use super::sheet::{Section, Sheet};
+use crate::config::Fingerprints;
 use crate::evaluate::{
     CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
     RowResult, Study, SuspectFigures, WITHIN,
@@ -23,9 +24,9 @@ pub fn json(evaluation: &Evaluation) -> String {
     text
 }
 
-/// The text.
-pub fn text(plan: &Plan, evaluation: &Evaluation) -> String {
-    let mut text = format!("{}\n{}\n", evaluation.machine, extent(plan));
+/// The text; `with` is the configuration that was evaluated.
+pub fn text(plan: &Plan, evaluation: &Evaluation, with: &Fingerprints) -> String {
+    let mut text = format!("{} with {with}\n{}\n", evaluation.machine, extent(plan));
     for section in sections(plan, evaluation) {
         text += "\n";
         text += &section.text();

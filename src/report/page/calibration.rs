@@ -8,6 +8,7 @@ use super::figure::{Band, Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
+use crate::config::Fingerprints;
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
 use crate::tables::provenance::four_digits;
@@ -16,10 +17,15 @@ use plotters::style::RGBColor;
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];
 const SHORT: [&str; 2] = ["C1 − C2, before", "C1 − Ĉ2, after"];
 
-/// The whole page; `configured` is the bound of R3 in the configuration, m.
-pub fn page(result: &Calibration, differences: &Differences, configured: f64) -> String {
+/// The whole page; the recordings were read with the configuration `with`, whose bound of R3 is `configured`, m.
+pub fn page(
+    result: &Calibration,
+    differences: &Differences,
+    configured: f64,
+    with: &Fingerprints,
+) -> String {
     let mut page = Page::new("calibrate", &format!("Calibration: {}", result.machine));
-    page.paragraph(&result.inputs);
+    page.paragraph(&format!("{} with {with}", result.inputs));
     page.verdict(&text::verdict(result));
     page.contents();
     add(&mut page, result, differences, configured);

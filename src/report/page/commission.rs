@@ -5,11 +5,17 @@ use super::figure::{Curve, Figure, Panel, WIDE};
 use super::html::capitalised;
 use super::{Differences, Page, calibration, identification, palette, tuning};
 use crate::commission::Commissioned;
+use crate::config::Fingerprints;
 use crate::report::commission as text;
 
-/// The whole page, with the `differences` of its calibration if there is one; `configured` is the
-/// bound of R3 that the configuration had, m.
-pub fn page(result: &Commissioned, differences: Option<&Differences>, configured: f64) -> String {
+/// The whole page, with the `differences` of its calibration if there is one; the recordings were read with the
+/// configuration `with`, whose bound of R3 was `configured`, m.
+pub fn page(
+    result: &Commissioned,
+    differences: Option<&Differences>,
+    configured: f64,
+    with: &Fingerprints,
+) -> String {
     let mut page = Page::new("commission", &format!("Commissioning: {}", result.machine));
     let verdict = &result.verdict;
     if text::is_good(result) {
@@ -19,7 +25,7 @@ pub fn page(result: &Commissioned, differences: Option<&Differences>, configured
         let lines: Vec<String> = said.map(|line| capitalised(line)).collect();
         page.alarm(&lines.join("\n"));
     }
-    page.paragraph(&capitalised(&text::origin(result)));
+    page.paragraph(&capitalised(&text::origin(result, with)));
     page.section(&text::tables(result));
     if result.trial.is_some() {
         page.heading("Trial on what was held back");

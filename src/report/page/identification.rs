@@ -5,6 +5,7 @@ use super::curves;
 use super::figure::{Curve, Figure, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
+use crate::config::Fingerprints;
 use crate::identify::correlate::{LAGS, Whiteness};
 use crate::identify::outcome::{CylinderOutcome, Outcome};
 use crate::identify::validate::{Shown, Trials};
@@ -17,10 +18,10 @@ const TIME: &str = "time since the first frame";
 
 type Captioned = (Figure, String);
 
-/// The whole page; `sample_time`: s.
-pub fn page(outcome: &Outcome) -> String {
+/// The whole page; the recordings were read with the configuration `with`.
+pub fn page(outcome: &Outcome, with: &Fingerprints) -> String {
     let mut page = Page::new("identify", &format!("Identification: {}", outcome.machine));
-    page.paragraph(&outcome.inputs);
+    page.paragraph(&format!("{} with {with}", outcome.inputs));
     page.verdict(&text::verdict(outcome));
     page.contents();
     add(&mut page, outcome);

@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
+use crate::config::Fingerprints;
 use crate::extremes::{Tail, per_second};
 use crate::report::tuning as text;
 use crate::tables::provenance::four_digits;
@@ -23,10 +24,10 @@ const FAR: f64 = 12.0;
 
 const HOUR: f64 = 3600.0;
 
-/// The whole page.
-pub fn page(result: &Tuning) -> String {
+/// The whole page; the recordings were read with the configuration `with`.
+pub fn page(result: &Tuning, with: &Fingerprints) -> String {
     let mut page = Page::new("tune", &format!("Tuning: {}", result.machine));
-    page.paragraph(&result.inputs);
+    page.paragraph(&format!("{} with {with}", result.inputs));
     page.verdict(&text::verdict(result));
     page.contents();
     add(&mut page, result);

@@ -6,6 +6,7 @@ use super::axis::Axis;
 use super::figure::{Curve, Figure, HALF, Panel, Shape};
 use super::html::capitalised;
 use super::{Page, palette};
+use crate::config::Fingerprints;
 use crate::evaluate::{Delay, Evaluation, Grade, Plan, RowResult, SIGMA, Study, WITHIN};
 use crate::report::evaluation;
 use plotters::style::RGBColor;
@@ -37,10 +38,10 @@ const COLOURS: [RGBColor; 6] = [
     palette::INK,
 ];
 
-/// The whole page, from the same tables as the text for a terminal.
-pub fn page(plan: &Plan, result: &Evaluation) -> String {
+/// The whole page, from the same tables as the text for a terminal; `with` is the configuration that was evaluated.
+pub fn page(plan: &Plan, result: &Evaluation, with: &Fingerprints) -> String {
     let mut page = Page::new("evaluate", &format!("Evaluation: {}", result.machine));
-    page.paragraph(&capitalised(&evaluation::extent(plan)));
+    page.paragraph(&format!("With {with}: {}", evaluation::extent(plan)));
     let figures = [Grade::Fine, Grade::Coarse]
         .into_iter()
         .flat_map(|grade| SIZED.iter().filter_map(move |it| probability(plan, result, it, grade)));
