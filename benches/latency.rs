@@ -1,6 +1,6 @@
 //! From the frame that completes a cycle to the warning that it causes, through everything of the live gateway but the
-//! socket: frames come at their times, and what is sent is only noted. `scripts/bench-window` runs it, alone and
-//! looked at.
+//! socket: frames come at their times, and what is sent is only noted. `scripts/bench-window` and
+//! `scripts/bench-peers` run it, alone and with others around.
 //!
 //!     cargo bench --bench latency -- CONFIG WARNINGS
 //!
@@ -13,6 +13,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use tertius::alarm::OwnFrame;
 use tertius::appliance::flight::FlightPlan;
 use tertius::appliance::history::Kept;
+use tertius::appliance::mqtt::MqttPlan;
 use tertius::appliance::realtime;
 use tertius::appliance::store::StorePlan;
 use tertius::appliance::surroundings::{Appliance, Keeping, SitePlan};
@@ -178,6 +179,20 @@ fn keeping(path: &Path, loaded: &Loaded, design: &MonitorDesign) -> Keeping {
     }
 }
 
+fn publishing(loaded: &Loaded) -> Option<MqttPlan> {
+    let mqtt = &loaded.settings.mqtt;
+    let (host, port) = mqtt.address()?;
+    Some(MqttPlan {
+        host: host.to_owned(),
+        port,
+        topic: mqtt.topic.clone(),
+        login: None,
+        authority: None,
+        period: Duration::from_secs_f64(mqtt.period),
+        store: loaded.store_path.clone(),
+    })
+}
+
 fn main() {
     let words: Vec<String> = std::env::args().filter(|word| !word.starts_with("--")).collect();
     let [_, path, wanted] = &words[..] else {
@@ -193,7 +208,13 @@ fn main() {
     let reload = || Err(Failure::Failed("there is no other one".to_owned()));
     let mut appliance = Appliance::new(Box::new(reload)).expect("signals can be caught");
     appliance.describe(MachineFacts { limits_m, ..MachineFacts::default() });
-    let site = SitePlan { listen: loaded.settings.http.address(), ..SitePlan::default() };
+    let settings = &loaded.settings;
+    let site = SitePlan {
+        listen: settings.http.address(),
+        modbus: settings.modbus.address(),
+        mqtt: publishing(&loaded),
+        ..SitePlan::default()
+    };
     appliance.starting(&path.display().to_string(), site, None);
     appliance.restore(&mut gateway, keeping);
     realtime::apply(loaded.settings.realtime);

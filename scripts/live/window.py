@@ -1,4 +1,5 @@
-"""The latency of a warning while the page is looked at; run by scripts/bench-window, see there."""
+"""The latency of a warning while the page is looked at, or while the ship's systems flood or hang; run by
+scripts/bench-window and scripts/bench-peers, see there."""
 
 import argparse
 import errno
@@ -16,7 +17,7 @@ import time
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
-PORT = 9493
+PORT, MODBUS, BROKER = 9493, 9494, 9495
 WATCHERS, NOT_READING = 50, 10
 WARNINGS = 50  # a block
 MOST = 1.05
@@ -24,15 +25,23 @@ MOST = 1.05
 ALONE = "[realtime]\npriority = 20\n[alarm]\nclear = 0.04\n"
 PATHS = ["/", "/api/overview", "/api/events?limit=100", "/api/trend/1", "/health", "/metrics", "/nowhere"]
 CASES = ["alone", "beside", "looked at"]
+FLOODING, NOT_TAKING, HANGING, KNOCKING = 3, 2, 2, 2  # Modbus clients; there are eight places
+REQUEST = bytes([0, 7, 0, 0, 0, 6, 1, 4, 0, 0, 0, 30])  # the registers of the machine
+CONNACK, PUBACK = bytes([0x20, 3, 0, 0, 0]), 0x40
 
 
-def configuration(disk, real_time=True):
-    """That of the recordings; what is looked at keeps everything on `disk`."""
+def configuration(disk, real_time=True, peers=False):
+    """That of the recordings; what is looked at keeps everything on `disk`, and what has peers serves and publishes."""
     text = (TOP / "tests/recordings/e-type-sequential.toml").read_text()
     text = text.replace('"../../dbc/e-type.dbc"', f'"{TOP / "dbc/e-type.dbc"}"')
     if disk is None:
         return f'{ALONE}[http]\nlisten = "off"\n{text}'
-    return f"""{ALONE if real_time else ALONE.replace("20", "0")}
+    ship = f"""[modbus]
+listen = "127.0.0.1:{MODBUS}"
+[mqtt]
+broker = "127.0.0.1:{BROKER}"
+"""
+    return f"""{ship if peers else ""}{ALONE if real_time else ALONE.replace("20", "0")}
 [http]
 listen = "127.0.0.1:{PORT}"
 [store]
@@ -48,10 +57,10 @@ class Crowd:
     """Watchers, some of whom do not read; a client that asks without end; someone who locks the database for 0.8 s
     of each second. A process of its own: it must not delay the player of the machine."""
 
-    def __init__(self, store):
+    def __init__(self, of, store):
         context = multiprocessing.get_context("fork")
         self._here, there = multiprocessing.Pipe()
-        self._process = context.Process(target=_Gathered, args=(store, there), daemon=True)
+        self._process = context.Process(target=of, args=(store, there), daemon=True)
         self._process.start()
 
     def go(self):
@@ -127,6 +136,122 @@ class _Gathered:
             self.over.wait(0.2)
 
 
+class _Peers:
+    """Modbus clients that ask without a pause, that do not take their answers, that leave a request half sent, and that
+    connect again and again; and a broker that is a bad one in another way for each connection."""
+
+    def __init__(self, _store, orders):
+        self.over = threading.Event()
+        self.answers = self.connections = self.messages = self.brokers = 0
+        self.first = os.getpid()
+        work = [self.flood] * FLOODING + [self.stuff] * NOT_TAKING + [self.hang] * HANGING + [self.knock] * KNOCKING
+        self.listener = socket.create_server(("127.0.0.1", BROKER))
+        self.listener.settimeout(0.5)
+        self.threads = [threading.Thread(target=it, daemon=True) for it in [*work, self.broke]]
+        for thread in self.threads:
+            thread.start()
+        orders.recv()
+        self.over.set()
+        for thread in self.threads:
+            thread.join(10)
+        orders.send({name: getattr(self, name) for name in ("answers", "connections", "messages", "brokers")})
+
+    def client(self, with_it):
+        """A Modbus connection after the other, until it is over."""
+        while not self.over.is_set():
+            try:
+                with socket.create_connection(("127.0.0.1", MODBUS), timeout=1.0) as client:
+                    self.connections += 1
+                    with_it(client)
+            except OSError:
+                self.over.wait(0.05)
+
+    def flood(self):
+        def ask(client):
+            while not self.over.is_set():
+                client.sendall(REQUEST * 100)
+                if not (answer := client.recv(65536)):
+                    return
+                self.answers += len(answer) // 69
+
+        self.client(ask)
+
+    def stuff(self):
+        def ask(client):
+            while not self.over.is_set():
+                client.sendall(REQUEST * 1000)
+
+        self.client(ask)
+
+    def hang(self):
+        def half(client):
+            client.sendall(REQUEST[:7])
+            self.over.wait(5.0)
+
+        self.client(half)
+
+    def knock(self):
+        self.client(lambda _client: None)
+
+    def broke(self):
+        while not self.over.is_set():
+            try:
+                client, _ = self.listener.accept()
+            except TimeoutError:
+                continue
+            way = [self.silent, self.deaf, self.flooding, self.good][(self.first + self.brokers) % 4]
+            self.brokers += 1
+            with client:
+                client.settimeout(0.5)
+                try:
+                    way(client)
+                except OSError:
+                    pass
+
+    def silent(self, _client):
+        self.over.wait(5.0)
+
+    def deaf(self, client):
+        client.sendall(CONNACK)
+        self.over.wait(5.0)
+
+    def flooding(self, client):
+        client.sendall(CONNACK)
+        while not self.over.is_set():
+            client.sendall(bytes([0x30, 5, 0, 1, 97, 0, 98]) * 1000)
+
+    def good(self, client):
+        """Acknowledges everything for some seconds."""
+        held, end = b"", time.monotonic() + 5.0
+        client.recv(4096)
+        client.sendall(CONNACK)
+        while not self.over.is_set() and time.monotonic() < end:
+            try:
+                held += client.recv(65536)
+            except TimeoutError:
+                continue
+            while (packet := self.packet(held)) is not None:
+                kind, body, held = packet
+                if kind >> 4 == 3:
+                    at = 2 + int.from_bytes(body[:2], "big")
+                    client.sendall(bytes([PUBACK, 2]) + body[at : at + 2])
+                    self.messages += 1
+                elif kind >> 4 == 12:
+                    client.sendall(bytes([0xD0, 0]))
+
+    @staticmethod
+    def packet(held):
+        """First byte, body and rest; nothing where it is not whole."""
+        length = shift = 0
+        for place, byte in enumerate(held[1:5], 1):
+            length |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                end = place + 1 + length
+                return (held[0], held[place + 1 : end], held[end:]) if len(held) >= end else None
+        return None
+
+
 def fill(disk):
     """Leaves nothing on `disk` but what is taken already."""
     for size in (65536, 4096, 1):
@@ -157,17 +282,18 @@ class Gateway:
         return [float(line) for line in self.out.read_text().split()]
 
 
-def block(binary, folder, case):
+def block(binary, folder, case, peers):
     """Latencies, what the crowd did, and the bytes left on the disk of the one that is looked at."""
     if case == "alone":
         return Gateway(binary, folder, "alone", configuration(None)).latencies(), None, None
     disk = folder / "disk"
     subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", disk], check=True)
     try:
-        looked_at = Gateway(binary, folder, "looked-at", configuration(disk, case == "looked at"))
+        looked_at = Gateway(binary, folder, "looked-at", configuration(disk, case == "looked at", peers))
         time.sleep(0.5)
-        fill(disk)
-        crowd = Crowd(disk / "kept.events")
+        if not peers:
+            fill(disk)
+        crowd = Crowd(_Peers if peers else _Gathered, disk / "kept.events")
         judged = looked_at if case == "looked at" else Gateway(binary, folder, "alone", configuration(None))
         found = judged.latencies()
         did = crowd.go()
@@ -178,22 +304,28 @@ def block(binary, folder, case):
         subprocess.run(["umount", "--lazy", disk], check=True)
 
 
-def judge(blocks, crowds, full):
+def judge(blocks, crowds, full, peers):
     names = f"{len(blocks['alone'])} blocks of {WARNINGS} warnings in turn"
-    print(f"latency, µs, while the page is looked at, {names}")
+    what = "the ship's systems flood and hang" if peers else "the page is looked at"
+    print(f"latency, µs, while {what}, {names}")
     print(f"  {'':12}{'median':>9}{'90 %':>9}{'99 %':>9}   medians of the blocks")
     for case, found in blocks.items():
         values = sorted(value for block in found for value in block)
         shares = "".join(f"{values[int(share * len(values))]:9.1f}" for share in (0.5, 0.9, 0.99))
         print(f"  {case:12}{shares}   {' '.join(f'{statistics.median(block):.0f}' for block in found)}")
     total = {name: sum(it[name] for it in crowds) for name in crowds[0]}
-    print(f"  {WATCHERS} watchers, {NOT_READING} of them not reading: {total['events']} events read; "
-          f"{total['answers']} requests answered, {total['refused']} refused; the database locked {total['locked']} "
-          f"times; the disk full in {full} of {len(blocks['looked at'])} blocks")
+    if peers:
+        print(f"  Modbus: {FLOODING} clients flood, {NOT_TAKING} do not take answers, {HANGING} hang, {KNOCKING} connect "
+              f"without end: {total['connections']} connections, {total['answers']} answers; MQTT: {total['brokers']} "
+              f"connections to a broker that is silent, deaf, flooding or good, {total['messages']} messages taken")
+    else:
+        print(f"  {WATCHERS} watchers, {NOT_READING} of them not reading: {total['events']} events read; "
+              f"{total['answers']} requests answered, {total['refused']} refused; the database locked {total['locked']} "
+              f"times; the disk full in {full} of {len(blocks['looked at'])} blocks")
     of = {case: [statistics.median(block) for block in found] for case, found in blocks.items()}
     ratios = {case: statistics.median(b / a for a, b in zip(of[case], of["looked at"])) for case in ("alone", "beside")}
-    good = min(ratios.values()) <= MOST and full == len(blocks["looked at"])
-    print(f"  looked at, the median of a block is {ratios['alone']:.3f} of that alone, and {ratios['beside']:.3f} of that "
+    good = min(ratios.values()) <= MOST and (peers or full == len(blocks["looked at"]))
+    print(f"  {'with them' if peers else 'looked at'}, the median of a block is {ratios['alone']:.3f} of that alone, and {ratios['beside']:.3f} of that "
           f"beside another one which is; wanted: {MOST} at the most: {'reached' if good else 'NOT reached'}")
     return good
 
@@ -202,6 +334,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--binary", required=True)
     parser.add_argument("--blocks", type=int, required=True)
+    parser.add_argument("--peers", action="store_true")
     options = parser.parse_args()
     blocks, crowds, full = {case: [] for case in CASES}, [], 0
     with tempfile.TemporaryDirectory() as folder:
@@ -209,12 +342,12 @@ def main():
         (folder / "disk").mkdir()
         for _ in range(options.blocks):
             for case in CASES:
-                found, did, left = block(options.binary, folder, case)
+                found, did, left = block(options.binary, folder, case, options.peers)
                 blocks[case].append(found)
                 if case == "looked at":
                     crowds.append(did)
                     full += left == 0
-    sys.exit(0 if judge(blocks, crowds, full) else 1)
+    sys.exit(0 if judge(blocks, crowds, full, options.peers) else 1)
 
 
 main()

@@ -13,7 +13,7 @@ use super::telemetry::Recorder;
 use super::telemetry::Telemetry;
 use super::telemetry::clock::Clock;
 use patience::Patience;
-use service::Reading;
+use service::{PACE, Reading};
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -99,11 +99,13 @@ async fn accept(
     };
     let places = Arc::new(Semaphore::new(CLIENTS));
     let connected = |stream: TcpStream, _: SocketAddr| {
-        let place = Arc::clone(&places).try_acquire_owned();
+        let places = Arc::clone(&places);
         let (telemetry, clock) = (Arc::clone(&telemetry), Arc::clone(&clock));
         async move {
+            // The next one is accepted after this, so that whoever connects without end costs little.
+            tokio::time::sleep(PACE).await;
             // Without a place the stream is closed here.
-            let Ok(_place) = place else { return Ok(None) };
+            let Ok(_place) = places.try_acquire_owned() else { return Ok(None) };
             _ = stream.set_nodelay(true);
             let reading = Reading { telemetry, clock, _place };
             Ok(Some((reading, Patience::new(stream, silence))))

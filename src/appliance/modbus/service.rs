@@ -14,8 +14,9 @@ use tokio_modbus::{ExceptionCode, Request, Response};
 /// Most registers of one request (Modbus Application Protocol V1.1b3, section 6.4).
 const MOST_REGISTERS: u16 = 125;
 
-/// Time for an answer, so that a client that does not pause takes no more than a hundred of them a second.
-const PACE: Duration = Duration::from_millis(10);
+/// Time for an answer and for a new connection, so that clients that do not pause take no more than a hundred of them a
+/// second.
+pub(super) const PACE: Duration = Duration::from_millis(10);
 
 /// Reads the telemetry for one client; there is nothing that a client could write.
 pub(super) struct Reading {
