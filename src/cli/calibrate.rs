@@ -8,7 +8,7 @@ use super::tables::{self, InPlace};
 use super::update::{Study, Update};
 use crate::calibrate::{Calibration, CalibrationCourse};
 use crate::commission::holding::Without;
-use crate::config::design;
+use crate::config::{design, edit};
 use crate::report::calibration;
 use crate::report::page::{self, Differences};
 use crate::survey::Recording;
@@ -113,8 +113,11 @@ impl Calibrate {
     /// Puts the tables into the configuration, and keeps the data that they were made from.
     fn put(&self, study: &Study, result: &Calibration, tables: &str) -> Result<(), Failure> {
         let mut prepared = None;
-        self.place.put_after(tables, &[], design::unjudging, |after| {
-            prepared = study.prepare(after, &result.cuts())?;
+        let judged_by = study.surveyed.machine.loaded.document.effective();
+        let in_force = edit::put(judged_by, tables, &[])
+            .map_err(|error| Failure::Failed(format!("nothing was changed: {error}")))?;
+        self.place.put_after(tables, &[], design::unjudging, |_| {
+            prepared = study.prepare(&in_force, &result.cuts())?;
             Ok(())
         })?;
         prepared.map_or(Ok(()), Prepared::settle)

@@ -148,7 +148,7 @@ impl Commission {
             if self.dry_run {
                 return tables::show(config, before, after);
             }
-            let prepared = study.prepare(after, &taught.cuts())?;
+            let prepared = study.prepare(&taught.text, &taught.cuts())?;
             tables::replace(config, before, after)?;
             return prepared.map_or(Ok(()), Prepared::settle);
         };

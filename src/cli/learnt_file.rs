@@ -56,7 +56,8 @@ impl LearntFile {
                 Failure::Wrong(format!(
                     "{} does not belong to this configuration: {broken}. What was learnt under other \
                      tables is not mixed with these. Restore the previous configuration (a copy is \
-                     kept beside it), or start again with this recording (--update --fresh)",
+                     kept beside it) and give the same values by --set and TERTIUS_ variables, or start \
+                     again with this recording (--update --fresh)",
                     self.0.display()
                 ))
             }),

@@ -65,7 +65,7 @@ impl Study {
         let file = LearntFile::beside(config);
         let inputs = Inputs::new(surveyed.logs().chain(surveyed.machine.files(config)));
         inputs.claim([(Some(file.path()), Mark::Judged)], Overwriting::default())?;
-        let seals = seals(loaded.document.text(), &loaded.layout())?;
+        let seals = seals(loaded.document.effective(), &loaded.layout())?;
         let earlier = if update.fresh {
             file.is_ours()?;
             None
@@ -148,8 +148,8 @@ impl Study {
         Origin { inputs, timeline: self.timeline.clone(), window: self.window, remarks }
     }
 
-    /// Writes what is kept from now on beside its file, for a configuration with the text `after`;
-    /// does nothing where nothing is kept. Times that were `left_out` are not kept.
+    /// Writes what is kept from now on beside its file, for a configuration with the text `after`, the overrides of
+    /// this call included where the tables do not replace them; does nothing where nothing is kept. Times that were `left_out` are not kept.
     ///
     /// # Errors
     /// The file cannot be written, or the recording can no longer be read.

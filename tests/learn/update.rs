@@ -176,6 +176,39 @@ fn what_was_learnt_under_other_tables_is_not_mixed_with_these() {
 }
 
 #[test]
+fn what_was_learnt_under_other_overrides_is_not_mixed_with_these() {
+    let yard = Yard::new();
+    let first = yard.record("first-day.log", "2.5,8", 240, 0);
+    let second = yard.record("second-day.log", "2.5,8", 240, 1);
+    let call = |command: &str, log: &str, set: &[&str]| {
+        yard.learn(command, &[log], "config.toml", &[&["--update"], set].concat())
+    };
+    let refused = |set: &[&str], told: &str| {
+        let words = ["does not belong to this configuration", told, "--set", "--fresh"];
+        yard.unchanged(|| call("commission", &second, set).failed(2, &words));
+    };
+    yard.update("commission", &first).ok();
+    for (set, told) in [
+        ("machine.name=lent out", "[machine]"),
+        ("observer.q=[1e-8, 1e-3, 100.0]", "[observer]"),
+        ("fde.high=2e-3", "[fde]"),
+        ("comparator.bound=0.003", "comparator.bound"),
+    ] {
+        refused(&["--set", set], told);
+    }
+
+    // Those of the day before are in force again, except for what was learnt under them.
+    let set = ["--set", "machine.name=lent out", "--set", "comparator.bound=0.003"];
+    let fresh = [&set[..], &["--fresh"]].concat();
+    call("calibrate", &first, &fresh).ok();
+    assert!(!yard.read("config.toml").contains("lent out"));
+    refused(&[], "[machine]");
+    refused(&set, "comparator.bound");
+    call("calibrate", &second, &set[..2]).ok();
+    assert_eq!(yard.learnt().parts.len(), 2);
+}
+
+#[test]
 fn a_fault_is_left_out_and_one_that_stays_is_refused() {
     let yard = Yard::new();
     let first = yard.record("first-day.log", "1.8,7", 240, 0);
