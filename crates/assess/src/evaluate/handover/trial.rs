@@ -169,7 +169,8 @@ impl Stand<'_> {
     ) -> [Way; Policy::ALL.len()] {
         let mut all = vec![Followed { installation: begun, way: Way::default() }];
         for (cycle, strokes) in (0..self.cycles(watch + AFTER)).zip(strokes) {
-            let age = cycle as f64 * self.settings.machine.sample_time - drawn.at;
+            // At the end of the cycle, in which the first faulty reading may already have been.
+            let age = (cycle + 1) as f64 * self.settings.machine.sample_time - drawn.at;
             let is_one = all.len() == 1;
             let mut parted = Vec::new();
             for it in &mut all {
@@ -186,9 +187,7 @@ impl Stand<'_> {
             }
             all.append(&mut parted);
         }
-        let sample_time = self.settings.machine.sample_time;
-        let of = |policy| all.get(policy).unwrap_or(&all[0]);
-        std::array::from_fn(|policy| of(policy).result(drawn.leg, sample_time))
+        std::array::from_fn(|policy| all.get(policy).unwrap_or(&all[0]).result(drawn.leg))
     }
 
     fn handing(&self, grade: Grade) -> Result<&MonitorDesign, StandError> {
@@ -199,7 +198,7 @@ impl Stand<'_> {
 }
 
 impl Followed {
-    /// Plays a cycle, `age` seconds after the fault of `faulty` began and with the healthy machine's `strokes`, m: who is
+    /// Plays a cycle that ends `age` seconds after the fault of `faulty` began, with the healthy machine's `strokes`, m: who is
     /// blamed in it.
     fn step(
         &mut self,
@@ -229,11 +228,9 @@ impl Followed {
         Self { installation: self.installation.with(policy), way: self.way }
     }
 
-    /// A warning is known in the cycle, of `sample_time` seconds, after that in which it is sent.
-    fn result(&self, leg: usize, sample_time: f64) -> Way {
+    fn result(&self, leg: usize) -> Way {
         let Motion { rods, tip } = self.installation.motion;
-        let blamed = self.way.blamed.map(|age| age + sample_time);
-        Way { blamed, rod: rods[leg], tip, ..self.way }
+        Way { rod: rods[leg], tip, ..self.way }
     }
 }
 
