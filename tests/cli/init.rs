@@ -82,7 +82,7 @@ fn recordings_of_machines_are_proposed_as_they_are_configured() {
     assert_eq!(names(&found), names(&expected));
     assert_eq!(found.machine.stroke, expected.machine.stroke);
     assert!(run.stdout.contains("sure: the two agree to 0.0592 mm over 2.74 m"), "{}", run.stdout);
-    assert!(run.stdout.contains("guessed: leads the rod's speed by 120 ms"), "{}", run.stdout);
+    assert!(run.stdout.contains("guessed: leads the rod's speed by 127 ms"), "{}", run.stdout);
 }
 
 /// The names of the DBC replaced by ones that say nothing, and the table of the state left out.
