@@ -106,7 +106,7 @@ impl Cylinder {
             at: now.opened,
         });
         if let (Some(nats), Some(sequential)) = (side, &mut self.sequential) {
-            sequential.hear_oil(nats);
+            sequential.take_flow_evidence(nats);
         }
         if monitored {
             self.tally.process.get_or_insert_default().count(process.judged());

@@ -191,8 +191,8 @@ impl Sequential {
 
     /// Takes the evidence of whose reading has moved that the oil gives, nats, where the readings and the command alone
     /// have not told.
-    pub fn hear_oil(&mut self, nats: f64) {
-        let enough = self.design.parameters.alarm.decided_by_oil;
+    pub fn take_flow_evidence(&mut self, nats: f64) {
+        let enough = self.design.parameters.alarm.decided_by_flow;
         if let Some(alarm) = self.alarm.as_mut().filter(|it| it.suspect == Suspect::Undecided)
             && nats.abs() > enough
         {
