@@ -21,7 +21,7 @@ const WARMING: f64 = 1e-4;
 pub fn draw(harsh: &Tables, task: &Task) -> Tables {
     let mut rng = ChaCha8Rng::seed_from_u64(task.seed);
     rng.set_stream(1 + task.machine as u64);
-    let mut tables = *harsh;
+    let mut tables = harsh.clone();
     let mut times = |value: &mut f64, low: f64, high: f64| *value *= rng.random_range(low..high);
     let friction = &mut tables.friction;
     times(&mut friction.viscous, 0.6, 1.3);
@@ -51,7 +51,7 @@ pub fn draw(harsh: &Tables, task: &Task) -> Tables {
 
 /// `tables` with the disturbances of the recording of `task`.
 pub fn befallen(tables: &Tables, task: &Task) -> Tables {
-    let mut tables = *tables;
+    let mut tables = tables.clone();
     if task.mishap == Mishap::Spikes {
         // As far off as Figure 5-9 has it, 0.43 mm: four fine counts, one coarse one.
         let counts = if task.is_coarse() { 1.0 } else { 4.0 };
