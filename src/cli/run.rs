@@ -20,7 +20,7 @@ use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::config::Overrides;
 use crate::config::settings::bus_of;
-use crate::frame::{BusNumber, Id};
+use crate::frame::BusNumber;
 use crate::live::several::SeveralOpener;
 use crate::live::supervisor::{self, Opener};
 use crate::time::Span;

@@ -80,6 +80,13 @@ impl Setup {
         Self { tables, ..self.clone() }
     }
 
+    /// Without what was taught of spool, pressures and flow.
+    pub fn without_process(&self) -> Self {
+        let mut other = self.clone();
+        other.settings.cylinder.iter_mut().for_each(|cylinder| cylinder.process = None);
+        other
+    }
+
     /// With another level of evidence, nats.
     pub fn at_level(&self, nats: f64) -> Self {
         let mut other = self.clone();
