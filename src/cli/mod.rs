@@ -113,7 +113,7 @@ enum Command {
     Demo(demo::Demo),
     #[cfg(feature = "cli")]
     #[command(flatten)]
-    Other(commands::Command),
+    Other(Box<commands::Command>),
 }
 
 impl Arguments {

@@ -115,8 +115,8 @@ fn a_machine_with_the_identified_valves_passes_the_same_flow() {
         tables
     });
     let machines = [&own, &one, &two].map(cylinders);
-    for leg in 0..6 {
-        let flow = one.identified[leg].flow.as_ref().expect("it was identified");
+    for (leg, identified) in one.identified.iter().enumerate() {
+        let flow = identified.flow.as_ref().expect("it was identified");
         let reach = flow.valve.reach();
         let [first, again] =
             [(0, 1), (1, 2)].map(|(a, b)| apart(&machines[a][leg], &machines[b][leg], reach));
