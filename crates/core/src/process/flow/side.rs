@@ -55,6 +55,11 @@ impl Healthy {
         }
         let spread = self.spread(along);
         let total = dot(&spread, along) + variance;
+        // By rounding, or in a state that was not written by this program, it may be none. NaN is not above 0.
+        if !(total > 0.0 && total.is_finite()) {
+            *self = Self::default();
+            return 0.0;
+        }
         let off = mean - dot(&self.sizes, along);
         // One block that is wild teaches no more than one that is odd.
         let limit = P.odd * libm::sqrt(total);
@@ -266,6 +271,16 @@ mod tests {
             + P.reading * P.reading;
         let expected = 0.01 * 0.02 / variance;
         assert!((nats / expected - 1.0).abs() < 1e-9, "{nats}, {expected}");
+    }
+
+    #[test]
+    fn a_covariance_that_is_none_is_learnt_anew() {
+        for wrong in [-1.0, f64::NAN, f64::INFINITY] {
+            let mut side = FlowSide::new(SECONDS);
+            side.healthy.covariance = [[wrong; UNKNOWNS]; UNKNOWNS];
+            (0..1500).for_each(|k| side.learn(&block(k, [0.0; 2], 0.0)));
+            assert!(said(&side, [1e-3, 0.0], 0.0, 20.0).is_some_and(|nats| nats > 8.0), "{wrong}");
+        }
     }
 
     #[test]
