@@ -66,7 +66,10 @@ impl Failure {
     /// Writes the message to standard error.
     pub fn report(&self) {
         match self {
+            #[cfg(feature = "cli")]
             Self::Config(error) => tell!("{:?}", error.report()),
+            #[cfg(not(feature = "cli"))]
+            Self::Config(error) => tell!("{error}"),
             Self::Wrong(message) | Self::Failed(message) => tell!("tertius: {message}"),
             Self::OutputClosed => {}
         }

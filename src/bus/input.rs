@@ -94,6 +94,7 @@ enum State {
     Fresh(Counted),
     Plain(Prefixed),
     Gzip(Box<flate2::bufread::MultiGzDecoder<Pieces>>),
+    #[cfg(feature = "zstd")]
     Zstd(Box<zstd::stream::read::Decoder<'static, Pieces>>),
     /// The input failed while being recognised, or is just being recognised.
     Failed(Counted),
@@ -119,6 +120,7 @@ impl Input {
             State::Fresh(counted) | State::Failed(counted) => counted,
             State::Plain(reader) => reader.get_ref().1,
             State::Gzip(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1,
+            #[cfg(feature = "zstd")]
             State::Zstd(decoder) => decoder.get_ref().get_ref().get_ref().get_ref().1,
         }
     }
@@ -135,6 +137,7 @@ impl Input {
         let length = match &mut self.state {
             State::Plain(reader) => reader.read(buffer),
             State::Gzip(decoder) => decoder.read(&mut buffer[..piece]),
+            #[cfg(feature = "zstd")]
             State::Zstd(decoder) => decoder.read(&mut buffer[..piece]),
             State::Fresh(_) | State::Failed(_) => Ok(0),
         }?;
@@ -148,6 +151,7 @@ impl Input {
         let kind = match self.state {
             _ if self.counted().failed => None,
             State::Gzip(_) => Some("gzip"),
+            #[cfg(feature = "zstd")]
             State::Zstd(_) => Some("zstd"),
             _ => None,
         };
@@ -184,10 +188,21 @@ impl Input {
         self.state = if is_gzip {
             State::Gzip(Box::new(flate2::bufread::MultiGzDecoder::new(pieces)))
         } else {
-            State::Zstd(Box::new(zstd::stream::read::Decoder::with_buffer(pieces)?))
+            unpack_zstd(pieces)?
         };
         Ok(())
     }
+}
+
+#[cfg(feature = "zstd")]
+fn unpack_zstd(pieces: Pieces) -> io::Result<State> {
+    Ok(State::Zstd(Box::new(zstd::stream::read::Decoder::with_buffer(pieces)?)))
+}
+
+#[cfg(not(feature = "zstd"))]
+fn unpack_zstd(_: Pieces) -> io::Result<State> {
+    let what = "it is compressed by zstd, which this program was built without (feature zstd)";
+    Err(io::Error::new(io::ErrorKind::Unsupported, what))
 }
 
 fn is_skippable(magic: &[u8]) -> bool {

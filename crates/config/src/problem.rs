@@ -5,13 +5,11 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource};
+#[cfg(feature = "report")]
+mod report;
 
 /// A report names at most this many problems and counts the rest.
 pub const MAX_PROBLEMS: usize = 20;
-/// Longest line that is shown beneath a problem, characters; longer lines were not written by a
-/// person.
-const LONGEST_SHOWN_LINE: usize = 400;
 
 /// Position of a problem in the text. Line and column count from 1, the column in characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,10 +104,11 @@ pub(super) fn table_of(key: &str) -> &str {
 /// Refusal of a configuration, with everything that was found wrong.
 ///
 /// Its `Display` is one line for each problem, as compilers write them, in the order of the file;
-/// [`ConfigError::report`] shows the same with the lines of the file.
+/// `report`, of the feature of that name, shows the same with the lines of the file.
 #[derive(Clone, Debug)]
 pub struct ConfigError {
     file: Arc<str>,
+    #[cfg_attr(not(feature = "report"), expect(dead_code, reason = "what a report shows"))]
     text: Arc<str>,
     problems: Vec<Problem>,
     more: usize,
@@ -132,18 +131,6 @@ impl ConfigError {
     pub fn more(&self) -> usize {
         self.more
     }
-
-    /// The problems for a terminal, each with its lines of the file.
-    pub fn report(&self) -> miette::Report {
-        let count = self.problems.len() + self.more;
-        let plural = if count == 1 { "" } else { "s" };
-        miette::Report::new(Refusal {
-            headline: format!("{}: {count} problem{plural}", self.file),
-            rest: (self.more > 0).then(|| format!("{} more are not shown", self.more)),
-            text: NamedSource::new(&self.file, self.text.to_string()),
-            problems: self.problems.iter().map(|p| Labelled::new(p, self)).collect(),
-        })
-    }
 }
 
 impl fmt::Display for ConfigError {
@@ -160,61 +147,3 @@ impl fmt::Display for ConfigError {
 }
 
 impl std::error::Error for ConfigError {}
-
-#[derive(Debug, thiserror::Error)]
-#[error("{headline}")]
-struct Refusal {
-    headline: String,
-    rest: Option<String>,
-    text: NamedSource<String>,
-    problems: Vec<Labelled>,
-}
-
-impl Diagnostic for Refusal {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.rest.as_ref().map(|rest| Box::new(rest) as Box<dyn fmt::Display>)
-    }
-
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        Some(&self.text)
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        Some(Box::new(self.problems.iter().map(|problem| problem as &dyn Diagnostic)))
-    }
-}
-
-#[derive(Debug, thiserror::Error)]
-#[error("{message}")]
-struct Labelled {
-    message: String,
-    help: String,
-    span: Option<Range<usize>>,
-}
-
-impl Labelled {
-    fn new(problem: &Problem, error: &ConfigError) -> Self {
-        let text = &*error.text;
-        let short = |span: &Range<usize>| {
-            let start = text[..span.start].rfind('\n').map_or(0, |at| at + 1);
-            let end = text[span.end..].find('\n').map_or(text.len(), |at| span.end + at);
-            end - start <= LONGEST_SHOWN_LINE
-        };
-        let span = problem.place.as_ref().map(|place| place.span.clone()).filter(short);
-        // The headline names the file, but what comes from elsewhere has to be said.
-        let elsewhere = problem.file != error.file;
-        let origin = if elsewhere { format!("{}: ", problem.file) } else { String::new() };
-        Self { message: origin + &problem.message, help: problem.help.clone(), span }
-    }
-}
-
-impl Diagnostic for Labelled {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        (!self.help.is_empty()).then(|| Box::new(&self.help) as Box<dyn fmt::Display>)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.span.clone()?;
-        Some(Box::new(std::iter::once(LabeledSpan::underline(span))))
-    }
-}

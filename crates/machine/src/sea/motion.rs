@@ -3,7 +3,7 @@
 use super::spectrum::{COMPONENTS, Component, Spectrum};
 use super::vessel::Vessel;
 use crate::hexapod::{Pose, Rate};
-use nalgebra::Complex;
+use num_complex::Complex;
 use rand_chacha::ChaCha8Rng;
 
 /// Number of sums: position, rate and acceleration of each degree of freedom.

@@ -1,7 +1,7 @@
 //! Response of a vessel to a wave.
 
 use super::GRAVITY;
-use nalgebra::Complex;
+use num_complex::Complex;
 use serde::Deserialize;
 
 /// Response of one degree of freedom: gain / (1 − r² + 2iζr) · e^(i phase), where r is the wave's
