@@ -1,5 +1,9 @@
 //! Reading ahead: a thread of its own reads a recording while its frames are worked on.
 
+mod batch;
+
+use batch::Batch;
+
 use super::format::blank_frame;
 use super::progress::Progress;
 use super::recording::Recording;
@@ -15,14 +19,8 @@ const BATCH: usize = 1024;
 /// Batches, those that are read and worked on included.
 const BATCHES: usize = 4;
 
-/// Frames in the order of the recording.
-struct Batch {
-    /// [`BATCH`] frames, of which the first `length` are read.
-    frames: Vec<Frame>,
-    length: usize,
-    /// Progress after the last of them.
-    progress: Progress,
-}
+/// What was read, and the progress after it.
+type Read = (Batch, Progress);
 
 /// Frames between two pauses of the taker.
 const STRIDE: usize = 64 * BATCH;
@@ -50,20 +48,18 @@ pub fn read_ahead(
     if threads < 2 || recording.progress().total.is_none() {
         return read_in_turn(recording, taker);
     }
-    let (to_taker, from_reader) = sync_channel::<Batch>(BATCHES);
+    let (to_taker, from_reader) = sync_channel::<Read>(BATCHES);
     let (to_reader, from_taker) = sync_channel::<Batch>(BATCHES);
-    let progress = recording.progress();
     for _ in 0..BATCHES {
-        let batch = Batch { frames: vec![blank_frame(); BATCH], length: 0, progress };
         // There is room for all of them, and the other end is held below.
-        let _ = to_reader.send(batch);
+        let _ = to_reader.send(Batch::new(BATCH, blank_frame()));
     }
     thread::scope(|scope| {
         let reader = scope.spawn(move || read(recording, &from_taker, &to_taker));
-        for (batch, n) in from_reader.iter().zip(1..) {
-            let mut flow = batch.frames[..batch.length].iter().try_for_each(|it| taker.take(it));
+        for ((mut batch, progress), n) in from_reader.iter().zip(1..) {
+            let mut flow = batch.try_for_each(|frame| taker.take(frame));
             if flow.is_continue() && (BATCH * n).is_multiple_of(STRIDE) {
-                flow = taker.pause(batch.progress);
+                flow = taker.pause(progress);
             }
             // A reader that is at the end takes none back.
             let _ = to_reader.send(batch);
@@ -95,12 +91,12 @@ fn read_in_turn(recording: &mut Recording, taker: &mut impl FrameTaker) -> Resul
 fn read(
     recording: &mut Recording,
     empty: &Receiver<Batch>,
-    full: &SyncSender<Batch>,
+    full: &SyncSender<Read>,
 ) -> Result<(), SourceError> {
     while let Ok(mut batch) = empty.recv() {
         let read = fill(&mut batch, recording);
         let is_last = !matches!(read, Ok(true));
-        if batch.length > 0 && full.send(batch).is_err() || is_last {
+        if batch.len() > 0 && full.send((batch, recording.progress())).is_err() || is_last {
             return read.map(|_| ());
         }
     }
@@ -109,15 +105,13 @@ fn read(
 
 /// Reads frames into `batch`; returns false at the recording's end.
 fn fill(batch: &mut Batch, recording: &mut Recording) -> Result<bool, SourceError> {
-    batch.length = 0;
-    for place in &mut batch.frames {
+    batch.clear();
+    while batch.len() < BATCH {
         let Some(frame) = recording.next_frame()? else {
             return Ok(false);
         };
-        place.clone_from(frame);
-        batch.length += 1;
+        batch.push(frame);
     }
-    batch.progress = recording.progress();
     Ok(true)
 }
 
@@ -140,7 +134,8 @@ mod tests {
             if self.taken.len() == self.most {
                 return ControlFlow::Break(());
             }
-            self.taken.push(format!("{frame:?}"));
+            let Frame { timestamp, bus, id, kind, .. } = frame;
+            self.taken.push(format!("{timestamp} {bus} {id} {kind:?} {:02X?}", frame.data()));
             ControlFlow::Continue(())
         }
 

@@ -176,7 +176,7 @@ impl Stateful for Frame {
         shape_of_both(shape_of_both(shape_of_name("Frame"), BusNumber::SHAPE), MAX_DATA as u64);
 
     fn save(&self, into: &mut StateWriter) {
-        let Self { timestamp, bus, id, kind, length, bytes } = self;
+        let Self { timestamp, bus, id, kind, length, bytes: _ } = self;
         timestamp.save(into);
         bus.save(into);
         id.save(into);
@@ -187,6 +187,9 @@ impl Stateful for Frame {
             Kind::Error => [3, 0],
         });
         length.save(into);
+        // What lies behind the payload is whatever the reader of the frame left there.
+        let mut bytes = [0; MAX_DATA];
+        bytes[..self.length()].copy_from_slice(self.data());
         bytes.save(into);
     }
 
@@ -262,6 +265,20 @@ mod tests {
         ] {
             assert_ne!(other, one);
         }
+    }
+
+    #[test]
+    fn what_lies_behind_a_payload_is_not_saved() {
+        let id = Id::standard(1).expect("11 bits");
+        let mut frame = Frame::new(Timestamp::default(), id, Kind::Data, &[1; MAX_DATA]);
+        frame.set_length(3);
+        let saved = |frame: &Frame| {
+            let mut writer = StateWriter::default();
+            frame.save(&mut writer);
+            writer.finish()
+        };
+        let expected = saved(&Frame::new(Timestamp::default(), id, Kind::Data, &[1; 3]));
+        assert_eq!(saved(&frame), expected);
     }
 
     #[test]
