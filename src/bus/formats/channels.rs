@@ -5,6 +5,28 @@ const MOST: u16 = 255;
 /// What such a format's own interfaces are called by its reader, before the number.
 const OWN: &str = "channel";
 
+/// The name of an interface that has only a number, made anew where the number is another one.
+#[derive(Default)]
+pub struct NumberedName {
+    number: Option<u64>,
+    name: Vec<u8>,
+}
+
+impl NumberedName {
+    /// The name of a channel.
+    pub fn channel(&mut self, number: u64) -> &[u8] {
+        self.of(OWN, number)
+    }
+
+    /// The name that begins with `prefix`, the same one at each call.
+    pub fn of(&mut self, prefix: &str, number: u64) -> &[u8] {
+        if self.number.replace(number) != Some(number) {
+            self.name = format!("{prefix}{number}").into_bytes();
+        }
+        &self.name
+    }
+}
+
 /// The numbers of the interfaces so far, counted from 1.
 #[derive(Default)]
 pub struct Channels(Vec<(String, u16)>);
@@ -33,6 +55,14 @@ impl Channels {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_follows_its_number() {
+        let mut name = NumberedName::default();
+        for number in [0, 0, 12, 12, 0] {
+            assert_eq!(name.channel(number), format!("channel{number}").as_bytes());
+        }
+    }
 
     #[test]
     fn a_channel_keeps_its_number_and_others_get_what_is_free() {

@@ -13,6 +13,7 @@ use crate::frame::Frame;
 use flate2::{Decompress, FlushDecompress, Status};
 
 use super::candump::stamp::Stamp;
+use super::channels::NumberedName;
 use object::{CONTAINER, OBJECT, ObjectHead};
 
 pub static FORMAT: Format = Format {
@@ -39,6 +40,8 @@ const MOST_HEAD: usize = 4096;
 const CONTAINER_HEAD: usize = 32;
 /// Bytes that are taken at a time, of data and of what is dropped.
 const PART: usize = 1 << 12;
+/// Bytes that are inflated at a time.
+const INFLATED: usize = 8 * PART;
 /// Most bytes that a part may inflate to; zlib reaches a thousandfold.
 const MOST_INFLATED: usize = 1100 * PART;
 /// Longest object that is looked at; others are dropped.
@@ -72,8 +75,11 @@ struct Blf {
     used: usize,
     /// Bytes of a long object that are still to come.
     skipped: usize,
-    /// Name of the newest frame's interface.
-    interface: Vec<u8>,
+    /// What a part of a container inflates to, before it goes to `objects`: [`INFLATED`] bytes once there is one.
+    inflated: Vec<u8>,
+    /// Channel of the newest frame, and the name of its interface.
+    channel: u16,
+    interface: NumberedName,
 }
 
 /// What a step of a reader gives: bytes that were taken, or what is wrong.
@@ -104,7 +110,8 @@ impl Reader for Blf {
         };
         match step {
             Step::Frame => {
-                Item::Frame { taken: 0, interface: &self.interface, absolute: self.start.is_some() }
+                let interface = self.interface.channel(self.channel.into());
+                Item::Frame { taken: 0, interface, absolute: self.start.is_some() }
             }
             Step::Taken(taken) => Item::Nothing { taken },
             Step::More => Item::More,
@@ -154,8 +161,7 @@ impl Blf {
             self.used += head.length;
             match read {
                 Ok(Some(channel)) => {
-                    self.interface.clear();
-                    self.interface.extend_from_slice(format!("channel{channel}").as_bytes());
+                    self.channel = channel;
                     return Step::Frame;
                 }
                 Ok(None) => {}
@@ -268,7 +274,7 @@ impl Blf {
         *left -= data.len();
         let (left, padding) = (*left, *padding);
         let result = match inflater {
-            Some(inflater) => inflate(inflater, data, &mut self.objects),
+            Some(inflater) => inflate(inflater, data, &mut self.inflated, &mut self.objects),
             None => {
                 self.objects.extend_from_slice(data);
                 Ok(())
@@ -284,18 +290,24 @@ impl Blf {
     }
 }
 
-/// Adds what `data` inflate to.
-fn inflate(inflater: &mut Decompress, data: &[u8], objects: &mut Vec<u8>) -> Result<(), Reason> {
+/// Adds what `data` inflate to, by way of `room`: the room that a vector has is filled with zeros at each call.
+fn inflate(
+    inflater: &mut Decompress,
+    data: &[u8],
+    room: &mut Vec<u8>,
+    objects: &mut Vec<u8>,
+) -> Result<(), Reason> {
     let damaged = || expected(data, "the data of a container by zlib");
+    room.resize(INFLATED, 0);
     let (before, held) = (inflater.total_in(), objects.len());
     loop {
-        objects.reserve(8 * PART);
-        let used = (inflater.total_in() - before) as usize;
-        let room = objects.capacity() - objects.len();
-        let status = inflater
-            .decompress_vec(&data[used..], objects, FlushDecompress::None)
-            .map_err(|_| damaged())?;
-        let is_full = objects.capacity() == objects.len() && room > 0;
+        let (used, had) = ((inflater.total_in() - before) as usize, inflater.total_out());
+        let status = inflater.decompress(&data[used..], room, FlushDecompress::None);
+        // What comes before damage is sound.
+        let more = (inflater.total_out() - had) as usize;
+        objects.extend_from_slice(&room[..more]);
+        let status = status.map_err(|_| damaged())?;
+        let is_full = more == room.len();
         if objects.len() - held > MOST_INFLATED {
             return Err(damaged());
         }

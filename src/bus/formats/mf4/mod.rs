@@ -17,6 +17,7 @@ use crate::bus::format::{End, Format, Item, Numbered, Reader, Unread};
 use crate::bus::reason::Reason;
 use crate::frame::Frame;
 
+use super::channels::NumberedName;
 use cursor::Next;
 use log::Log;
 
@@ -62,9 +63,7 @@ enum State {
 struct Mf4 {
     state: State,
     bytes: Vec<u8>,
-    /// Channel of the newest frame, and the name of its interface.
-    channel: Option<u64>,
-    interface: Vec<u8>,
+    interface: NumberedName,
 }
 
 impl Reader for Mf4 {
@@ -82,11 +81,8 @@ impl Reader for Mf4 {
         let State::Records(log) = &mut self.state else { return Item::More };
         match log.next(&self.bytes, frame) {
             Next::Frame(channel) => {
-                if self.channel.replace(channel) != Some(channel) {
-                    self.interface = format!("channel{channel}").into_bytes();
-                }
-                let absolute = log.absolute;
-                Item::Frame { taken: 0, interface: &self.interface, absolute }
+                let interface = self.interface.channel(channel);
+                Item::Frame { taken: 0, interface, absolute: log.absolute }
             }
             Next::Other => Item::Nothing { taken: 0 },
             Next::Bad(flaw) => Item::BadAt {

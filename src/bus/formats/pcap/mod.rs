@@ -13,6 +13,7 @@ use crate::bus::reason::{Found, Reason};
 use crate::frame::Frame;
 use crate::time::Timestamp;
 
+use super::channels::NumberedName;
 use packet::{Link, Unit};
 
 pub static FORMAT: Format = Format {
@@ -83,6 +84,7 @@ struct Pcap {
     skipped: u64,
     /// Name of the newest frame's interface.
     interface: Vec<u8>,
+    numbered: NumberedName,
 }
 
 impl Reader for Pcap {
@@ -329,7 +331,7 @@ impl Pcap {
         frame: &mut Frame,
     ) -> Step {
         let broken = |reason| Broken { taken: Some(taken), reason };
-        let Some(can) = link.can_of(packet, &mut self.interface) else {
+        let Some(can) = link.can_of(packet, &mut self.numbered, &mut self.interface) else {
             return Ok(Some((taken, false)));
         };
         packet::read(can, frame).map_err(broken)?;

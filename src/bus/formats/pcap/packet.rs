@@ -4,6 +4,8 @@ use crate::bus::format::{MAX_INTERFACE, is_fd_length};
 use crate::bus::reason::{Found, Reason};
 use crate::frame::{Frame, Id, Kind};
 
+use super::super::channels::NumberedName;
+
 /// LINKTYPE_CAN_SOCKETCAN, LINKTYPE_LINUX_SLL and LINKTYPE_LINUX_SLL2.
 pub const SOCKETCAN: u32 = 227;
 const COOKED: u32 = 113;
@@ -55,8 +57,14 @@ impl Unit {
 }
 
 impl Link {
-    /// The CAN frame in a packet, and the name of its interface; `None` in a packet of something else.
-    pub fn can_of<'a>(&self, packet: &'a [u8], interface: &mut Vec<u8>) -> Option<&'a [u8]> {
+    /// The CAN frame in a packet, and the name of its interface, which may be one of the `numbered`; `None` in a packet
+    /// of something else.
+    pub fn can_of<'a>(
+        &self,
+        packet: &'a [u8],
+        numbered: &mut NumberedName,
+        interface: &mut Vec<u8>,
+    ) -> Option<&'a [u8]> {
         let (can, index) = match self.kind {
             SOCKETCAN => (Some(packet), None),
             COOKED if is_can(packet.get(14..)) => (packet.get(16..), None),
@@ -68,7 +76,7 @@ impl Link {
         };
         interface.clear();
         match index {
-            Some(index) => interface.extend_from_slice(format!("if{index}").as_bytes()),
+            Some(index) => interface.extend_from_slice(numbered.of("if", index.into())),
             None => interface.extend_from_slice(&self.name),
         }
         Some(can.unwrap_or(&[]))
