@@ -143,6 +143,8 @@ impl Appliance {
                  `tertius commission` learns this machine's"
             );
         }
+        let (configuration, calibration) = (&*facts.identity, facts.calibration.as_deref());
+        info!(configuration, calibration, "what is judged by");
         self.recorder.telemetry().describe(facts);
     }
 

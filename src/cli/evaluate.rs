@@ -214,7 +214,7 @@ impl Evaluate {
         }
         let evaluation = self.evaluate(&plan, &stand)?;
         let with = machine.loaded.fingerprints();
-        let json = evaluation::json(&evaluation);
+        let json = evaluation::json(&evaluation, &with);
         if let Some(file) = output {
             file.write(&json)?;
         }

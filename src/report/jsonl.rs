@@ -2,10 +2,10 @@
 
 mod incident;
 
-use super::Summary;
 use super::device::DeviceFields;
 use super::notice::NoticeFields;
 use super::stops::TrendLine;
+use super::{IdentityFields, Summary};
 use crate::alarm::{Detector, Warning};
 use crate::monitor::Notice;
 use crate::observe::observer::Restart;
@@ -79,10 +79,8 @@ struct SummaryLine<'a> {
     /// Reasons why nothing was judged.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     reasons: &'a [String],
-    /// Identity of the configuration, and of the calibration in it.
-    configuration: String,
-    calibration: Option<String>,
-    calibration_recorded: Option<&'a str>,
+    #[serde(flatten)]
+    judged_by: IdentityFields<'a>,
     frames: u64,
     ignored_frames: u64,
     error_frames: u64,
@@ -234,9 +232,7 @@ pub fn summary(out: &mut impl Write, summary: &Summary<'_>) -> io::Result<()> {
         r#type: "summary",
         judged: summary.judgement.is_judged(),
         reasons: summary.judgement.reasons(),
-        configuration: fingerprints.configuration.to_string(),
-        calibration: fingerprints.calibration.map(|it| it.to_string()),
-        calibration_recorded: fingerprints.recorded.as_deref(),
+        judged_by: (*fingerprints).into(),
         frames: statistics.frames,
         ignored_frames: summary.ignored_frames(),
         error_frames: statistics.error_frames,

@@ -39,6 +39,7 @@ pub use zone::Zone;
 use crate::bus::Statistics;
 use crate::config::Fingerprints;
 use crate::monitor::{Counts, cylinder::Tally};
+use serde::Serialize;
 
 /// Everything that a summary is made from.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +63,26 @@ pub struct Summary<'a> {
     pub episodes: &'a Episodes,
     pub incidents: &'a Incidents,
     pub stops: &'a Stops<'a>,
+}
+
+/// Identities as fields of JSON.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct IdentityFields<'a> {
+    /// Identity of the configuration, and of the calibration in it.
+    configuration: String,
+    calibration: Option<String>,
+    /// Day (UTC) of the newest recording that the calibration was learnt from.
+    calibration_recorded: Option<&'a str>,
+}
+
+impl<'a> From<&'a Fingerprints> for IdentityFields<'a> {
+    fn from(it: &'a Fingerprints) -> Self {
+        Self {
+            configuration: it.configuration.to_string(),
+            calibration: it.calibration.map(|calibration| calibration.to_string()),
+            calibration_recorded: it.recorded.as_deref(),
+        }
+    }
 }
 
 impl Summary<'_> {

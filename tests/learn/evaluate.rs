@@ -288,6 +288,14 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert_eq!(one, scratch.read("evaluation.json"));
     assert_ne!(one, run("2", "4", &["--format", "json"]).stdout);
     let result: serde_json::Value = serde_json::from_str(&one).expect("JSON");
+    let with =
+        [&result["configuration"], &result["calibration"]].map(|it| it.as_str().expect("text"));
+    for identity in with {
+        assert!(
+            page.lines().next().is_some_and(|head| head.contains(identity)),
+            "{with:?}\n{page}"
+        );
+    }
     let rows = result["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 20);
     let largest = rows.iter().find(|row| row["size"] == 0.05).expect("50 mm");

@@ -6,19 +6,31 @@ mod process;
 mod side;
 mod weights;
 
+use super::IdentityFields;
 use super::sheet::{Section, Sheet};
 use crate::config::Fingerprints;
 use crate::evaluate::{
     CONFIDENCE, Cell, EstimateResult, Evaluation, HealthyCell, IncidentFigures, Plan, Proportion,
     RowResult, Study, SuspectFigures, WITHIN,
 };
+use serde::Serialize;
 
 /// Fixed parts of the JSON, between the values.
-pub const JSON_PARTS: [&str; 3] = ["{\n  \"machine\": \"", "\",\n  \"seed\": ", ",\n  \"rows\": ["];
+pub const JSON_PARTS: [&str; 3] = ["{\n  \"machine\": \"", ",\n  \"seed\": ", ",\n  \"rows\": ["];
 
-/// The evaluation as JSON for scripts: the same evaluation gives the same text.
-pub fn json(evaluation: &Evaluation) -> String {
-    let mut text = serde_json::to_string_pretty(evaluation)
+#[derive(Serialize)]
+struct Document<'a> {
+    machine: &'a str,
+    #[serde(flatten)]
+    judged_by: IdentityFields<'a>,
+    #[serde(flatten)]
+    evaluation: &'a Evaluation,
+}
+
+/// The evaluation `with` a configuration as JSON for scripts: the same evaluation gives the same text.
+pub fn json(evaluation: &Evaluation, with: &Fingerprints) -> String {
+    let document = Document { machine: &evaluation.machine, judged_by: with.into(), evaluation };
+    let mut text = serde_json::to_string_pretty(&document)
         .expect("names are strings, and JSON has a word for what is no number");
     text.push('\n');
     text

@@ -22,6 +22,8 @@ use tertius_core::alarm::Detector;
 /// The whole result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
+    /// Name of the machine, which stands before what it was judged by in a report.
+    #[serde(skip)]
     pub machine: String,
     pub seed: u64,
     pub rows: Vec<RowResult>,
