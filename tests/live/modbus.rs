@@ -323,7 +323,12 @@ fn what_is_no_request_ends_its_own_connection_only() {
         assert_eq!(said(&server, &REQUEST), good, "after {bad:?}");
     }
     bench.run(&cycles(0..10), DELAY);
-    assert_eq!(bench.metrics().get("tertius_cycles_total", &[]), 10.0);
+    let metrics = bench.metrics();
+    assert_eq!(metrics.get("tertius_cycles_total", &[]), 10.0);
+    // Of what is a request, the two for too many and for no registers were refused.
+    let counts = ["connections", "turned_away", "answers", "refused"];
+    let counts = counts.map(|it| metrics.get(&format!("tertius_modbus_{it}_total"), &[]));
+    assert_eq!(counts, [16.0, 0.0, 8.0, 2.0]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use tertius::appliance::mqtt::{MqttPlan, MqttPublisher};
 use tertius::appliance::store::{Cause, Clerk, EventKind, StorePlan, StoreReader};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
+use tertius::appliance::telemetry::exposition::exposition;
 use tertius::frame::Frame;
 use tertius::incident::Incident;
 use tertius::monitor::Monitor;
@@ -19,6 +20,7 @@ use tertius::time::Span;
 use tertius_testing::broker::{Broker, Message, Subscriber};
 use tertius_testing::certificates;
 use tertius_testing::machine::{Collected, Cycle, monitor};
+use tertius_testing::process::wait_for;
 
 /// How long the gateway takes for its turn.
 const DELAY: Span = Span::from_nanos(30_000);
@@ -192,6 +194,13 @@ fn received(subscriber: &mut Subscriber, from: i64, last: i64) -> (Vec<Value>, u
 
 #[test]
 fn an_hour_without_the_broker_loses_nothing_and_changes_no_order() {
+/// The metric `tertius_mqtt_NAME`; `None` if it is absent.
+fn metric(recorder: &Recorder, name: &str) -> Option<f64> {
+    let text = exposition(recorder.telemetry(), &**recorder.clock()).expect("a text");
+    let value = |line: &str| line.strip_prefix(&format!("tertius_mqtt_{name} "))?.parse().ok();
+    text.lines().find_map(value)
+}
+
     let folder = tempfile::tempdir().expect("there is room");
     let mut broker = Broker::start(folder.path(), "");
     let mut kept = Kept::new();
@@ -199,6 +208,7 @@ fn an_hour_without_the_broker_loses_nothing_and_changes_no_order() {
     let mut subscriber = broker.subscribe("ship/gangway/#", &[]);
     let first = publisher(plan.clone(), &kept.recorder);
     subscriber.find(|it| it.topic == "ship/gangway/state");
+    assert_eq!(["up", "events_waiting"].map(|it| metric(&kept.recorder, it)), [None; 2]);
     (0..10).for_each(|minute| kept.minute(minute));
     let each = kept.incidents.len() + 2;
     let so_far = kept.at_least(1 + each * 10);
@@ -216,11 +226,25 @@ fn an_hour_without_the_broker_loses_nothing_and_changes_no_order() {
     let all = kept.at_least(1 + each * 70);
     broker.restart();
     let last = all.len() as i64;
+    let metric = |name: &str| metric(&kept.recorder, name).expect("it is there");
+    // What the broker has not said that it has may come twice.
+    let waiting = all.len() - so_far.len();
+    wait_for("the count of what waits", || {
+        (waiting..=waiting + 16).contains(&(metric("events_waiting") as usize))
+    });
+    assert_eq!(metric("up"), 0.0);
+    assert!(metric("failures_total") > 1.0 && metric("connections_total") == 1.0);
     let (news, doubles) = received(&mut subscriber, so_far.len() as i64, last);
     assert_eq!(news, all[so_far.len()..]);
     assert!(doubles <= 16, "{doubles} came twice, more than are on their way at once");
     assert!(all.iter().map(number).eq(1..=last), "one number after the other");
 
+    wait_for("the last acknowledgement", || metric("events_waiting") == 0.0);
+    let counts = ["up", "connections_total", "refused_total"].map(metric);
+    assert_eq!(counts, [1.0, 2.0, 0.0]);
+    let sent = metric("events_sent_total") as usize;
+    assert!((all.len()..=all.len() + 16).contains(&sent), "{sent} of {}", all.len());
+    assert!(metric("acknowledged_total") >= all.len() as f64);
     // What the subscriber gets says what happened: each incident opens before it closes, with its own number.
     let of = |minute: u32| {
         let start = format!("minute {minute}:");

@@ -104,8 +104,10 @@ async fn accept(
         async move {
             // The next one is accepted after this, so that whoever connects without end costs little.
             tokio::time::sleep(PACE).await;
+            let place = places.try_acquire_owned();
+            telemetry.modbus_connected(place.is_ok());
             // Without a place the stream is closed here.
-            let Ok(_place) = places.try_acquire_owned() else { return Ok(None) };
+            let Ok(_place) = place else { return Ok(None) };
             _ = stream.set_nodelay(true);
             let reading = Reading { telemetry, clock, _place };
             Ok(Some((reading, Patience::new(stream, silence))))

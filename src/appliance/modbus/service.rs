@@ -58,6 +58,7 @@ impl Service for Reading {
 
     fn call(&self, request: Self::Request) -> Self::Future {
         let answer = self.answer(&request);
+        self.telemetry.modbus_answered(answer.is_ok());
         Box::pin(async move {
             tokio::time::sleep(PACE).await;
             answer

@@ -64,11 +64,13 @@ impl MqttPublisher {
             realtime::be_ordinary();
             let cursor =
                 plan.store.as_deref().map(|path| Arc::new(Mutex::new(Cursor::beside(path))));
-            runtime.spawn(publish(Desk { plan: Arc::new(plan), telemetry, clock, cursor }, pauses));
+            let desk = Desk { plan: Arc::new(plan), telemetry: telemetry.clone(), clock, cursor };
+            runtime.spawn(publish(desk, pauses));
             // Ends with an error once the sender is dropped.
             _ = runtime.block_on(stopped);
             // A name server that does not answer is not waited for.
             runtime.shutdown_background();
+            telemetry.mqtt_up(None);
         };
         std::thread::Builder::new().name("mqtt".to_owned()).stack_size(STACK_SIZE).spawn(work)?;
         Ok(Self { _stop: stop })
@@ -79,10 +81,14 @@ impl MqttPublisher {
 async fn publish(desk: Desk, [first, longest]: [Duration; 2]) {
     let mut pause = first;
     let mut told = String::new();
+    desk.telemetry.mqtt_up(Some(false));
     loop {
+        // How many wait is known during an outage, too.
+        desk.news(0);
         let began = Instant::now();
         // A task of its own: whatever a stranger sends, the next attempt follows.
         let ended = tokio::spawn(converse(desk.clone())).await;
+        desk.telemetry.mqtt_failed();
         let unreadable = |_| "what it sends cannot be read".to_owned();
         let trouble = ended.map_or_else(unreadable, |trouble| trouble.to_string());
         if began.elapsed() > longest {

@@ -41,6 +41,18 @@ pub(super) struct Desk {
     pub cursor: Option<Arc<Mutex<Cursor>>>,
 }
 
+impl Desk {
+    /// The next news, at most so many, and tells how many wait; `None` where there is no store, or where it cannot be
+    /// read now, of which its writer tells.
+    pub fn news(&self, most: usize) -> Option<Vec<NewsEntry>> {
+        let cursor = self.cursor.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner);
+        let after = |store: &str| cursor.number(store);
+        let reader = StoreReader::open(self.plan.store.as_ref()?).ok()?;
+        self.telemetry.mqtt_waiting(reader.news_behind(after).ok());
+        reader.news(after, most).ok()
+    }
+}
+
 /// A connection, from its begin to its end.
 pub(super) struct Session {
     desk: Desk,
@@ -82,6 +94,7 @@ impl Session {
         };
         let (window, keep_alive) = agreed(&answer)?;
         link.largest = answer.properties.and_then(|it| it.max_packet_size);
+        desk.telemetry.mqtt_up(Some(true));
         info!("published over MQTT: {} at {}:{}", plan.topic, plan.host, plan.port);
         Ok(Self {
             desk,
@@ -129,7 +142,10 @@ impl Session {
             Packet::PubAck(PubAck { pkid, reason, .. }) => {
                 let known = self.awaited.iter().position(|id| *id == pkid);
                 let known = known.ok_or(MqttTrouble::Unasked)?;
-                if !matches!(reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers) {
+                let taken =
+                    matches!(reason, PubAckReason::Success | PubAckReason::NoMatchingSubscribers);
+                self.desk.telemetry.mqtt_answered(taken);
+                if !taken {
                     return Err(MqttTrouble::NotTaken(reason));
                 }
                 self.awaited.remove(known);
@@ -163,7 +179,9 @@ impl Session {
         let (topic, text) = (topic(plan, "state"), state.to_json());
         let expiry = u32::try_from(expiry).ok();
         self.state = Some((state, Instant::now()));
-        self.publish(&topic, text, true, expiry).await
+        self.publish(&topic, text, true, expiry).await?;
+        self.desk.telemetry.mqtt_state_sent();
+        Ok(())
     }
 
     /// Publishes what comes next of the news, once all before it are taken.
@@ -172,19 +190,13 @@ impl Session {
             return Ok(());
         }
         let topic = topic(&self.desk.plan, "events");
-        for entry in self.news_to_come().unwrap_or_default() {
+        for entry in self.desk.news(self.window).unwrap_or_default() {
             self.news = Some((entry.store.clone(), entry.number));
             let text = serde_json::to_string(&entry).unwrap_or_default();
             self.publish(&topic, text, false, None).await?;
+            self.desk.telemetry.mqtt_event_sent();
         }
         Ok(())
-    }
-
-    /// The next news; `None` where the store cannot be read now, of which its writer tells.
-    fn news_to_come(&self) -> Option<Vec<NewsEntry>> {
-        let cursor = self.desk.cursor.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner);
-        let reader = StoreReader::open(self.desk.plan.store.as_ref()?).ok()?;
-        reader.news(|store| cursor.number(store), self.window).ok()
     }
 
     async fn publish(

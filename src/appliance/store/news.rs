@@ -44,8 +44,7 @@ impl StoreReader {
         after: impl Fn(&str) -> i64,
         most: usize,
     ) -> Result<Vec<NewsEntry>, Trouble> {
-        let store = "SELECT store FROM identity LIMIT 1";
-        let store: String = self.connection().query_row(store, [], |row| row.get(0))?;
+        let store = self.store()?;
         // What gave way meanwhile is left out, which shows in the numbers.
         let sql = "SELECT n.id, e.id, coalesce(r.at_ns, e.at_ns), e.kind, r.progress, e.cylinder,
                  coalesce(r.level, e.level), coalesce(r.suspect, e.suspect), r.fault, e.incident,
@@ -56,6 +55,25 @@ impl StoreReader {
         let mut query = self.connection().prepare(sql)?;
         let rows = query.query_map(params![after(&store), most], |row| news(row, &store))?;
         Ok(rows.collect::<rusqlite::Result<Vec<NewsEntry>>>()?)
+    }
+
+    /// Number of news behind the number that `after` gives for the identity of the store.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn news_behind(&self, after: impl Fn(&str) -> i64) -> Result<u64, Trouble> {
+        // Numbers have no gaps, and to count them would take longer after a long outage.
+        let ends = "SELECT coalesce(min(id), 1), coalesce(max(id), 0) FROM news";
+        let [oldest, newest]: [i64; 2] =
+            self.connection().query_row(ends, [], |row| Ok([row.get(0)?, row.get(1)?]))?;
+        let after = after(&self.store()?).max(oldest - 1);
+        Ok(u64::try_from(newest - after).unwrap_or(0))
+    }
+
+    /// Identity of the store.
+    fn store(&self) -> Result<String, Trouble> {
+        let store = "SELECT store FROM identity LIMIT 1";
+        Ok(self.connection().query_row(store, [], |row| row.get(0))?)
     }
 }
 

@@ -114,9 +114,15 @@ impl Collector for View {
 
 impl View {
     fn totals(&self, out: &mut Out<'_, '_>) -> fmt::Result {
-        for (name, help, total) in self.telemetry.totals.described() {
+        let peers = &self.telemetry.peers;
+        for (name, help, total) in
+            self.telemetry.totals.described().into_iter().chain(peers.totals())
+        {
             out.family(name, help, None, MetricType::Counter)?
                 .encode_counter::<NoLabelSet, u64, f64>(&total.get(), None)?;
+        }
+        for (name, help, value) in peers.gauges() {
+            out.gauge(name, help, value)?;
         }
         let totals = &self.telemetry.totals;
         let help = "Times that the configuration was read again, by result.";

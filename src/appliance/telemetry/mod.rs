@@ -14,6 +14,7 @@ pub mod health;
 mod incidents;
 pub mod lamp;
 pub mod overview;
+mod peers;
 mod recorder;
 pub mod snapshot;
 mod stops;
@@ -28,6 +29,7 @@ use cell::{Gauge, Histogram, State, Total};
 use clock::Clock;
 use incidents::Incidents;
 pub use incidents::{OpenIncident, OpenSlot};
+use peers::Peers;
 pub use recorder::Recorder;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU8, AtomicU32, AtomicU64, Ordering};
@@ -154,6 +156,7 @@ pub struct Telemetry {
     facts: RwLock<Arc<MachineFacts>>,
     /// Size of the event store, bytes.
     store_size: Gauge,
+    peers: Peers,
 }
 
 impl Telemetry {
@@ -175,6 +178,7 @@ impl Telemetry {
             link: Link::default(),
             facts: RwLock::default(),
             store_size: Gauge::default(),
+            peers: Peers::default(),
         }
     }
 
