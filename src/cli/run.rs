@@ -11,7 +11,7 @@ use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::http::{DeskPlan, TlsFiles};
 use crate::appliance::logging::{self, LogFormat};
-use crate::appliance::mqtt::MqttPlan;
+use crate::appliance::mqtt::{Authority, MqttPlan};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
@@ -171,7 +171,7 @@ fn mqtt_plan(path: &Path, machine: &Machine) -> Option<MqttPlan> {
         port,
         topic: mqtt.topic.clone(),
         login: mqtt.user.clone().zip(password),
-        authority: mqtt.authority.as_ref().map(|authority| folder.join(authority)),
+        authority: mqtt.authority.as_deref().map(|name| Authority::named(name, folder)),
         period: Duration::from_secs_f64(mqtt.period),
         store: machine.loaded.store_path.clone(),
     })

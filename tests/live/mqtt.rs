@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tempfile::TempDir;
-use tertius::appliance::mqtt::{MqttPlan, MqttPublisher};
+use tertius::appliance::mqtt::{Authority, MqttPlan, MqttPublisher};
 use tertius::appliance::store::{Cause, Clerk, EventKind, StorePlan, StoreReader};
 use tertius::appliance::telemetry::Recorder;
 use tertius::appliance::telemetry::clock::SystemClock;
@@ -20,7 +20,8 @@ use tertius::time::Span;
 use tertius_testing::broker::{Broker, Message, Subscriber};
 use tertius_testing::certificates;
 use tertius_testing::machine::{Collected, Cycle, monitor};
-use tertius_testing::process::wait_for;
+use tertius_testing::process::{Running, configuration, wait_for};
+use tertius_testing::program;
 
 /// How long the gateway takes for its turn.
 const DELAY: Span = Span::from_nanos(30_000);
@@ -192,8 +193,6 @@ fn received(subscriber: &mut Subscriber, from: i64, last: i64) -> (Vec<Value>, u
     (news, doubles)
 }
 
-#[test]
-fn an_hour_without_the_broker_loses_nothing_and_changes_no_order() {
 /// The metric `tertius_mqtt_NAME`; `None` if it is absent.
 fn metric(recorder: &Recorder, name: &str) -> Option<f64> {
     let text = exposition(recorder.telemetry(), &**recorder.clock()).expect("a text");
@@ -201,14 +200,16 @@ fn metric(recorder: &Recorder, name: &str) -> Option<f64> {
     text.lines().find_map(value)
 }
 
+#[test]
+fn an_hour_without_the_broker_loses_nothing_and_changes_no_order() {
     let folder = tempfile::tempdir().expect("there is room");
     let mut broker = Broker::start(folder.path(), "");
     let mut kept = Kept::new();
     let plan = plan(&broker, Some(&kept.path()));
     let mut subscriber = broker.subscribe("ship/gangway/#", &[]);
+    assert_eq!(["up", "events_waiting"].map(|it| metric(&kept.recorder, it)), [None; 2]);
     let first = publisher(plan.clone(), &kept.recorder);
     subscriber.find(|it| it.topic == "ship/gangway/state");
-    assert_eq!(["up", "events_waiting"].map(|it| metric(&kept.recorder, it)), [None; 2]);
     (0..10).for_each(|minute| kept.minute(minute));
     let each = kept.incidents.len() + 2;
     let so_far = kept.at_least(1 + each * 10);
@@ -224,8 +225,6 @@ fn metric(recorder: &Recorder, name: &str) -> Option<f64> {
     let _second = publisher(plan, &kept.recorder);
     (40..70).for_each(|minute| kept.minute(minute));
     let all = kept.at_least(1 + each * 70);
-    broker.restart();
-    let last = all.len() as i64;
     let metric = |name: &str| metric(&kept.recorder, name).expect("it is there");
     // What the broker has not said that it has may come twice.
     let waiting = all.len() - so_far.len();
@@ -234,17 +233,19 @@ fn metric(recorder: &Recorder, name: &str) -> Option<f64> {
     });
     assert_eq!(metric("up"), 0.0);
     assert!(metric("failures_total") > 1.0 && metric("connections_total") == 1.0);
+    broker.restart();
+    let last = all.len() as i64;
     let (news, doubles) = received(&mut subscriber, so_far.len() as i64, last);
     assert_eq!(news, all[so_far.len()..]);
     assert!(doubles <= 16, "{doubles} came twice, more than are on their way at once");
-    assert!(all.iter().map(number).eq(1..=last), "one number after the other");
-
     wait_for("the last acknowledgement", || metric("events_waiting") == 0.0);
     let counts = ["up", "connections_total", "refused_total"].map(metric);
     assert_eq!(counts, [1.0, 2.0, 0.0]);
     let sent = metric("events_sent_total") as usize;
     assert!((all.len()..=all.len() + 16).contains(&sent), "{sent} of {}", all.len());
     assert!(metric("acknowledged_total") >= all.len() as f64);
+    assert!(all.iter().map(number).eq(1..=last), "one number after the other");
+
     // What the subscriber gets says what happened: each incident opens before it closes, with its own number.
     let of = |minute: u32| {
         let start = format!("minute {minute}:");
@@ -313,7 +314,7 @@ fn a_broker_that_asks_for_a_password_gets_it_encrypted() {
     certificates::allow(&place("password"), 0o600);
     let plan = MqttPlan {
         login: Some(("gateway".to_owned(), place("password"))),
-        authority: Some(authority.into()),
+        authority: Some(Authority::File(authority.into())),
         ..plan(&broker, None)
     };
     let _running = publisher(plan, &bench.witness.recorder);
@@ -324,6 +325,43 @@ fn a_broker_that_asks_for_a_password_gets_it_encrypted() {
     let login = ["-p", &plain, "-u", "gateway", "-P", "right one"];
     let mut subscriber = broker.subscribe("ship/gangway/state", &login);
     assert_eq!(subscriber.next().payload["online"], true);
+}
+
+/// Read anew for each connection, too: a computer that comes to trust the broker needs no restart of the gateway.
+#[test]
+fn a_broker_that_the_computer_trusts_needs_no_file() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let other = tempfile::tempdir().expect("there is room");
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let (authority, files) = certificates::certify_by_authority(folder.path());
+    let (stranger, _) = certificates::certify_by_authority(other.path());
+    let free = TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr());
+    let plain = free.expect("a free port").port().to_string();
+    let more = format!(
+        "certfile {}\nkeyfile {}\nlistener {plain} 127.0.0.1\n",
+        files.certificate.display(),
+        files.key.display()
+    );
+    let broker = Broker::start(folder.path(), &more);
+    let config = configuration(folder.path(), "no-such-can");
+    let text = fs::read_to_string(&config).expect("it was written");
+    let mqtt = format!(
+        "{text}\n[http]\nlisten = \"off\"\n[mqtt]\nbroker = \"localhost:{}\"\nauthority = \"system\"\n",
+        broker.port
+    );
+    fs::write(&config, mqtt).expect("the folder is ours");
+    let trusted = place("trusted.pem");
+    fs::copy(&stranger, &trusted).expect("the folder is ours");
+    let (variable, said) = (format!("SSL_CERT_FILE={trusted}"), folder.path().join("said"));
+    let config = config.display().to_string();
+    let call = [&variable, program(), "run", "--config", &config];
+    let _running = Running::start("env", &call, &said);
+    wait_for("the gateway's refusal", || {
+        fs::read_to_string(&said).unwrap_or_default().contains("no encrypted connection")
+    });
+    fs::copy(&authority, &trusted).expect("the folder is ours");
+    let mut subscriber = broker.subscribe("tertius/state", &["-p", &plain]);
+    assert_eq!(subscriber.find(|it| it.payload["online"] == true).payload["status"], "down");
 }
 
 /// A broker that takes connections and never says a word, and none at all.

@@ -18,7 +18,7 @@ mod trouble;
 use super::realtime;
 use super::telemetry::Recorder;
 use cursor::Cursor;
-pub use plan::{MqttFileError, MqttPlan};
+pub use plan::{Authority, MqttFileError, MqttPlan};
 use session::{Desk, Session};
 use std::io;
 use std::sync::{Arc, Mutex};

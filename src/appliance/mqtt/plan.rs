@@ -30,12 +30,21 @@ pub struct MqttPlan {
     pub topic: String,
     /// User, and the file with the password.
     pub login: Option<(String, PathBuf)>,
-    /// File of certificates (PEM) that certify the broker; `None`: nothing is encrypted.
-    pub authority: Option<PathBuf>,
+    /// Who certifies the broker; `None`: nothing is encrypted.
+    pub authority: Option<Authority>,
     /// Longest time from one state to the next.
     pub period: Duration,
     /// Event store whose news are published; `None`: there are none.
     pub store: Option<PathBuf>,
+}
+
+/// Who certifies a broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Authority {
+    /// Whom this computer trusts.
+    System,
+    /// The certificates (PEM) in this file.
+    File(PathBuf),
 }
 
 /// Why a file of the plan cannot be used.
@@ -53,6 +62,10 @@ pub enum MqttFileError {
     NoPassword { path: PathBuf },
     #[error("{path} has no certificate in PEM (-----BEGIN CERTIFICATE-----) that can be used")]
     NoCertificate { path: PathBuf },
+    #[error(
+        "this computer trusts nobody, so that no broker is certified: {reason}; install ca-certificates, or name a file"
+    )]
+    Nobody { reason: String },
     #[error("no TLS: {0}")]
     Tls(#[from] tokio_rustls::rustls::Error),
 }
@@ -78,19 +91,45 @@ impl MqttPlan {
 
     /// What encrypts the connection; `None` if nothing does.
     pub(super) fn connector(&self) -> Result<Option<TlsConnector>, MqttFileError> {
-        let Some(path) = &self.authority else { return Ok(None) };
-        let text = read(path, LARGEST_AUTHORITY, "file of certificates", 0)?;
-        let found: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&text).collect();
-        let mut roots = RootCertStore::empty();
-        roots.add_parsable_certificates(found.unwrap_or_default());
-        if roots.is_empty() {
-            return Err(MqttFileError::NoCertificate { path: path.clone() });
-        }
+        let Some(authority) = &self.authority else { return Ok(None) };
+        let roots = authority.roots()?;
         let config = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
             .with_safe_default_protocol_versions()?
             .with_root_certificates(roots)
             .with_no_client_auth();
         Ok(Some(TlsConnector::from(Arc::new(config))))
+    }
+}
+
+impl Authority {
+    /// The authority that a configuration in `folder` calls `name`: a file, or `system`.
+    pub fn named(name: &str, folder: &Path) -> Self {
+        if name == "system" { Self::System } else { Self::File(folder.join(name)) }
+    }
+
+    /// The certificates, read anew for each connection.
+    fn roots(&self) -> Result<RootCertStore, MqttFileError> {
+        let mut roots = RootCertStore::empty();
+        match self {
+            Self::System => {
+                let found = rustls_native_certs::load_native_certs();
+                roots.add_parsable_certificates(found.certs);
+                if roots.is_empty() {
+                    let reason = found.errors.first().map(ToString::to_string);
+                    let reason = reason.unwrap_or_else(|| "it has no certificate".to_owned());
+                    return Err(MqttFileError::Nobody { reason });
+                }
+            }
+            Self::File(path) => {
+                let text = read(path, LARGEST_AUTHORITY, "file of certificates", 0)?;
+                let found: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&text).collect();
+                roots.add_parsable_certificates(found.unwrap_or_default());
+                if roots.is_empty() {
+                    return Err(MqttFileError::NoCertificate { path: path.clone() });
+                }
+            }
+        }
+        Ok(roots)
     }
 }
 

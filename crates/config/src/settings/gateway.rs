@@ -59,7 +59,7 @@ table! {
         password: Option<String> = None => text(TextRule::Path),
             "\"/etc/tertius/mqtt-password\"", "the file with the user's password in a line, relative to this file, which others must not be able to read";
         authority: Option<String> = None => text(TextRule::Path),
-            "\"/etc/tertius/mqtt-ca.crt\"", "who certifies the broker (PEM), relative to this file; without it nothing is encrypted";
+            "\"/etc/tertius/mqtt-ca.crt\"", "who certifies the broker (PEM), relative to this file, or system for whom the computer trusts; without it nothing is encrypted";
         period: f64 = 10.0 => number(Limits::least(1.0, DURATION).most(3600.0)),
             "10.0", "s, the longest time from one published state to the next";
     }
