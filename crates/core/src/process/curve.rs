@@ -12,13 +12,27 @@ pub struct Curve {
     /// Place of the last knot, m/s or a unit of the spool; that of the first one is its negative.
     limit: f64,
     values: Vec<f64>,
+    /// Both ends and the slope of each piece, which every cycle asks for.
+    pieces: Vec<Piece>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    ends: [f64; 2],
+    slope: f64,
 }
 
 impl Curve {
     /// The curve with these `values` at its knots, at least two, and the last knot at `limit`.
     pub fn new(limit: f64, values: Vec<f64>) -> Self {
         debug_assert!(values.len() > 1 && limit > 0.0);
-        Self { limit, values }
+        let count = values.len() - 1;
+        let piece = |index: usize| {
+            let [from, to] = [index, index + 1].map(|index| knot(limit, count, index));
+            let slope = (values[index + 1] - values[index]) / (to - from);
+            Piece { ends: ends(limit, count, index), slope }
+        };
+        Self { limit, pieces: (0..count).map(piece).collect(), values }
     }
 
     /// Place of the last knot; that of the first one is its negative.
@@ -32,7 +46,15 @@ impl Curve {
 
     /// The value at `command`; beyond the outermost knots theirs.
     pub fn at(&self, command: f64) -> f64 {
-        self.at_place(place(self.limit, self.values.len() - 1, command))
+        self.at_place(self.place(command))
+    }
+
+    /// Where `command` lies among the pieces.
+    #[inline]
+    pub fn place(&self, command: f64) -> PiecePart {
+        let command = command.clamp(-self.limit, self.limit);
+        let piece = piece_of(self.limit, self.pieces.len(), command);
+        (piece, part_of(self.pieces[piece].ends, command))
     }
 
     /// The value at a place among its own pieces.
@@ -45,24 +67,37 @@ impl Curve {
     /// The slope of a piece.
     #[inline]
     pub fn slope(&self, piece: usize) -> f64 {
-        let pieces = self.values.len() - 1;
-        let [from, to] = [piece, piece + 1].map(|index| knot(self.limit, pieces, index));
-        (self.values[piece + 1] - self.values[piece]) / (to - from)
+        self.pieces[piece].slope
     }
 }
 
 /// Where `command` lies among `pieces` whose outermost knots stand at ± `limit`.
 pub fn place(limit: f64, pieces: usize, command: f64) -> PiecePart {
-    let count = pieces as f64;
     let command = command.clamp(-limit, limit);
+    let piece = piece_of(limit, pieces, command);
+    (piece, part_of(ends(limit, pieces, piece), command))
+}
+
+/// The piece in which a `command` within the limits lies.
+#[inline]
+fn piece_of(limit: f64, pieces: usize, command: f64) -> usize {
     let warped = libm::sqrt(command.abs() / limit);
     let warped = if command < 0.0 { -warped } else { warped };
-    let piece = (0.5 * (warped + 1.0) * count) as usize;
-    let piece = piece.min(pieces - 1);
+    let piece = (0.5 * (warped + 1.0) * pieces as f64) as usize;
+    piece.min(pieces - 1)
+}
+
+/// The part of a piece with these ends that lies before a command.
+#[inline]
+fn part_of([low, high]: [f64; 2], command: f64) -> f64 {
+    ((command - low) / (high - low)).clamp(0.0, 1.0)
+}
+
+/// Where a piece begins and ends.
+fn ends(limit: f64, pieces: usize, piece: usize) -> [f64; 2] {
+    let count = pieces as f64;
     let low = 2.0 * piece as f64 / count - 1.0;
-    let high = low + 2.0 / count;
-    let [low, high] = [low, high].map(|warped| limit * warped * warped.abs());
-    (piece, ((command - low) / (high - low)).clamp(0.0, 1.0))
+    [low, low + 2.0 / count].map(|warped| limit * warped * warped.abs())
 }
 
 /// Where the knot of `index` among `pieces` stands.
@@ -85,6 +120,9 @@ mod tests {
         assert_eq!([curve.at(-5.0), curve.at(2.0)], [curve.at(-0.8), curve.at(0.8)]);
         let shortest = (1..9).map(|index| knot(0.8, 8, index) - knot(0.8, 8, index - 1));
         assert_eq!(shortest.fold(f64::INFINITY, f64::min), knot(0.8, 8, 5) - knot(0.8, 8, 4));
-        assert_eq!(place(0.8, 8, f64::NAN).0, 0);
+        assert_eq!([place(0.8, 8, f64::NAN).0, curve.place(f64::NAN).0], [0; 2]);
+        for command in [-5.0, -0.8, -0.1, -0.0, 1e-9, 0.3, 0.8, 2.0] {
+            assert_eq!(curve.place(command), place(0.8, 8, command));
+        }
     }
 }

@@ -9,7 +9,7 @@ pub mod evidence;
 mod side;
 mod watch;
 
-use super::curve::{self, Curve};
+use super::curve::Curve;
 use super::parameters::ProcessParameters;
 use crate::state::{state, whole};
 use crate::time;
@@ -184,7 +184,7 @@ impl Flow {
         };
         let passage = Passage::of(&last, &sample, self.design.between);
         let design = &self.design;
-        let at = curve::place(design.limit, design.taught.len(), passage.position);
+        let at = design.curve.place(passage.position);
         let along = Along::new(&design.curve, self.slope, &passage, at);
         let seconds = self.sample_time;
         let open = self.open.get_or_insert_with(|| OpenBlock::new(last));

@@ -93,28 +93,32 @@ impl ProcessParameters {
     }
 }
 
-/// The numbers by which the oil tells whose reading has moved ([`crate::process::flow::FlowSide`]).
+/// The numbers by which the oil tells whose reading has moved ([`crate::process::flow::FlowSide`]). They come from trials
+/// on simulated hydraulic plants (`evaluate --rows side`, docs/PROCESS.md), and hold for machines whose rods move by up
+/// to 1 m/s; those of [`ProcessParameters`] from which they are taken say where they come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SideParameters {
-    /// What a lesson leaves of each direction, in the units of [`ProcessParameters::flow_tolerances`], and of a constant
-    /// speed, m/s.
+    /// What a lesson leaves of each direction, in the units of [`ProcessParameters::flow_tolerances`], whose numbers they
+    /// are, and of a constant speed, m/s, at least 0: standard deviations.
     pub usual: [f64; DIRECTIONS + 1],
-    /// How far they walk in a second, a random walk: oil warms up, the load moves on.
+    /// How far they walk in a second, in the same units, at least 0, a random walk: oil warms up, the load moves on. A
+    /// hundredth of what they are usually in a second lets them follow within minutes.
     pub walks: [f64; DIRECTIONS + 1],
-    /// Standard deviation of the mean speed over so many seconds beside the oil's, m/s, before any was measured, …
+    /// Standard deviation of the mean speed over so many seconds beside the oil's, m/s, above 0, before any was measured:
+    /// that of the simulated plants, …
     pub scatter: f64,
     pub scatter_time: f64,
     /// … and the blocks of a stretch of which it is measured, the stretches that this counts for, and the most that are
     /// remembered.
     pub stretch: u32,
     pub stretches: [u32; 2],
-    /// No block teaches more than one that is off by so many standard deviations.
+    /// No block teaches more than one that is off by so many standard deviations, 3 to 6: fewer would clip what is usual.
     pub odd: f64,
-    /// What one reading may be off, m.
+    /// What one reading may be off, m: a count of a coarse transducer.
     pub reading: f64,
-    /// Blocks after an alarm before anything is said.
+    /// Blocks after an alarm before anything is said, at least 1: a second of them.
     pub blocks: u32,
-    /// Nothing is said where both explanations are off by more than so many standard deviations.
+    /// Nothing is said where both explanations are off by more than so many standard deviations, 3 to 6.
     pub beside: f64,
 }
 

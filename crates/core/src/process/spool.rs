@@ -4,7 +4,7 @@
 //! acts until the new one has reached the valve. The prediction runs free and never sees the position, since a
 //! spool that sticks would else take it along.
 
-use super::curve::{self, Curve};
+use super::curve::Curve;
 use super::parameters::ProcessParameters;
 use crate::sequential::windows::WIDTHS;
 use crate::state::{state, whole};
@@ -101,7 +101,7 @@ impl Spool {
             *run = Run::default();
             return None;
         };
-        let at = curve::place(design.limit, design.taught.len(), command);
+        let at = design.curve.place(command);
         let own = design.before.at(command);
         let before = run.before.replace(own).unwrap_or(own);
         if run.expected.is_none() {
