@@ -1,6 +1,7 @@
 //! `tertius check`: validates a configuration and its DBC.
 
 mod cylinders;
+mod deck;
 mod objects;
 
 use super::Failure;
@@ -70,6 +71,7 @@ fn describe(machine: &Machine) -> String {
     text += &format!("judged by {}\n", machine.loaded.fingerprints());
     text += &overrides(machine);
     text += &cylinders::describe(machine);
+    text += &deck::describe(machine);
     text += &canopen(settings);
     text += &stops(machine);
     text += &doubts(machine);

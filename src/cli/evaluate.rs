@@ -120,6 +120,8 @@ enum Studied {
     Handover,
     /// Drifts of C1 and of C2 that the controller reads: which of them is named, and how soon
     Side,
+    /// The same by the attitude of the deck, which takes a sensor there
+    Hexapod,
     /// False alarms
     Healthy,
 }
@@ -136,6 +138,7 @@ impl Studied {
                 | Self::Process
                 | Self::Handover
                 | Self::Side
+                | Self::Hexapod
         )
     }
 
@@ -155,6 +158,7 @@ impl Studied {
             Self::Process => Study::Process,
             Self::Handover => Study::Handover,
             Self::Side => Study::Side,
+            Self::Hexapod => Study::Hexapod,
             Self::Healthy => return None,
         })
     }
@@ -212,6 +216,10 @@ impl Evaluate {
             stand.sided =
                 side.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
         }
+        if let Some(hexapod) = &plan.hexapod {
+            stand.decked =
+                hexapod.designs(&stand).map_err(|error| Failure::Wrong(error.to_string()))?;
+        }
         let evaluation = self.evaluate(&plan, &stand)?;
         let with = machine.loaded.fingerprints();
         let json = evaluation::json(&evaluation, &with);
@@ -233,7 +241,10 @@ impl Evaluate {
     fn extent(&self, settings: &Settings) -> Result<Extent, Failure> {
         let asked: Vec<Studied> = if self.rows.is_empty() {
             let all = Studied::value_variants().iter().copied();
-            all.filter(|studied| !self.quick || studied.is_quick()).collect()
+            let has_top = settings.signals.top_roll.is_some();
+            all.filter(|studied| !self.quick || studied.is_quick())
+                .filter(|studied| *studied != Studied::Hexapod || has_top)
+                .collect()
         } else {
             self.rows.clone()
         };
@@ -252,6 +263,7 @@ impl Evaluate {
             weights_hours: if asked.contains(&Studied::Weights) { hours } else { 0.0 },
             weights: self.sets(settings)?,
             process_hours: if asked.contains(&Studied::Process) { hours } else { 0.0 },
+            hexapod_hours: if asked.contains(&Studied::Hexapod) { hours } else { 0.0 },
             side_hours: if asked.contains(&Studied::Side) { hours } else { 0.0 },
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),

@@ -17,3 +17,51 @@ fn a_detector_allows_for_as_many_wild_samples_as_its_table() {
     assert_eq!(outliers(0), Some(Outliers { share: 0.003 }));
     assert_eq!(outliers(1), Some(Outliers::UNSAID));
 }
+
+/// What is wrong with `config/e-type-top.toml` after `change`; empty where a deck's attitude is compared.
+fn flaws_of_deck(change: impl Fn(&mut config::settings::Settings)) -> Vec<String> {
+    let path = tertius_testing::top().join("config/e-type-top.toml");
+    let mut loaded = config::load(&path).expect("it is sound");
+    let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
+    change(&mut loaded.settings);
+    match design::judging(&loaded.settings, &database) {
+        Ok(design) => {
+            assert!(design.tilt.is_some());
+            vec![]
+        }
+        Err(flaws) => flaws.iter().map(|it| format!("{}: {}", it.key, it.message)).collect(),
+    }
+}
+
+#[test]
+fn a_sensor_on_the_deck_takes_all_four_angles_in_rad_and_the_geometry_of_six_cylinders() {
+    let none: [&str; 0] = [];
+    assert_eq!(flaws_of_deck(|_| {}), none);
+    assert_eq!(
+        flaws_of_deck(|it| it.signals.vessel_pitch = None),
+        ["signals.vessel_pitch: the attitude sensor on the deck is of no use without this angle"]
+    );
+    assert_eq!(
+        flaws_of_deck(|it| it.hexapod = None),
+        [
+            "signals.top_roll: the attitude sensor on the deck is of no use without the platform's geometry"
+        ]
+    );
+    assert_eq!(
+        flaws_of_deck(|it| it.machine.cylinders = 5),
+        ["machine.cylinders: the machine has 5 cylinders, and a hexapod has 6"]
+    );
+    let other = |name: &str| {
+        let name = Some(name.to_owned());
+        flaws_of_deck(|it| it.signals.top_pitch.clone_from(&name))
+    };
+    assert_eq!(
+        other("Top_Attitude.Roll"),
+        ["signals.top_pitch: Top_Attitude.Roll is used already for something else"]
+    );
+    assert_eq!(
+        other("Mru_Translation.Heave"),
+        ["signals.top_pitch: Mru_Translation.Heave is in \"m\", expected \"rad\""]
+    );
+    assert_eq!(other("Top_Attitude.Yaw").len(), 1);
+}

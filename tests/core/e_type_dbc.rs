@@ -83,3 +83,23 @@ fn the_dbc_has_the_detectors_and_messages_of_the_program() {
         assert_eq!((own.id.raw(), own.size), (id.value(), 8), "{}", own.name);
     }
 }
+
+/// `dbc/e-type-top.dbc` is this layout with one message more.
+#[test]
+fn the_layout_with_a_sensor_on_the_deck_only_adds_its_message() {
+    let read = |name: &str| std::fs::read_to_string(oracle::top().join(name)).expect("the file");
+    let (plain, top) = (read("dbc/e-type.dbc"), read("dbc/e-type-top.dbc"));
+    let own = [
+        "BO_ 434 ",
+        " SG_ Roll : 0|16@1- (0.00001,",
+        " SG_ Pitch : 16|16@1- (0.00001,",
+        "CM_ BO_ 434 ",
+    ];
+    let rest = top.replace("BU_: Plc Mru Top ", "BU_: Plc Mru ");
+    let rest = rest.lines().filter(|line| !own.iter().any(|own| line.starts_with(own)));
+    // What the detectors are differs by the sensor.
+    let alike = |line: &&str| !line.is_empty() && !line.starts_with("CM_ SG_ 721 Detector");
+    assert!(rest.filter(alike).eq(plain.lines().filter(alike)));
+    let count = |own: &str| top.lines().filter(|line| line.starts_with(own)).count();
+    assert_eq!(own.map(count), [1; 4]);
+}

@@ -32,6 +32,7 @@ fn figures(setup: &Setup, machines: u32) -> Vec<EstimateResult> {
     let extent = Extent {
         process_hours: 0.0,
         side_hours: 0.0,
+        hexapod_hours: 0.0,
         trials: 6 * machines,
         hours: 0.0,
         seas: vec![SEA],

@@ -1,7 +1,9 @@
 //! The hexapod's kinematics against geometry that is built another way.
 
 use nalgebra::{Rotation3, Unit, Vector3};
-use tertius::hexapod::{FrameMotion, Geometry, Hexapod, KinematicsError, LEGS, Legs, Pose, Rate};
+use tertius::hexapod::{
+    FrameMotion, Geometry, Hexapod, KinematicsError, LEGS, Legs, Pose, PoseRate,
+};
 use tertius_testing::support::Seeded;
 
 fn geometry() -> Geometry {
@@ -154,12 +156,12 @@ fn velocities_are_the_differences_of_lengths_while_both_frames_move() {
     for _ in 0..200 {
         let (base, deck) =
             (near(&Pose::default(), &mut random), near(&hexapod.neutral(), &mut random));
-        let mut rate = || Rate {
+        let mut rate = || PoseRate {
             translation: Vector3::from_fn(|_, _| uniform(&mut random, 1.0)),
             attitude: Vector3::from_fn(|_, _| uniform(&mut random, 0.5)),
         };
         let (base_rate, deck_rate) = (rate(), rate());
-        let after = |pose: &Pose, rate: &Rate, time: f64| Pose {
+        let after = |pose: &Pose, rate: &PoseRate, time: f64| Pose {
             translation: pose.translation + rate.translation * time,
             attitude: pose.attitude + rate.attitude * time,
         };

@@ -13,6 +13,7 @@ mod dbc;
 mod dbc_cantools;
 mod dbc_properties;
 mod dbc_support;
+mod deck;
 mod detection;
 mod devices;
 mod e2e;

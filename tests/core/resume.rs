@@ -1,8 +1,10 @@
 //! A monitor that takes up a saved state goes on as the one that saved it, whatever the frames were and wherever the
 //! cut is; and whatever a file has in it, it is refused or goes on without a panic.
 
+use crate::sequential_support::setup;
 use crc::{CRC_64_XZ, Crc};
 use std::fmt::{self, Write as _};
+use tertius::config::design;
 use tertius::frame::{BusNumber, Frame, Id, Kind};
 use tertius::monitor::{Estimates, MAX_STATE, Monitor, MonitorDesign, SavedState, StateRefusal};
 use tertius::time::Timestamp;
@@ -106,6 +108,22 @@ fn a_canopen_recording_is_cut_anywhere() {
     let faults: Vec<&str> = faults.iter().flat_map(|fault| ["--fault", fault]).collect();
     tertius(&[&call[..], &faults].concat(), b"").ok();
     cut(&design_of(config), &frames_of(&scratch.read("devices.log")), 12, 2000);
+}
+
+/// A deck whose attitude is compared, while nothing is wrong and while a transducer drifts.
+#[test]
+fn a_tilting_deck_is_cut_anywhere() {
+    let setup = setup().without_process().with_top();
+    let drift = "drift,rate=0.002,cylinder=2,sensor=c1,at=30".to_owned();
+    let mut simulator = setup.simulator(&setup.options(4, &[drift]));
+    let mut frames = Vec::new();
+    (0..2000).for_each(|_| simulator.step(&mut |frame| frames.push(frame.clone())));
+    let design = design::judging(&setup.settings, &setup.database).expect("they fit");
+    let mut monitor = Monitor::new(design.clone());
+    frames.iter().for_each(|frame| monitor.take(frame, &mut Collected::default()));
+    let tilt = format!("{:?}", monitor.tilt());
+    assert!(tilt.contains("since: Some") && tilt.contains("healthy: Some"), "{tilt}");
+    cut(&design, &frames, 12, 3000);
 }
 
 /// Frames that are lost, late, repeated and out of order, so that places wait and hold; with Sync, with transducers that

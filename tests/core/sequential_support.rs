@@ -14,7 +14,8 @@ use tertius::frame::Frame;
 use tertius::inject::{Fault, place};
 use tertius::monitor::{Monitor, Notice, Sink};
 use tertius::sequential::Dwell;
-use tertius::simulator::{EPOCH, Options, Simulator, Tables};
+pub use tertius::simulator::EPOCH;
+use tertius::simulator::{Options, Simulator, Tables};
 use tertius::survey::{Survey, Surveyor, Timeline, Window};
 use tertius::verdict::Suspect;
 
@@ -85,6 +86,16 @@ impl Setup {
         let mut other = self.clone();
         other.settings.cylinder.iter_mut().for_each(|cylinder| cylinder.process = None);
         other
+    }
+
+    /// With a sensor on the deck of `config/e-type-top.toml`, and the same detectors.
+    pub fn with_top(&self) -> Self {
+        let top = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let loaded =
+            tertius::config::load(&top.join("config/e-type-top.toml")).expect("it is sound");
+        let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it is sound");
+        let settings = Settings { cylinder: self.settings.cylinder.clone(), ..loaded.settings };
+        Self { settings, database, ..self.clone() }
     }
 
     /// With another level of evidence, nats.

@@ -59,6 +59,7 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
     let extent = Extent {
         process_hours: 0.0,
         side_hours: 0.0,
+        hexapod_hours: 0.0,
         trials,
         hours,
         seas: vec![SEA],

@@ -9,6 +9,7 @@ mod device;
 mod estimate;
 mod fitted;
 mod gateway;
+mod hexapod;
 mod judging;
 mod levels;
 mod machine;
@@ -29,6 +30,8 @@ use estimate::ESTIMATE;
 pub use estimate::Estimate;
 use gateway::{GATEWAY, HTTP, MODBUS, MQTT, REALTIME, STORE};
 pub use gateway::{Gateway, Http, Modbus, Mqtt, Realtime, Store};
+use hexapod::HEXAPOD;
+pub use hexapod::Hexapod;
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
 pub use judging::{Alarm, Comparator, Fde, Model, Observer, Plausibility};
 use machine::{BUS, MACHINE};
@@ -71,6 +74,8 @@ table! {
             "", "the sequential detectors, of cylinders that are calibrated for it";
         process: ProcessSettings = ProcessSettings::default() => Kind::Table(&PROCESS),
             "", "the process detectors, of cylinders that are calibrated for it";
+        hexapod: Option<Hexapod> = None => Kind::Table(&HEXAPOD),
+            "", "the platform's geometry, for an attitude sensor on the deck";
         estimate: Estimate = Estimate::default() => Kind::Table(&ESTIMATE),
             "", "the virtual third sensor: each cylinder's length with its standard deviation";
         gateway: Gateway = Gateway::default() => Kind::Table(&GATEWAY),

@@ -18,6 +18,7 @@
 //!   transducer it is, and the end stop as a reference.
 //! - [`process`]: faults of the cylinder itself: what spool and pressures say of each other.
 //! - [`estimate`]: the virtual third sensor.
+//! - [`hexapod`]: all cylinders together: the deck's attitude by their lengths, against a sensor on it.
 //! - [`alarm`]: standing warnings, their levels (Table 2-1), and the frames that report them.
 //! - [`incident`]: the warnings of a cylinder that have one cause, as one story.
 //! - [`monitor`]: all of them as one machine.
@@ -42,6 +43,7 @@ pub mod decode;
 pub mod error_frame;
 pub mod estimate;
 pub mod frame;
+pub mod hexapod;
 pub mod incident;
 pub mod monitor;
 pub mod observe;

@@ -2,6 +2,7 @@
 
 mod contest;
 mod handover;
+mod hexapod;
 mod process;
 mod side;
 mod weights;
@@ -69,6 +70,7 @@ pub fn sections(plan: &Plan, evaluation: &Evaluation) -> Vec<Section> {
     sections.extend(evaluation.process.iter().flat_map(process::sections));
     sections.extend(evaluation.handover.iter().flat_map(handover::sections));
     sections.extend(evaluation.side.iter().flat_map(side::sections));
+    sections.extend(evaluation.hexapod.iter().flat_map(hexapod::sections));
     sections.retain(|section| !section.sheet.rows.is_empty());
     sections
 }

@@ -6,6 +6,7 @@ use super::estimate::{CASES, Errors, EstimateResult};
 use super::figures::Figures;
 use super::handover::{HandoverGathering, HandoverResult};
 use super::healthy::Healthy;
+use super::hexapod::{HexapodGathering, HexapodResult};
 use super::learning::Learnt;
 use super::outcome::Outcome;
 use super::plan::{Cell, Job, Plan, Product};
@@ -44,6 +45,9 @@ pub struct Evaluation {
     /// Drifts of C1 and of C2 in the loop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<SideResult>,
+    /// Drifts that the deck's attitude names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hexapod: Option<HexapodResult>,
 }
 
 /// A row with its figures.
@@ -99,6 +103,7 @@ pub struct Gathering<'a> {
     process: Option<ProcessGathering<'a>>,
     handover: Option<HandoverGathering<'a>>,
     side: Option<SideGathering<'a>>,
+    hexapod: Option<HexapodGathering<'a>>,
     /// Errors of the estimates by cell, case and number of the machine.
     estimates: BTreeMap<(usize, usize), BTreeMap<u32, Errors>>,
 }
@@ -122,6 +127,7 @@ impl<'a> Gathering<'a> {
             process: plan.process.as_ref().map(ProcessGathering::new),
             handover: plan.handover.as_ref().map(HandoverGathering::new),
             side: plan.side.as_ref().map(SideGathering::new),
+            hexapod: plan.hexapod.as_ref().map(HexapodGathering::new),
             estimates: BTreeMap::new(),
         }
     }
@@ -164,6 +170,11 @@ impl<'a> Gathering<'a> {
                     side.take(job, product);
                 }
             }
+            (Job::Hexapod(job), Product::Hexapod(product)) => {
+                if let Some(hexapod) = &mut self.hexapod {
+                    hexapod.take(job, product);
+                }
+            }
             (Job::Estimate { cell, case, number }, Product::Estimate(errors)) => {
                 self.estimates.entry((cell, case)).or_default().insert(number, errors);
             }
@@ -176,6 +187,7 @@ impl<'a> Gathering<'a> {
                 | Job::Process(_)
                 | Job::Handover(_)
                 | Job::Side(_)
+                | Job::Hexapod(_)
                 | Job::Estimate { .. },
                 _,
             ) => {}
@@ -194,6 +206,7 @@ impl<'a> Gathering<'a> {
             process: self.process.as_ref().map(ProcessGathering::finish),
             handover: self.handover.as_ref().map(HandoverGathering::finish),
             side: self.side.as_ref().map(SideGathering::finish),
+            hexapod: self.hexapod.as_ref().map(HexapodGathering::finish),
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy

@@ -14,8 +14,8 @@
 //! the machine first ([`Stand::learn`]).
 //!
 //! [`weights`] compares sets of the observers' weights, each with its threshold. [`process`] tries faults of the
-//! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, and [`side`] whose drift it
-//! is inside the loop.
+//! cylinders themselves, [`handover`] what it is worth that a machine hears who is blamed, [`side`] whose drift it is
+//! inside the loop, and [`hexapod`] the same by the attitude of the deck.
 //!
 //! A fault begins on an engaged machine whose observers have settled. Its delay counts from the
 //! Sync at which the first faulty reading was sampled. *In the loop* means that the machine's
@@ -29,6 +29,7 @@ mod gathering;
 mod grade;
 pub mod handover;
 mod healthy;
+pub mod hexapod;
 mod interval;
 mod learning;
 mod outcome;

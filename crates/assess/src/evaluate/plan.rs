@@ -5,6 +5,7 @@ use super::estimate::{CASES, Errors};
 use super::grade::Grade;
 use super::handover::{HandoverJob, HandoverOutcome, HandoverStudy};
 use super::healthy::{Healthy, STRETCH};
+use super::hexapod::{HexapodJob, HexapodProduct, HexapodStudy};
 use super::learning::Lessons;
 use super::outcome::Outcome;
 use super::process::{ProcessJob, ProcessProduct, ProcessStudy};
@@ -49,6 +50,8 @@ pub struct Extent {
     /// Hours of each healthy machine for the process detectors, and for the drifts in the loop.
     pub process_hours: f64,
     pub side_hours: f64,
+    /// Hours of each healthy machine with a sensor on its deck.
+    pub hexapod_hours: f64,
 }
 
 /// Why there is no plan.
@@ -83,6 +86,8 @@ pub enum Job {
     Handover(HandoverJob),
     /// A job of the drifts in the loop.
     Side(SideJob),
+    /// A job of the drifts that the deck's attitude names.
+    Hexapod(HexapodJob),
     /// The machine of this number in a cell and one of [`CASES`].
     Estimate { cell: usize, case: usize, number: u32 },
 }
@@ -97,6 +102,7 @@ pub enum Product {
     Process(ProcessProduct),
     Handover(Vec<HandoverOutcome>),
     Side(SideProduct),
+    Hexapod(HexapodProduct),
     Estimate(Errors),
 }
 
@@ -117,6 +123,8 @@ pub struct Plan {
     pub handover: Option<HandoverStudy>,
     /// The drifts in the loop, if requested.
     pub side: Option<SideStudy>,
+    /// The drifts that the deck's attitude names, if requested.
+    pub hexapod: Option<HexapodStudy>,
 }
 
 /// First stream of healthy machines, above every stream of a row.
@@ -138,8 +146,10 @@ impl Plan {
         if !(1..=MOST_TRIALS).contains(&extent.trials) {
             return Err(PlanError::Trials { given: extent.trials });
         }
-        let Extent { hours, contest_hours, weights_hours, process_hours, side_hours, .. } = extent;
-        for given in [hours, contest_hours, weights_hours, process_hours, side_hours] {
+        let Extent { hours, contest_hours, weights_hours, .. } = extent;
+        let Extent { process_hours, side_hours, hexapod_hours, .. } = extent;
+        for given in [hours, contest_hours, weights_hours, process_hours, side_hours, hexapod_hours]
+        {
             if !(0.0..=MOST_HOURS).contains(&given) {
                 return Err(PlanError::Hours { given });
             }
@@ -171,7 +181,10 @@ impl Plan {
             .studies
             .contains(&Study::Side)
             .then(|| SideStudy::new(seed, extent.seas.clone(), extent.trials, extent.side_hours));
-        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover, side })
+        let hexapod = extent.studies.contains(&Study::Hexapod).then(|| {
+            HexapodStudy::new(seed, extent.seas.clone(), extent.trials, extent.hexapod_hours)
+        });
+        Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover, side, hexapod })
     }
 
     /// The number of machines of a row.
@@ -204,11 +217,13 @@ impl Plan {
         let process = self.process.iter().flat_map(ProcessStudy::jobs).map(Job::Process);
         let handover = self.handover.iter().flat_map(HandoverStudy::jobs).map(Job::Handover);
         let side = self.side.iter().flat_map(SideStudy::jobs).map(Job::Side);
+        let hexapod = self.hexapod.iter().flat_map(HexapodStudy::jobs).map(Job::Hexapod);
         contest
             .chain(weights)
             .chain(process)
             .chain(handover)
             .chain(side)
+            .chain(hexapod)
             .chain(trials)
             .chain(healthy)
             .chain(estimates)
@@ -247,6 +262,10 @@ impl Plan {
             Job::Side(job) => {
                 let side = self.side.as_ref().expect("its jobs are of its own plan");
                 Product::Side(side.run(stand, job)?)
+            }
+            Job::Hexapod(job) => {
+                let hexapod = self.hexapod.as_ref().expect("its jobs are of its own plan");
+                Product::Hexapod(hexapod.run(stand, job)?)
             }
             Job::Healthy { cell, number } => {
                 let stream = HEALTHY_STREAMS + cell as u64 * NUMBERS + u64::from(number);

@@ -39,10 +39,12 @@ pub enum Study {
     Handover,
     /// Whose drift it is inside the loop, with its own cases.
     Side,
+    /// Whose drift it is by the attitude of the deck, with its own cases.
+    Hexapod,
 }
 
 impl Study {
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Step,
         Self::Noise,
         Self::Incipient,
@@ -57,6 +59,7 @@ impl Study {
         Self::Process,
         Self::Handover,
         Self::Side,
+        Self::Hexapod,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -75,6 +78,7 @@ impl Study {
             Self::Process => "process",
             Self::Handover => "handover",
             Self::Side => "side",
+            Self::Hexapod => "hexapod",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The test stand: the simulated machine and the monitor that watches it.
 
 use super::grade::Grade;
+use super::hexapod::DeckWitness;
 use super::learning::Learnt;
 use super::plan::Cell;
 use tertius_config::settings::Settings;
@@ -38,6 +39,8 @@ pub struct Stand<'a> {
     pub handing: Vec<(Grade, MonitorDesign)>,
     /// Monitors with the sequential detectors and those of the process, for the drifts in the loop.
     pub sided: Vec<MonitorDesign>,
+    /// Monitors of machines with a sensor on their deck, in the order of the study's grades.
+    pub decked: Vec<MonitorDesign>,
     tables: [(Grade, Tables); Grade::ALL.len()],
     /// Tables of each grade without the fluctuations of Figure 5-9.
     steady: [(Grade, Tables); Grade::ALL.len()],
@@ -65,6 +68,7 @@ impl<'a> Stand<'a> {
             taught: Vec::new(),
             handing: Vec::new(),
             sided: Vec::new(),
+            decked: Vec::new(),
             tables,
             steady,
         }
@@ -132,6 +136,23 @@ impl<'a> Stand<'a> {
         options: &Options,
     ) -> Result<Simulator, StandError> {
         self.simulate_changed(self.of_grade(&self.steady, grade).clone(), lag, changed, options)
+    }
+
+    /// The machine with transducers of `grade` that do not fluctuate, and with a sensor on its deck of this `witness`.
+    pub(super) fn decked(
+        &self,
+        grade: Grade,
+        witness: DeckWitness,
+        changed: Option<(Change, f64)>,
+        options: &Options,
+    ) -> Result<Simulator, StandError> {
+        let mut tables = self.of_grade(&self.steady, grade).clone();
+        if let DeckWitness::Sensor(accuracy) = witness {
+            let top = &mut tables.sensors.top;
+            (top.noise, top.wander) = (accuracy, accuracy);
+            top.wander_time = if top.wander_time > 0.0 { top.wander_time } else { 60.0 };
+        }
+        self.simulate_changed(tables, None, changed, options)
     }
 
     fn simulate_changed(

@@ -70,7 +70,7 @@ impl Connector<'_> {
             Target::Cylinder(index, field) => {
                 index == cylinder && field.transducer() == Some(transducer)
             }
-            Target::State => false,
+            Target::State | Target::Inclination(_) => false,
         };
         if !self.subscriptions.send_by_timer(own) {
             let message = "a message of this transducer also has other signals than readings";

@@ -7,6 +7,7 @@ mod scale;
 mod sequential;
 mod state;
 mod surveyed;
+mod tilt;
 mod times;
 
 use super::settings::{CylinderSignals, Settings};
@@ -112,6 +113,7 @@ impl<'a> Connector<'a> {
         let cylinders = (1..=settings.machine.cylinders)
             .filter_map(|n| self.connect_cylinder(n))
             .collect::<Vec<_>>();
+        let tilt = self.connect_tilt();
         self.connect_devices();
         self.refuse_own_identifiers();
         self.refuse_crowded_cycles();
@@ -130,6 +132,7 @@ impl<'a> Connector<'a> {
                     Span::from_seconds(settings.plausibility.state_stale),
                 ),
                 cylinders,
+                tilt,
                 estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
                 encoder,
             }),

@@ -58,6 +58,10 @@ impl Relations<'_> {
             ("signals.sync", &signals.sync),
             ("signals.state", &signals.state),
             ("signals.supply", &signals.supply),
+            ("signals.vessel_roll", &signals.vessel_roll),
+            ("signals.vessel_pitch", &signals.vessel_pitch),
+            ("signals.top_roll", &signals.top_roll),
+            ("signals.top_pitch", &signals.top_pitch),
         ];
         let machine =
             machine.into_iter().filter_map(|(key, name)| Some((key.to_owned(), name.as_deref()?)));

@@ -13,6 +13,14 @@ table! {
             "\"Plc_State.PlatformState\"", "the platform's state";
         supply: Option<String> = None => text(TextRule::Signal),
             "\"Plc_State.SupplyPressure\"", "the supply pressure P_S, bar, for `identify --nonlinear`";
+        vessel_roll: Option<String> = None => text(TextRule::Signal),
+            "\"Mru_Attitude.Roll\"", "the vessel's roll by its motion sensor, rad; with the other angles and [hexapod]";
+        vessel_pitch: Option<String> = None => text(TextRule::Signal),
+            "\"Mru_Attitude.Pitch\"", "the vessel's pitch by its motion sensor, rad";
+        top_roll: Option<String> = None => text(TextRule::Signal),
+            "\"Top_Attitude.Roll\"", "the transfer deck's roll by a sensor on it, rad";
+        top_pitch: Option<String> = None => text(TextRule::Signal),
+            "\"Top_Attitude.Pitch\"", "the transfer deck's pitch by a sensor on it, rad";
         cylinder: CylinderSignals => Kind::Table(&CYLINDER_SIGNALS),
             "", "the signals of a cylinder";
     }

@@ -65,9 +65,10 @@ detectors! {
         [PlausibilityOfC1, PlausibilityOfC2, PlausibilityOfCommand];
     /// The evidence of many samples together.
     Sequential = 5, "sequential", "sequential", Basis::Samples, [Sequential];
-    /// The lengths of all cylinders together. It is never raised, and waits for the platform's geometry in
-    /// the configuration: until then Fd_Warning only keeps its number.
-    Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [];
+    /// The deck's attitude by the lengths of all cylinders, beside a sensor on it: it names the reading that has moved
+    /// where the sequential detector has found that one has. Without such a sensor it is never raised, and Fd_Warning only
+    /// keeps its number.
+    Hexapod = 6, "hexapod", "hexapod", Basis::Lengths, [Hexapod];
     /// Valve, pressures and supply, by what spool and pressures say of each other.
     Process = 7, "process", "process", Basis::Samples, [Process];
 }

@@ -5,7 +5,7 @@ use super::level::Level;
 use crate::sample::DeviceReport;
 use crate::state::whole;
 use crate::time::Timestamp;
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Suspect, Testimony};
 
 /// What happened to a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,8 @@ pub struct Evidence {
     /// Evidence for the location, nats: positive for C1, negative for C2; `None` where they were
     /// not compared.
     pub location: Option<f64>,
+    /// What has told the suspect, where the detector knows several that can.
+    pub by: Option<Testimony>,
     /// Onset of the fault, as far as the data show it.
     pub onset: Timestamp,
     /// Gain error, where the fault is one: how much more C1 grows with the length than C2, m per m.
@@ -63,7 +65,7 @@ pub struct Evidence {
     pub size: Option<f64>,
 }
 
-whole! { Evidence { fault, location, onset, gain, size } }
+whole! { Evidence { fault, location, by, onset, gain, size } }
 
 impl Finding {
     /// [`Evidence::gain`] of a fault that is a gain error.
@@ -105,7 +107,14 @@ mod tests {
             level: Level::Yellow,
             residual: Some(1e-3),
             threshold: Some(8e-4),
-            evidence: Some(Evidence { fault: 20.0, location: None, onset, gain, size: None }),
+            evidence: Some(Evidence {
+                fault: 20.0,
+                location: None,
+                by: None,
+                onset,
+                gain,
+                size: None,
+            }),
             device: None,
         }
     }

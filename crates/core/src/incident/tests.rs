@@ -287,7 +287,7 @@ fn the_evidence_of_many_samples_dates_the_onset_and_may_take_back_a_side() {
     let mut story = Story::new();
     let gain = |gain| {
         let (fault, location, onset) = (20.0, Some(5.0), at(50.0));
-        Some(Evidence { fault, location, onset, gain, size: None })
+        Some(Evidence { fault, location, by: None, onset, gain, size: None })
     };
     let drift = finding(Fault::Incipient, Suspect::C1, 0.6e-3);
     let drift = Finding { evidence: gain(None), threshold: None, ..drift };

@@ -90,6 +90,8 @@ pub struct Cylinder {
     estimated: Option<Estimate>,
     /// Trigger of the measured C1 − C2.
     critical: Trigger,
+    /// C1 of the newest cycle, m, if it was good.
+    length: Option<f64>,
     /// Newest measured C1 − C2, m.
     apart: f64,
     was_critical: bool,
@@ -132,6 +134,7 @@ impl Cylinder {
                 high: design.critical,
                 clear: design.clear,
             }),
+            length: None,
             apart: 0.0,
             was_critical: false,
             command_missing: 0,
@@ -232,6 +235,7 @@ impl Cylinder {
             }
         }
         let (good, innovations) = ([c1.good, c2.good], [c1.innovation, c2.innovation]);
+        self.length = good[0].map(|reading| reading.position);
         self.follow_command(command, now);
         let difference = good[0]
             .zip(good[1])

@@ -24,17 +24,19 @@ pub mod sink;
 pub mod subscriptions;
 mod supply;
 mod telling;
+mod tilt;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
 use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Buses, Frame, Kind};
+use crate::hexapod::{Tilt, TiltDesign};
 use crate::incident::Incidents;
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
-use alloc::vec::Vec;
+use alloc::{boxed::Box, vec::Vec};
 pub use counts::Counts;
 use cylinder::{Cylinder, CylinderDesign, Evaluation};
 pub use estimates::Estimates;
@@ -56,6 +58,8 @@ pub struct MonitorDesign {
     pub gate: Gate,
     /// Designs of the cylinders, at most [`MAX_CYLINDERS`].
     pub cylinders: Vec<CylinderDesign>,
+    /// Comparison of the deck's attitude with a sensor on it; only for a hexapod.
+    pub tilt: Option<TiltDesign>,
     pub estimates: Estimates,
     pub encoder: Encoder,
 }
@@ -78,6 +82,8 @@ pub struct Monitor {
     by_timers: bool,
     /// Whether any cylinder has a process detector.
     has_process: bool,
+    /// `None` without a sensor on the deck.
+    tilt: Option<Box<Tilt>>,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -128,6 +134,7 @@ impl Monitor {
             gate: design.gate,
             register: Register::new(cylinders.len()),
             has_process: cylinders.iter().any(|cylinder| cylinder.process().is_some()),
+            tilt: design.tilt.as_ref().map(|design| Box::new(Tilt::new(design))),
             incidents,
             cylinders,
             sampling: Sampling::default(),
@@ -236,7 +243,7 @@ impl Monitor {
     /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
     /// complete.
     fn fill(&mut self, page: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        let Self { stations, cylinders, gate, counts, .. } = self;
+        let Self { stations, cylinders, gate, tilt, counts, .. } = self;
         let page = &stations[page.0].pages[page.1];
         if let Some(intake) = &page.intake {
             let index = intake.cylinder();
@@ -261,6 +268,9 @@ impl Monitor {
             };
             match signal.target {
                 Target::State => gate.state(now, state_number(value)),
+                Target::Inclination(which) => {
+                    counts.bad_signals += tilt::put(tilt.as_deref_mut(), which, value);
+                }
                 Target::Cylinder(index, field) => {
                     touched |= 1 << index;
                     let taken = cylinders[usize::from(index)].put(field, value);
@@ -295,6 +305,7 @@ impl Monitor {
             let sample_time = self.clock.sample_time().as_nanos();
             let length = Span::from_nanos(sample_time.saturating_mul(self.missing_run as i64));
             sink.notice(&Notice::Gap { at: now, length });
+            self.tilt.iter_mut().for_each(|tilt| tilt.lose());
         }
         self.missing_run = 0;
         self.clock.open(stamp, by_sync);
@@ -329,6 +340,7 @@ impl Monitor {
         if self.has_process {
             self.follow_supply();
         }
+        self.follow_tilt(at);
         self.clock.close();
         self.end_hearing(at, sink);
     }

@@ -2,7 +2,7 @@
 
 use super::Monitor;
 use super::sink::{Notice, Sink};
-use super::subscriptions::Target;
+use super::subscriptions::{SubscribedSignal, Target};
 use super::telling::STATUS_PERIOD;
 use crate::frame::BusNumber;
 use crate::observe::observer::Restart;
@@ -111,6 +111,11 @@ impl Monitor {
             if message.signals.iter().any(|signal| signal.target == Target::State) {
                 self.gate.reset();
             }
+            let is_angle = |it: &SubscribedSignal| matches!(it.target, Target::Inclination(_));
+            if let Some(tilt) = self.tilt.as_mut().filter(|_| message.signals.iter().any(is_angle))
+            {
+                tilt.forget();
+            }
         }
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.lose(bus));
     }
@@ -123,6 +128,9 @@ impl Monitor {
         self.forget_arrivals();
         self.pending = 0;
         self.gate.reset();
+        if let Some(tilt) = &mut self.tilt {
+            tilt.forget();
+        }
         let last = self.last.unwrap_or_default();
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason, last));
     }

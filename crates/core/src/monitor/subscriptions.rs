@@ -2,6 +2,7 @@
 
 use crate::decode::SignalPlan;
 use crate::frame::{BusNumber, Id};
+use crate::hexapod::Inclination;
 use crate::sample::{DeviceRole, Field, Transducer};
 use alloc::boxed::Box;
 use alloc::vec;
@@ -12,6 +13,8 @@ use alloc::vec::Vec;
 pub enum Target {
     /// State of the platform.
     State,
+    /// An angle of the vessel or of the deck.
+    Inclination(Inclination),
     /// Field of the cylinder with this index (from 0).
     Cylinder(u8, Field),
 }
@@ -62,7 +65,7 @@ pub struct Subscription {
 impl SubscribedSignal {
     /// Whether the destination belongs to a cycle.
     pub fn is_cyclic(&self) -> bool {
-        self.target != Target::State
+        matches!(self.target, Target::Cylinder(..))
     }
 
     /// Whether the signal comes from a transducer.
@@ -90,7 +93,7 @@ impl Target {
     fn transducer(self) -> Option<(u8, Transducer)> {
         match self {
             Self::Cylinder(index, field) => field.transducer().map(|which| (index, which)),
-            Self::State => None,
+            Self::State | Self::Inclination(_) => None,
         }
     }
 }

@@ -4,7 +4,7 @@ use super::scale::Scale;
 use super::statistic::Peak;
 use crate::state::{choice, whole};
 use crate::time::Timestamp;
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Suspect, Testimony};
 
 /// More cycles than any alarm lasts, or is calm, which are fewer than can be counted.
 const MOST_CYCLES: u32 = u32::MAX - 1000;
@@ -35,6 +35,8 @@ pub struct Alarm {
     /// Evidence for the location, nats: positive for C1, negative for C2; `None` where nothing was
     /// compared.
     pub evidence: Option<f64>,
+    /// What has told the suspect.
+    pub by: Option<Testimony>,
     /// Size of the fault, m; the root mean square of a noise.
     pub size: f64,
     /// Gain error, if the fault is one, whatever `fault` its first samples looked like.
@@ -51,7 +53,7 @@ pub struct Alarm {
 }
 
 whole! {
-    Alarm { cause, peak, back, fault, suspect, evidence, size, scale, onset, age, calm, of_timing }
+    Alarm { cause, peak, back, fault, suspect, evidence, by, size, scale, onset, age, calm, of_timing }
     sound |it| it.age < MOST_CYCLES && it.calm < MOST_CYCLES
 }
 
@@ -65,6 +67,7 @@ impl Alarm {
             fault,
             suspect: Suspect::Undecided,
             evidence: None,
+            by: None,
             size,
             scale: None,
             onset,
@@ -76,7 +79,7 @@ impl Alarm {
 
     /// Clears the suspect and the evidence for it.
     pub const fn clear_suspect(&mut self) {
-        (self.suspect, self.evidence) = (Suspect::Undecided, None);
+        (self.suspect, self.evidence, self.by) = (Suspect::Undecided, None, None);
     }
 
     /// Attributes the alarm to a change of the sampling, which blames nobody.

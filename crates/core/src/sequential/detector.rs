@@ -26,7 +26,7 @@ use super::velocity::Velocity;
 use super::wild::Outliers;
 use super::witness::Witness;
 use crate::time::Timestamp;
-use crate::verdict::{Fault, Suspect, Verdict};
+use crate::verdict::{Fault, Suspect, Testimony, Verdict};
 
 /// Parameters of one detector.
 #[derive(Clone, Debug)]
@@ -337,12 +337,12 @@ impl Sequential {
         match &mut self.alarm {
             // No evidence of innovations decides against it.
             Some(alarm) if alarm.suspect == Suspect::Undecided => {
-                (alarm.suspect, alarm.evidence) = (suspect, None);
+                (alarm.suspect, alarm.evidence, alarm.by) = (suspect, None, Some(Testimony::Stop));
             }
             Some(_) => {}
             None => {
                 let alarm = Alarm::new(Cause::Dwell, Fault::Incipient, size, at);
-                self.begin(Alarm { suspect, ..alarm });
+                self.begin(Alarm { suspect, by: Some(Testimony::Stop), ..alarm });
             }
         }
     }

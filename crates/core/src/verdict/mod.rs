@@ -11,7 +11,7 @@ use crate::state::choice;
 pub use bank::{Bank, BankDesign, Residuals};
 pub use fault::Fault;
 pub use parameters::VerdictParameters;
-pub use suspect::Suspect;
+pub use suspect::{Suspect, Testimony};
 pub use trigger::{Thresholds, Trigger};
 
 /// Verdict of a detector on its residual. Unknown is a verdict of its own: without evidence nothing

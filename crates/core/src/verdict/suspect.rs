@@ -32,6 +32,21 @@ impl Suspect {
     }
 }
 
+/// What has told whose reading it is that has moved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Testimony {
+    /// The readings beside the command.
+    Innovations,
+    /// The mechanical stop.
+    Stop,
+    /// The oil that passes the valve.
+    Flow,
+    /// The attitude of the deck.
+    Attitude,
+}
+
+choice! { Testimony { Innovations, Stop, Flow, Attitude } }
+
 /// State of one FDE in the pattern.
 #[derive(Clone, Copy, Debug)]
 pub struct FdeState {

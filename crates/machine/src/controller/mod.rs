@@ -23,7 +23,7 @@ pub use plc::{Phase, Plc, State};
 pub use reference::Reference;
 pub use supervision::Supervision;
 
-use crate::hexapod::{Hexapod, LEGS, Pose, Rate};
+use crate::hexapod::{Hexapod, LEGS, Pose, PoseRate};
 use serde::Deserialize;
 
 /// Gains and times of the controller.
@@ -66,8 +66,8 @@ pub struct Readings {
     pub pressures: [f64; LEGS],
     /// Pose of the vessel, by the motion sensor.
     pub pose: Pose,
-    /// Rate of the vessel's pose, by the motion sensor.
-    pub rate: Rate,
+    /// PoseRate of the vessel's pose, by the motion sensor.
+    pub rate: PoseRate,
 }
 
 /// What the controller commands for a cycle.
@@ -125,7 +125,7 @@ impl Controller {
     }
 
     /// Reference lengths and velocities of the engaged state for this motion of the vessel.
-    pub fn engaged(&self, pose: &Pose, rate: &Rate) -> Reference {
+    pub fn engaged(&self, pose: &Pose, rate: &PoseRate) -> Reference {
         Reference::engaged(&self.hexapod, pose, rate, self.table.stroke_limit)
     }
 

@@ -1,7 +1,7 @@
 //! Reference lengths and velocities: the reference generator of Figure 2-3.
 
 use super::limit::soft;
-use crate::hexapod::{FrameMotion, Hexapod, LEGS, Legs, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, LEGS, Legs, Pose, PoseRate};
 
 /// Reference motion of the cylinders.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,11 +20,11 @@ impl Reference {
 
     /// The reference with which the deck stands still above a vessel in this motion; kept within
     /// ±`limit`, m.
-    pub fn engaged(hexapod: &Hexapod, pose: &Pose, rate: &Rate, limit: f64) -> Self {
+    pub fn engaged(hexapod: &Hexapod, pose: &Pose, rate: &PoseRate, limit: f64) -> Self {
         let deck = hexapod.neutral();
         let legs = Legs::new(hexapod, pose, &deck);
         let mut lengths = legs.strokes(hexapod);
-        let still = Rate::default();
+        let still = PoseRate::default();
         let mut speeds =
             legs.velocities(FrameMotion { pose, rate }, FrameMotion { pose: &deck, rate: &still });
         for (length, speed) in lengths.iter_mut().zip(&mut speeds) {

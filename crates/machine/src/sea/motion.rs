@@ -2,7 +2,7 @@
 
 use super::spectrum::{COMPONENTS, Component, Spectrum};
 use super::vessel::Vessel;
-use crate::hexapod::{Pose, Rate};
+use crate::hexapod::{Pose, PoseRate};
 use num_complex::Complex;
 use rand_chacha::ChaCha8Rng;
 
@@ -17,9 +17,9 @@ const REFRESH: u64 = 1024;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     pub pose: Pose,
-    pub rate: Rate,
+    pub rate: PoseRate,
     /// Acceleration, m/s² and rad/s².
-    pub acceleration: Rate,
+    pub acceleration: PoseRate,
 }
 
 /// Waves, and the vessel among them.
@@ -93,8 +93,8 @@ impl Sea {
             |from: usize| nalgebra::Vector3::new(sums[from], sums[from + 1], sums[from + 2]);
         Motion {
             pose: Pose { translation: three(0), attitude: three(3) },
-            rate: Rate { translation: three(6), attitude: three(9) },
-            acceleration: Rate { translation: three(12), attitude: three(15) },
+            rate: PoseRate { translation: three(6), attitude: three(9) },
+            acceleration: PoseRate { translation: three(12), attitude: three(15) },
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::disturbance::Disturbance;
 use super::tables::{TableError, Tables};
+use super::top::TopTable;
 use crate::plant::ValveTable;
 use crate::sea::Response;
 use crate::transducer::{CYLINDERS, Errors, Ripple};
@@ -191,8 +192,21 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("sensors.spool", tables.sensors.spool, [0.0, 0.1]),
     ])?;
     each_within("sensors.valve_age", &tables.sensors.valve_age, [0.0, 0.02])?;
+    top(&tables.sensors.top)?;
     errors("c1", &tables.c1)?;
     errors("c2", &tables.c2)
+}
+
+fn top(it: &TopTable) -> Result<(), TableError> {
+    each_within("sensors.top.offset", &it.offset, [-0.5, 0.5])?;
+    all_within(&[
+        ("sensors.top.noise", it.noise, [0.0, 0.1]),
+        ("sensors.top.wander", it.wander, [0.0, 0.1]),
+        ("sensors.top.period", it.period, [0.0, 10.0]),
+        ("sensors.top.latency", it.latency, [0.0, 10.0]),
+    ])?;
+    let least = if it.wander > 0.0 { 0.1 } else { 0.0 };
+    within("sensors.top.wander_time", it.wander_time, [least, MUCH])
 }
 
 fn errors(key: &str, it: &Errors) -> Result<(), TableError> {

@@ -150,6 +150,11 @@ impl Layout {
         for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin != Origin::Counter) {
             builder.unnamed(name, *origin)?;
         }
+        for (key, name, axis) in tops(settings) {
+            if let Some(name) = name {
+                builder.add(key, name, Origin::Top(axis))?;
+            }
+        }
         if let Some(name) = &settings.signals.state {
             builder.add("signals.state", name, Origin::State)?;
         }
@@ -189,6 +194,20 @@ impl Layout {
         };
         self.messages.iter().position(has)
     }
+}
+
+/// The signals of the sensor on the deck: keys, names, and roll (0) or pitch (1).
+fn tops(settings: &Settings) -> [(&'static str, Option<&str>, usize); 2] {
+    let signals = &settings.signals;
+    [
+        ("signals.top_roll", signals.top_roll.as_deref(), 0),
+        ("signals.top_pitch", signals.top_pitch.as_deref(), 1),
+    ]
+}
+
+/// Whether the machine of `settings` has a sensor on its deck.
+pub fn has_top(settings: &Settings) -> bool {
+    tops(settings).iter().any(|(_, name, _)| name.is_some())
 }
 
 /// The origin of a key of `[signals.cylinder]`.

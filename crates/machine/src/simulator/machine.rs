@@ -4,9 +4,10 @@ use super::Options;
 use super::ailing::Ailing;
 use super::disturbance::{Disturbance, Misread};
 use super::tables::{Gangway, SensorTable, Tables, Thermal};
+use super::top::TopSensor;
 use super::trail::Trail;
 use crate::controller::{Commands, Controller, LookUp, Readings, State};
-use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, Rate};
+use crate::hexapod::{FrameMotion, Hexapod, Legs, Pose, PoseRate};
 use crate::plant::{CYLINDERS, Cylinder, CylinderState, Inputs, Plant, Wear};
 use crate::sea::{GRAVITY, Motion, Sea, SeaError, Spectrum};
 use crate::transducer::{Reading, Transducer};
@@ -36,6 +37,8 @@ const SENSOR_STREAM: u64 = u64::MAX - 1;
 const TIMER_STREAM: u64 = u64::MAX - 4;
 /// Stream of the seed for the noise of the spools' positions.
 const SPOOL_STREAM: u64 = u64::MAX - 5;
+/// Stream of the seed for the sensor on the deck.
+const TOP_STREAM: u64 = u64::MAX - 6;
 /// Stream of the seed for disturbances of readings, separate so that they change nothing else.
 const MISREAD_STREAM: u64 = u64::MAX - 3;
 
@@ -55,6 +58,8 @@ pub struct Sample {
     pub spools: [f64; CYLINDERS],
     /// Supply pressure, bar.
     pub supply: f64,
+    /// Roll and pitch of the deck by a sensor on it, rad; 0 without one.
+    pub top: [f64; 2],
 }
 
 /// Sea, vessel, controller, plant and transducers.
@@ -83,6 +88,8 @@ pub struct Machine {
     rng: ChaCha8Rng,
     misreads: ChaCha8Rng,
     spool_noise: ChaCha8Rng,
+    /// The sensor on the deck, if there is one.
+    top: Option<TopSensor>,
     /// Times between the readings of the transducers that send by timers of their own, s; 0 for others.
     timers: [[f64; 2]; CYLINDERS],
     ages: ChaCha8Rng,
@@ -156,6 +163,7 @@ impl Machine {
             rng: random(SENSOR_STREAM),
             misreads: random(MISREAD_STREAM),
             spool_noise: random(SPOOL_STREAM),
+            top: None,
             timers: [[0.0; 2]; CYLINDERS],
             ages: random(TIMER_STREAM),
             sample: 0,
@@ -169,6 +177,14 @@ impl Machine {
     /// s; 0 for those that answer the Sync.
     pub fn with_timers(self, timers: [[f64; 2]; CYLINDERS]) -> Self {
         Self { timers, ..self }
+    }
+
+    /// The same with the sensor on the deck, of the seed of its `options`.
+    pub fn with_top(mut self, options: &Options) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
+        rng.set_stream(TOP_STREAM);
+        self.top = Some(TopSensor::new(self.sensors.top, &self.hexapod, self.sample_time, rng));
+        self
     }
 
     /// Puts the cylinders where they stand in `state`, as if they had been there for long.
@@ -261,6 +277,10 @@ impl Machine {
                 sample.spools[leg] += self.sensors.spool * noise;
             }
         }
+        if let Some(top) = &mut self.top {
+            let strokes = self.plant.states().map(|state| state.length);
+            sample.top = top.read(&self.hexapod, &self.motion.pose, &strokes);
+        }
         let noise: f64 = StandardNormal.sample(&mut self.rng);
         sample.supply = self.plant.supply_pressure() + self.sensors.supply * noise;
         sample
@@ -343,7 +363,7 @@ fn refuse_rough(
     spectrum: &Spectrum,
     limit: f64,
 ) -> Result<(), MachineError> {
-    let (calm, deck, still) = (Pose::default(), hexapod.neutral(), Rate::default());
+    let (calm, deck, still) = (Pose::default(), hexapod.neutral(), PoseRate::default());
     let legs = Legs::new(hexapod, &calm, &deck);
     let (height, period) = (spectrum.height(), spectrum.period());
     let waves = 3600.0 / period;
@@ -351,7 +371,7 @@ fn refuse_rough(
         .map(|leg| {
             // Strokes are to small motions what their velocities are to rates.
             let stroke = |pose: &Pose| {
-                let rate = Rate { translation: pose.translation, attitude: pose.attitude };
+                let rate = PoseRate { translation: pose.translation, attitude: pose.attitude };
                 let base = FrameMotion { pose: &calm, rate: &rate };
                 legs.velocities(base, FrameMotion { pose: &deck, rate: &still })[leg]
             };

@@ -23,6 +23,7 @@ mod layout;
 mod machine;
 mod services;
 mod tables;
+mod top;
 mod trail;
 pub mod truth;
 mod values;
@@ -31,6 +32,7 @@ pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
 pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
 pub use tables::{Gangway, SeaTable, SensorTable, TableError, Tables, Thermal};
+pub use top::TopTable;
 
 use crate::controller::{Heard, Measurement, Readings, State, Supervision};
 use crate::inject::{Fault, Injector, Placed, Tally};
@@ -143,8 +145,9 @@ impl Simulator {
         let timers = timers(settings, database);
         layout.send_early(&timers);
         let sample_time = settings.machine.sample_time;
+        let machine = Machine::new(tables, sample_time, options)?.with_timers(timers);
         Ok(Self {
-            machine: Machine::new(tables, sample_time, options)?.with_timers(timers),
+            machine: if layout::has_top(settings) { machine.with_top(options) } else { machine },
             arrivals: Arrivals::new(settings.bus.bitrate, tables.controller.latency, options.seed),
             layout,
             services: Services::new(settings, database, &options.faults, options.epoch),

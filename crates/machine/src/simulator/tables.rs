@@ -2,6 +2,7 @@
 
 use super::check;
 use super::disturbance::Disturbance;
+use super::top::TopTable;
 use crate::controller::ControllerTable;
 use crate::hexapod::Geometry;
 use crate::plant::{
@@ -22,6 +23,7 @@ const DEFAULT: &str = include_str!("../../../../config/e-type-plant.toml");
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tables {
+    #[serde(with = "GeometryTable")]
     pub hexapod: Geometry,
     pub sea: SeaTable,
     pub vessel: Vessel,
@@ -45,6 +47,18 @@ pub struct Tables {
     /// Cylinders that were identified, see [`Tables::identified_by`].
     #[serde(skip)]
     pub identified: Vec<Identified>,
+}
+
+/// [`Geometry`] as a table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, remote = "Geometry")]
+struct GeometryTable {
+    base_radius: f64,
+    base_half_angle: f64,
+    top_radius: f64,
+    top_half_angle: f64,
+    neutral_height: f64,
+    reach: [f64; 2],
 }
 
 /// The default sea.
@@ -83,6 +97,9 @@ pub struct SensorTable {
     /// How long before the Sync each valve samples its spool and pressures, s; by default at the Sync.
     #[serde(default)]
     pub valve_age: [f64; CYLINDERS],
+    /// The attitude sensor on the deck, which is there where the configuration names its signals.
+    #[serde(default)]
+    pub top: TopTable,
 }
 
 /// Oil that warms up and cools down again: each value is the largest change, as a part of the usual.
@@ -125,7 +142,7 @@ pub enum TableError {
 
 impl Tables {
     /// Reads tables from TOML; every key is required except `[chambers]`, `[thermal]`, `[disturbance]`,
-    /// ripple, warming, speed_lag, and of the sensors spool and valve_age.
+    /// ripple, warming, speed_lag, and of the sensors spool, valve_age and top.
     ///
     /// # Errors
     /// The first thing wrong with them.

@@ -25,6 +25,8 @@ pub enum Origin {
     Translation(usize),
     /// Roll, pitch, or yaw.
     Attitude(usize),
+    /// Roll or pitch of the deck.
+    Top(usize),
     State,
     Supply,
 }
@@ -76,6 +78,7 @@ impl Values {
             Origin::LoadPressure(cylinder) => self.sample.load_pressures[cylinder],
             Origin::Translation(axis) => self.sample.motion.pose.translation[axis],
             Origin::Attitude(axis) => self.sample.motion.pose.attitude[axis],
+            Origin::Top(axis) => self.sample.top[axis],
             Origin::State => self.state,
             Origin::Supply => self.sample.supply,
         }

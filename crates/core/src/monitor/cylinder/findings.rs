@@ -5,7 +5,7 @@ use crate::alarm::detector::{PLACES, WarningPlace};
 use crate::alarm::status::Health;
 use crate::alarm::{Evidence, Finding, Level};
 use crate::process::Malfunction;
-use crate::verdict::{Fault, Suspect, Verdict, bank::Detection};
+use crate::verdict::{Fault, Suspect, Testimony, Verdict, bank::Detection};
 
 impl Cylinder {
     /// Whether any detector has a finding now.
@@ -35,6 +35,7 @@ impl Cylinder {
         put(WarningPlace::PlausibilityOfCommand, self.implausible_finding(2, Suspect::Process));
         put(WarningPlace::Sequential, self.sequential_finding());
         put(WarningPlace::Process, self.process_finding());
+        put(WarningPlace::Hexapod, self.hexapod_finding());
         let blames = |suspect| findings.iter().flatten().any(|f: &Finding| f.suspect == suspect);
         if blames(Suspect::C1) && blames(Suspect::C2) {
             for finding in findings.iter_mut().flatten() {
@@ -96,12 +97,19 @@ impl Cylinder {
             evidence: Some(Evidence {
                 fault: alarm.peak.nats,
                 location: alarm.evidence,
+                by: alarm.by,
                 onset: alarm.onset,
                 gain: alarm.scale.map(|scale| scale.gain),
                 size: None,
             }),
             device: None,
         })
+    }
+
+    /// The finding of the sequential detector, where the deck's attitude has told whose it is.
+    fn hexapod_finding(&self) -> Option<Finding> {
+        let by = self.sequential.as_ref()?.alarm()?.by;
+        self.sequential_finding().filter(|_| by == Some(Testimony::Attitude))
     }
 
     fn process_finding(&self) -> Option<Finding> {
@@ -124,6 +132,7 @@ impl Cylinder {
             evidence: Some(Evidence {
                 fault: alarm.nats,
                 location: None,
+                by: None,
                 onset: alarm.onset,
                 gain: None,
                 size: alarm.size,

@@ -9,7 +9,7 @@ use crate::process::ProcessInput;
 use crate::sample::{Quality, Reading};
 use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::{Residuals, Suspect, Verdict};
+use crate::verdict::{Residuals, Suspect, Testimony, Verdict};
 
 impl Cylinder {
     /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
@@ -78,14 +78,28 @@ impl Cylinder {
         self.precedence.judge(raised, standing);
     }
 
-    #[inline(never)]
-    pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
-        let Some(process) = &mut self.process else { return };
+    fn is_implausible(&self) -> bool {
+        self.implausible[..2].iter().any(Implausible::raised)
+    }
+
+    /// Whether a transducer is under suspicion.
+    pub(super) fn is_doubted(&self) -> bool {
         let doubted = |suspect: Suspect| suspect != Suspect::Process;
         let difference = self.bank.any_found()
             && self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
-        let sequential = self.sequential.as_deref();
-        let implausible = self.implausible[..2].iter().any(Implausible::raised);
+        let sequential = self.sequential.as_deref().and_then(Sequential::alarm);
+        difference || sequential.is_some_and(|it| doubted(it.suspect)) || self.is_implausible()
+    }
+
+    /// Whether the readings have parted, and both are plausible.
+    pub(super) fn has_parted(&self) -> bool {
+        self.sequential.as_deref().is_some_and(Sequential::is_displaced) && !self.is_implausible()
+    }
+
+    #[inline(never)]
+    pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
+        let (held, asked) = (self.is_doubted(), self.has_parted());
+        let Some(process) = &mut self.process else { return };
         let monitored = now.gate == Opening::Open;
         let [bottom, rod, load] = self.inputs.pressures();
         let [c1, c2] = good.map(|reading| reading.map(|it| it.position));
@@ -98,15 +112,13 @@ impl Cylinder {
             lengths: [c1, c2],
             supply: self.inputs.supply_value(),
             monitored,
-            apart: sequential.and_then(Sequential::residual),
-            held: difference
-                || sequential.and_then(Sequential::alarm).is_some_and(|it| doubted(it.suspect))
-                || implausible,
-            asked: sequential.is_some_and(Sequential::is_displaced) && !implausible,
+            apart: self.sequential.as_deref().and_then(Sequential::residual),
+            held,
+            asked,
             at: now.opened,
         });
         if let (Some(nats), Some(sequential)) = (side, &mut self.sequential) {
-            sequential.take_flow_evidence(nats);
+            sequential.take_evidence(Testimony::Flow, nats);
         }
         if monitored {
             self.tally.process.get_or_insert_default().count(process.judged());

@@ -10,7 +10,7 @@ use crate::sequential::statistic::Peak;
 use crate::sequential::thinning::Independence;
 use crate::sequential::windows::WIDTHS;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect, Verdict};
+use crate::verdict::{Fault, Suspect, Testimony, Verdict};
 
 impl Sequential {
     /// By what this sample and those before it are evidence of.
@@ -158,7 +158,8 @@ impl Sequential {
             return;
         }
         if let Some(pair) = &self.pair {
-            decide(alarm, pair.compare(form, age, age + alarm.back + 1), pair.decided());
+            let evidence = pair.compare(form, age, age + alarm.back + 1);
+            decide(alarm, Testimony::Innovations, evidence, pair.decided());
         }
     }
 
@@ -179,7 +180,7 @@ impl Sequential {
         {
             let span = (alarm.age as usize).min(self.cycles.looked_at);
             let evidence = self.pair.as_ref().and_then(|pair| pair.energy(span));
-            decide(alarm, evidence, self.design.parameters.alarm.decided);
+            decide(alarm, Testimony::Innovations, evidence, self.design.parameters.alarm.decided);
         }
     }
 
@@ -189,14 +190,14 @@ impl Sequential {
             .is_some_and(|it| it.fault != Fault::Noise && !it.of_timing && it.cause != Cause::Dwell)
     }
 
-    /// Takes the evidence of whose reading has moved that the oil gives, nats, where the readings and the command alone
-    /// have not told.
-    pub fn take_flow_evidence(&mut self, nats: f64) {
-        let enough = self.design.parameters.alarm.decided_by_flow;
+    /// Takes the evidence of whose reading has moved that something beside the readings and the command gives, nats,
+    /// where these alone have not told.
+    pub fn take_evidence(&mut self, by: Testimony, nats: f64) {
+        let enough = self.design.parameters.alarm.decided_by_the_rod;
         if let Some(alarm) = self.alarm.as_mut().filter(|it| it.suspect == Suspect::Undecided)
             && nats.abs() > enough
         {
-            decide(alarm, Some(nats), enough);
+            decide(alarm, by, Some(nats), enough);
         }
     }
 
@@ -212,11 +213,12 @@ impl Sequential {
 }
 
 /// Blames whom the evidence is against, where it is enough: the log-likelihood of C1 less that of C2, nats.
-fn decide(alarm: &mut Alarm, evidence: Option<f64>, enough: f64) {
+fn decide(alarm: &mut Alarm, by: Testimony, evidence: Option<f64>, enough: f64) {
     alarm.evidence = evidence;
     alarm.suspect = match evidence {
         Some(nats) if nats > enough => Suspect::C1,
         Some(nats) if nats < -enough => Suspect::C2,
         _ => Suspect::Undecided,
     };
+    alarm.by = (alarm.suspect != Suspect::Undecided).then_some(by);
 }

@@ -289,15 +289,15 @@ fn a_gain_takes_back_a_side_that_was_not_certain() {
 fn the_flow_names_whom_nothing_else_has_named() {
     let mut detector = detector();
     assert!(!detector.is_displaced());
-    detector.take_flow_evidence(50.0);
+    detector.take_evidence(Testimony::Flow, 50.0);
     assert!(detector.alarm().is_none(), "the oil alone raises nothing");
     go(&mut detector, 0.0, 30.0, |t| 1e-3 * (t - 20.0).max(0.0));
     assert!(detector.is_displaced());
     let told = |detector: &Sequential| detector.alarm().map(|it| (it.suspect, it.evidence));
     assert_eq!(told(&detector), Some((Suspect::Undecided, None)));
-    detector.take_flow_evidence(-7.9);
+    detector.take_evidence(Testimony::Flow, -7.9);
     assert_eq!(told(&detector), Some((Suspect::Undecided, None)), "that is not enough");
-    detector.take_flow_evidence(-8.1);
-    detector.take_flow_evidence(30.0);
+    detector.take_evidence(Testimony::Flow, -8.1);
+    detector.take_evidence(Testimony::Flow, 30.0);
     assert_eq!(told(&detector), Some((Suspect::C2, Some(-8.1))), "who is named stays so");
 }

@@ -23,8 +23,8 @@ pub struct AlarmParameters {
     pub notable: f64,
     /// Evidence that decides whose a noise is, nats; 3 to 10. At e⁵ to one a blame is wrong once in 150.
     pub decided: f64,
-    /// The same by what the oil says of a displacement, which is asked anew all the time; 6 to 12.
-    pub decided_by_flow: f64,
+    /// The same by what the oil or the deck's attitude says of a displacement, which is asked anew all the time; 6 to 12.
+    pub decided_by_the_rod: f64,
 }
 
 impl AlarmParameters {
@@ -37,7 +37,7 @@ impl AlarmParameters {
         noise_told: 0.5,
         notable: 1.1,
         decided: 5.0,
-        decided_by_flow: 8.0,
+        decided_by_the_rod: 8.0,
     };
 }
 

@@ -13,8 +13,8 @@ pub struct Pose {
 
 /// How a [`Pose`] changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rate {
-    /// Rate of the translation, m/s.
+pub struct PoseRate {
+    /// PoseRate of the translation, m/s.
     pub translation: Vector3<f64>,
     /// Rates of the angles φ̇, θ̇, ψ̇, rad/s; not an angular velocity, see
     /// [`Pose::angular_velocity`].
@@ -27,7 +27,7 @@ impl Default for Pose {
     }
 }
 
-impl Default for Rate {
+impl Default for PoseRate {
     fn default() -> Self {
         Self { translation: Vector3::zeros(), attitude: Vector3::zeros() }
     }
@@ -47,7 +47,8 @@ impl Pose {
     /// then pitch, then roll, each about the axis left by the earlier turns.
     pub fn rotation(&self) -> Matrix3<f64> {
         let [roll, pitch, yaw] = self.attitude.into();
-        let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
+        let ((sr, cr), (sp, cp), (sy, cy)) =
+            (libm::sincos(roll), libm::sincos(pitch), libm::sincos(yaw));
         Matrix3::new(
             cy * cp,
             cy * sp * sr - sy * cr,
@@ -64,13 +65,13 @@ impl Pose {
     /// Axes, as columns in the outer frame, about which roll, pitch and yaw turn at this pose.
     /// Singular where pitch is ±90°.
     pub fn axes(&self) -> Matrix3<f64> {
-        let (sp, cp) = self.attitude[1].sin_cos();
-        let (sy, cy) = self.attitude[2].sin_cos();
+        let (sp, cp) = libm::sincos(self.attitude[1]);
+        let (sy, cy) = libm::sincos(self.attitude[2]);
         Matrix3::new(cy * cp, -sy, 0.0, sy * cp, cy, 0.0, -sp, 0.0, 1.0)
     }
 
     /// The angular velocity in the outer frame, rad/s, of a body that turns at `rate`.
-    pub fn angular_velocity(&self, rate: &Rate) -> Vector3<f64> {
+    pub fn angular_velocity(&self, rate: &PoseRate) -> Vector3<f64> {
         self.axes() * rate.attitude
     }
 }

@@ -1,14 +1,12 @@
 //! Positions of the gimbals.
 
 use super::{KinematicsError, LEGS, Pose, inverse};
+use core::f64::consts::TAU;
 use nalgebra::Vector3;
-use serde::Deserialize;
-use std::f64::consts::TAU;
 
 /// Dimensions of a hexapod with three pairs of gimbals on a circle at each end. Every leg leads
 /// from a base pair to the deck's pair beside it.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Geometry {
     /// Radius of the circle of the base gimbals, m.
     pub base_radius: f64,
@@ -41,14 +39,14 @@ impl Hexapod {
         // Even legs stand on the right of their base pair and lean to the deck's pair there.
         let side = |leg: usize| if leg.is_multiple_of(2) { -1.0 } else { 1.0 };
         let on_circle = |radius: f64, angle: f64| {
-            let (sine, cosine) = angle.sin_cos();
+            let (sine, cosine) = libm::sincos(angle);
             Vector3::new(radius * cosine, radius * sine, 0.0)
         };
-        let base = std::array::from_fn(|leg| {
+        let base = core::array::from_fn(|leg| {
             let angle = (leg / 2) as f64 * third + side(leg) * geometry.base_half_angle;
             on_circle(geometry.base_radius, angle)
         });
-        let top = std::array::from_fn(|leg| {
+        let top = core::array::from_fn(|leg| {
             let pair = (leg / 2) as f64 * third + side(leg) * third / 2.0;
             on_circle(geometry.top_radius, pair - side(leg) * geometry.top_half_angle)
         });

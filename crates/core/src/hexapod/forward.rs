@@ -16,7 +16,7 @@ const SINGULAR: f64 = 1e-6;
 
 /// A pose that has the wanted lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solution {
+pub struct PoseSolution {
     /// Pose of the deck in the base's frame.
     pub pose: Pose,
     pub iterations: usize,
@@ -33,7 +33,7 @@ impl Hexapod {
         &self,
         strokes: &[f64; LEGS],
         guess: &Pose,
-    ) -> Result<Solution, KinematicsError> {
+    ) -> Result<PoseSolution, KinematicsError> {
         self.check(strokes)?;
         if !guess.is_finite() {
             return Err(KinematicsError::NotFinite);
@@ -52,7 +52,7 @@ impl Hexapod {
                 return Err(KinematicsError::NoPose { worst });
             }
             if step.amax() < LAST_STEP {
-                return Ok(Solution { pose, iterations });
+                return Ok(PoseSolution { pose, iterations });
             }
         }
         Err(KinematicsError::NoPose { worst })

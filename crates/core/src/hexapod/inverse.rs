@@ -1,6 +1,6 @@
 //! Lengths and velocities of the cylinders from poses (section A-1).
 
-use super::{Hexapod, LEGS, Pose, Rate};
+use super::{Hexapod, LEGS, Pose, PoseRate};
 use nalgebra::{SMatrix, Vector3};
 
 /// The legs between a base and a deck, in the frame in which both poses are given.
@@ -23,9 +23,9 @@ impl Legs {
         let base_arms = hexapod.base.map(|gimbal| base_turn * gimbal);
         let top_arms = hexapod.top.map(|gimbal| top_turn * gimbal);
         let spans: [Vector3<f64>; LEGS] =
-            std::array::from_fn(|leg| apart + top_arms[leg] - base_arms[leg]);
+            core::array::from_fn(|leg| apart + top_arms[leg] - base_arms[leg]);
         let lengths = spans.map(|span| span.norm());
-        let directions = std::array::from_fn(|leg| spans[leg] / lengths[leg]);
+        let directions = core::array::from_fn(|leg| spans[leg] / lengths[leg]);
         Self { directions, lengths, base_arms, top_arms }
     }
 
@@ -40,7 +40,7 @@ impl Legs {
     pub fn velocities(&self, base: FrameMotion<'_>, top: FrameMotion<'_>) -> [f64; LEGS] {
         let apart = top.rate.translation - base.rate.translation;
         let (base_spin, top_spin) = (base.spin(), top.spin());
-        std::array::from_fn(|leg| {
+        core::array::from_fn(|leg| {
             let turned =
                 top_spin.cross(&self.top_arms[leg]) - base_spin.cross(&self.base_arms[leg]);
             self.directions[leg].dot(&(apart + turned))
@@ -65,7 +65,7 @@ impl Legs {
 #[derive(Clone, Copy, Debug)]
 pub struct FrameMotion<'a> {
     pub pose: &'a Pose,
-    pub rate: &'a Rate,
+    pub rate: &'a PoseRate,
 }
 
 impl FrameMotion<'_> {

@@ -1,0 +1,75 @@
+//! The attitude of the deck on a simulated machine: whom it names, and when it is no witness.
+
+use crate::sequential_support::{Bench, EPOCH, Heard, Setup, setup};
+use tertius::alarm::{Detector, State, Warning};
+use tertius::decode::Inserted;
+use tertius::verdict::Suspect;
+
+/// A drift of cylinder 2 and one of cylinder 5, later, and how long both are watched, s.
+const DRIFTS: [&str; 2] = [
+    "drift,rate=0.0005,cylinder=2,sensor=c1,at=60",
+    "drift,rate=-0.0005,cylinder=5,sensor=c2,at=95",
+];
+const WATCHED: f64 = 125.0;
+
+fn with_top() -> Setup {
+    setup().without_process().with_top()
+}
+
+fn of_deck(heard: &Heard, cylinder: u8) -> Vec<&Warning> {
+    let own = |it: &&Warning| it.detector == Detector::Hexapod && it.cylinder == cylinder;
+    heard.others.iter().filter(own).collect()
+}
+
+#[test]
+fn it_names_the_transducer_that_drifts_in_the_loop() {
+    let setup = with_top();
+    let options = setup.options(4, &DRIFTS.map(str::to_owned));
+    let options = tertius::simulator::Options { in_loop: true, ..options };
+    let (mut simulator, mut bench) = (setup.simulator(&options), Bench::new(&setup));
+    bench.run(&mut simulator, WATCHED);
+    let heard = &bench.heard;
+    for (cylinder, suspect, from) in [(2, Suspect::C1, 60.0), (5, Suspect::C2, 95.0)] {
+        let said = of_deck(heard, cylinder);
+        let first = said.first().unwrap_or_else(|| panic!("{cylinder}: {}", heard.told()));
+        assert_eq!((first.state, first.finding.suspect), (State::Raised, suspect), "{cylinder}");
+        let drifted = 5e-4 * (first.timestamp.since(EPOCH).as_seconds() - from);
+        assert!((1e-3..0.0125).contains(&drifted), "{cylinder}: {drifted} m");
+        // The detector that found it says the same.
+        assert_eq!(heard.of(cylinder, from).map(|(_, it)| it.finding.suspect), Some(suspect));
+    }
+    assert!([1, 3, 4, 6].into_iter().all(|cylinder| of_deck(heard, cylinder).is_empty()));
+}
+
+#[test]
+fn without_its_sensor_or_where_that_is_frozen_nobody_is_named() {
+    let setup = with_top();
+    let options =
+        setup.options(4, &DRIFTS[..1].iter().map(|&it| it.to_owned()).collect::<Vec<_>>());
+    let options = tertius::simulator::Options { in_loop: true, ..options };
+    let plan = |name| setup.database.signal(name).expect("it is in the DBC");
+    let (message, roll) = plan("Top_Attitude.Roll");
+    let (_, pitch) = plan("Top_Attitude.Pitch");
+    for is_frozen in [true, false] {
+        let (mut simulator, mut bench) = (setup.simulator(&options), Bench::new(&setup));
+        bench.run_through(&mut simulator, 90.0, |cycle, frame, pass| {
+            if frame.id != message.id || cycle < 3000 {
+                return pass(frame);
+            }
+            if is_frozen {
+                let mut frame = frame.clone();
+                for signal in [roll, pitch] {
+                    let inserted = signal.plan.insert_physical(1e-3, frame.buffer_mut());
+                    assert_eq!(inserted, Inserted::Whole);
+                }
+                pass(&frame);
+            }
+        });
+        let heard = &bench.heard;
+        assert!(heard.others.iter().all(|it| it.detector != Detector::Hexapod), "{is_frozen}");
+        assert!(heard.of(2, 60.0).is_some(), "it is found all the same");
+    }
+    // Nor is there such a detector on a machine without the sensor.
+    assert!(setup.monitor().tilt().is_some());
+    assert!(crate::sequential_support::setup().monitor().tilt().is_none());
+}
