@@ -8,7 +8,7 @@ use crate::incident::{Ending, Incident, Part, Quantity};
 use crate::sample::device::{DeviceNews, DeviceState};
 use crate::sequential::Apart;
 use crate::time::{Span, Timestamp};
-use crate::verdict::{Fault, Suspect};
+use crate::verdict::{Fault, Suspect, Testimony};
 use std::cmp::Reverse;
 
 /// Time within which detectors are said to rise together.
@@ -119,6 +119,7 @@ pub fn evidence(incident: &Incident) -> String {
         }
     }
     clauses.extend(quiet(incident));
+    clauses.extend(testimony(incident));
     let conclusion = match incident.suspect {
         Suspect::C1 => "so it is C1",
         Suspect::C2 => "so it is C2",
@@ -182,7 +183,8 @@ fn sampled(incident: &Incident, part: &Part, what: &str) -> String {
     let mut clause = what.to_owned();
     if let Some(evidence) = part.finding.evidence.filter(|it| it.fault >= 0.5) {
         clause += &format!(" ({:.0} nats", evidence.fault);
-        if let Some(location) = evidence.location {
+        let of_samples = evidence.by.is_none_or(|by| !by.is_of_the_rod());
+        if let Some(location) = evidence.location.filter(|_| of_samples) {
             let whom = if location < 0.0 { "C2" } else { "C1" };
             clause += &format!("; {:.0} for {whom}", location.abs());
         }
@@ -193,6 +195,24 @@ fn sampled(incident: &Incident, part: &Part, what: &str) -> String {
         true => clause + " shows it",
         false => format!("{clause} shows it {} later", span(after)),
     }
+}
+
+/// What has named the reading that moved, where it is neither the detectors that rose nor those that stayed quiet.
+fn testimony(incident: &Incident) -> Option<String> {
+    let finding = incident.part(WarningPlace::Sequential)?.finding;
+    let evidence = finding.evidence.filter(|_| finding.suspect == incident.suspect)?;
+    let what = match evidence.by? {
+        Testimony::Flow => "the oil that passed the valve",
+        Testimony::Attitude => "the attitude of the deck",
+        Testimony::Innovations | Testimony::Stop => return None,
+    };
+    let nats = evidence.location.map_or(String::new(), |it| format!(" ({:.0} nats)", it.abs()));
+    let [moved, other] = match incident.suspect {
+        Suspect::C1 => ["C1", "C2"],
+        Suspect::C2 => ["C2", "C1"],
+        Suspect::Undecided | Suspect::Process => return None,
+    };
+    Some(format!("{what} agrees with {other} and not with {moved}{nats}"))
 }
 
 /// The observers that did not rise, and whether they judged at all.
@@ -365,3 +385,6 @@ pub fn span(span: Span) -> String {
         s => format!("{:.1} days", s / 86_400.0),
     }
 }
+
+#[cfg(test)]
+mod tests;

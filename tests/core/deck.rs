@@ -1,6 +1,7 @@
 //! The attitude of the deck on a simulated machine: whom it names, and when it is no witness.
 
 use crate::sequential_support::{Bench, EPOCH, Heard, Setup, setup};
+use tertius::alarm::status::Health;
 use tertius::alarm::{Detector, State, Warning};
 use tertius::decode::Inserted;
 use tertius::verdict::Suspect;
@@ -35,10 +36,21 @@ fn it_names_the_transducer_that_drifts_in_the_loop() {
         assert_eq!((first.state, first.finding.suspect), (State::Raised, suspect), "{cylinder}");
         let drifted = 5e-4 * (first.timestamp.since(EPOCH).as_seconds() - from);
         assert!((1e-3..0.0125).contains(&drifted), "{cylinder}: {drifted} m");
-        // The detector that found it says the same.
-        assert_eq!(heard.of(cylinder, from).map(|(_, it)| it.finding.suspect), Some(suspect));
+        // The detector that found it says the same, and so does the difference, which cannot tell by itself.
+        let last = |detector| {
+            let mut all = heard.warnings.iter().chain(&heard.others);
+            all.rfind(|it| it.detector == detector && it.cylinder == cylinder)
+        };
+        for detector in [Detector::Sequential, Detector::Fde3] {
+            assert_eq!(last(detector).map(|it| it.finding.suspect), Some(suspect), "{detector:?}");
+        }
     }
     assert!([1, 3, 4, 6].into_iter().all(|cylinder| of_deck(heard, cylinder).is_empty()));
+    let (_, status) = bench.monitor.last_status().expect("it is sent every 100 ms");
+    let [c1, c2] = status.transducers[1];
+    assert_eq!(c1, Health::Faulty);
+    assert_ne!(c2, Health::Suspect, "C2 of cylinder 2 is sound");
+    assert_ne!(status.transducers[4][0], Health::Suspect, "C1 of cylinder 5 is sound");
 }
 
 #[test]

@@ -231,6 +231,9 @@ impl Part {
         }
         if own.suspect == Suspect::Undecided {
             own.suspect = suspect;
+            if let (Some(own), Some(new)) = (&mut own.evidence, evidence) {
+                (own.location, own.by) = (new.location, new.by);
+            }
         }
         if own.fault == Fault::Unclassified && own.gain().is_none() {
             own.fault = fault;

@@ -47,6 +47,13 @@ pub enum Testimony {
 
 choice! { Testimony { Innovations, Stop, Flow, Attitude } }
 
+impl Testimony {
+    /// Whether it knows how the rod itself has moved, which the difference of the readings does not.
+    pub const fn is_of_the_rod(self) -> bool {
+        matches!(self, Self::Flow | Self::Attitude)
+    }
+}
+
 /// State of one FDE in the pattern.
 #[derive(Clone, Copy, Debug)]
 pub struct FdeState {

@@ -28,7 +28,7 @@ impl Cylinder {
         let mut put = |place: WarningPlace, finding| findings[place as usize] = finding;
         put(WarningPlace::Fde1, fde1.map(|detection| of_observer(0, detection)));
         put(WarningPlace::Fde2, fde2.map(|detection| of_observer(1, detection)));
-        let fde3 = fde3.map(|detection| self.told(2, detection));
+        let fde3 = fde3.map(|detection| self.told(2, self.named(detection)));
         put(WarningPlace::Fde3, self.difference_finding(fde3));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
@@ -62,6 +62,19 @@ impl Cylinder {
     /// The detection, unless plausibility clears the transducer that it blames.
     fn told(&self, k: usize, detection: Detection) -> Detection {
         Detection { suspect: self.precedence.suspect(k, detection.suspect), ..detection }
+    }
+
+    /// The detection of the difference, which cannot tell by itself whose it is: where the oil or the deck's attitude has
+    /// named the reading that moved, it is the same displacement.
+    fn named(&self, detection: Detection) -> Detection {
+        let alarm = self.sequential.as_ref().and_then(|it| it.alarm());
+        let named = alarm.filter(|it| it.by.is_some_and(Testimony::is_of_the_rod));
+        match named {
+            Some(alarm) if detection.suspect == Suspect::Undecided => {
+                Detection { suspect: alarm.suspect, ..detection }
+            }
+            _ => detection,
+        }
     }
 
     fn observer_finding(&self, detection: Detection) -> Finding {

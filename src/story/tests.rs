@@ -1,0 +1,66 @@
+use super::*;
+use crate::alarm::{Evidence, Finding, State, Warning};
+use crate::incident::{Incidents, Progress};
+use crate::verdict::Testimony;
+
+const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
+
+fn at(seconds: f64) -> Timestamp {
+    Timestamp::default().after(Span::from_seconds(seconds))
+}
+
+fn finding(suspect: Suspect, by: Option<Testimony>) -> Finding {
+    let location = by.map(|_| if suspect == Suspect::C1 { 9.2 } else { -9.2 });
+    let evidence = Evidence { fault: 31.0, location, by, onset: at(0.0), gain: None, size: None };
+    Finding {
+        fault: Fault::Incipient,
+        suspect,
+        level: Level::Yellow,
+        residual: Some(4e-4),
+        threshold: None,
+        evidence: Some(evidence),
+        device: None,
+    }
+}
+
+/// The incident of a sequential warning that blames nobody at first and then, after 4 s, `suspect`.
+fn told(suspect: Suspect, by: Testimony) -> Incident {
+    let mut incidents = Incidents::new([(LIMITS, Span::from_seconds(0.2))]);
+    let mut newest = None;
+    let warnings = [
+        (1.0, State::Raised, finding(Suspect::Undecided, None)),
+        (5.0, State::Changed, finding(suspect, Some(by))),
+    ];
+    for (seconds, state, finding) in warnings {
+        incidents.take(&Warning {
+            timestamp: at(seconds),
+            cylinder: 1,
+            detector: Detector::Sequential,
+            place: WarningPlace::Sequential as usize,
+            state,
+            finding,
+        });
+        let quiet = [Some(1.2e-4), Some(-2e-4), Some(1.1e-3), None];
+        incidents.follow(0, [at(seconds); 2], &quiet, |it| newest = Some(*it));
+    }
+    newest.filter(|it| it.progress == Progress::Revised).expect("it was revised")
+}
+
+#[test]
+fn what_named_the_side_is_told_where_both_observers_stayed_quiet() {
+    let by_flow = evidence(&told(Suspect::C1, Testimony::Flow));
+    let end = "C2's observer stayed quiet (0.20 mm of 1.00 mm); the difference stayed quiet (1.10 mm of 1.50 mm); the \
+               oil that passed the valve agrees with C2 and not with C1 (9 nats); so it is C1";
+    assert!(by_flow.ends_with(end), "{by_flow}");
+    assert!(by_flow.contains("the evidence of many samples (31 nats) shows it"), "{by_flow}");
+    let by_deck = evidence(&told(Suspect::C2, Testimony::Attitude));
+    let end = "the attitude of the deck agrees with C1 and not with C2 (9 nats); so it is C2";
+    assert!(by_deck.ends_with(end), "{by_deck}");
+}
+
+#[test]
+fn what_the_samples_themselves_say_stays_with_them() {
+    let told = evidence(&told(Suspect::C1, Testimony::Innovations));
+    assert!(told.contains("the evidence of many samples (31 nats; 9 for C1) shows it"), "{told}");
+    assert!(told.ends_with("(1.10 mm of 1.50 mm); so it is C1"), "{told}");
+}
