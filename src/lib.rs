@@ -32,7 +32,7 @@
 //!   only listens;
 //!   the proxy that puts faults between two interfaces of a test bench. [`appliance`]: the computer
 //!   around it: signals, the service manager, the log, the history of the stops on disk, the flight
-//!   recorder, the event store, a page for people, its health and metrics over HTTP, its state over Modbus and MQTT. [`alarm_list`]: incidents as
+//!   recorder, the event store, a page for people, its health and metrics over HTTP, its state over Modbus, OPC UA and MQTT. [`alarm_list`]: incidents as
 //!   alarms that people acknowledge.
 //! - [`inject`]: puts faults into frames, to test whether they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for learning. [`identify`]: the
@@ -55,12 +55,12 @@
 //! global. Therefore a replay agrees with the gateway. Tertius deliberately does not act on the
 //! machine: it advises, and the machine's own safety system acts.
 //!
-//! Features leave rooms out when they are off. All but one are on by default: `cli` has the commands, the program and what
+//! Features leave rooms out when they are off. All but two are on by default: `cli` has the commands, the program and what
 //! surrounds the gateway in it; `http` has the page, health and metrics ([`appliance::http`], [`appliance::telemetry`]);
 //! `modbus` has [`appliance::modbus`] and `mqtt` [`appliance::mqtt`], which need `http`; `plots` has [`report`]; `learning`
 //! has what learns from recordings and what assesses a monitor. `cli` needs all of them, and `demo`, which has the program
-//! with `tertius demo` alone. Without any there are the bus, the live monitor and the other crates. The one that is off,
-//! `parquet`, has the results of a replay as tables in Parquet files.
+//! with `tertius demo` alone. Without any there are the bus, the live monitor and the other crates. Two are off:
+//! `parquet` has the results of a replay as tables in Parquet files, and `opcua` the server of OPC UA.
 //!
 //! Frames in, warnings out:
 //!

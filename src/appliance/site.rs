@@ -3,6 +3,7 @@
 use super::http::{Desk, DeskPlan, Identity, Server, TlsFiles};
 use super::modbus::ModbusServer;
 use super::mqtt::{MqttPlan, MqttPublisher};
+use super::opcua::OpcuaServer;
 use super::store::StoreHandle;
 use super::telemetry::Recorder;
 use std::io::{self, ErrorKind};
@@ -21,6 +22,8 @@ pub struct SitePlan {
     pub desk: DeskPlan,
     /// Address to listen on for Modbus; port 0 becomes another one. `None`: there is no such server.
     pub modbus: Option<SocketAddr>,
+    /// Address to listen on for OPC UA, in the same way.
+    pub opcua: Option<SocketAddr>,
     /// What is published over MQTT; `None`: nothing.
     pub mqtt: Option<MqttPlan>,
 }
@@ -34,6 +37,8 @@ pub(super) struct Site {
     server: Option<Server>,
     /// The Modbus server, and its address as requested.
     modbus: Option<(SocketAddr, ModbusServer)>,
+    /// The OPC UA server, and its address as requested.
+    opcua: Option<(SocketAddr, OpcuaServer)>,
     /// The publisher, and its plan.
     mqtt: Option<(MqttPlan, MqttPublisher)>,
 }
@@ -46,41 +51,12 @@ impl Site {
 
     /// Serves what `recorder` writes by `plan` from now on. Where that fails, the previous servers continue.
     pub fn listen(&mut self, mut plan: SitePlan, recorder: &Recorder) {
-        self.listen_for_modbus(plan.modbus, recorder);
+        let start = |listen| ModbusServer::start(listen, recorder);
+        follow(&MODBUS, &mut self.modbus, plan.modbus, start, ModbusServer::address);
+        let start = |listen| OpcuaServer::start(listen, recorder);
+        follow(&OPCUA, &mut self.opcua, plan.opcua, start, OpcuaServer::address);
         self.publish(plan.mqtt.take(), recorder);
         self.listen_for_http(plan, recorder);
-    }
-
-    fn listen_for_modbus(&mut self, wanted: Option<SocketAddr>, recorder: &Recorder) {
-        let Some(wanted) = wanted else {
-            if self.modbus.take().is_some() {
-                info!("Modbus is now off");
-            }
-            return;
-        };
-        if self.modbus.as_ref().is_some_and(|(listen, _)| *listen == wanted) {
-            return;
-        }
-        match ModbusServer::start(wanted, recorder) {
-            Ok(server) => {
-                let address = server.address();
-                info!("Modbus TCP, read only: {address}");
-                if !address.ip().is_loopback() {
-                    warn!(
-                        "{address} can be reached from other machines, and Modbus knows no login. {UNIT}"
-                    );
-                }
-                self.modbus = Some((wanted, server));
-            }
-            Err(error) => {
-                let help = help(&error, "modbus.listen");
-                let then = match &self.modbus {
-                    None => String::new(),
-                    Some((_, old)) => format!(". It stays on {}", old.address()),
-                };
-                warn!("no Modbus on {wanted}: {error}; {help}{then}");
-            }
-        }
     }
 
     fn publish(&mut self, wanted: Option<MqttPlan>, recorder: &Recorder) {
@@ -170,6 +146,68 @@ impl Site {
             warn!("the certificate in {} {lapse}", files.certificate.display());
         }
         Ok(Some(identity))
+    }
+}
+
+/// A protocol over which the state is served, in words.
+struct Protocol {
+    name: &'static str,
+    /// What precedes the address.
+    title: &'static str,
+    /// What everybody should know who lets others reach it.
+    warning: &'static str,
+    key: &'static str,
+}
+
+const MODBUS: Protocol = Protocol {
+    name: "Modbus",
+    title: "Modbus TCP, read only: ",
+    warning: "Modbus knows no login",
+    key: "modbus.listen",
+};
+
+const OPCUA: Protocol = Protocol {
+    name: "OPC UA",
+    title: "OPC UA, read only: opc.tcp://",
+    warning: "nothing is asked of them or encrypted",
+    key: "opcua.listen",
+};
+
+/// Has what `served` holds listen on `wanted`, or on nothing. Where it cannot, the previous server continues.
+fn follow<S>(
+    protocol: &Protocol,
+    served: &mut Option<(SocketAddr, S)>,
+    wanted: Option<SocketAddr>,
+    start: impl FnOnce(SocketAddr) -> io::Result<S>,
+    address: impl Fn(&S) -> SocketAddr,
+) {
+    let Protocol { name, title, warning, key } = protocol;
+    let Some(wanted) = wanted else {
+        if served.take().is_some() {
+            info!("{name} is now off");
+        }
+        return;
+    };
+    if served.as_ref().is_some_and(|(listen, _)| *listen == wanted) {
+        return;
+    }
+    match start(wanted) {
+        Ok(server) => {
+            let address = address(&server);
+            info!("{title}{address}");
+            if !address.ip().is_loopback() {
+                warn!("{address} can be reached from other machines, and {warning}. {UNIT}");
+            }
+            *served = Some((wanted, server));
+        }
+        Err(error) => {
+            let help = help(&error, key);
+            let then = match served {
+                None => String::new(),
+                Some((_, old)) => format!(". It stays on {}", address(old)),
+            };
+            warn!("no {name} on {wanted}: {error}; {help}{then}");
+        }
     }
 }
 

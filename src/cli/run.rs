@@ -19,7 +19,7 @@ use crate::appliance::telemetry::MachineFacts;
 use crate::bus::socket::{ControllerState, LinkState, Options, SocketPort};
 use crate::bus::{Identifiers, Port, Recording};
 use crate::config::Overrides;
-use crate::config::settings::bus_of;
+use crate::config::settings::{Settings, bus_of};
 use crate::frame::BusNumber;
 use crate::live::several::SeveralOpener;
 use crate::live::supervisor::{self, Opener};
@@ -114,6 +114,7 @@ fn prepare(
 ) -> Result<PreparedGateway, Failure> {
     let machine = Machine::load(path, overrides)?;
     let settings = &machine.loaded.settings;
+    refuse_what_is_not_built(settings)?;
     let name = settings.bus.interface.clone();
     let (opener, interface): (Box<dyn Opener>, _) = match virtual_bus::wanted(stage, &name)? {
         Some(stage) => (stage.opener(received(&machine, BusNumber::First)), None),
@@ -138,6 +139,7 @@ fn prepare(
             patient: Some(doctor::wanted(&machine, path)),
         },
         modbus: settings.modbus.address(),
+        opcua: settings.opcua.address(),
         mqtt: mqtt_plan(path, &machine),
     };
     let keeping = Keeping { history, store, flight };
@@ -150,6 +152,18 @@ fn prepare(
         facts,
         keeping,
     })
+}
+
+/// Refuses settings of what this program was built without.
+fn refuse_what_is_not_built(settings: &Settings) -> Result<(), Failure> {
+    if cfg!(feature = "opcua") || settings.opcua.address().is_none() {
+        return Ok(());
+    }
+    Err(Failure::Wrong(format!(
+        "`opcua.listen` is {:?}, but this program was built without OPC UA; build it with the feature: cargo install \
+         --locked --path . --features opcua; or set opcua.listen = \"off\"",
+        settings.opcua.listen
+    )))
 }
 
 /// Certificate and key of the page, relative to the configuration `path`.

@@ -16,6 +16,9 @@ mod modbus;
 mod modbus_document;
 mod monitor_command;
 mod mqtt;
+#[cfg(feature = "opcua")]
+mod opcua;
+mod opcua_document;
 mod page;
 mod realtime;
 mod run_virtual;

@@ -25,16 +25,16 @@ const WARNING: u64 = 0x2D1;
 const ESTIMATE: u64 = 0x3D1;
 
 /// How long the gateway takes for its turn.
-const DELAY: Span = Span::from_nanos(30_000);
+pub const DELAY: Span = Span::from_nanos(30_000);
 
-const CYLINDERS: usize = 6;
+pub const CYLINDERS: usize = 6;
 
-fn cycles(range: std::ops::Range<i64>) -> Vec<Frame> {
+pub fn cycles(range: std::ops::Range<i64>) -> Vec<Frame> {
     offset(range, 0)
 }
 
 /// With C1 of cylinder 2 so many counts off.
-fn offset(range: std::ops::Range<i64>, offset: u16) -> Vec<Frame> {
+pub fn offset(range: std::ops::Range<i64>, offset: u16) -> Vec<Frame> {
     range.flat_map(|k| Cycle { offset, ..Cycle::new(k) }.frames()).collect()
 }
 
@@ -55,19 +55,19 @@ fn without_one(range: std::ops::Range<i64>) -> Vec<Frame> {
 
 /// What a master has to find beside what the frames say.
 #[derive(Default)]
-struct Expected {
+pub struct Expected {
     condition: u64,
     mode: u64,
     /// Suspect of the open incident of a cylinder.
     incident: Option<(u8, u64)>,
     /// Whether the machine was heard within the last second.
-    is_heard: bool,
+    pub is_heard: bool,
 }
 
 /// A moment: its name, what happens until then, and what is expected.
-type Case = (&'static str, fn(&mut Bench), Expected);
+pub type Case = (&'static str, fn(&mut Bench), Expected);
 
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let heard = |condition, mode, incident| Expected { condition, mode, incident, is_heard: true };
     let silent = |mode| Expected { condition: 2, mode, incident: Some((3, 2)), is_heard: false };
     vec![
@@ -116,20 +116,32 @@ fn cases() -> Vec<Case> {
 }
 
 /// A frame of the gateway's, as cantools reads it.
-struct Sent {
-    micros: i64,
+pub struct Sent {
+    pub micros: i64,
     id: u64,
     signals: Value,
 }
 
 impl Sent {
+    /// Whether it warns of the cylinder `cylinder`.
+    #[cfg(feature = "opcua")]
+    pub fn is_warning_of(&self, cylinder: u64) -> bool {
+        self.id == WARNING && self.raw("Cylinder") == cylinder
+    }
+
+    /// Its alarm level.
+    #[cfg(feature = "opcua")]
+    pub fn level(&self) -> u64 {
+        self.raw("Level")
+    }
+
     fn raw(&self, name: &str) -> u64 {
         self.signals[name].as_u64().unwrap_or_else(|| panic!("{name} in {}", self.signals))
     }
 }
 
 /// What the gateway has sent, as cantools reads it.
-fn sent(listener: &mut Endpoint) -> Vec<Sent> {
+pub fn sent(listener: &mut Endpoint) -> Vec<Sent> {
     let mut log = String::new();
     while {
         let mut some = false;
@@ -155,7 +167,7 @@ fn sent(listener: &mut Endpoint) -> Vec<Sent> {
 }
 
 /// What a master reads.
-struct Values(Value);
+pub struct Values(pub Value);
 
 impl Values {
     fn read(server: &ModbusServer) -> Self {
@@ -170,7 +182,7 @@ impl Values {
     }
 
     #[track_caller]
-    fn whole(&self, name: &str) -> u64 {
+    pub fn whole(&self, name: &str) -> u64 {
         self.0[name].as_u64().unwrap_or_else(|| panic!("{name}: {}", self.0[name]))
     }
 
@@ -197,7 +209,7 @@ fn raised<'a>(frames: impl Iterator<Item = &'a Sent>) -> BTreeMap<(u64, u64), u6
 }
 
 #[track_caller]
-fn same(name: &str, values: &Values, expected: &Expected, frames: &[Sent], now: i64) {
+pub fn same(name: &str, values: &Values, expected: &Expected, frames: &[Sent], now: i64) {
     assert_eq!(values.whole("condition"), expected.condition, "{name}");
     assert_eq!(values.whole("mode"), expected.mode, "{name}");
     let newest = |id: u64, is: &dyn Fn(&Sent) -> bool| {

@@ -143,3 +143,23 @@ fn a_wrong_call_ends_with_2_and_says_what_was_expected() {
     }
     assert_eq!(read(Path::new(log)), before, "the recording was harmed");
 }
+
+/// Whoever asks for what this program has not gets no gateway that lacks it.
+#[cfg(not(feature = "opcua"))]
+#[test]
+fn a_program_without_opc_ua_says_how_to_build_one_with_it() {
+    let folder = tempfile::tempdir().expect("there is room");
+    let config = configuration(folder.path(), "can0");
+    let with = |listen: &str| {
+        tertius(&["run", "--config", plain(&config), "--set", &format!("opcua.listen={listen}")])
+    };
+    let output = with("127.0.0.1:4840");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for part in ["opcua.listen", "127.0.0.1:4840", "built without", "--features opcua"] {
+        assert!(said.contains(part), "{part} in {said}");
+    }
+    let output = with("4840");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("must be ADDRESS:PORT or off"), "{said}");
+}

@@ -28,8 +28,8 @@ pub use cylinder::Cylinder;
 pub use device::{Device, DeviceKind, Role, object_name};
 use estimate::ESTIMATE;
 pub use estimate::Estimate;
-use gateway::{GATEWAY, HTTP, MODBUS, MQTT, REALTIME, STORE};
-pub use gateway::{Gateway, Http, Modbus, Mqtt, Realtime, Store};
+use gateway::{GATEWAY, HTTP, MODBUS, MQTT, OPCUA, REALTIME, STORE};
+pub use gateway::{Gateway, Http, Modbus, Mqtt, Opcua, Realtime, Store};
 use hexapod::HEXAPOD;
 pub use hexapod::Hexapod;
 use judging::{ALARM, COMPARATOR, FDE, MODEL, OBSERVER, PLAUSIBILITY};
@@ -86,6 +86,8 @@ table! {
             "", "the gateway's own state over HTTP";
         modbus: Modbus = Modbus::default() => Kind::Table(&MODBUS),
             "", "the machine's state over Modbus TCP";
+        opcua: Opcua = Opcua::default() => Kind::Table(&OPCUA),
+            "", "the machine's state and alarms over OPC UA, of a program that is built with it";
         mqtt: Mqtt = Mqtt::default() => Kind::Table(&MQTT),
             "", "state and events, published over MQTT 5";
         store: Store = Store::default() => Kind::Table(&STORE),

@@ -6,7 +6,7 @@ use tertius_core::frame::BusNumber;
 /// Placeholder of the cylinder's number in the signal names of `[signals.cylinder]`.
 pub const PLACEHOLDER: &str = "{n}";
 
-/// Value of `http.listen` and `modbus.listen` for no server, and of `mqtt.broker` for no broker.
+/// Value of `http.listen`, `modbus.listen` and `opcua.listen` for no server, and of `mqtt.broker` for no broker.
 pub const LISTEN_OFF: &str = "off";
 
 /// The longest name that a DBC file may hold.

@@ -4,8 +4,6 @@ use super::sheet::{RegisterEntry, RegisterSheet};
 use crate::alarm::Detector;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::appliance::telemetry::OpenSlot;
-use crate::appliance::telemetry::health::Condition;
-use crate::appliance::telemetry::lamp::Lamp;
 use crate::appliance::telemetry::snapshot::{CylinderSnapshot, Snapshot};
 use crate::verdict::{Fault, Suspect};
 use std::time::Duration;
@@ -27,31 +25,7 @@ pub fn registers(now: &Snapshot) -> RegisterSheet {
 
 /// Descriptions of all registers of a machine with the most cylinders.
 pub fn described() -> Vec<RegisterEntry> {
-    let nothing = Snapshot {
-        uptime: Duration::ZERO,
-        condition: Condition::Unknown,
-        mode: None,
-        level: 0,
-        warnings_standing: 0,
-        incidents: 0,
-        platform: None,
-        cycles: 0,
-        since_frame: None,
-        identity: None,
-        calibration: None,
-        cylinders: vec![
-            CylinderSnapshot {
-                transducers: Default::default(),
-                lamps: [Lamp::Unknown; 2],
-                residuals: [None; 3],
-                estimate: None,
-                sigma: None,
-                incident: None,
-                raised: Default::default(),
-            };
-            MAX_CYLINDERS
-        ],
-    };
+    let nothing = Snapshot::unknown(MAX_CYLINDERS);
     laid_out(RegisterSheet::described(), &nothing).entries().to_vec()
 }
 
@@ -101,7 +75,7 @@ fn of_cylinder(sheet: &mut RegisterSheet, number: u16, now: &CylinderSnapshot) {
     for (which, lamp) in now.lamps.into_iter().enumerate() {
         let told = "NAMUR NE 107: 0 unknown, 1 good, 2 maintenance required, 3 out of specification, 4 check function, \
                     5 failure";
-        sheet.u16((&name(&format!("c{}_lamp", which + 1)), "", told), lamp_number(lamp));
+        sheet.u16((&name(&format!("c{}_lamp", which + 1)), "", told), lamp.number().into());
     }
     for (which, residual) in now.residuals.into_iter().enumerate() {
         let told = format!("|R{}| of the newest cycle", which + 1);
@@ -134,17 +108,6 @@ fn incident(sheet: &mut RegisterSheet, name: &dyn Fn(&str) -> String, now: Optio
     let begin = |it: OpenSlot| u32::try_from(it.begin.as_nanos() / 1_000_000_000).ok();
     let told = "time of its first warning, since 1970; 0 without an incident";
     sheet.u32((&name("incident_begin"), "s", told), now.and_then(begin).unwrap_or(0));
-}
-
-const fn lamp_number(lamp: Lamp) -> u16 {
-    match lamp {
-        Lamp::Unknown => 0,
-        Lamp::Good => 1,
-        Lamp::MaintenanceRequired => 2,
-        Lamp::OutOfSpecification => 3,
-        Lamp::CheckFunction => 4,
-        Lamp::Failure => 5,
-    }
 }
 
 #[cfg(test)]

@@ -4,15 +4,14 @@
 //! its clients. docs/MODBUS.md has the register map, which follows from [`map`].
 
 pub mod map;
-mod patience;
 mod service;
 pub mod sheet;
 
+use super::patience::Patience;
 use super::realtime;
 use super::telemetry::Recorder;
 use super::telemetry::Telemetry;
 use super::telemetry::clock::Clock;
-use patience::Patience;
 use service::{PACE, Reading};
 use std::io;
 use std::net::SocketAddr;

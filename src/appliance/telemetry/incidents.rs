@@ -51,6 +51,14 @@ pub struct OpenIncident {
     pub summary: String,
 }
 
+impl OpenSlot {
+    /// In words: `cylinder 5, C1, black: growing error`.
+    pub fn summary(&self, cylinder: usize) -> String {
+        let (whom, kind) = (story::whom(self.suspect), story::fault(self.fault));
+        format!("cylinder {cylinder}, {whom}, {}: {kind}", self.level.name())
+    }
+}
+
 impl Incidents {
     /// Takes an incident that was opened, revised or closed.
     pub fn take(&self, incident: &Incident) {
@@ -96,19 +104,15 @@ impl Incidents {
 
     /// The open incidents of the cylinder `cylinder`, for people and scripts.
     pub fn open(&self, cylinder: usize) -> impl Iterator<Item = OpenIncident> {
-        self.slots().map(move |OpenSlot { number, level, suspect, fault, begin }| {
-            let whom = story::whom(suspect);
-            let (name, kind) = (level.name(), story::fault(fault));
-            OpenIncident {
-                number,
-                cylinder,
-                suspect: suspect.name(),
-                level: name,
-                fault: fault.name(),
-                kind,
-                begin: begin.as_seconds(),
-                summary: format!("cylinder {cylinder}, {whom}, {name}: {kind}"),
-            }
+        self.slots().map(move |open| OpenIncident {
+            number: open.number,
+            cylinder,
+            suspect: open.suspect.name(),
+            level: open.level.name(),
+            fault: open.fault.name(),
+            kind: story::fault(open.fault),
+            begin: open.begin.as_seconds(),
+            summary: open.summary(cylinder),
         })
     }
 }

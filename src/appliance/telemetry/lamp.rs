@@ -34,6 +34,18 @@ impl Lamp {
         }
     }
 
+    /// Its number for programs: 0 is unknown, 1 is good.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Unknown => 0,
+            Self::Good => 1,
+            Self::MaintenanceRequired => 2,
+            Self::OutOfSpecification => 3,
+            Self::CheckFunction => 4,
+            Self::Failure => 5,
+        }
+    }
+
     /// The category in words.
     pub const fn words(self) -> &'static str {
         match self {

@@ -3,7 +3,8 @@
 //! [`Recorder`] belongs to the data path. It does nothing for a frame, and a few relaxed stores for
 //! a cycle and a turn: no lock, no allocation, and no system call except reading a clock. It writes
 //! to [`Telemetry`], which everyone may read at any time: [`exposition`] for Prometheus, [`health`]
-//! for load balancers, [`overview`] and [`trend`] for people, [`snapshot`] for controllers.
+//! for load balancers, [`overview`] and [`trend`] for people, [`snapshot`] for controllers, [`points`]
+//! for protocols that name each value.
 
 mod cell;
 pub mod clock;
@@ -15,6 +16,7 @@ mod incidents;
 pub mod lamp;
 pub mod overview;
 mod peers;
+pub mod points;
 mod recorder;
 pub mod snapshot;
 mod stops;

@@ -30,6 +30,8 @@ pub struct Snapshot {
     pub cycles: u64,
     /// Time since the last frame of the machine.
     pub since_frame: Option<Duration>,
+    /// Whether the machine is heard now, so that anything can be known of its transducers.
+    pub has_evidence: bool,
     /// Identities of the configuration and of the calibration in it.
     pub identity: Option<u32>,
     pub calibration: Option<u32>,
@@ -49,8 +51,41 @@ pub struct CylinderSnapshot {
     pub sigma: Option<f64>,
     /// The worst of its open incidents.
     pub incident: Option<OpenSlot>,
+    /// All of them.
+    pub open: Vec<OpenSlot>,
     /// Warnings raised since the gateway's start, by the detectors' order.
     pub raised: [u64; DETECTORS],
+}
+
+impl Snapshot {
+    /// The state of a machine with so many cylinders of which nothing is known.
+    pub fn unknown(cylinders: usize) -> Self {
+        let cylinder = CylinderSnapshot {
+            transducers: Default::default(),
+            lamps: [Lamp::Unknown; 2],
+            residuals: [None; 3],
+            estimate: None,
+            sigma: None,
+            incident: None,
+            open: Vec::new(),
+            raised: Default::default(),
+        };
+        Self {
+            uptime: Duration::ZERO,
+            condition: Condition::Unknown,
+            mode: None,
+            level: 0,
+            warnings_standing: 0,
+            incidents: 0,
+            platform: None,
+            cycles: 0,
+            since_frame: None,
+            has_evidence: false,
+            identity: None,
+            calibration: None,
+            cylinders: vec![cylinder; cylinders],
+        }
+    }
 }
 
 impl Telemetry {
@@ -78,6 +113,7 @@ impl Telemetry {
             platform: platform.filter(|number| *number != NO_STATE),
             cycles: self.totals.cycles.get(),
             since_frame: self.since_frame(now),
+            has_evidence: evidence,
             identity: u32::from_str_radix(&facts.identity, 16).ok(),
             calibration: facts.calibration.as_ref().and_then(|it| u32::from_str_radix(it, 16).ok()),
             cylinders: (1..).zip(self.cylinders()).map(of).collect(),
@@ -94,13 +130,15 @@ impl Cylinder {
             let idle = evidence && self.idle[which].load(Ordering::Relaxed);
             Lamp::new(transducers[which], idle, drifts[which])
         };
+        let open: Vec<OpenSlot> = self.incidents.slots().collect();
         CylinderSnapshot {
             transducers,
             lamps: [lamp(0), lamp(1)],
             residuals: self.residuals.each_ref().map(now),
             estimate: now(&self.estimate),
             sigma: now(&self.sigma),
-            incident: self.incidents.slots().max_by_key(|it| (it.level, it.number)),
+            incident: open.iter().copied().max_by_key(|it| (it.level, it.number)),
+            open,
             raised: self.raised.each_ref().map(super::cell::Total::get),
         }
     }

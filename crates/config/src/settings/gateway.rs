@@ -1,4 +1,4 @@
-//! The gateway itself: `[gateway]`, `[http]`, `[modbus]`, `[mqtt]`, `[store]` and `[realtime]`.
+//! The gateway itself: `[gateway]`, `[http]`, `[modbus]`, `[opcua]`, `[mqtt]`, `[store]` and `[realtime]`.
 
 use crate::kinds::{DURATION, number, text, whole};
 use crate::schema::{Kind, Limits, Scalar, table};
@@ -43,6 +43,15 @@ table! {
         /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
         listen: String = super::LISTEN_OFF.to_owned() => text(TextRule::Listen),
             "\"off\"", "where the machine's state can be read over Modbus TCP, ADDRESS:PORT; or off";
+    }
+}
+
+table! {
+    /// OPC UA server of the machine's state and alarms.
+    pub struct Opcua = OPCUA {
+        /// [`LISTEN_OFF`](super::LISTEN_OFF) is the word for none.
+        listen: String = super::LISTEN_OFF.to_owned() => text(TextRule::Listen),
+            "\"off\"", "where the machine's state and alarms can be read over OPC UA, ADDRESS:PORT; or off";
     }
 }
 
@@ -107,6 +116,13 @@ impl Mqtt {
 
 impl Modbus {
     /// Address to listen on; `None` if Modbus is off.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.parse().ok()
+    }
+}
+
+impl Opcua {
+    /// Address to listen on; `None` if OPC UA is off.
     pub fn address(&self) -> Option<SocketAddr> {
         self.listen.parse().ok()
     }
