@@ -190,6 +190,7 @@ fn publishing(loaded: &Loaded) -> Option<MqttPlan> {
         authority: None,
         period: Duration::from_secs_f64(mqtt.period),
         store: loaded.store_path.clone(),
+        sparkplug: None,
     })
 }
 

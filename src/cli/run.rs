@@ -11,7 +11,7 @@ use crate::appliance::flight::FlightPlan;
 use crate::appliance::history::{HistoryFile, Kept};
 use crate::appliance::http::{DeskPlan, TlsFiles};
 use crate::appliance::logging::{self, LogFormat};
-use crate::appliance::mqtt::{Authority, MqttPlan};
+use crate::appliance::mqtt::{Authority, EdgeNode, MqttPlan};
 use crate::appliance::realtime;
 use crate::appliance::store::StorePlan;
 use crate::appliance::surroundings::{Appliance, Keeping, PreparedGateway, SitePlan};
@@ -188,6 +188,9 @@ fn mqtt_plan(path: &Path, machine: &Machine) -> Option<MqttPlan> {
         authority: mqtt.authority.as_deref().map(|name| Authority::named(name, folder)),
         period: Duration::from_secs_f64(mqtt.period),
         store: machine.loaded.store_path.clone(),
+        sparkplug: mqtt
+            .edge()
+            .map(|(group, node)| EdgeNode { group: group.to_owned(), node: node.to_owned() }),
     })
 }
 

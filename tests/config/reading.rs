@@ -299,6 +299,13 @@ fn mqtt_goes_to_a_broker_under_a_topic_or_nowhere() {
         let lines = refusal(&with(&format!("topic = \"{topic}\"")));
         assert!(lines.len() == 1 && lines[0].contains("the first levels of a topic"), "{lines:#?}");
     }
+    for edge in ["", "gangway", "ship/", "/gangway", "ship/a/b", "ship/+", "a b/#"] {
+        let lines = refusal(&with(&format!("sparkplug = \"{edge}\"")));
+        assert!(lines.len() == 1 && lines[0].contains("of the form GROUP/NODE"), "{lines:#?}");
+    }
+    let sound = with("sparkplug = \"Ship 1/gangway\"");
+    let (settings, _) = parse("mqtt.toml", &sound).expect("it is sound");
+    assert_eq!(settings.mqtt.edge(), Some(("Ship 1", "gangway")));
     let lines = refusal(&with("user = \"gateway\""));
     assert!(lines.len() == 1 && lines[0].contains("`mqtt.password` belong together"), "{lines:#?}");
 }

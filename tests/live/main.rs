@@ -22,4 +22,5 @@ mod opcua_document;
 mod page;
 mod realtime;
 mod run_virtual;
+mod sparkplug;
 mod tls;

@@ -170,7 +170,7 @@ pub fn sent(listener: &mut Endpoint) -> Vec<Sent> {
 pub struct Values(pub Value);
 
 impl Values {
-    fn read(server: &ModbusServer) -> Self {
+    pub fn read(server: &ModbusServer) -> Self {
         let port = server.address().port().to_string();
         let arguments = [port.as_str(), "docs/modbus.csv", &CYLINDERS.to_string()];
         let answer = oracle::run("modbus.py", &arguments, "");

@@ -39,6 +39,7 @@ pub fn plan(broker: &Broker, store: Option<&Path>) -> MqttPlan {
         authority: None,
         period: Duration::from_secs(2),
         store: store.map(Path::to_owned),
+        sparkplug: None,
     }
 }
 
@@ -95,7 +96,7 @@ pub fn says_the_same(name: &str, state: &Value, read: &Value) {
     }
 }
 
-fn publisher(plan: MqttPlan, recorder: &Recorder) -> MqttPublisher {
+pub fn publisher(plan: MqttPlan, recorder: &Recorder) -> MqttPublisher {
     MqttPublisher::with_pauses(plan, recorder, PAUSES).expect("there are threads")
 }
 
@@ -105,16 +106,16 @@ fn cycles(range: std::ops::Range<i64>, offset: u16) -> Vec<Frame> {
 }
 
 /// A store that is written, and what is written into it.
-struct Kept {
+pub struct Kept {
     folder: TempDir,
-    recorder: Recorder,
-    clerk: Clerk,
+    pub recorder: Recorder,
+    pub clerk: Clerk,
     /// Incidents of a machine whose C1 stepped and came back.
-    incidents: Vec<Incident>,
+    pub incidents: Vec<Incident>,
 }
 
 impl Kept {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let folder = tempfile::tempdir().expect("there is room");
         let recorder = Recorder::new(Arc::new(SystemClock::new()));
         let clerk = Clerk::new(recorder.telemetry());
@@ -127,7 +128,7 @@ impl Kept {
         kept
     }
 
-    fn path(&self) -> std::path::PathBuf {
+    pub fn path(&self) -> std::path::PathBuf {
         self.folder.path().join("kept.events")
     }
 
@@ -144,7 +145,7 @@ impl Kept {
     }
 
     /// What happens in a minute: an incident that opens and closes, and the bus that is lost and comes again.
-    fn minute(&mut self, minute: u32) {
+    pub fn minute(&mut self, minute: u32) {
         for incident in self.incidents.clone() {
             let incident = Incident { number: 100 * minute + incident.number, ..incident };
             self.clerk.incident(&incident);
@@ -155,14 +156,14 @@ impl Kept {
     }
 
     /// Everything of the store, as it stands on the disk: by its own numbers.
-    fn news(&self) -> Vec<Value> {
+    pub fn news(&self) -> Vec<Value> {
         let reader = StoreReader::open(&self.path()).expect("it was written");
         let news = reader.news(|_| 0, 100_000).expect("it can be read");
         news.iter().map(|entry| serde_json::to_value(entry).expect("JSON")).collect()
     }
 
     /// The same, once so many are there.
-    fn at_least(&self, count: usize) -> Vec<Value> {
+    pub fn at_least(&self, count: usize) -> Vec<Value> {
         loop {
             let is_there = StoreReader::open(&self.path()).is_ok();
             let news = if is_there { self.news() } else { Vec::new() };
@@ -377,6 +378,7 @@ fn a_broker_that_hangs_is_nothing_to_the_data_path() {
         authority: None,
         period: Duration::from_secs(1),
         store: None,
+        sparkplug: None,
     };
     let running = publisher(plan, &bench.witness.recorder);
     let (hung, _) = listener.accept().expect("it connects");

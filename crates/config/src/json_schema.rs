@@ -134,13 +134,14 @@ fn text(rule: TextRule) -> Value {
             r"^(off|[A-Za-z0-9._-]+:[0-9]{1,5}|\[[0-9A-Fa-f:.]+\]:[0-9]{1,5})$".to_owned()
         }
         TextRule::Topic => r"^[^+#$/\x00-\x1f\x7f-\x9f]+(/[^+#$/\x00-\x1f\x7f-\x9f]+)*$".to_owned(),
+        TextRule::EdgeNode => r"^[^+#$/\x00-\x1f\x7f-\x9f]+/[^+#$/\x00-\x1f\x7f-\x9f]+$".to_owned(),
         TextRule::Day => "^[0-9]{4}-(0[1-9]|1[0-2])-(0[1-9]|[12][0-9]|3[01])$".to_owned(),
     };
     let mut schema = json!({"type": "string", "pattern": pattern});
     let longest = match rule {
         TextRule::Name => Some(LONGEST_TEXT),
         TextRule::Path => Some(LONGEST_PATH),
-        TextRule::Message | TextRule::Topic => Some(LONGEST_NAME),
+        TextRule::Message | TextRule::Topic | TextRule::EdgeNode => Some(LONGEST_NAME),
         _ => None,
     };
     if let Some(longest) = longest {

@@ -40,6 +40,8 @@ pub(super) enum TextRule {
     Broker,
     /// Levels of MQTT topics.
     Topic,
+    /// A group and an edge node of Sparkplug B.
+    EdgeNode,
     /// A SHA-256 in hexadecimal digits.
     Digest,
     /// A day of the calendar.
@@ -67,6 +69,7 @@ const BROKER_HELP: &str =
     "a name or an address and a port, for example mqtt.ship.lan:8883; or off, for none";
 const TOPIC_HELP: &str = "levels separated by slashes, for example ship/gangway, with none of + # $ and no slash \
                           at an end";
+const EDGE_HELP: &str = "the names of a group and of this gateway in it, for example ship/gangway, with none of + # $ / in either";
 const DIGEST_HELP: &str =
     "the SHA-256 of the token and not the token itself; `tertius token` makes both";
 const DAY_HELP: &str = "for example 2026-03-14, in UTC";
@@ -109,6 +112,8 @@ impl TextRule {
             Self::Broker => fault("HOST:PORT or off", BROKER_HELP),
             Self::Topic if is_topic(text) => Ok(()),
             Self::Topic => fault("the first levels of a topic", TOPIC_HELP),
+            Self::EdgeNode if is_topic(text) && text.split('/').count() == 2 => Ok(()),
+            Self::EdgeNode => fault("of the form GROUP/NODE", EDGE_HELP),
             Self::Digest if is_digest(text) => Ok(()),
             Self::Digest => fault("64 hexadecimal digits", DIGEST_HELP),
             Self::Listen => fault("ADDRESS:PORT or off", LISTEN_HELP),

@@ -1,4 +1,5 @@
-//! State and events published to a broker over MQTT 5, read only: nothing is subscribed to.
+//! State and events published to a broker over MQTT 5, as JSON or as Sparkplug B. Nothing is subscribed to but, of
+//! Sparkplug, the command to say everything anew.
 //!
 //! ```text
 //! Telemetry ─ state ─→ Session ─→ broker      retained; a will takes its place when the gateway is gone
@@ -12,7 +13,9 @@ mod cursor;
 mod link;
 mod message;
 mod plan;
+mod pulse;
 mod session;
+mod sparkplug;
 mod trouble;
 
 use super::realtime;
@@ -20,6 +23,8 @@ use super::telemetry::Recorder;
 use cursor::Cursor;
 pub use plan::{Authority, MqttFileError, MqttPlan};
 use session::{Desk, Session};
+pub use sparkplug::EdgeNode;
+use sparkplug::SparkplugSession;
 use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -64,7 +69,9 @@ impl MqttPublisher {
             realtime::be_ordinary();
             let cursor =
                 plan.store.as_deref().map(|path| Arc::new(Mutex::new(Cursor::beside(path))));
-            let desk = Desk { plan: Arc::new(plan), telemetry: telemetry.clone(), clock, cursor };
+            let (connections, ignored) = (Arc::default(), Arc::default());
+            let (plan, own) = (Arc::new(plan), telemetry.clone());
+            let desk = Desk { plan, telemetry: own, clock, cursor, connections, ignored };
             runtime.spawn(publish(desk, pauses));
             // Ends with an error once the sender is dropped.
             _ = runtime.block_on(stopped);
@@ -107,8 +114,15 @@ async fn publish(desk: Desk, [first, longest]: [Duration; 2]) {
 
 /// One connection, and why it ended.
 async fn converse(desk: Desk) -> MqttTrouble {
-    match Session::open(desk).await {
-        Ok(session) => session.run().await,
-        Err(trouble) => trouble,
-    }
+    let ended = match desk.plan.sparkplug.clone() {
+        None => match Session::open(desk).await {
+            Ok(session) => session.run().await,
+            Err(trouble) => trouble,
+        },
+        Some(edge) => match SparkplugSession::open(desk, edge).await {
+            Ok(session) => session.run().await,
+            Err(trouble) => trouble,
+        },
+    };
+    ended
 }

@@ -1,5 +1,6 @@
 //! Where and as whom the publisher connects.
 
+use super::sparkplug::EdgeNode;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
@@ -36,6 +37,8 @@ pub struct MqttPlan {
     pub period: Duration,
     /// Event store whose news are published; `None`: there are none.
     pub store: Option<PathBuf>,
+    /// The edge node as which everything is published by Sparkplug B; `None`: it is published as JSON.
+    pub sparkplug: Option<EdgeNode>,
 }
 
 /// Who certifies a broker.
@@ -74,7 +77,8 @@ impl MqttPlan {
     /// Client identifier: another one for each gateway of a broker, as the topic is.
     pub fn client(&self) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-        format!("tertius-{}", self.topic.chars().map(plain).collect::<String>())
+        let name = self.sparkplug.as_ref().map_or(self.topic.clone(), EdgeNode::to_string);
+        format!("tertius-{}", name.chars().map(plain).collect::<String>())
     }
 
     /// User and password, read anew for each connection.
@@ -172,6 +176,7 @@ mod tests {
             authority: None,
             period: Duration::from_secs(10),
             store: None,
+            sparkplug: None,
         }
     }
 

@@ -1,9 +1,10 @@
 //! One connection to the broker: the state whenever it changes, and the news of the store one after the other.
 
 use super::cursor::Cursor;
-use super::link::{ANSWER, Link, within};
+use super::link::{Link, within};
 use super::message::{StateMessage, WILL};
 use super::plan::MqttPlan;
+use super::pulse::Pulse;
 use super::trouble::MqttTrouble;
 use crate::appliance::store::{NewsEntry, StoreReader};
 use crate::appliance::telemetry::Telemetry;
@@ -14,19 +15,20 @@ use rumqttc::v5::mqttbytes::v5::{
     PubAck, PubAckReason, Publish, PublishProperties,
 };
 use std::collections::VecDeque;
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::time::timeout;
 use tracing::info;
 
 /// Interval at which state and store are looked at.
-const LOOK: Duration = Duration::from_millis(500);
+pub(super) const LOOK: Duration = Duration::from_millis(500);
 
 /// Most messages that are on their way, so that few come twice after a loss.
-const WINDOW: usize = 16;
+pub(super) const WINDOW: usize = 16;
 
 /// Time without a packet after which the broker publishes the will, s.
-const KEEP_ALIVE: u16 = 20;
+pub(super) const KEEP_ALIVE: u16 = 20;
 
 /// A state is worth nothing after so many periods without the next.
 const STALE: u32 = 4;
@@ -39,9 +41,20 @@ pub(super) struct Desk {
     pub clock: Arc<dyn Clock>,
     /// How far the news are published; `None` where nothing is kept.
     pub cursor: Option<Arc<Mutex<Cursor>>>,
+    /// Number of connections so far.
+    pub connections: Arc<AtomicU64>,
+    /// Number of commands that nobody follows.
+    pub ignored: Arc<AtomicU64>,
 }
 
 impl Desk {
+    /// Notes that the broker has the news of `store` up to `number`.
+    pub fn advance(&self, store: &str, number: i64) {
+        if let Some(cursor) = &self.cursor {
+            cursor.lock().unwrap_or_else(PoisonError::into_inner).advance(store, number);
+        }
+    }
+
     /// The next news, at most so many, and tells how many wait; `None` where there is no store, or where it cannot be
     /// read now, of which its writer tells.
     pub fn news(&self, most: usize) -> Option<Vec<NewsEntry>> {
@@ -63,12 +76,7 @@ pub(super) struct Session {
     news: Option<(String, i64)>,
     last_id: u16,
     window: usize,
-    ping_after: Duration,
-    /// When something was sent last, and since when an answer is awaited.
-    sent: Instant,
-    asked: Option<Instant>,
-    /// Whether a ping is not answered.
-    pinged: bool,
+    pulse: Pulse,
     state: Option<(StateMessage, Instant)>,
 }
 
@@ -103,10 +111,7 @@ impl Session {
             news: None,
             last_id: 0,
             window,
-            ping_after: Duration::from_secs(u64::from(keep_alive)) / 2,
-            sent: Instant::now(),
-            asked: None,
-            pinged: false,
+            pulse: Pulse::new(keep_alive),
             state: None,
         })
     }
@@ -123,14 +128,11 @@ impl Session {
     async fn turn(&mut self) -> Result<(), MqttTrouble> {
         self.publish_state().await?;
         self.forward().await?;
-        if self.sent.elapsed() >= self.ping_after && !self.pinged {
-            self.pinged = true;
+        if self.pulse.is_due() {
+            self.pulse.asks();
             self.send(&Packet::PingReq(PingReq)).await?;
-            self.asked.get_or_insert_with(Instant::now);
         }
-        if self.asked.is_some_and(|since| since.elapsed() > ANSWER) {
-            return Err(MqttTrouble::Silent(ANSWER.as_secs()));
-        }
+        self.pulse.check()?;
         match timeout(LOOK, self.link.next()).await {
             Ok(packet) => self.take(packet?),
             Err(_) => Ok(()),
@@ -150,16 +152,15 @@ impl Session {
                 }
                 self.awaited.remove(known);
             }
-            Packet::PingResp(_) if self.pinged => self.pinged = false,
+            Packet::PingResp(_) if self.pulse.is_waiting() => self.pulse.answered(),
             Packet::Disconnect(end) => return Err(MqttTrouble::Ended(end.reason_code)),
             _ => return Err(MqttTrouble::Unasked),
         }
-        self.asked = (self.pinged || !self.awaited.is_empty()).then(Instant::now);
+        self.pulse.goes_on(!self.awaited.is_empty());
         if self.awaited.is_empty()
             && let Some((store, number)) = self.news.take()
-            && let Some(cursor) = &self.desk.cursor
         {
-            cursor.lock().unwrap_or_else(PoisonError::into_inner).advance(&store, number);
+            self.desk.advance(&store, number);
         }
         Ok(())
     }
@@ -216,18 +217,18 @@ impl Session {
         self.last_id = self.last_id.checked_add(1).unwrap_or(1);
         (message.pkid, message.retain) = (self.last_id, retain);
         self.awaited.push_back(self.last_id);
-        self.asked.get_or_insert_with(Instant::now);
+        self.pulse.awaits();
         self.send(&Packet::Publish(message)).await
     }
 
     async fn send(&mut self, packet: &Packet) -> Result<(), MqttTrouble> {
-        self.sent = Instant::now();
+        self.pulse.sent();
         self.link.send(packet).await
     }
 }
 
 /// Most messages on their way and the keep-alive, s, by which broker and gateway can do.
-fn agreed(answer: &ConnAck) -> Result<(usize, u16), MqttTrouble> {
+pub(super) fn agreed(answer: &ConnAck) -> Result<(usize, u16), MqttTrouble> {
     if answer.code != ConnectReturnCode::Success {
         return Err(MqttTrouble::Refused(answer.code));
     }

@@ -71,6 +71,8 @@ table! {
             "\"/etc/tertius/mqtt-ca.crt\"", "who certifies the broker (PEM), relative to this file, or system for whom the computer trusts; without it nothing is encrypted";
         period: f64 = 10.0 => number(Limits::least(1.0, DURATION).most(3600.0)),
             "10.0", "s, the longest time from one published state to the next";
+        sparkplug: Option<String> = None => text(TextRule::EdgeNode),
+            "\"ship/gangway\"", "the edge node, GROUP/NODE, as which everything is published by Sparkplug B instead of as JSON";
     }
 }
 
@@ -111,6 +113,11 @@ impl Mqtt {
     /// Host and port of the broker; `None` if MQTT is off.
     pub fn address(&self) -> Option<(&str, u16)> {
         broker_of(&self.broker)
+    }
+
+    /// Group and name of the edge node of Sparkplug B; `None` if what is published is JSON.
+    pub fn edge(&self) -> Option<(&str, &str)> {
+        self.sparkplug.as_deref()?.split_once('/')
     }
 }
 
