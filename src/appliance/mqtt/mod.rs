@@ -114,7 +114,7 @@ async fn publish(desk: Desk, [first, longest]: [Duration; 2]) {
 
 /// One connection, and why it ended.
 async fn converse(desk: Desk) -> MqttTrouble {
-    let ended = match desk.plan.sparkplug.clone() {
+    match desk.plan.sparkplug.clone() {
         None => match Session::open(desk).await {
             Ok(session) => session.run().await,
             Err(trouble) => trouble,
@@ -123,6 +123,5 @@ async fn converse(desk: Desk) -> MqttTrouble {
             Ok(session) => session.run().await,
             Err(trouble) => trouble,
         },
-    };
-    ended
+    }
 }
