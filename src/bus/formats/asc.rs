@@ -15,7 +15,8 @@ use crate::time::Timestamp;
 
 use super::candump::stamp::Stamp;
 use super::decimal::number;
-use super::token::token;
+use super::hex;
+use super::token::{is_blank, token};
 
 pub static FORMAT: Format = Format {
     name: "a Vector log in ASC",
@@ -109,8 +110,10 @@ impl Asc {
     /// Reads a line; returns whether there is a frame.
     fn line(&mut self, text: &[u8], frame: &mut Frame) -> Result<bool, Reason> {
         let (word, rest) = token(text);
+        if word.first().is_some_and(u8::is_ascii_digit) {
+            return self.event(word, rest, frame);
+        }
         match word.to_ascii_lowercase().as_slice() {
-            [b'0'..=b'9', ..] => return self.event(word, rest, frame),
             b"date" => self.start = Some(date(rest)?),
             b"base" => self.head(rest)?,
             b"begin" => {
@@ -285,6 +288,14 @@ impl Asc {
     fn payload(&self, text: &[u8], announced: usize, frame: &mut Frame) -> Result<(), Reason> {
         let mut rest = text;
         for (found, byte) in frame.buffer_mut().iter_mut().take(announced).enumerate() {
+            // Nearly always there are a blank and two digits.
+            if let ([b' ', high, low, behind @ ..], 16) = (rest, self.base)
+                && behind.first().is_none_or(is_blank)
+                && let Some(value) = hex::byte([*high, *low])
+            {
+                (*byte, rest) = (value, behind);
+                continue;
+            }
             let (word, behind) = token(rest);
             if word.is_empty() {
                 return Err(Reason::LengthMismatch { announced, found });

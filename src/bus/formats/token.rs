@@ -7,6 +7,7 @@ pub fn token(text: &[u8]) -> (&[u8], &[u8]) {
     text.split_at(text.iter().position(is_blank).unwrap_or(text.len()))
 }
 
-fn is_blank(byte: &u8) -> bool {
+/// Whether a byte stands between words.
+pub fn is_blank(byte: &u8) -> bool {
     matches!(byte, b' ' | b'\t')
 }
