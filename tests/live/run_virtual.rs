@@ -161,5 +161,5 @@ fn a_program_without_opc_ua_says_how_to_build_one_with_it() {
     }
     let output = with("4840");
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(said.contains("must be ADDRESS:PORT or off"), "{said}");
+    assert!(said.contains("must be ADDRESS:PORT"), "{said}");
 }

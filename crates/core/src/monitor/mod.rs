@@ -155,11 +155,6 @@ impl Monitor {
         }
     }
 
-    /// Newest Fd_Status and its time.
-    pub const fn last_status(&self) -> Option<&(Timestamp, Status)> {
-        self.last_status.as_ref()
-    }
-
     /// Number of the platform's state, if it is known at the time of the newest frame.
     pub fn platform(&self) -> Option<i64> {
         self.gate.number(self.last?)

@@ -15,6 +15,11 @@ pub(super) const STATUS_PERIOD: Span = match OwnMessage::Status.sending() {
 };
 
 impl Monitor {
+    /// Newest Fd_Status and its time.
+    pub const fn last_status(&self) -> Option<&(Timestamp, Status)> {
+        self.last_status.as_ref()
+    }
+
     pub(super) fn send_status(&mut self, at: Timestamp, sink: &mut impl Sink) {
         let status = self.status(at);
         self.last_status = Some((at, status));
