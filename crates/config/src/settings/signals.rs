@@ -14,7 +14,7 @@ table! {
         supply: Option<String> = None => text(TextRule::Signal),
             "\"Plc_State.SupplyPressure\"", "the supply pressure P_S, bar, for `identify --nonlinear`";
         vessel_roll: Option<String> = None => text(TextRule::Signal),
-            "\"Mru_Attitude.Roll\"", "the vessel's roll by its motion sensor, rad; with the other angles and [hexapod]";
+            "\"Mru_Attitude.Roll\"", "the vessel's roll by its motion sensor, rad; with the other angles and the table hexapod";
         vessel_pitch: Option<String> = None => text(TextRule::Signal),
             "\"Mru_Attitude.Pitch\"", "the vessel's pitch by its motion sensor, rad";
         top_roll: Option<String> = None => text(TextRule::Signal),
