@@ -8,6 +8,7 @@ use super::Failure;
 use super::history;
 use super::machine::Machine;
 use super::overriding::SetOptions;
+use super::run;
 use crate::config::Settings;
 use crate::config::settings::{CylinderSignals, bus_of};
 use crate::decode::Raw;
@@ -112,6 +113,7 @@ fn doubts(machine: &Machine) -> String {
     doubts.extend((1..=settings.machine.cylinders).filter_map(|n| critical_doubt(settings, n)));
     doubts.extend(fast_doubt(settings));
     doubts.extend(model_doubt(machine));
+    doubts.extend(run::not_built(settings));
     if doubts.is_empty() {
         return String::new();
     }

@@ -156,14 +156,18 @@ fn prepare(
 
 /// Refuses settings of what this program was built without.
 fn refuse_what_is_not_built(settings: &Settings) -> Result<(), Failure> {
-    if cfg!(feature = "opcua") || settings.opcua.address().is_none() {
-        return Ok(());
-    }
-    Err(Failure::Wrong(format!(
-        "`opcua.listen` is {:?}, but this program was built without OPC UA; build it with the feature: cargo install \
-         --locked --path . --features opcua; or set opcua.listen = \"off\"",
-        settings.opcua.listen
-    )))
+    not_built(settings).map_or(Ok(()), |what| Err(Failure::Wrong(what)))
+}
+
+/// What is set, but what this program was built without, and what to do.
+pub fn not_built(settings: &Settings) -> Option<String> {
+    (!cfg!(feature = "opcua") && settings.opcua.address().is_some()).then(|| {
+        format!(
+            "`opcua.listen` is {:?}, but this program was built without OPC UA; build it with the feature: cargo \
+             install --locked --path . --features opcua; or set opcua.listen = \"off\"",
+            settings.opcua.listen
+        )
+    })
 }
 
 /// Certificate and key of the page, relative to the configuration `path`.

@@ -159,6 +159,10 @@ fn a_program_without_opc_ua_says_how_to_build_one_with_it() {
     for part in ["opcua.listen", "127.0.0.1:4840", "built without", "--features opcua"] {
         assert!(said.contains(part), "{part} in {said}");
     }
+    let set = "opcua.listen=127.0.0.1:4840";
+    let checked = tertius(&["check", plain(&config), "--set", set]);
+    let said = String::from_utf8_lossy(&checked.stdout);
+    assert!(said.contains("worth a look") && said.contains("--features opcua"), "{said}");
     let output = with("4840");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("must be ADDRESS:PORT"), "{said}");
