@@ -74,17 +74,17 @@ pub fn read_ahead(
 }
 
 fn read_in_turn(recording: &mut Recording, taker: &mut impl FrameTaker) -> Result<(), SourceError> {
-    let mut frames = 0_usize;
-    while let Some(frame) = recording.next_frame()? {
-        if taker.take(frame).is_break() {
-            break;
+    loop {
+        for _ in 0..STRIDE {
+            let Some(frame) = recording.next_frame()? else { return Ok(()) };
+            if taker.take(frame).is_break() {
+                return Ok(());
+            }
         }
-        frames += 1;
-        if frames.is_multiple_of(STRIDE) && taker.pause(recording.progress()).is_break() {
-            break;
+        if taker.pause(recording.progress()).is_break() {
+            return Ok(());
         }
     }
-    Ok(())
 }
 
 /// Reads all frames into batches `empty`, and passes these on as `full`, until the taker ends.
