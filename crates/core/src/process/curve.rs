@@ -121,7 +121,7 @@ mod tests {
         let shortest = (1..9).map(|index| knot(0.8, 8, index) - knot(0.8, 8, index - 1));
         assert_eq!(shortest.fold(f64::INFINITY, f64::min), knot(0.8, 8, 5) - knot(0.8, 8, 4));
         assert_eq!([place(0.8, 8, f64::NAN).0, curve.place(f64::NAN).0], [0; 2]);
-        for command in [-5.0, -0.8, -0.1, -0.0, 1e-9, 0.3, 0.8, 2.0] {
+        for command in [-5.0, -0.8, -0.6, -0.1, -0.0, 1e-9, 0.3, 0.7, 0.8, 2.0] {
             assert_eq!(curve.place(command), place(0.8, 8, command));
         }
     }
