@@ -121,6 +121,21 @@ fn an_object_without_a_length_ends_and_is_told() {
     assert!(said.contains("a container that is compressed by zlib, or not at all"), "{said}");
 }
 
+#[test]
+fn what_comes_before_damage_in_a_container_is_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (frames, _) = read(&fs::read(oracle::top().join(LOG)).expect("the excerpt"));
+    let mut blf = written(&["write", LOG, "BLF", "131072", "-1"], folder.path());
+    let middle = blf.len() / 2;
+    blf[middle..middle + 64].fill(0xFF);
+    let (found, statistics) = read(&blf);
+    // Python's zlib, too, finds ten before it finds the damage.
+    assert!((5..frames.len()).contains(&found.len()), "{}", found.len());
+    assert!(found.iter().zip(&frames).all(|(one, other)| one.data() == other.data()));
+    let said = statistics.first_bad_lines[0].reason.to_string();
+    assert!(said.contains("the data of a container by zlib"), "{said}");
+}
+
 /// Logs with and without compression, in containers of which objects stick out.
 static LOGS: LazyLock<[Vec<u8>; 3]> = LazyLock::new(|| {
     let folder = tempfile::tempdir().expect("a folder");
