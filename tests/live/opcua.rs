@@ -5,10 +5,8 @@ use crate::modbus::{self, CYLINDERS, DELAY, Values, cases, cycles, offset, same,
 use serde_json::{Map, Value, json};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tertius::appliance::opcua::{NAMESPACE, OpcuaServer};
 use tertius::appliance::telemetry::points::{Point, PointKind, Points};
@@ -16,7 +14,7 @@ use tertius::appliance::telemetry::snapshot::Snapshot;
 use tertius::bus::Identifiers;
 use tertius::time::Span;
 use tertius_testing::machine::{estimating, gateway_of};
-use tertius_testing::oracle;
+use tertius_testing::oracle::{self, Peer};
 
 /// Longest wait for what has to come.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -129,34 +127,15 @@ fn the_nodes_are_as_documented_and_cannot_be_changed() {
 
 /// A client that follows what happens.
 struct Follower {
-    child: Child,
-    stdin: ChildStdin,
-    lines: Receiver<Value>,
+    peer: Peer,
     /// Lines that came before what was looked for.
     earlier: RefCell<VecDeque<Value>>,
 }
 
 impl Follower {
     fn new(server: &OpcuaServer) -> Self {
-        let mut child = Command::new(oracle::python())
-            .arg(oracle::top().join("tests/oracle/opcua.py"))
-            .args(["follow", &url(server)])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the interpreter starts");
-        let out = BufReader::new(child.stdout.take().expect("it is piped"));
-        let (told, lines) = channel();
-        std::thread::spawn(move || {
-            for line in out.lines().map_while(Result::ok) {
-                let line = serde_json::from_str(&line).expect("JSON");
-                if told.send(line).is_err() {
-                    return;
-                }
-            }
-        });
-        let stdin = child.stdin.take().expect("it is piped");
-        let follower = Self { child, stdin, lines, earlier: RefCell::default() };
+        let peer = Peer::start("opcua.py", &["follow", &url(server)]);
+        let follower = Self { peer, earlier: RefCell::default() };
         follower.find("ready");
         follower
     }
@@ -169,7 +148,7 @@ impl Follower {
             return earlier.remove(place).expect("it is there")[kind].clone();
         }
         loop {
-            let line = self.lines.recv_timeout(PATIENCE).expect("it comes in time");
+            let line = self.peer.next_line();
             match line.get(kind) {
                 Some(found) => return found.clone(),
                 None => earlier.push_back(line),
@@ -185,15 +164,8 @@ impl Follower {
 
     /// Asks for what stands.
     fn refresh(&mut self) -> Value {
-        self.stdin.write_all(b"refresh\n").expect("it reads");
+        self.peer.tell("refresh");
         self.find("refresh")
-    }
-}
-
-impl Drop for Follower {
-    fn drop(&mut self) {
-        _ = self.child.kill();
-        _ = self.child.wait();
     }
 }
 

@@ -4,9 +4,6 @@ use crate::metrics_support::Bench;
 use crate::modbus::{self, DELAY, Values, offset};
 use crate::mqtt::{Kept, plan, publisher};
 use serde_json::{Value, json};
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tertius::appliance::modbus::ModbusServer;
 use tertius::appliance::mqtt::{EdgeNode, MqttPlan};
@@ -14,10 +11,7 @@ use tertius::appliance::telemetry::points::{Point, PointKind, Points};
 use tertius::appliance::telemetry::snapshot::Snapshot;
 use tertius_testing::broker::Broker;
 use tertius_testing::machine::{estimating, gateway_of};
-use tertius_testing::oracle;
-
-/// Longest wait for what has to come.
-const PATIENCE: Duration = Duration::from_secs(60);
+use tertius_testing::oracle::Peer;
 
 fn sparkplug(plan: MqttPlan) -> MqttPlan {
     let edge = EdgeNode { group: "ship".to_owned(), node: "gangway".to_owned() };
@@ -25,33 +19,12 @@ fn sparkplug(plan: MqttPlan) -> MqttPlan {
 }
 
 /// A host application, which asserts by itself what the standard asks of the order of messages.
-struct Host {
-    child: Child,
-    stdin: ChildStdin,
-    lines: Receiver<Value>,
-}
+struct Host(Peer);
 
 impl Host {
     fn new(broker: &Broker) -> Self {
-        let mut child = Command::new(oracle::python())
-            .arg(oracle::top().join("tests/oracle/sparkplug.py"))
-            .args([&broker.port.to_string(), "ship"])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the interpreter starts");
-        let out = BufReader::new(child.stdout.take().expect("it is piped"));
-        let (told, lines) = channel();
-        std::thread::spawn(move || {
-            for line in out.lines().map_while(Result::ok) {
-                let line = serde_json::from_str(&line).expect("JSON");
-                if told.send(line).is_err() {
-                    return;
-                }
-            }
-        });
-        let stdin = child.stdin.take().expect("it is piped");
-        let host = Self { child, stdin, lines };
+        let port = broker.port.to_string();
+        let host = Self(Peer::start("sparkplug.py", &[&port, "ship"]));
         host.find(|it| it["ready"] == true);
         host
     }
@@ -60,7 +33,7 @@ impl Host {
     #[track_caller]
     fn find(&self, is: impl Fn(&Value) -> bool) -> Value {
         loop {
-            let line = self.lines.recv_timeout(PATIENCE).expect("it comes in time");
+            let line = self.0.next_line();
             assert!(line.get("wrong").is_none(), "{line}");
             if is(&line) {
                 return line;
@@ -77,14 +50,7 @@ impl Host {
     }
 
     fn command(&mut self, name: &str) {
-        self.stdin.write_all(format!("gangway\t{name}\n").as_bytes()).expect("it reads");
-    }
-}
-
-impl Drop for Host {
-    fn drop(&mut self) {
-        _ = self.child.kill();
-        _ = self.child.wait();
+        self.0.tell(&format!("gangway\t{name}"));
     }
 }
 

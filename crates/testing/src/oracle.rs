@@ -2,10 +2,16 @@
 
 pub use crate::top;
 
-use std::io::Write;
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Longest wait for a line of a peer.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The interpreter of the project's virtual environment, which is made on first use.
 ///
@@ -53,4 +59,64 @@ pub fn run(script: &str, arguments: &[&str], input: &str) -> String {
         String::from_utf8_lossy(&output.stderr)
     );
     String::from_utf8(output.stdout).expect("the script writes UTF-8")
+}
+
+/// A script that goes on beside the test: it writes lines of JSON, and reads what it is told. It ends with this.
+pub struct Peer {
+    child: Child,
+    stdin: ChildStdin,
+    lines: Receiver<Value>,
+}
+
+impl Peer {
+    /// Starts `tests/oracle/{script}`.
+    ///
+    /// # Panics
+    /// If it does not start.
+    pub fn start(script: &str, arguments: &[&str]) -> Self {
+        let mut child = Command::new(python())
+            .arg(top().join("tests/oracle").join(script))
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("the interpreter starts");
+        let out = BufReader::new(child.stdout.take().expect("it is piped"));
+        let (told, lines) = channel();
+        std::thread::spawn(move || {
+            for line in out.lines().map_while(Result::ok) {
+                let line = serde_json::from_str(&line).expect("JSON");
+                if told.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        let stdin = child.stdin.take().expect("it is piped");
+        Self { child, stdin, lines }
+    }
+
+    /// The next line.
+    ///
+    /// # Panics
+    /// If it does not come within a minute.
+    #[track_caller]
+    pub fn next_line(&self) -> Value {
+        self.lines.recv_timeout(PATIENCE).expect("it comes in time")
+    }
+
+    /// Tells it a line.
+    ///
+    /// # Panics
+    /// If it does not read any more.
+    #[track_caller]
+    pub fn tell(&mut self, line: &str) {
+        writeln!(self.stdin, "{line}").expect("it reads");
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        _ = self.child.kill();
+        _ = self.child.wait();
+    }
 }

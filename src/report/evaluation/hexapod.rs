@@ -1,6 +1,6 @@
 //! Tables of the drifts that the deck's attitude names.
 
-use super::{percent, rate};
+use super::{millimetres, percent, rate};
 use crate::evaluate::hexapod::{HexapodFigures, HexapodResult};
 use crate::report::sheet::{Section, Sheet};
 
@@ -20,11 +20,6 @@ pub fn sections(result: &HexapodResult) -> [Section; 2] {
     for figures in &result.drifts {
         let HexapodFigures { grade, witness, transducer, rate, named, wrong, at, found_at, others } =
             figures;
-        let millimetres = |both: &Option<[f64; 2]>| {
-            let text =
-                |[median, late]: [f64; 2]| format!("{:.1} mm, {:.1} mm", 1e3 * median, 1e3 * late);
-            both.map_or_else(|| "–".to_owned(), text)
-        };
         sheet.add_row(vec![
             witness.clone(),
             (*grade).to_owned(),

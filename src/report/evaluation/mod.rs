@@ -327,6 +327,12 @@ fn suspects(figures: &SuspectFigures) -> String {
 }
 
 /// Events a year, with as many digits as are significant.
+/// Median and 95th percentile of lengths in m, where there are any.
+fn millimetres(both: &Option<[f64; 2]>) -> String {
+    let text = |[median, late]: [f64; 2]| format!("{:.1} mm, {:.1} mm", 1e3 * median, 1e3 * late);
+    both.map_or_else(|| "–".to_owned(), text)
+}
+
 fn rate(per_year: f64) -> String {
     match per_year {
         0.0 => "0".to_owned(),

@@ -1,7 +1,7 @@
 //! Tables of the drifts in the loop.
 
 use super::process::machine;
-use super::{percent, rate};
+use super::{millimetres, percent, rate};
 use crate::evaluate::side::{SideFigures, SideResult};
 use crate::report::sheet::{Section, Sheet};
 
@@ -20,11 +20,6 @@ pub fn sections(result: &SideResult) -> [Section; 2] {
     for figures in &result.drifts {
         let SideFigures { grade, lag, transducer, rate, named, at, found_at, wrong, process } =
             figures;
-        let millimetres = |both: &Option<[f64; 2]>| {
-            let text =
-                |[median, late]: [f64; 2]| format!("{:.1} mm, {:.1} mm", 1e3 * median, 1e3 * late);
-            both.map_or_else(|| "–".to_owned(), text)
-        };
         sheet.add_row(vec![
             machine(grade, *lag),
             format!("{}, {:.1} mm/s", transducer.to_uppercase(), 1e3 * rate),

@@ -12,13 +12,12 @@ pub use figures::{HexapodFigures, HexapodGathering, HexapodHealthy, HexapodResul
 pub use trial::{HexapodOutcome, HexapodQuiet};
 
 use super::grade::Grade;
-use super::learning::{Learnt, Lessons};
-use super::side::SideCase;
+use super::learning::Learnt;
+use super::side::{LESSONS, SideCase};
 use super::stand::{Stand, StandError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_core::monitor::MonitorDesign;
-use tertius_core::verdict::Suspect;
 
 /// What the deck's attitude is taken from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,20 +57,7 @@ impl DeckWitness {
 }
 
 /// What is tried.
-pub const CASES: [SideCase; 6] = {
-    let rates = [0.2e-3, 0.5e-3, 2e-3];
-    let mut cases = [SideCase { transducer: Suspect::C1, rate: 0.0 }; 6];
-    let mut i = 0;
-    while i < rates.len() {
-        cases[i].rate = rates[i];
-        cases[i + rates.len()] = SideCase { transducer: Suspect::C2, rate: rates[i] };
-        i += 1;
-    }
-    cases
-};
-
-/// Hours to learn from: 25 minutes, and another recording for the level.
-const LESSONS: Lessons = Lessons { calibration: 1500.0 / 3600.0, level: 0.5 };
+pub const CASES: [SideCase; 6] = SideCase::each([0.2e-3, 0.5e-3, 2e-3]);
 
 /// How long one healthy machine is watched, s.
 pub const STRETCH: f64 = 1800.0;

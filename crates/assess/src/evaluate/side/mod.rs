@@ -29,23 +29,29 @@ pub struct SideCase {
 }
 
 /// What is tried.
-pub const CASES: [SideCase; 10] = {
-    let rates = [0.3e-3, 0.5e-3, 1e-3, 2e-3, 5e-3];
-    let mut cases = [SideCase { transducer: Suspect::C1, rate: 0.0 }; 10];
-    let mut i = 0;
-    while i < rates.len() {
-        cases[i].rate = rates[i];
-        cases[i + rates.len()] = SideCase { transducer: Suspect::C2, rate: rates[i] };
-        i += 1;
+pub const CASES: [SideCase; 10] = SideCase::each([0.3e-3, 0.5e-3, 1e-3, 2e-3, 5e-3]);
+
+impl SideCase {
+    /// Those of C1 with each of the `rates`, m/s, and then those of C2: `CASES` are twice as many.
+    pub(super) const fn each<const RATES: usize, const CASES: usize>(
+        rates: [f64; RATES],
+    ) -> [Self; CASES] {
+        let mut cases = [Self { transducer: Suspect::C1, rate: 0.0 }; CASES];
+        let mut i = 0;
+        while i < RATES {
+            cases[i].rate = rates[i];
+            cases[i + RATES] = Self { transducer: Suspect::C2, rate: rates[i] };
+            i += 1;
+        }
+        cases
     }
-    cases
-};
+}
 
 /// A drift has to be named before this, m.
 pub const IN_TIME: f64 = 0.02;
 
 /// Hours to learn from: 25 minutes, and another recording for the level.
-const LESSONS: Lessons = Lessons { calibration: 1500.0 / 3600.0, level: 0.5 };
+pub(super) const LESSONS: Lessons = Lessons { calibration: 1500.0 / 3600.0, level: 0.5 };
 
 /// How long one healthy machine is watched, s.
 pub const STRETCH: f64 = 1800.0;
