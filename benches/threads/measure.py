@@ -1,7 +1,8 @@
-"""One recording on one thread and on two: times in turn, and the instructions of each thread under callgrind.
+"""One recording on one thread and on several: times in turn, and the instructions of each thread under callgrind.
 
 Run by scripts/bench-threads; see there. Instructions tell what two cores can give at most: as many times the speed as all
-of one thread's are to those of the busier one of two. What handing over costs in caches is not among them.
+of one thread's are to those of the busiest of several, or to half of theirs. What handing over costs in caches is not
+among them.
 """
 
 import re
@@ -49,7 +50,7 @@ def counted(program, folder, *what):
 
 
 def instructions(program, folder, logs, what):
-    """Instructions a frame on one thread, and of each of two; the recording has `frames` more than the shorter one."""
+    """Instructions a frame on one thread, and of each with --threads 2; the recording has `frames` more than the shorter one."""
     (long, short), (ending, *rest) = logs, what
     costs = []
     for threads in (1, 2):
@@ -60,7 +61,7 @@ def instructions(program, folder, logs, what):
 
 
 def timed(program, logs, what, rounds):
-    """Medians of the wall time on one thread and on two, s."""
+    """Medians of the wall time on one thread and with --threads 2, s."""
     ending, config, residuals = what
     times = {1: [], 2: []}
     for _ in range(rounds):
@@ -76,13 +77,16 @@ def main(program, folder, minutes, rounds):
     folder = Path(folder)
     counting = [recorded(program, folder, f"{seconds}-s", seconds) for seconds in (LONG, SHORT)]
     timing = recorded(program, folder, f"{minutes}-min", 60 * int(minutes)) if int(rounds) else None
-    print("| recording | a frame on one thread | judging, reading | at most |", "one, s | two, s | |" if timing else "")
+    print("| recording | a frame on one thread | judging, reading, writing | at most |", "one, s | two, s | |" if timing else "")
     for config, residuals in ((CONFIG, False), (TABLES, False), (CONFIG, True)):
         for ending in FORMATS:
             what = (ending, config, residuals)
             (one,), two = instructions(program, folder, counting, what)
+            # Order of the threads: judging begins, then comes who writes, then who reads.
+            if residuals:
+                two = [two[0], two[2], two[1]]
             name = ending + (", sequential tables" if config == TABLES else "") + (", `--residuals`" if residuals else "")
-            row = f"| {name} | {one:.0f} | {', '.join(f'{it:.0f}' for it in two)} | {one / max(two):.2f} |"
+            row = f"| {name} | {one:.0f} | {', '.join(f'{it:.0f}' for it in two)} | {one / max(*two, sum(two) / 2):.2f} |"
             if timing:
                 alone, both = timed(program, timing, what, int(rounds))
                 row += f" {alone:.3f} | {both:.3f} | {alone / both:.2f} |"

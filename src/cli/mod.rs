@@ -4,6 +4,8 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code))]
 
 #[cfg(feature = "cli")]
+mod behind;
+#[cfg(feature = "cli")]
 mod broadcast;
 #[cfg(feature = "cli")]
 mod calibrate;

@@ -1,6 +1,7 @@
 //! Outputs of a replay.
 
 use super::Failure;
+use super::behind::{Behind, Table};
 use super::columns::ColumnFolder;
 use super::files::{Claimed, Writer};
 use crate::alarm::{OwnFrame, Warning};
@@ -10,7 +11,9 @@ use crate::incident::Incident;
 use crate::monitor::{Notice, Record, Sink};
 use crate::report::human::Notices;
 use crate::report::page::PageRecorder;
-use crate::report::{Episodes, EstimateTable, Incidents, ResidualTable, jsonl};
+use crate::report::{
+    Episodes, EstimateRow, EstimateTable, Incidents, ResidualRow, ResidualTable, jsonl,
+};
 use crate::sequential::Dwell;
 use crate::time::Timestamp;
 use std::io::{self, BufWriter, Stdout, Write};
@@ -38,15 +41,16 @@ pub struct Output {
     /// The tables as Parquet files, if they are requested.
     pub columns: Option<ColumnFolder>,
     lines: Option<BufWriter<Stdout>>,
-    residuals: Option<ResidualTable<Writer>>,
-    estimates: Option<EstimateTable<Writer>>,
+    residuals: Option<Behind<ResidualTable<Writer>>>,
+    estimates: Option<Behind<EstimateTable<Writer>>>,
     frames: Option<LogWriter<Writer>>,
     failure: Option<Failure>,
 }
 
 impl Output {
     /// The requested outputs: lines of JSON on standard output, tables of residuals and of
-    /// estimates, a log of the frames sent (on `interface`).
+    /// estimates, a log of the frames sent (on `interface`). With more than one of `threads` the tables are written
+    /// behind, each by a thread of its own.
     ///
     /// # Errors
     /// A pipe or a device that cannot be opened; a file that cannot be written.
@@ -54,19 +58,10 @@ impl Output {
         lines: bool,
         [residuals, estimates, frames]: [Option<Claimed>; 3],
         interface: &str,
+        threads: usize,
     ) -> Result<Self, Failure> {
-        let residuals = residuals
-            .map(|file| {
-                ResidualTable::new(file.open()?)
-                    .map_err(|error| Failure::writing(RESIDUALS, &error))
-            })
-            .transpose()?;
-        let estimates = estimates
-            .map(|file| {
-                EstimateTable::new(file.open()?)
-                    .map_err(|error| Failure::writing(ESTIMATES, &error))
-            })
-            .transpose()?;
+        let residuals = table(RESIDUALS, residuals, threads, ResidualTable::new)?;
+        let estimates = table(ESTIMATES, estimates, threads, EstimateTable::new)?;
         let frames =
             frames.map(Claimed::open).transpose()?.map(|file| LogWriter::new(file, interface));
         Ok(Self {
@@ -95,19 +90,30 @@ impl Output {
         self.lines.as_mut()
     }
 
+    /// Waits until the tables have all rows so far.
+    pub fn catch_up(&mut self) {
+        let written = self.residuals.as_mut().map_or(Ok(()), Behind::catch_up);
+        self.note(RESIDUALS, written);
+        let written = self.estimates.as_mut().map_or(Ok(()), Behind::catch_up);
+        self.note(ESTIMATES, written);
+    }
+
     /// Flushes the outputs.
     ///
     /// # Errors
     /// The first error that occurred.
     pub fn close(mut self) -> Result<(), Failure> {
+        self.catch_up();
         if let Some(failure) = self.failure {
             return Err(failure);
         }
         if let Some(lines) = &mut self.lines {
             lines.flush().map_err(|error| Failure::writing(LINES, &error))?;
         }
-        let residuals = self.residuals.map(|table| (RESIDUALS, table.into_inner()));
-        let estimates = self.estimates.map(|table| (ESTIMATES, table.into_inner()));
+        let residuals = self.residuals.and_then(Behind::into_inner);
+        let residuals = residuals.map(|table| (RESIDUALS, table.into_inner()));
+        let estimates = self.estimates.and_then(Behind::into_inner);
+        let estimates = estimates.map(|table| (ESTIMATES, table.into_inner()));
         let frames = self.frames.map(|frames| (FRAMES, frames.into_inner()));
         for (what, writer) in [residuals, estimates, frames].into_iter().flatten() {
             writer.finish().map_err(|error| Failure::writing_file(what, &error))?;
@@ -130,6 +136,34 @@ impl Output {
     }
 }
 
+/// Opens `file` for the table `what`, if it is requested.
+fn table<T: Table>(
+    what: &str,
+    file: Option<Claimed>,
+    threads: usize,
+    begin: impl FnOnce(Writer) -> io::Result<T>,
+) -> Result<Option<Behind<T>>, Failure> {
+    let Some(file) = file else { return Ok(None) };
+    let table = begin(file.open()?).map_err(|error| Failure::writing(what, &error))?;
+    Ok(Some(Behind::new(table, threads)))
+}
+
+impl Table for ResidualTable<Writer> {
+    type Row = ResidualRow;
+
+    fn write(&mut self, row: &ResidualRow) -> io::Result<()> {
+        Self::write(self, row)
+    }
+}
+
+impl Table for EstimateTable<Writer> {
+    type Row = EstimateRow;
+
+    fn write(&mut self, row: &EstimateRow) -> io::Result<()> {
+        Self::write(self, row)
+    }
+}
+
 impl Sink for Output {
     fn wants_records(&self) -> bool {
         self.recorder.is_some() || self.residuals.is_some() || self.columns.is_some()
@@ -140,7 +174,7 @@ impl Sink for Output {
             recorder.record(self.first, record);
         }
         if let Some(table) = &mut self.residuals {
-            let result = table.write(self.begin, record);
+            let result = table.write(ResidualRow::new(self.begin, record));
             self.note(RESIDUALS, result);
         }
         self.tabulate(|columns| columns.record(record));
@@ -173,7 +207,7 @@ impl Sink for Output {
 
     fn estimate(&mut self, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) {
         if let Some(table) = &mut self.estimates {
-            let result = table.write(self.begin, at, cylinder, estimate);
+            let result = table.write(EstimateRow::new(self.begin, at, cylinder, estimate));
             self.note(ESTIMATES, result);
         }
     }

@@ -84,8 +84,9 @@ pub struct Replay {
     time_zone: TimeZone,
     #[command(flatten)]
     overwriting: Overwriting,
-    /// 1: reads and judges in turn. 2: reads ahead on a second thread, unless the recording comes by a pipe. The
-    /// result is the same [default: as many as there are processors]
+    /// 1: reads, judges and writes in turn. 2: reads ahead, unless the recording comes by a pipe, and writes the tables
+    /// of --residuals and --estimates behind, on threads of their own. The result is the same [default: as many as there
+    /// are processors]
     #[arg(long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
     /// The meaning of the time stamps of a console recording
@@ -158,17 +159,18 @@ impl Replay {
         let mut recording = Recording::open(&inputs.logs, options)?;
         let Claims { residuals, estimates, frames, report, state, columns } =
             self.claim(&machine, &inputs)?;
+        let threads = self.threads.unwrap_or_else(processors);
         let mut output = Output::create(
             self.format == Format::Jsonl,
             [residuals, estimates, frames],
             &machine.loaded.settings.bus.interface,
+            threads,
         )?;
         output.columns = columns;
         output.recorder = report.as_ref().map(|_| PageRecorder::new(&machine.design));
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
-        let threads = self.threads.unwrap_or_else(processors);
         let duration =
             feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
         if output.failed() {

@@ -1,5 +1,6 @@
 //! The table of estimates, as comma-separated values.
 
+use super::number;
 use crate::estimate::Estimate;
 use crate::time::Timestamp;
 use std::io::{self, Write};
@@ -7,11 +8,28 @@ use std::io::{self, Write};
 /// Columns, which the first line names.
 pub const HEADER: &str = "t,cylinder,estimate,sigma,valid,source";
 
+/// A row of the table: a cylinder and cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct EstimateRow {
+    /// s.
+    t: f64,
+    cylinder: u8,
+    estimate: Option<Estimate>,
+}
+
+impl EstimateRow {
+    /// The row of a cycle that opened at `at`; `first` is the time stamp of the recording's first frame.
+    pub fn new(first: Timestamp, at: Timestamp, cylinder: u8, estimate: Option<&Estimate>) -> Self {
+        Self { t: at.since(first).as_seconds(), cylinder, estimate: estimate.copied() }
+    }
+}
+
 /// Writes one row for each cylinder and cycle, in full double precision, m. Unknown values are
 /// empty; values that are not valid are for inspection only.
 #[derive(Debug)]
 pub struct EstimateTable<W: Write> {
     out: W,
+    line: Vec<u8>,
 }
 
 impl<W: Write> EstimateTable<W> {
@@ -21,30 +39,30 @@ impl<W: Write> EstimateTable<W> {
     /// Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
-        Ok(Self { out })
+        Ok(Self { out, line: Vec::new() })
     }
 
-    /// Writes the row of a cycle that opened at `at`; `first` is the time stamp of the recording's first
-    /// frame.
+    /// Writes a row.
     ///
     /// # Errors
     /// Errors of the output.
-    pub fn write(
-        &mut self,
-        first: Timestamp,
-        at: Timestamp,
-        cylinder: u8,
-        estimate: Option<&Estimate>,
-    ) -> io::Result<()> {
-        let t = at.since(first).as_seconds();
-        let Some(Estimate { position, sigma, source, valid }) = estimate else {
-            return writeln!(self.out, "{t},{cylinder},,,0,");
-        };
-        write!(self.out, "{t},{cylinder},{position},")?;
-        if sigma.is_finite() {
-            write!(self.out, "{sigma}")?;
+    pub fn write(&mut self, row: &EstimateRow) -> io::Result<()> {
+        let line = &mut self.line;
+        line.clear();
+        number::append(line, row.t);
+        write!(line, ",{},", row.cylinder)?;
+        match &row.estimate {
+            None => line.extend_from_slice(b",,0,\n"),
+            Some(Estimate { position, sigma, source, valid }) => {
+                number::append(line, *position);
+                line.push(b',');
+                if sigma.is_finite() {
+                    number::append(line, *sigma);
+                }
+                writeln!(line, ",{},{}", u8::from(*valid), source.name())?;
+            }
         }
-        writeln!(self.out, ",{},{}", u8::from(*valid), source.name())
+        self.out.write_all(line)
     }
 
     /// The underlying writer, which may still buffer rows.

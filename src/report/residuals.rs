@@ -1,5 +1,6 @@
 //! The table of residuals, as comma-separated values.
 
+use super::number;
 use crate::monitor::Record;
 use crate::time::Timestamp;
 use std::io::{self, Write};
@@ -7,11 +8,40 @@ use std::io::{self, Write};
 /// Columns, which the first line names.
 pub const HEADER: &str = "t,cylinder,c1,c2,c2_corrected,u,estimate1,estimate2,r1,r2,r3,gated";
 
+/// Columns that may be empty.
+const VALUES: usize = 9;
+
+/// A row of the table: a cylinder and cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct ResidualRow {
+    /// s.
+    t: f64,
+    cylinder: u8,
+    /// In the unit of [`Record`].
+    values: [Option<f64>; VALUES],
+    gated: bool,
+}
+
+impl ResidualRow {
+    /// The row of `record`; `first` is the time stamp of the recording's first frame.
+    pub fn new(first: Timestamp, record: &Record) -> Self {
+        let Record { c1, c2, c2_corrected, command, estimates, residuals, .. } = *record;
+        let ([e1, e2], [r1, r2, r3]) = (estimates, residuals);
+        Self {
+            t: record.timestamp.since(first).as_seconds(),
+            cylinder: record.cylinder,
+            values: [c1, c2, c2_corrected, command, e1, e2, r1, r2, r3],
+            gated: record.gated,
+        }
+    }
+}
+
 /// Writes one row for each cylinder and cycle, in full double precision. Missing values are empty;
 /// `gated` is 1 where neither FDE1 nor FDE2 judged.
 #[derive(Debug)]
 pub struct ResidualTable<W: Write> {
     out: W,
+    line: Vec<u8>,
 }
 
 impl<W: Write> ResidualTable<W> {
@@ -21,25 +51,26 @@ impl<W: Write> ResidualTable<W> {
     /// Errors of `out`.
     pub fn new(mut out: W) -> io::Result<Self> {
         writeln!(out, "{HEADER}")?;
-        Ok(Self { out })
+        Ok(Self { out, line: Vec::new() })
     }
 
-    /// Writes the row of `record`; `first` is the time stamp of the recording's first frame.
+    /// Writes a row.
     ///
     /// # Errors
     /// Errors of the output.
-    pub fn write(&mut self, first: Timestamp, record: &Record) -> io::Result<()> {
-        let t = record.timestamp.since(first).as_seconds();
-        write!(self.out, "{t},{}", record.cylinder)?;
-        let readings = [record.c1, record.c2, record.c2_corrected, record.command];
-        for value in readings.into_iter().chain(record.estimates).chain(record.residuals) {
-            match value {
-                // `Display` of a double is the shortest form that reads back the same.
-                Some(value) => write!(self.out, ",{value}")?,
-                None => write!(self.out, ",")?,
+    pub fn write(&mut self, row: &ResidualRow) -> io::Result<()> {
+        let line = &mut self.line;
+        line.clear();
+        number::append(line, row.t);
+        write!(line, ",{}", row.cylinder)?;
+        for value in row.values {
+            line.push(b',');
+            if let Some(value) = value {
+                number::append(line, value);
             }
         }
-        writeln!(self.out, ",{}", u8::from(record.gated))
+        line.extend_from_slice(if row.gated { b",1\n" } else { b",0\n" });
+        self.out.write_all(line)
     }
 
     /// The underlying writer, which may still buffer rows.

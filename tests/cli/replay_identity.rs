@@ -109,6 +109,15 @@ fn read_in_turn_and_read_ahead() {
     assert!(one.lines.lines().count() > 80 && one.sent.len() > 200_000);
     one.assert_same(&on("2"), "two threads");
     one.assert_same(&on("64"), "more threads than there is work for");
+    let estimates = |threads| {
+        let table = bench.scratch.path(&format!("estimates-{threads}.csv"));
+        let call =
+            ["replay", &log, "--config", E_TYPE, "--threads", threads, "--estimates", &table];
+        tertius(&call, b"").ok();
+        bench.scratch.read(&format!("estimates-{threads}.csv"))
+    };
+    let one = estimates("1");
+    assert!(one.lines().count() > 10_000 && one == estimates("2"), "the table of estimates");
     tertius(&["replay", &log, "--config", E_TYPE, "--threads", "0"], b"").failed(2, &["--threads"]);
 }
 

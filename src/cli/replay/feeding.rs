@@ -35,6 +35,7 @@ pub fn feed(
     } else {
         monitor.finish(output);
     }
+    output.catch_up();
     bar.finish();
     Ok(last.since(output.first))
 }
