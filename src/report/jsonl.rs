@@ -148,7 +148,7 @@ impl ProcessCoverageFields {
     fn new(coverage: &ProcessCoverage, sample_time: f64) -> Self {
         let seconds = |cycles: u64| in_seconds(cycles, sample_time);
         let [spool_seconds, chambers_seconds, flow_seconds] =
-            coverage.judged.map(|it| it.map(seconds));
+            coverage.judged().map(|it| it.map(seconds));
         let monitored_seconds = seconds(coverage.monitored);
         Self { monitored_seconds, spool_seconds, chambers_seconds, flow_seconds }
     }

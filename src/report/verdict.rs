@@ -104,7 +104,7 @@ fn process(summary: &Summary<'_>) -> Option<String> {
     let told: Vec<String> = (0..)
         .zip(super::wording::RELATIONS)
         .filter_map(|(which, name)| {
-            let own = coverages.iter().filter_map(|it| Some([it.judged[which]?, it.monitored]));
+            let own = coverages.iter().filter_map(|it| Some([it.judged()[which]?, it.monitored]));
             let [judged, monitored] =
                 own.reduce(|[a, b], [judged, monitored]| [a + judged, b + monitored])?;
             Some(format!("by {name} {}", share(judged, monitored)))

@@ -5,7 +5,7 @@ use super::{Episode, Summary, Zone};
 use crate::alarm::Detector;
 use crate::incident::Incident;
 use crate::monitor::Notice;
-use crate::process::{ProcessCoverage, detector};
+use crate::process::detector;
 use crate::sequential::Unknown;
 use crate::story;
 use crate::time::Timestamp;
@@ -22,7 +22,7 @@ pub const COVERAGE_COLUMNS: [&str; 6] =
 pub const UNKNOWN: [&str; Unknown::ALL.len()] =
     ["not monitored", "no reading", "not calibrated", "no baseline"];
 
-/// What the process detectors judge by, in the order of [`ProcessCoverage::judged`].
+/// What the process detectors judge by, in the order of [`crate::process::ProcessCoverage::judged`].
 pub const RELATIONS: [&str; detector::RELATIONS] =
     ["the spools", "the chambers' pressures", "the flow"];
 
@@ -108,9 +108,10 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
 pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; 5]> {
     let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
-        let ProcessCoverage { monitored, judged } = tally.process?;
-        let [spool, chambers, flow] = judged.map(|it| it.map_or("–".to_owned(), seconds));
-        Some([number.to_string(), seconds(monitored), spool, chambers, flow])
+        let coverage = tally.process?;
+        let [spool, chambers, flow] =
+            coverage.judged().map(|it| it.map_or("–".to_owned(), seconds));
+        Some([number.to_string(), seconds(coverage.monitored), spool, chambers, flow])
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }

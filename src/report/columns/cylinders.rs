@@ -79,9 +79,9 @@ impl TableRow for CylinderRow {
         "not_calibrated_seconds", "s", Number, "it did not: the rod was where there is no calibration", |it| it.unknown(Unknown::NotCalibrated);
         "no_baseline_seconds", "s", Number, "it did not: this stretch of motion was still learnt", |it| it.unknown(Unknown::NoBaseline);
         "process_monitored_seconds", "s", Number, "the process detector could judge", |it| it.process(|it| Some(it.monitored));
-        "process_spool_seconds", "s", Number, "it judged by the spool", |it| it.process(|it| it.judged[0]);
-        "process_chambers_seconds", "s", Number, "it judged by the chambers' pressures", |it| it.process(|it| it.judged[1]);
-        "process_flow_seconds", "s", Number, "it judged by the flow", |it| it.process(|it| it.judged[2]);
+        "process_spool_seconds", "s", Number, "it judged by the spool", |it| it.process(|it| it.judged()[0]);
+        "process_chambers_seconds", "s", Number, "it judged by the chambers' pressures", |it| it.process(|it| it.judged()[1]);
+        "process_flow_seconds", "s", Number, "it judged by the flow", |it| it.process(|it| it.judged()[2]);
     };
 
     fn at(&self) -> Timestamp {
@@ -134,6 +134,8 @@ mod tests {
         for (many, why) in (1..).zip(Unknown::ALL) {
             sequential.unknown[why as usize] = 100 * many + 100;
         }
+        let mut process = ProcessCoverage::new([true, false, true]);
+        (0..20).for_each(|k| process.count([k < 12, false, k < 14]));
         let row = CylinderRow {
             begin: Timestamp::from_nanos(1_700_000_000_000_000_001),
             cylinder: 3,
@@ -145,10 +147,7 @@ mod tests {
                 implausible: [4, 5],
                 worst: [Some(0.25), Some(0.5), Some(0.75)],
                 sequential: Some(sequential),
-                process: Some(ProcessCoverage {
-                    monitored: 20,
-                    judged: [Some(22), None, Some(24)],
-                }),
+                process: Some(process),
             },
             jumps: [6, 7],
             warnings: 8,
@@ -161,7 +160,7 @@ mod tests {
             "unjudged_r1": 9, "unjudged_r2": 10,
             "worst_r1": 0.25, "worst_r2": 0.5, "worst_r3": 0.75,
             "judged_seconds": 50.0, "process_monitored_seconds": 10.0,
-            "process_spool_seconds": 11.0, "process_flow_seconds": 12.0,
+            "process_spool_seconds": 6.0, "process_flow_seconds": 7.0,
         });
         for (why, name) in [
             (Unknown::NotMonitored, "not_monitored_seconds"),

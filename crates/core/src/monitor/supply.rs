@@ -13,9 +13,11 @@ impl Monitor {
     pub(super) fn follow_supply(&mut self) {
         let comparing = || self.cylinders.iter().filter_map(Cylinder::process);
         let odd = comparing().filter(|process| process.has_odd_chambers()).count();
-        let known = comparing().filter(|process| process.knows_chambers()).count();
-        let many = libm::ceil(ProcessParameters::DEFAULT.many * known as f64) as usize;
-        let is_odd = odd >= many.max(LEAST);
+        let is_many = || {
+            let known = comparing().filter(|process| process.knows_chambers()).count();
+            odd as f64 >= ProcessParameters::DEFAULT.many * known as f64
+        };
+        let is_odd = odd >= LEAST && is_many();
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.supply_is_odd = is_odd);
     }
 }

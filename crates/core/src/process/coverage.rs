@@ -7,20 +7,29 @@ use crate::state::whole;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ProcessCoverage {
     pub monitored: u64,
-    /// By spool, by chambers and by flow; `None` without the relation.
-    pub judged: [Option<u64>; RELATIONS],
+    knows: [bool; RELATIONS],
+    judged: [u64; RELATIONS],
 }
 
-whole! { ProcessCoverage { monitored, judged } }
+whole! { ProcessCoverage { monitored, knows, judged } }
 
 impl ProcessCoverage {
-    /// Counts a monitored cycle, in which each relation was judged or not, if there is one.
-    pub fn count(&mut self, judged: [Option<bool>; RELATIONS]) {
+    /// Of a detector that knows these relations, before any cycle.
+    pub const fn new(knows: [bool; RELATIONS]) -> Self {
+        Self { monitored: 0, knows, judged: [0; RELATIONS] }
+    }
+
+    /// Counts a monitored cycle, in which each relation was judged or not.
+    #[inline]
+    pub fn count(&mut self, judged: [bool; RELATIONS]) {
         self.monitored += 1;
         for (count, judged) in self.judged.iter_mut().zip(judged) {
-            if let Some(judged) = judged {
-                *count.get_or_insert_default() += u64::from(judged);
-            }
+            *count += u64::from(judged);
         }
+    }
+
+    /// Cycles that were judged by spool, by chambers and by flow; `None` without the relation.
+    pub fn judged(&self) -> [Option<u64>; RELATIONS] {
+        core::array::from_fn(|which| self.knows[which].then_some(self.judged[which]))
     }
 }

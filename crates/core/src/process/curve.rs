@@ -14,6 +14,8 @@ pub struct Curve {
     values: Vec<f64>,
     /// Both ends and the slope of each piece, which every cycle asks for.
     pieces: Vec<Piece>,
+    /// Half their number.
+    half: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +34,8 @@ impl Curve {
             let slope = (values[index + 1] - values[index]) / (to - from);
             Piece { ends: ends(limit, count, index), slope }
         };
-        Self { limit, pieces: (0..count).map(piece).collect(), values }
+        let half = 0.5 * count as f64;
+        Self { limit, pieces: (0..count).map(piece).collect(), half, values }
     }
 
     /// Place of the last knot; that of the first one is its negative.
@@ -52,8 +55,8 @@ impl Curve {
     /// Where `command` lies among the pieces.
     #[inline]
     pub fn place(&self, command: f64) -> PiecePart {
-        let command = command.clamp(-self.limit, self.limit);
-        let piece = piece_of(self.limit, self.pieces.len(), command);
+        let command = within(command, self.limit);
+        let piece = piece_of(self.limit, self.half, command).min(self.pieces.len() - 1);
         (piece, part_of(self.pieces[piece].ends, command))
     }
 
@@ -73,18 +76,24 @@ impl Curve {
 
 /// Where `command` lies among `pieces` whose outermost knots stand at ± `limit`.
 pub fn place(limit: f64, pieces: usize, command: f64) -> PiecePart {
-    let command = command.clamp(-limit, limit);
-    let piece = piece_of(limit, pieces, command);
+    let command = within(command, limit);
+    let piece = piece_of(limit, 0.5 * pieces as f64, command).min(pieces - 1);
     (piece, part_of(ends(limit, pieces, piece), command))
 }
 
-/// The piece in which a `command` within the limits lies.
+/// The nearest to `command` within the limits; what is no number stays so.
 #[inline]
-fn piece_of(limit: f64, pieces: usize, command: f64) -> usize {
-    let warped = libm::sqrt(command.abs() / limit);
-    let warped = if command < 0.0 { -warped } else { warped };
-    let piece = (0.5 * (warped + 1.0) * pieces as f64) as usize;
-    piece.min(pieces - 1)
+fn within(command: f64, limit: f64) -> f64 {
+    let below = if command > limit { limit } else { command };
+    if below < -limit { -limit } else { below }
+}
+
+/// The piece in which a `command` within the limits lies, of twice `half`; at the upper limit one more than the last.
+#[inline]
+fn piece_of(limit: f64, half: f64, command: f64) -> usize {
+    let warped = libm::sqrt(command.abs() / limit).copysign(command);
+    // To 32 bits is two instructions, to 64 twelve.
+    ((warped + 1.0) * half) as u32 as usize
 }
 
 /// The part of a piece with these ends that lies before a command.

@@ -177,11 +177,16 @@ impl Process {
         self.design.chambers.is_some()
     }
 
-    /// Whether each relation judged the newest cycle; `None` for one that it does not know.
-    pub fn judged(&self) -> [Option<bool>; RELATIONS] {
+    /// Whether it knows each relation.
+    pub const fn knows(&self) -> [bool; RELATIONS] {
         let [spool, chambers] = &self.weighings;
-        let known = [spool.is_some(), chambers.is_some(), self.flow.is_some()];
-        core::array::from_fn(|which| known[which].then_some(self.judged[which]))
+        [spool.is_some(), chambers.is_some(), self.flow.is_some()]
+    }
+
+    /// Whether each relation judged the newest cycle.
+    #[inline]
+    pub const fn judged(&self) -> [bool; RELATIONS] {
+        self.judged
     }
 
     /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:
@@ -203,7 +208,10 @@ impl Process {
                 self.trace.push(&stand);
                 if stand.is_settled {
                     self.of_spool.push(stand.residual(), stand.deviation);
-                    self.weigh(SPOOL, input.at);
+                    self.judged[SPOOL] = true;
+                    if self.alarms[SPOOL].is_some() || self.of_spool.is_turn() {
+                        self.weigh(SPOOL, input.at);
+                    }
                 }
             }
             None => self.trace.clear(),
@@ -216,7 +224,10 @@ impl Process {
         });
         if let Some((residual, deviation)) = residual {
             self.of_chambers.push(residual, deviation);
-            self.weigh(CHAMBERS, input.at);
+            self.judged[CHAMBERS] = true;
+            if self.alarms[CHAMBERS].is_some() || self.of_chambers.is_turn() {
+                self.weigh(CHAMBERS, input.at);
+            }
         }
         self.step_flow(input);
         None
@@ -259,7 +270,6 @@ impl Process {
     /// Raises, follows or ends the alarm of a relation.
     fn weigh(&mut self, which: usize, at: Timestamp) {
         let Some(weighing) = &self.weighings[which] else { return };
-        self.judged[which] = true;
         let evidence = [&self.of_spool, &self.of_chambers][which];
         // An alarm is followed by all there is.
         let [mean, spread] = match self.alarms[which] {

@@ -11,6 +11,9 @@ const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 /// Samples of the widest window.
 pub const WIDEST: usize = 1024;
 
+/// Samples between two turns.
+const TURN: usize = 4;
+
 /// No residual is larger than so many standard deviations: beside one that is, others would lose their digits.
 const ABSURD: f64 = 1e6;
 
@@ -82,7 +85,19 @@ impl EvidenceWindows {
     }
 
     /// Takes a residual with its standard deviation; nothing that is not finite, which no sum would ever forget.
+    #[inline]
     pub fn push(&mut self, residual: f64, deviation: f64) {
+        let weight = 1.0 / (deviation * deviation);
+        let weighed = residual * weight;
+        if residual.abs() <= P.farthest * deviation && weighed.is_finite() {
+            self.sums.push([weighed, weight, residual * weighed, residual]);
+        } else {
+            self.push_far(residual, deviation);
+        }
+    }
+
+    #[cold]
+    fn push_far(&mut self, residual: f64, deviation: f64) {
         let weight = 1.0 / (deviation * deviation);
         if !(residual.is_finite() && weight.is_finite()) {
             return;
@@ -92,6 +107,12 @@ impl EvidenceWindows {
         let evident = within(P.farthest);
         let weighed = evident * weight;
         self.sums.push([weighed, weight, evident * weighed, within(ABSURD)]);
+    }
+
+    /// Whether the width of any window has its turn, see [`Self::peaks_in_turn`].
+    #[inline]
+    pub const fn is_turn(&self) -> bool {
+        self.sums.count().is_multiple_of(TURN)
     }
 
     /// The sums over the newest `width` samples: y/s², 1/s², (y/s)², each as far as it is evidence, and y; `None` if
@@ -106,16 +127,16 @@ impl EvidenceWindows {
         self.among(by, first..end)
     }
 
-    /// The same of the widths whose turn it is: the two shortest at every second sample, the next two at every fourth
-    /// one, and so on, so that half its width is the longest that one waits.
+    /// The same of the widths whose turn it is: the two shortest at every fourth sample, the next two at every eighth
+    /// one, and so on, so that its width is the longest that one waits.
     #[inline]
     pub fn peaks_in_turn(&self, by: &Weighing) -> [Peak; 2] {
         let [first, end] = by.widths;
-        let count = self.sums.count();
-        if count % 2 == 1 {
+        if !self.is_turn() {
             return [Peak::default(); 2];
         }
-        self.among(by, first..end.min(first + in_turn(count / 2)))
+        let count = self.sums.count();
+        self.among(by, first..end.min(first + in_turn(count / TURN)))
     }
 
     #[inline]
@@ -201,23 +222,23 @@ mod tests {
     }
 
     #[test]
-    fn each_width_has_its_turn_within_half_of_it() {
+    fn each_width_has_its_turn_within_it() {
         let by = Weighing::new(0.1, ONE, 0.02);
         let (mut evidence, mut seen) = (EvidenceWindows::default(), [0; WIDTHS.len()]);
         for k in 1..=3000 {
             evidence.push(0.6, 0.5);
             let [first, end] = by.widths;
-            let turns = if k % 2 == 0 { in_turn(k / 2) } else { 0 };
+            let turns = if k % TURN == 0 { in_turn(k / TURN) } else { 0 };
             for index in first..end.min(first + turns) {
-                assert!(k - seen[index] <= WIDTHS[index] / 2, "{k}: {}", WIDTHS[index]);
+                assert!(k - seen[index] <= WIDTHS[index], "{k}: {}", WIDTHS[index]);
                 seen[index] = k;
             }
             let in_turn = evidence.peaks_in_turn(&by)[0].nats;
             let all = evidence.peaks(&by)[0].nats;
-            assert!(in_turn <= all && (k % 256 != 0 || in_turn == all), "{k}");
+            assert!(in_turn <= all && (k % 512 != 0 || in_turn == all), "{k}");
         }
         let [first, end] = by.widths;
-        assert!(seen[first..end].iter().all(|seen| *seen > 3000 - 256), "{seen:?}");
+        assert!(seen[first..end].iter().all(|seen| *seen > 3000 - 512), "{seen:?}");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use super::parameters::ProcessParameters;
 use crate::state::{state, whole};
 use crate::time;
 use alloc::vec::Vec;
-use directions::{Along, DIRECTIONS};
+use directions::{Along, DIRECTIONS, Direction, LEAKAGE_LOAD};
 pub use evidence::{FlowKind, FlowWeighing, FlowWindows};
 pub use side::FlowSide;
 pub use watch::FlowWatch;
@@ -123,6 +123,9 @@ pub struct Flow {
     open: Option<OpenBlock>,
 }
 
+/// Directions that add up cycle by cycle; the last one is of a whole block.
+const BY_CYCLE: usize = DIRECTIONS - 1;
+
 state! {
     Flow { last, open }
     but { design, slope, sample_time, block }
@@ -132,18 +135,17 @@ state! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OpenBlock {
     first: FlowSample,
-    /// The way by f and c₁, m.
-    way: f64,
-    directions: [f64; DIRECTIONS],
+    /// Sums of the speeds along each of them, m/s.
+    speeds: [f64; BY_CYCLE],
     cycles: u32,
     is_taught: bool,
 }
 
-whole! { OpenBlock { first, way, directions, cycles, is_taught } }
+whole! { OpenBlock { first, speeds, cycles, is_taught } }
 
 impl OpenBlock {
     const fn new(first: FlowSample) -> Self {
-        Self { first, way: 0.0, directions: [0.0; DIRECTIONS], cycles: 0, is_taught: true }
+        Self { first, speeds: [0.0; BY_CYCLE], cycles: 0, is_taught: true }
     }
 }
 
@@ -186,31 +188,35 @@ impl Flow {
         let design = &self.design;
         let at = design.curve.place(passage.position);
         let along = Along::new(&design.curve, self.slope, &passage, at);
-        let seconds = self.sample_time;
         let open = self.open.get_or_insert_with(|| OpenBlock::new(last));
         open.is_taught &= passage.position.abs() <= design.limit && design.taught[at.0];
-        open.way += seconds * (along.speed + design.leakage * passage.load);
-        for (sum, speed) in open.directions.iter_mut().zip(along.directions()) {
-            *sum += seconds * speed;
+        for (sum, speed) in open.speeds.iter_mut().zip(along.speeds()) {
+            *sum += speed;
         }
         open.cycles += 1;
         if open.cycles < self.block {
             return None;
         }
         let full = self.open.replace(OpenBlock::new(sample))?;
-        full.is_taught.then(|| full.close(&sample, &self.design))
+        full.is_taught.then(|| full.close(&sample, &self.design, self.sample_time))
     }
 }
 
 impl OpenBlock {
     /// The block that ends with `last`.
-    fn close(mut self, last: &FlowSample, design: &FlowDesign) -> FlowBlock {
+    fn close(self, last: &FlowSample, design: &FlowDesign, sample_time: f64) -> FlowBlock {
         let pressed = last.load - self.first.load;
-        self.directions[DIRECTIONS - 1] = pressed;
-        let way = self.way + design.compression * pressed;
+        let mut directions = [pressed; DIRECTIONS];
+        for (way, speeds) in directions.iter_mut().zip(self.speeds) {
+            *way = sample_time * speeds;
+        }
+        // The way by f, what leaks, and what is pressed together.
+        let leaked = -LEAKAGE_LOAD * directions[Direction::Leakage as usize];
+        let by_oil = directions[Direction::Gain as usize];
+        let way = by_oil + design.leakage * leaked + design.compression * pressed;
         let left = core::array::from_fn(|i| last.lengths[i] - self.first.lengths[i] - way);
         let parted = last.apart.zip(self.first.apart).map(|(now, before)| now - before);
-        FlowBlock { left, directions: self.directions, parted }
+        FlowBlock { left, directions, parted }
     }
 }
 

@@ -5,7 +5,7 @@ use super::precedence::{DETECTORS, Standing};
 use super::{Cylinder, Evaluation, Implausible};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
-use crate::process::ProcessInput;
+use crate::process::{ProcessCoverage, ProcessInput};
 use crate::sample::{Quality, Reading};
 use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
@@ -121,7 +121,9 @@ impl Cylinder {
             sequential.take_evidence(Testimony::Flow, nats);
         }
         if monitored {
-            self.tally.process.get_or_insert_default().count(process.judged());
+            let coverage =
+                self.tally.process.get_or_insert_with(|| ProcessCoverage::new(process.knows()));
+            coverage.count(process.judged());
         }
     }
 

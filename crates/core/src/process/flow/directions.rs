@@ -47,7 +47,7 @@ pub const CANDIDATES: [Direction; 5] = [
 ];
 
 /// Load for which the sizes of leakages are given, bar.
-const LEAKAGE_LOAD: f64 = 24.0;
+pub const LEAKAGE_LOAD: f64 = 24.0;
 
 /// The directions at one passage of oil.
 #[derive(Clone, Copy, Debug)]
@@ -76,12 +76,14 @@ impl Along {
         }
     }
 
-    /// Speed of the rod with a fault of size 1, in the order of [`Direction`]; the last one is of a whole block.
-    pub fn directions(&self) -> [f64; DIRECTIONS] {
+    /// Speed of the rod with a fault of size 1, in the order of [`Direction`] without the last one, which is of a whole
+    /// block.
+    #[inline]
+    pub fn speeds(&self) -> [f64; DIRECTIONS - 1] {
         let near = self.opening / ProcessParameters::DEFAULT.edges;
         // About exp(−near²), which takes longer.
         let left = (1.0 - 0.25 * near * near).max(0.0);
         let edges = (left * left) * (left * left);
-        [-self.load, self.bend, self.speed, -self.side * self.bend, -self.load * edges, 0.0]
+        [-self.load, self.bend, self.speed, -self.side * self.bend, -self.load * edges]
     }
 }

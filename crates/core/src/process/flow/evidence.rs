@@ -22,6 +22,9 @@ const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 /// Blocks that are held.
 const MOST_BLOCKS: usize = 512;
 
+/// Blocks between two turns.
+const TURN: usize = 2;
+
 /// Widths of the windows, blocks: from 1 s to a minute, at [`ProcessParameters::flow_block`].
 const BLOCKS: [usize; 10] = [5, 8, 12, 20, 32, 50, 80, 120, 200, 300];
 
@@ -153,9 +156,14 @@ impl FlowWindows {
         self.among(by, least, &BLOCKS)
     }
 
-    /// The same of the widths whose turn it is, as [`super::super::EvidenceWindows::peaks_in_turn`].
+    /// The same of the widths whose turn it is, at every second block: as
+    /// [`super::super::EvidenceWindows::peaks_in_turn`].
     pub fn peak_in_turn(&self, by: &FlowWeighing, least: f64) -> Peak {
-        self.among(by, least, &BLOCKS[..in_turn(self.sums.count()).min(BLOCKS.len())])
+        let count = self.sums.count();
+        if !count.is_multiple_of(TURN) {
+            return Peak::default();
+        }
+        self.among(by, least, &BLOCKS[..in_turn(count / TURN).min(BLOCKS.len())])
     }
 
     fn among(&self, by: &FlowWeighing, least: f64, widths: &[usize]) -> Peak {
