@@ -116,8 +116,14 @@ pub struct SideParameters {
     pub odd: f64,
     /// What one reading may be off, m: a count of a coarse transducer.
     pub reading: f64,
-    /// Blocks after an alarm before anything is said, at least 1: a second of them.
+    /// Blocks of a suspicion before anything is said, at least 1: a second of them; …
     pub blocks: u32,
+    /// … and those after which evidence of more than so many nats is: a fast drift leaves no second.
+    pub least_blocks: u32,
+    pub certain: f64,
+    /// Blocks of a suspicion that are remembered until somebody asks: what has been suspected for longer without an
+    /// alarm is no part of it.
+    pub unasked: u32,
     /// Nothing is said where both explanations are off by more than so many standard deviations, 3 to 6.
     pub beside: f64,
 }
@@ -133,6 +139,9 @@ impl SideParameters {
         odd: 4.0,
         reading: 1e-4,
         blocks: 5,
+        least_blocks: 2,
+        certain: 40.0,
+        unasked: 10,
         beside: 4.0,
     };
 }

@@ -28,7 +28,7 @@ impl Cylinder {
         let mut put = |place: WarningPlace, finding| findings[place as usize] = finding;
         put(WarningPlace::Fde1, fde1.map(|detection| of_observer(0, detection)));
         put(WarningPlace::Fde2, fde2.map(|detection| of_observer(1, detection)));
-        let fde3 = fde3.map(|detection| self.told(2, self.named(detection)));
+        let fde3 = fde3.map(|detection| self.named(detection));
         put(WarningPlace::Fde3, self.difference_finding(fde3));
         put(WarningPlace::PlausibilityOfC1, self.implausible_finding(0, Suspect::C1));
         put(WarningPlace::PlausibilityOfC2, self.implausible_finding(1, Suspect::C2));
@@ -71,9 +71,10 @@ impl Cylinder {
         let named = alarm.filter(|it| it.by.is_some_and(Testimony::is_of_the_rod));
         match named {
             Some(alarm) if detection.suspect == Suspect::Undecided => {
-                Detection { suspect: alarm.suspect, ..detection }
+                let suspect = self.precedence.suspect_by_the_rod(2, alarm.suspect);
+                Detection { suspect, ..detection }
             }
-            _ => detection,
+            _ => self.told(2, detection),
         }
     }
 
@@ -100,7 +101,10 @@ impl Cylinder {
 
     fn sequential_finding(&self) -> Option<Finding> {
         let alarm = self.sequential.as_ref()?.alarm()?;
-        let suspect = self.precedence.suspect(3, alarm.suspect);
+        let suspect = match alarm.by.is_some_and(Testimony::is_of_the_rod) {
+            true => self.precedence.suspect_by_the_rod(3, alarm.suspect),
+            false => self.precedence.suspect(3, alarm.suspect),
+        };
         Some(Finding {
             fault: if alarm.scale.is_some() { Fault::Unclassified } else { alarm.fault },
             suspect,

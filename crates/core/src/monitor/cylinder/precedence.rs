@@ -21,6 +21,8 @@ const AWAITED: u32 = 5;
 
 const FDE3: usize = 2;
 
+const BLAMED: [Suspect; 2] = [Suspect::C1, Suspect::C2];
+
 /// State of a transducer in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Standing {
@@ -116,10 +118,18 @@ impl Precedence {
         self.awaited = None;
     }
 
+    /// The same where the oil or the deck's attitude has told whose reading has moved: they see the rod itself, and are
+    /// not misled by a reading that stands for a moment, as all do where the rod turns round.
+    pub fn suspect_by_the_rod(&self, k: usize, suspect: Suspect) -> Suspect {
+        match self.culprits[k] {
+            Some(Culprit { transducer, known: true }) => BLAMED[transducer],
+            _ => suspect,
+        }
+    }
+
     /// The transducer that detector `k` of [`DETECTORS`] may suspect, if it suspects `suspect`
     /// itself.
     pub fn suspect(&self, k: usize, suspect: Suspect) -> Suspect {
-        const BLAMED: [Suspect; 2] = [Suspect::C1, Suspect::C2];
         let Some(Culprit { transducer, known }) = self.culprits[k] else {
             let awaited = self.awaited.filter(|_| k == FDE3);
             let waits = awaited.is_some_and(|i| suspect == BLAMED[1 - i]);
@@ -179,6 +189,18 @@ mod tests {
         precedence.judge([false; 4], [SOUND; 2]);
         precedence.judge(ALL, [SOUND; 2]);
         assert_eq!(of_c2(&precedence), [C2; 4], "that was another fault");
+    }
+
+    /// C2 drifts while the rod turns round, where C1 stands for a moment.
+    #[test]
+    fn what_stands_for_a_moment_does_not_overrule_the_oil_and_what_is_frozen_does() {
+        let mut precedence = Precedence::new(10);
+        precedence.judge(ALL, [ALONE, SOUND]);
+        precedence.judge(ALL, [SOUND; 2]);
+        assert_eq!(precedence.suspect(3, Suspect::C2), Suspect::Undecided);
+        assert_eq!(precedence.suspect_by_the_rod(3, Suspect::C2), Suspect::C2);
+        precedence.judge(ALL, [FROZEN, SOUND]);
+        assert_eq!(precedence.suspect_by_the_rod(3, Suspect::C2), Suspect::C1);
     }
 
     #[test]

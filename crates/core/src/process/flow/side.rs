@@ -1,11 +1,11 @@
 //! Whose reading has moved, by the oil.
 //!
 //! In the closed loop the machine follows a drifting C1, and neither the command nor the other reading tells whose drift
-//! it is. But the rod goes where the oil takes it. With d the way by which C1 has moved away from C2 since an alarm, the
-//! mean of both leaves the oil by +d/2 if C1 has moved, and by −d/2 if C2 has.
+//! it is. But the rod goes where the oil takes it. With d the way by which C1 has moved away from C2 since one of them has
+//! been under suspicion, the mean of both leaves the oil by +d/2 if C1 has moved, and by −d/2 if C2 has.
 //!
-//! What parts rod and oil on a healthy cylinder, a little of each direction and a constant speed, is followed until the
-//! alarm by a Kalman filter whose unknowns walk at random. With M what is left of the mean beside it since the alarm,
+//! What parts rod and oil on a healthy cylinder, a little of each direction and a constant speed, is followed until
+//! then by a Kalman filter whose unknowns walk at random. With M what is left of the mean beside it since then,
 //! and V its variance, the log-likelihood of C1 less that of C2 is M d / V.
 
 use super::super::parameters::{ProcessParameters, SideParameters};
@@ -89,7 +89,7 @@ whole! {
     sound |it| it.blocks < u32::MAX && it.stretches < u32::MAX
 }
 
-/// Sums since an alarm.
+/// Sums since a transducer has been under suspicion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Since {
     blocks: u32,
@@ -129,7 +129,7 @@ impl FlowSide {
         *self = Self::new(self.seconds);
     }
 
-    /// Nobody asks any more.
+    /// Forgets what was since a suspicion.
     pub const fn rest(&mut self) {
         self.since = None;
     }
@@ -142,10 +142,15 @@ impl FlowSide {
         self.scatter.take(off);
     }
 
-    /// Takes a block since an alarm. Returns the evidence of whose reading has moved, nats: positive for C1, negative
-    /// for C2; `None` before there is any, or where what the mean leaves the oil by is neither's.
-    pub fn weigh(&mut self, block: &FlowBlock) -> Option<f64> {
+    /// Takes a block in which a transducer is under suspicion. If it `is_asked`, returns the evidence of whose reading has
+    /// moved, nats: positive for C1, negative for C2; `None` before there is enough, or where what the mean leaves the
+    /// oil by is neither's. A fast drift is suspected by its size before it is found by its form: its way in between
+    /// counts.
+    pub fn weigh(&mut self, block: &FlowBlock, is_asked: bool) -> Option<f64> {
         let (along, mean, parted) = self.read(block)?;
+        if !is_asked && self.since.is_some_and(|it| it.blocks >= P.unasked) {
+            self.since = None;
+        }
         let since = self.since.get_or_insert_default();
         since.blocks = since.blocks.saturating_add(1);
         since.along.iter_mut().zip(along).for_each(|(sum, it)| *sum += it);
@@ -165,7 +170,8 @@ impl FlowSide {
         let nats = left * since.parted / variance;
         let beside = left.abs() - 0.5 * since.parted.abs();
         let is_either = beside * beside < P.beside * P.beside * variance;
-        (since.blocks >= P.blocks && is_either).then_some(nats)
+        let is_certain = since.blocks >= P.least_blocks && nats.abs() > P.certain;
+        (is_asked && is_either && (is_certain || since.blocks >= P.blocks)).then_some(nats)
     }
 
     /// The directions of a block, what its mean leaves the oil by and what its readings part by, m; nothing that is not
@@ -229,7 +235,7 @@ mod tests {
     fn said(side: &FlowSide, drifts: [f64; 2], odd: f64, seconds: f64) -> Option<f64> {
         let mut side = side.clone();
         let blocks = 1500..1500 + (seconds / SECONDS) as usize;
-        blocks.fold(None, |_, k| side.weigh(&block(k, drifts, odd)))
+        blocks.fold(None, |_, k| side.weigh(&block(k, drifts, odd), true))
     }
 
     #[test]
@@ -262,7 +268,7 @@ mod tests {
         let mut side = FlowSide::new(SECONDS);
         let still =
             FlowBlock { left: [4e-4, 0.0], directions: [0.0; DIRECTIONS], parted: Some(4e-4) };
-        let nats = (0..50).fold(None, |_, _| side.weigh(&still)).expect("there is evidence");
+        let nats = (0..50).fold(None, |_, _| side.weigh(&still, true)).expect("there is evidence");
         let (time, speed, walk) = (10.0_f64, P.usual[DIRECTIONS], P.walks[DIRECTIONS]);
         let scatter = P.scatter * P.scatter * P.scatter_time * time;
         let variance = scatter
@@ -271,6 +277,26 @@ mod tests {
             + P.reading * P.reading;
         let expected = 0.01 * 0.02 / variance;
         assert!((nats / expected - 1.0).abs() < 1e-9, "{nats}, {expected}");
+    }
+
+    #[test]
+    fn a_fast_drift_is_named_by_what_it_did_before_anybody_asked() {
+        let taught = taught(0.0);
+        let after = |suspected: usize| {
+            let mut side = taught.clone();
+            for k in 1500..1500 + suspected {
+                assert_eq!(side.weigh(&block(k, [0.0, 20e-3], 0.0), false), None);
+            }
+            side.weigh(&block(1500 + suspected, [0.0, 20e-3], 0.0), true)
+        };
+        assert_eq!(after(0), None, "a single block is not enough");
+        assert!(after(2).is_some_and(|nats| nats < -P.certain));
+        // Of what was suspected for long the newest part counts.
+        let mut side = taught;
+        for k in 1500..1800 {
+            side.weigh(&block(k, [0.0; 2], 0.0), false);
+            assert!(side.since.is_some_and(|it| it.blocks <= P.unasked));
+        }
     }
 
     #[test]

@@ -73,16 +73,16 @@ impl FlowWatch {
     }
 
     /// Takes a cycle in which a transducer is under suspicion, which proves nothing of the hydraulics. If it `is_asked`
-    /// whose reading has moved, returns the evidence of it; see [`FlowSide::weigh`].
+    /// whose reading has moved, returns the evidence of it; see [`FlowSide::weigh`]. Until then what cannot be read ends
+    /// what is remembered.
     pub fn step_held(&mut self, sample: Option<FlowSample>, is_asked: bool) -> Option<f64> {
         self.was_held = true;
         self.windows.clear();
-        let block = self.flow.step(sample);
-        if !is_asked {
+        if sample.is_none() && !is_asked {
             self.side.rest();
-            return None;
         }
-        self.side.weigh(&block?)
+        let block = self.flow.step(sample)?;
+        self.side.weigh(&block, is_asked)
     }
 
     /// See [`FlowWindows::peak`].
