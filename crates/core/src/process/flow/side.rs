@@ -286,6 +286,7 @@ mod tests {
             let mut side = taught.clone();
             for k in 1500..1500 + suspected {
                 assert_eq!(side.weigh(&block(k, [0.0, 20e-3], 0.0), false), None);
+                assert_eq!(side.since.map(|it| it.blocks as usize), Some(k - 1499));
             }
             side.weigh(&block(1500 + suspected, [0.0, 20e-3], 0.0), true)
         };
