@@ -213,6 +213,7 @@ fn main() {
     let site = SitePlan {
         listen: settings.http.address(),
         modbus: settings.modbus.address(),
+        opcua: settings.opcua.address(),
         mqtt: publishing(&loaded),
         ..SitePlan::default()
     };

@@ -16,8 +16,10 @@ import threading
 import time
 from pathlib import Path
 
+import opcua_raw
+
 TOP = Path(__file__).resolve().parents[2]
-PORT, MODBUS, BROKER = 9493, 9494, 9495
+PORT, MODBUS, BROKER, OPCUA = 9493, 9494, 9495, 9496
 WATCHERS, NOT_READING = 50, 10
 WARNINGS = 50  # a block
 MOST = 1.05
@@ -25,23 +27,49 @@ MOST = 1.05
 ALONE = "[realtime]\npriority = 20\n[alarm]\nclear = 0.04\n"
 PATHS = ["/", "/api/overview", "/api/events?limit=100", "/api/trend/1", "/health", "/metrics", "/nowhere"]
 CASES = ["alone", "beside", "looked at"]
-FLOODING, NOT_TAKING, HANGING, KNOCKING = 3, 2, 2, 2  # Modbus clients; there are eight places
-REQUEST = bytes([0, 7, 0, 0, 0, 6, 1, 4, 0, 0, 0, 30])  # the registers of the machine
+FLOODING, NOT_TAKING, HANGING, KNOCKING = 3, 2, 2, 2  # clients of a protocol; there are eight places
 CONNACK, PUBACK = bytes([0x20, 3, 0, 0, 0]), 0x40
 
 
-def configuration(disk, real_time=True, peers=False):
+class Modbus:
+    """A connection that asks for the registers of the machine."""
+
+    name, port, answer = "Modbus", MODBUS, 69  # bytes of an answer
+
+    def __init__(self, _client):
+        """There is nothing to say first."""
+
+    def requests(self, count):
+        return bytes([0, 7, 0, 0, 0, 6, 1, 4, 0, 0, 0, 30]) * count
+
+
+class OpcUa(opcua_raw.Channel):
+    """A connection with a session that reads all that there is about three cylinders, in one request."""
+
+    name, port, answer = "OPC UA", OPCUA, 1000  # more than a refusal is
+    nodes = [
+        (2, f"cylinder_{number}_{of}")
+        for number in (1, 2, 3)
+        for of in "c1 c2 c1_lamp c2_lamp r1 r2 r3 estimate sigma incident incident_level".split()
+    ]
+
+    def __init__(self, client):
+        super().__init__(client, f"opc.tcp://127.0.0.1:{OPCUA}/".encode())
+
+    def requests(self, count):
+        return self.readings(self.nodes, count)
+
+
+def configuration(disk, real_time=True, peers=()):
     """That of the recordings; what is looked at keeps everything on `disk`, and what has peers serves and publishes."""
     text = (TOP / "tests/recordings/e-type-sequential.toml").read_text()
     text = text.replace('"../../dbc/e-type.dbc"', f'"{TOP / "dbc/e-type.dbc"}"')
     if disk is None:
         return f'{ALONE}[http]\nlisten = "off"\n{text}'
-    ship = f"""[modbus]
-listen = "127.0.0.1:{MODBUS}"
-[mqtt]
-broker = "127.0.0.1:{BROKER}"
-"""
-    return f"""{ship if peers else ""}{ALONE if real_time else ALONE.replace("20", "0")}
+    ship = f'[mqtt]\nbroker = "127.0.0.1:{BROKER}"\n' if peers else ""
+    for it in peers:
+        ship += f'[{it.__name__.lower()}]\nlisten = "127.0.0.1:{it.port}"\n'
+    return f"""{ship}{ALONE if real_time else ALONE.replace("20", "0")}
 [http]
 listen = "127.0.0.1:{PORT}"
 [store]
@@ -57,10 +85,10 @@ class Crowd:
     """Watchers, some of whom do not read; a client that asks without end; someone who locks the database for 0.8 s
     of each second. A process of its own: it must not delay the player of the machine."""
 
-    def __init__(self, of, store):
+    def __init__(self, of, *with_what):
         context = multiprocessing.get_context("fork")
         self._here, there = multiprocessing.Pipe()
-        self._process = context.Process(target=of, args=(store, there), daemon=True)
+        self._process = context.Process(target=of, args=(*with_what, there), daemon=True)
         self._process.start()
 
     def go(self):
@@ -137,61 +165,68 @@ class _Gathered:
 
 
 class _Peers:
-    """Modbus clients that ask without a pause, that do not take their answers, that leave a request half sent, and that
-    connect again and again; and a broker that is a bad one in another way for each connection."""
+    """Clients of each protocol that ask without a pause, that do not take their answers, that leave a request half sent, and
+    that connect again and again; and a broker that is a bad one in another way for each connection."""
 
-    def __init__(self, _store, orders):
+    def __init__(self, protocols, orders):
         self.over = threading.Event()
-        self.answers = self.connections = self.messages = self.brokers = 0
+        self.connections = {it.name: 0 for it in protocols}
+        self.answers = {it.name: 0 for it in protocols}
+        self.messages = self.brokers = 0
         self.first = os.getpid()
-        work = [self.flood] * FLOODING + [self.stuff] * NOT_TAKING + [self.hang] * HANGING + [self.knock] * KNOCKING
+        ways = [self.flood] * FLOODING + [self.stuff] * NOT_TAKING + [self.hang] * HANGING + [self.knock] * KNOCKING
+        work = [(way, (it,)) for it in protocols for way in ways]
         self.listener = socket.create_server(("127.0.0.1", BROKER))
         self.listener.settimeout(0.5)
-        self.threads = [threading.Thread(target=it, daemon=True) for it in [*work, self.broke]]
+        self.threads = [threading.Thread(target=it, args=of, daemon=True) for it, of in [*work, (self.broke, ())]]
         for thread in self.threads:
             thread.start()
         orders.recv()
         self.over.set()
         for thread in self.threads:
             thread.join(10)
-        orders.send({name: getattr(self, name) for name in ("answers", "connections", "messages", "brokers")})
+        counts = {f"{name} {what}": count for what in ("connections", "answers") for name, count in getattr(self, what).items()}
+        orders.send({**counts, "messages": self.messages, "brokers": self.brokers})
 
-    def client(self, with_it):
-        """A Modbus connection after the other, until it is over."""
+    def client(self, protocol, with_it):
+        """A connection after the other, until it is over."""
         while not self.over.is_set():
             try:
-                with socket.create_connection(("127.0.0.1", MODBUS), timeout=1.0) as client:
-                    self.connections += 1
+                with socket.create_connection(("127.0.0.1", protocol.port), timeout=1.0) as client:
+                    self.connections[protocol.name] += 1
                     with_it(client)
             except OSError:
                 self.over.wait(0.05)
 
-    def flood(self):
+    def flood(self, protocol):
         def ask(client):
+            speech, taken = protocol(client), 0
             while not self.over.is_set():
-                client.sendall(REQUEST * 100)
-                if not (answer := client.recv(65536)):
+                client.sendall(speech.requests(100))
+                if not (answer := client.recv(1 << 20)):
                     return
-                self.answers += len(answer) // 69
+                self.answers[protocol.name] += (taken + len(answer)) // protocol.answer
+                taken = (taken + len(answer)) % protocol.answer
 
-        self.client(ask)
+        self.client(protocol, ask)
 
-    def stuff(self):
+    def stuff(self, protocol):
         def ask(client):
+            speech = protocol(client)
             while not self.over.is_set():
-                client.sendall(REQUEST * 1000)
+                client.sendall(speech.requests(1000))
 
-        self.client(ask)
+        self.client(protocol, ask)
 
-    def hang(self):
+    def hang(self, protocol):
         def half(client):
-            client.sendall(REQUEST[:7])
+            client.sendall(protocol(client).requests(1)[:7])
             self.over.wait(5.0)
 
-        self.client(half)
+        self.client(protocol, half)
 
-    def knock(self):
-        self.client(lambda _client: None)
+    def knock(self, protocol):
+        self.client(protocol, lambda _client: None)
 
     def broke(self):
         while not self.over.is_set():
@@ -293,7 +328,7 @@ def block(binary, folder, case, peers):
         time.sleep(0.5)
         if not peers:
             fill(disk)
-        crowd = Crowd(_Peers if peers else _Gathered, disk / "kept.events")
+        crowd = Crowd(_Peers, peers) if peers else Crowd(_Gathered, disk / "kept.events")
         judged = looked_at if case == "looked at" else Gateway(binary, folder, "alone", configuration(None))
         found = judged.latencies()
         did = crowd.go()
@@ -315,9 +350,12 @@ def judge(blocks, crowds, full, peers):
         print(f"  {case:12}{shares}   {' '.join(f'{statistics.median(block):.0f}' for block in found)}")
     total = {name: sum(it[name] for it in crowds) for name in crowds[0]}
     if peers:
-        print(f"  Modbus: {FLOODING} clients flood, {NOT_TAKING} do not take answers, {HANGING} hang, {KNOCKING} connect "
-              f"without end: {total['connections']} connections, {total['answers']} answers; MQTT: {total['brokers']} "
-              f"connections to a broker that is silent, deaf, flooding or good, {total['messages']} messages taken")
+        print(f"  of each protocol {FLOODING} clients flood, {NOT_TAKING} do not take answers, {HANGING} hang, {KNOCKING} "
+              f"connect without end")
+        for it in peers:
+            print(f"  {it.name}: {total[it.name + ' connections']} connections, {total[it.name + ' answers']} answers")
+        print(f"  MQTT: {total['brokers']} connections to a broker that is silent, deaf, flooding or good, "
+              f"{total['messages']} messages taken")
     else:
         print(f"  {WATCHERS} watchers, {NOT_READING} of them not reading: {total['events']} events read; "
               f"{total['answers']} requests answered, {total['refused']} refused; the database locked {total['locked']} "
@@ -334,20 +372,21 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--binary", required=True)
     parser.add_argument("--blocks", type=int, required=True)
-    parser.add_argument("--peers", action="store_true")
+    parser.add_argument("--peers", action="append", default=[], choices=["modbus", "opcua"])
     options = parser.parse_args()
+    peers = [{"modbus": Modbus, "opcua": OpcUa}[name] for name in options.peers]
     blocks, crowds, full = {case: [] for case in CASES}, [], 0
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         (folder / "disk").mkdir()
         for _ in range(options.blocks):
             for case in CASES:
-                found, did, left = block(options.binary, folder, case, options.peers)
+                found, did, left = block(options.binary, folder, case, peers)
                 blocks[case].append(found)
                 if case == "looked at":
                     crowds.append(did)
                     full += left == 0
-    sys.exit(0 if judge(blocks, crowds, full, options.peers) else 1)
+    sys.exit(0 if judge(blocks, crowds, full, peers) else 1)
 
 
 main()
