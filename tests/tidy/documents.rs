@@ -72,6 +72,34 @@ fn links_of_documents_lead_somewhere() {
     none(found, "links that lead nowhere");
 }
 
+/// Lines of `text` whose number of cells is another than that of their table's first row, with their numbers.
+fn ragged(text: &str) -> Vec<(usize, &str)> {
+    let cells = |line: &str| line.replace("\\|", "").trim().trim_matches('|').split('|').count();
+    let (mut width, mut found) = (None, Vec::new());
+    for (number, line) in (1..).zip(text.lines()) {
+        if !line.starts_with('|') {
+            width = None;
+        } else if *width.get_or_insert_with(|| cells(line)) != cells(line) {
+            found.push((number, line));
+        }
+    }
+    found
+}
+
+#[test]
+fn rows_of_tables_have_as_many_cells_as_their_head() {
+    let mut found = Vec::new();
+    for page in [files("", "md"), files("docs", "md")].concat() {
+        let text = read(&page);
+        let rows = ragged(&text).into_iter();
+        found.extend(rows.map(|(number, row)| format!("{}:{number}: {row}", page.display())));
+    }
+    none(found, "rows that are wider or narrower than their table");
+
+    let text = "| a | b |\n| --- | --- |\n| 1 | \\|R1\\| |\n| 1 | 2 | 3 |\n\n| c |\n| --- |\n";
+    assert_eq!(ragged(text), [(4, "| 1 | 2 | 3 |")]);
+}
+
 /// The tests that a page names, as `core/detection::a_step_is_found`: their files, and their functions.
 fn named_tests(text: &str) -> Vec<(String, String)> {
     let codes = text.split('`').skip(1).step_by(2);
