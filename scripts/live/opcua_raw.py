@@ -1,5 +1,5 @@
 """A client of OPC UA by its bytes alone (OPC 10000-4 and -6), for peers that mean no good: it says whole requests as fast as
-it can, and does not look at what is answered."""
+it can, and looks at what is answered no closer than it has to."""
 
 import itertools
 import struct
@@ -7,7 +7,7 @@ import struct
 NOTHING = b"\xff\xff\xff\xff"  # a string, an array or a byte string that is null
 POLICY = b"http://opcfoundation.org/UA/SecurityPolicy#None"
 # Services, and the type of a session's user who is nobody, by their numbers in the binary encoding.
-OPEN, CREATE, ACTIVATE, ACTIVATED, READ, ANONYMOUS = 446, 461, 467, 470, 631, 321
+OPEN, CREATE, ACTIVATE, ACTIVATED, READ, WAS_READ, ANONYMOUS = 446, 461, 467, 470, 631, 634, 321
 VALUE, EVER, BOTH_TIMES = 13, 600_000, 2
 
 
@@ -25,7 +25,7 @@ def numbered(number):
 
 
 def node(name):
-    """The identifier of a variable of the machine, in the first namespace that is not the library's own."""
+    """The identifier of a variable, by its namespace and its name there."""
     return struct.pack("<BH", 3, name[0]) + text(name[1].encode())
 
 
@@ -83,6 +83,15 @@ class Channel:
     @staticmethod
     def message(kind, body):
         return kind + words(8 + len(body)) + body
+
+    @staticmethod
+    def answers(held):
+        """How many whole messages are readings that were granted, and what is left of `held`."""
+        count = 0
+        while len(held) >= 8 and len(held) >= (length := int.from_bytes(held[4:8], "little")):
+            count += held[24:28] == numbered(WAS_READ)
+            held = held[length:]
+        return count, held
 
     def service(self, number, body):
         """With its place in the sequence, and the header of a request without limits."""

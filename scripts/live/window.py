@@ -34,7 +34,7 @@ CONNACK, PUBACK = bytes([0x20, 3, 0, 0, 0]), 0x40
 class Modbus:
     """A connection that asks for the registers of the machine."""
 
-    name, port, answer = "Modbus", MODBUS, 69  # bytes of an answer
+    name, port = "Modbus", MODBUS
 
     def __init__(self, _client):
         """There is nothing to say first."""
@@ -42,11 +42,17 @@ class Modbus:
     def requests(self, count):
         return bytes([0, 7, 0, 0, 0, 6, 1, 4, 0, 0, 0, 30]) * count
 
+    @staticmethod
+    def answers(held):
+        """How many whole ones there are, and what is left of `held`."""
+        count = len(held) // 69
+        return count, held[69 * count :]
+
 
 class OpcUa(opcua_raw.Channel):
-    """A connection with a session that reads all that there is about three cylinders, in one request."""
+    """A connection with a session that reads eleven variables of each of three cylinders, in one request."""
 
-    name, port, answer = "OPC UA", OPCUA, 1000  # more than a refusal is
+    name, port = "OPC UA", OPCUA
     nodes = [
         (2, f"cylinder_{number}_{of}")
         for number in (1, 2, 3)
@@ -192,7 +198,7 @@ class _Peers:
         """A connection after the other, until it is over."""
         while not self.over.is_set():
             try:
-                with socket.create_connection(("127.0.0.1", protocol.port), timeout=1.0) as client:
+                with socket.create_connection(("127.0.0.1", protocol.port), timeout=3.0) as client:
                     self.connections[protocol.name] += 1
                     with_it(client)
             except OSError:
@@ -200,13 +206,13 @@ class _Peers:
 
     def flood(self, protocol):
         def ask(client):
-            speech, taken = protocol(client), 0
+            speech, held = protocol(client), b""
             while not self.over.is_set():
                 client.sendall(speech.requests(100))
                 if not (answer := client.recv(1 << 20)):
                     return
-                self.answers[protocol.name] += (taken + len(answer)) // protocol.answer
-                taken = (taken + len(answer)) % protocol.answer
+                count, held = speech.answers(held + answer)
+                self.answers[protocol.name] += count
 
         self.client(protocol, ask)
 
@@ -362,7 +368,7 @@ def judge(blocks, crowds, full, peers):
               f"times; the disk full in {full} of {len(blocks['looked at'])} blocks")
     of = {case: [statistics.median(block) for block in found] for case, found in blocks.items()}
     ratios = {case: statistics.median(b / a for a, b in zip(of[case], of["looked at"])) for case in ("alone", "beside")}
-    good = min(ratios.values()) <= MOST and (peers or full == len(blocks["looked at"]))
+    good = max(ratios.values()) <= MOST and (peers or full == len(blocks["looked at"]))
     print(f"  {'with them' if peers else 'looked at'}, the median of a block is {ratios['alone']:.3f} of that alone, and {ratios['beside']:.3f} of that "
           f"beside another one which is; wanted: {MOST} at the most: {'reached' if good else 'NOT reached'}")
     return good
