@@ -53,7 +53,7 @@ fn process_size(incident: &Incident) -> Option<String> {
         Fault::ValveSticking => format!("within {size:.2} of the spool's unit"),
         Fault::Leakage => format!("{:.1} mm/s at 24 bar", size * 1e3),
         Fault::ValveOffset => format!("{size:+.2} of the spool's unit"),
-        Fault::Supply | Fault::PressureSensor => format!("{size:+.1} bar"),
+        Fault::Supply | Fault::PressureSensor | Fault::Friction => format!("{size:+.1} bar"),
         Fault::Command if size == 1.0 => "1 cycle late".to_owned(),
         Fault::Command => format!("{size:.0} cycles late"),
         _ => return None,
@@ -76,6 +76,7 @@ pub const fn fault(fault: Fault) -> &'static str {
         Fault::Supply => "supply pressure, or its sensor",
         Fault::PressureSensor => "pressure sensor",
         Fault::Command => "late or wrong command of the valve",
+        Fault::Friction => "friction of the rod",
         Fault::Unclassified => "unclassified error",
     }
 }
@@ -111,7 +112,7 @@ pub fn evidence(incident: &Incident) -> String {
     clauses.extend(risen(incident));
     let weighed = [
         (WarningPlace::Sequential, "the evidence of many samples"),
-        (WarningPlace::Process, "what spool and pressures say of each other"),
+        (WarningPlace::Process, "what valve, pressures and rod say of each other"),
     ];
     for (place, what) in weighed {
         if let Some(part) = incident.part(place) {
@@ -247,6 +248,9 @@ pub fn advice(incident: &Incident) -> String {
         }
         (_, Fault::Leakage) => {
             "Have the piston's seals and the valve's edges looked at; compare with the other cylinders.".to_owned()
+        }
+        (_, Fault::Friction) => {
+            "Have the rod, its seals and its bearings looked at, and whether anything rubs along its way.".to_owned()
         }
         (_, Fault::ValveOffset) => {
             "Check the valve's null and the sensor of its spool's position.".to_owned()

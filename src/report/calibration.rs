@@ -4,7 +4,7 @@ use super::coverage;
 use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, TriedBand};
 use crate::config::Fingerprints;
-use crate::config::settings::CylinderProcess;
+use crate::config::settings::{CylinderProcess, FrictionTable};
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
 use crate::tables::provenance::four_digits;
@@ -107,11 +107,13 @@ pub fn sequential(result: &Calibration) -> Section {
 
 /// Basis of the process detectors.
 pub fn process(result: &Calibration) -> Section {
-    let mut table = Sheet::new(&["cylinder", "spool", "largest", "chambers", "flow"]);
+    let mut table = Sheet::new(&["cylinder", "spool", "largest", "chambers", "flow", "friction"]);
     let none = || "none".to_owned();
     for cylinder in &result.cylinders {
         let learnt = cylinder.process.as_ref().and_then(|it| it.table(cylinder.sample_time));
-        let Some(CylinderProcess { spool, chambers, flow, .. }) = learnt else { continue };
+        let Some(CylinderProcess { spool, chambers, flow, friction, .. }) = learnt else {
+            continue;
+        };
         let of_spool = spool.as_ref().map(|it| [it.deviation, it.largest]);
         table.add_row([
             cylinder.number.to_string(),
@@ -119,13 +121,19 @@ pub fn process(result: &Calibration) -> Section {
             of_spool.map_or_else(none, |[_, largest]| format!("{largest:.1}")),
             chambers.map_or_else(none, |it| format!("{:.2} bar", it.deviation)),
             flow.map_or_else(none, |it| format!("{:.2} mm/s a bar", it.leakage * 1e3)),
+            friction.map_or_else(none, |it| coulomb(&it)),
         ]);
     }
     table.about(
         "for the process detectors: the deviation of the spool beside what its command says and its largest position, \
          in the signal's unit, the deviation of the sum of the chambers' \
-         pressures, and what leaks of the flow",
+         pressures, what leaks of the flow, and the pressure that Coulomb's friction takes",
     )
+}
+
+fn coulomb(table: &FrictionTable) -> String {
+    let [.., coulomb] = table.coefficients;
+    format!("{coulomb:.2} bar")
 }
 
 fn faulty(tried: &TriedBand) -> String {

@@ -7,6 +7,7 @@ use crate::commission::trial::{DETECTORS, KindResult};
 use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::config::Fingerprints;
 use crate::evaluate::{CONFIDENCE, poisson_upper};
+use crate::process::detector::RELATIONS;
 use crate::tables::provenance::four_digits;
 use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
@@ -80,12 +81,16 @@ pub fn tables(result: &Commissioned) -> Section {
         add("levels, sequential", format!("{} nats", range(low, high, 1)), of);
     }
     let process = cylinders().filter_map(|it| it.process.as_ref()?.table(it.sample_time));
-    let learnt: Vec<[bool; 3]> =
-        process.map(|it| [it.spool.is_some(), it.chambers.is_some(), it.flow.is_some()]).collect();
+    let learnt: Vec<[bool; RELATIONS]> = process
+        .map(|it| {
+            [it.spool.is_some(), it.chambers.is_some(), it.flow.is_some(), it.friction.is_some()]
+        })
+        .collect();
     let relations = [
         ("process, by the spool", "a valve that sticks, an offset, a late or other command"),
         ("process, by the pressures", "a pressure sensor, the supply's sensor"),
         ("process, by the flow", "leakage, a null that has moved"),
+        ("process, by the friction", "worn or swollen seals, a bent rod"),
     ];
     for (which, (name, finds)) in relations.into_iter().enumerate() {
         let count = learnt.iter().filter(|learnt| learnt[which]).count();

@@ -24,11 +24,11 @@ pub const UNKNOWN: [&str; Unknown::ALL.len()] =
 
 /// What the process detectors judge by, in the order of [`crate::process::ProcessCoverage::judged`].
 pub const RELATIONS: [&str; detector::RELATIONS] =
-    ["the spools", "the chambers' pressures", "the flow"];
+    ["the spools", "the chambers' pressures", "the flow", "the friction"];
 
 /// Columns of the time in which the process detectors judged.
-pub const PROCESS_COLUMNS: [&str; 5] =
-    ["cylinder", "monitored", "by the spool", "by the pressures", "by the flow"];
+pub const PROCESS_COLUMNS: [&str; 2 + detector::RELATIONS] =
+    ["cylinder", "monitored", "by the spool", "by the pressures", "by the flow", "by the friction"];
 
 pub const EPISODE_COLUMNS: [&str; 10] = [
     "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
@@ -105,13 +105,13 @@ pub fn coverage_rows(summary: &Summary<'_>) -> Vec<[String; 6]> {
 
 /// Seconds of coverage, a row for each cylinder with a process detector; a dash stands for what none of its
 /// detectors judges by.
-pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; 5]> {
+pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; PROCESS_COLUMNS.len()]> {
     let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
         let coverage = tally.process?;
-        let [spool, chambers, flow] =
+        let [spool, chambers, flow, friction] =
             coverage.judged().map(|it| it.map_or("–".to_owned(), seconds));
-        Some([number.to_string(), seconds(coverage.monitored), spool, chambers, flow])
+        Some([number.to_string(), seconds(coverage.monitored), spool, chambers, flow, friction])
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }

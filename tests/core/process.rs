@@ -10,7 +10,7 @@ use tertius::frame::Frame;
 use tertius::inject::{Fault, Wanted, place};
 use tertius::monitor::{Monitor, MonitorDesign};
 use tertius::relate::{LearntProcess, ProcessRows};
-use tertius::simulator::{EPOCH, Options, Simulator, Tables};
+use tertius::simulator::{Change, EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Ranking, Survey, Window};
 use tertius::verdict::{Fault as Kind, Suspect};
 use tertius_testing::support::top;
@@ -109,6 +109,7 @@ fn a_fault_of_a_cylinder_is_found_and_named_with_its_size() {
         ("leakage,cylinder=2,at=25,rate=2.2", Kind::Leakage, Some(2.2 / 7000.0 * 24.0), 8.0),
         ("null_shift,cylinder=5,at=25,size=0.01", Kind::ValveOffset, Some(1.0), 8.0),
         ("dead_band,cylinder=3,at=25,size=0.02", Kind::Unclassified, None, 8.0),
+        ("friction,cylinder=3,at=25,factor=4", Kind::Friction, None, 20.0),
     ] {
         let warnings = TAUGHT.warnings(21, &[fault], 55.0);
         let found = of_process(&warnings);
@@ -167,11 +168,24 @@ fn a_healthy_machine_in_another_sea_is_quiet() {
     assert_eq!(of_process(&warnings), Vec::<&Warning>::new());
 }
 
+/// What the oil's temperature and another load do is no fault; nor is a tenth more friction.
+#[test]
+fn a_worn_machine_with_another_load_is_quiet() {
+    let mut worn = Taught::by(&[], 700.0);
+    worn.tables.friction.coulomb *= 1.1;
+    worn.tables.friction.stiction *= 1.1;
+    worn.tables.friction.viscous *= 1.2;
+    worn.tables.disturbance.load = Some(Change { time: [0.0, 1e9], part: 1.3 });
+    let warnings = worn.warnings(25, &[], 400.0);
+    assert_eq!(of_process(&warnings), Vec::<&Warning>::new());
+}
+
 #[test]
 fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
     let taught = Taught::by(
         &[
             "sticking,cylinder=2,at=300,until=320,band=0.03",
+            "friction,cylinder=5,at=300,until=360,factor=4",
             "step,sensor=pressure_rod,cylinder=4,at=300,until=320,size=6",
         ],
         700.0,
@@ -180,12 +194,14 @@ fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
         let is_refused = [
             learnt.spool.as_ref().is_some_and(Result::is_err),
             learnt.chambers.as_ref().is_some_and(Result::is_err),
+            learnt.friction.as_ref().is_some_and(Result::is_err),
         ];
-        assert_eq!(is_refused, [learnt.number == 2, learnt.number == 4], "{:?}", learnt.remarks());
+        let expected = [2, 4, 5].map(|number| learnt.number == number);
+        assert_eq!(is_refused, expected, "{:?}", learnt.remarks());
     }
     let told = taught.learnt[1].remarks();
     assert!(told[0].contains("by the spool") && told[0].contains("is there a fault"), "{told:?}");
     // A minute is no lesson.
     let short = Taught::by(&[], 60.0);
-    assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 3));
+    assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 4));
 }

@@ -38,7 +38,9 @@ use machine::{BUS, MACHINE};
 pub use machine::{Bus, Machine, OtherBus};
 pub use nonlinear::{CylinderNonlinear, Stribeck, ValveCurve, ValveFlow};
 use process::PROCESS;
-pub use process::{ChambersTable, CylinderProcess, FlowTable, ProcessSettings, SpoolTable};
+pub use process::{
+    ChambersTable, CylinderProcess, FlowTable, FrictionTable, ProcessSettings, SpoolTable,
+};
 use recorder::RECORDER;
 pub use recorder::Recorder;
 use sequential::SEQUENTIAL;

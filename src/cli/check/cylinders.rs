@@ -80,6 +80,7 @@ fn process(machine: &Machine, n: u8) -> Option<String> {
         ("spool", design.spool.is_some()),
         ("chambers' pressures", design.chambers.is_some()),
         ("flow", design.flow.is_some()),
+        ("friction", design.friction.is_some()),
     ];
     let known = parts.into_iter().zip(design.levels()).filter(|((_, is_known), _)| *is_known);
     let known = known.map(|((name, _), level)| format!("{name} (level {level:.1} nats)"));

@@ -82,6 +82,7 @@ impl TableRow for CylinderRow {
         "process_spool_seconds", "s", Number, "it judged by the spool", |it| it.process(|it| it.judged()[0]);
         "process_chambers_seconds", "s", Number, "it judged by the chambers' pressures", |it| it.process(|it| it.judged()[1]);
         "process_flow_seconds", "s", Number, "it judged by the flow", |it| it.process(|it| it.judged()[2]);
+        "process_friction_seconds", "s", Number, "it judged by the friction", |it| it.process(|it| it.judged()[3]);
     };
 
     fn at(&self) -> Timestamp {
@@ -134,8 +135,8 @@ mod tests {
         for (many, why) in (1..).zip(Unknown::ALL) {
             sequential.unknown[why as usize] = 100 * many + 100;
         }
-        let mut process = ProcessCoverage::new([true, false, true]);
-        (0..20).for_each(|k| process.count([k < 12, false, k < 14]));
+        let mut process = ProcessCoverage::new([true, false, true, true]);
+        (0..20).for_each(|k| process.count([k < 12, false, k < 14, k < 16]));
         let row = CylinderRow {
             begin: Timestamp::from_nanos(1_700_000_000_000_000_001),
             cylinder: 3,
@@ -161,6 +162,7 @@ mod tests {
             "worst_r1": 0.25, "worst_r2": 0.5, "worst_r3": 0.75,
             "judged_seconds": 50.0, "process_monitored_seconds": 10.0,
             "process_spool_seconds": 6.0, "process_flow_seconds": 7.0,
+            "process_friction_seconds": 8.0,
         });
         for (why, name) in [
             (Unknown::NotMonitored, "not_monitored_seconds"),

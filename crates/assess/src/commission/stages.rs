@@ -289,7 +289,13 @@ mod tests {
             sequential: None,
             level: None,
             contradiction: None,
-            process: Some(LearntProcess { number, spool: None, chambers: None, flow: None }),
+            process: Some(LearntProcess {
+                number,
+                spool: None,
+                chambers: None,
+                flow: None,
+                friction: None,
+            }),
             left_out: Vec::new(),
             remarks: Vec::new(),
         }

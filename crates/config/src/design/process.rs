@@ -1,11 +1,13 @@
 //! From the fitted tables to a process detector.
 
 use super::{Connector, Flaw};
-use crate::settings::{ChambersTable, CylinderProcess, FlowTable, SpoolTable};
+use crate::settings::{ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable};
 use tertius_core::process::flow::FlowWeighing;
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
+use tertius_core::process::friction::FrictionWeighing;
 use tertius_core::process::{
-    ChambersDesign, Curve, FlowDesign, ProcessDesign, ProcessParameters, SpoolDesign,
+    ChambersDesign, Curve, FlowDesign, FrictionDesign, ProcessDesign, ProcessParameters,
+    SpoolDesign,
 };
 
 /// Least number of samples with which the commands between two knots are taught.
@@ -21,6 +23,7 @@ impl Connector<'_> {
             spool: fitted.spool.as_ref().map(spool),
             chambers: fitted.chambers.as_ref().map(chambers),
             flow: fitted.flow.as_ref().and_then(|it| self.flow(n, it)),
+            friction: fitted.friction.as_ref().and_then(|it| self.friction(n, it)),
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
             clear: settings.warning_cycles(),
@@ -39,16 +42,16 @@ impl Connector<'_> {
         ];
         let of_spool = [("signals.cylinder.spool", own.spool.is_some())];
         let has_load = own.load_pressure.is_some() || of_chambers[0].1 && of_chambers[1].1;
-        let of_flow = [
-            of_spool[0],
+        let of_friction = [
             ("signals.cylinder.c2", own.c2.is_some()),
             ("signals.cylinder.pressure_bottom and pressure_rod, or load_pressure", has_load),
-            of_chambers[2],
         ];
+        let of_flow = [of_spool[0], of_friction[0], of_friction[1], of_chambers[2]];
         let wanted = [
             (fitted.spool.is_some(), &of_spool[..]),
             (fitted.chambers.is_some(), &of_chambers),
             (fitted.flow.is_some(), &of_flow),
+            (fitted.friction.is_some(), &of_friction),
         ];
         for (_, keys) in wanted.into_iter().filter(|(is_there, _)| *is_there) {
             for (key, _) in keys.iter().filter(|(_, is_named)| !is_named) {
@@ -77,6 +80,25 @@ impl Connector<'_> {
             self.flaws.push(Flaw::new(
                 "cylinder.process.flow",
                 format!("cylinder {n}: `curve` does not rise, or `scatter_c1` or `scatter_c2` is no covariance"),
+                "let `tertius calibrate` write the table anew, or leave it out",
+            ));
+        }
+        is_sound.then_some(design)
+    }
+}
+
+impl Connector<'_> {
+    fn friction(&mut self, n: u8, fitted: &FrictionTable) -> Option<FrictionDesign> {
+        let design = FrictionDesign {
+            coefficients: fitted.coefficients,
+            scatter: fitted.scatter,
+            area_ratio: self.settings.machine.area_ratio,
+        };
+        let is_sound = FrictionWeighing::new(&design).is_some();
+        if !is_sound {
+            self.flaws.push(Flaw::new(
+                "cylinder.process.friction",
+                format!("cylinder {n}: `scatter` is no covariance"),
                 "let `tertius calibrate` write the table anew, or leave it out",
             ));
         }

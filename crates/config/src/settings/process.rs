@@ -5,6 +5,7 @@ use crate::kinds::number;
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use tertius_core::process::chambers::TERMS;
 use tertius_core::process::flow::directions::HALF;
+use tertius_core::process::friction::{FORCE_TERMS, SCATTERS};
 use tertius_core::sequential::windows::WIDTHS;
 
 table! {
@@ -29,6 +30,8 @@ table! {
             "", "what the pressures of both chambers add up to";
         flow: Option<FlowTable> = None => Kind::Table(&FLOW),
             "", "how far the oil that passes the valve moves the rod";
+        friction: Option<FrictionTable> = None => Kind::Table(&FRICTION),
+            "", "what pressure it takes to move the rod";
     }
 }
 
@@ -101,5 +104,16 @@ table! {
         scatter_c2: [f64; HALF] => fitted(HALF, HALF),
             "[1e-9, 0, 0, 0, 0, 0, 1e-9, 0, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9, 0, 0, 1e-9, 0, 1e-9]",
             "the same by C2";
+    }
+}
+
+table! {
+    /// P_L by l, v̇, v and tanh(v / 10 mm/s) in means over 0.2 s, without what is slower than 3 s.
+    pub struct FrictionTable = FRICTION {
+        coefficients: [f64; FORCE_TERMS] => fitted(FORCE_TERMS, FORCE_TERMS),
+            "[1.0, 0.5, 20.0, 1.0]", "what each of them counts, bar/m, bar s²/m, bar s/m, bar";
+        scatter: [f64; SCATTERS] => fitted(SCATTERS, SCATTERS),
+            "[2.6, 4.0, 30.0]",
+            "the scatter of what is left along Coulomb's and the viscous friction: the upper half, row by row, bar⁴";
     }
 }

@@ -266,6 +266,7 @@ pub const fn fault_code(fault: Fault) -> (u64, u64) {
         Fault::ValveSticking => (1, 2),
         Fault::ValveOffset => (1, 3),
         Fault::Supply => (1, 4),
+        Fault::Friction => (1, 5),
         Fault::PressureSensor => (1, 6),
         Fault::Command => (1, 7),
     }
@@ -315,6 +316,7 @@ mod tests {
             (Fault::ValveSticking, 2),
             (Fault::ValveOffset, 3),
             (Fault::Supply, 4),
+            (Fault::Friction, 5),
             (Fault::PressureSensor, 6),
             (Fault::Command, 7),
         ] {

@@ -24,11 +24,14 @@ pub enum Malfunction {
     Null,
     /// The valve's ports open later.
     DeadBand,
+    /// The rod goes harder. The size is the load pressure that it takes more, bar.
+    Friction,
 }
 
 choice! {
     Malfunction {
         Unclassified, Sticking, Offset, Late, OtherCommand, Chambers, Leakage, Null, DeadBand,
+        Friction,
     }
 }
 

@@ -4,6 +4,7 @@ use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
 use super::flow::{self, FlowDesign, FlowSample, FlowWatch};
+use super::friction::{ForceSample, FrictionDesign, FrictionWatch};
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
@@ -17,6 +18,7 @@ pub struct ProcessDesign {
     pub spool: Option<SpoolDesign>,
     pub chambers: Option<ChambersDesign>,
     pub flow: Option<FlowDesign>,
+    pub friction: Option<FrictionDesign>,
     /// h, nats.
     pub level: f64,
     /// s.
@@ -29,7 +31,8 @@ pub struct ProcessDesign {
 impl ProcessDesign {
     /// h of each relation, nats.
     pub fn levels(&self) -> [f64; RELATIONS] {
-        [self.level, self.level, flow::level(self.level, self.sample_time)]
+        let of_blocks = flow::level(self.level, self.sample_time);
+        [self.level, self.level, of_blocks, of_blocks]
     }
 }
 
@@ -71,6 +74,7 @@ pub struct Process {
     of_spool: EvidenceWindows,
     of_chambers: EvidenceWindows,
     flow: Option<FlowWatch>,
+    friction: Option<FrictionWatch>,
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
@@ -81,7 +85,7 @@ pub struct Process {
 
 state! {
     Process { of_spool, of_chambers, trace, open, alarms }
-    parts { spool, flow }
+    parts { spool, flow, friction }
     but { design, levels, weighings, counts, judged }
 }
 
@@ -96,9 +100,10 @@ struct Counts {
 const SPOOL: usize = 0;
 const CHAMBERS: usize = 1;
 const FLOW: usize = 2;
+const FRICTION: usize = 3;
 
-/// Number of relations: spool, chambers and flow.
-pub const RELATIONS: usize = 3;
+/// Number of relations: spool, chambers, flow and friction.
+pub const RELATIONS: usize = 4;
 
 impl Process {
     pub fn new(design: ProcessDesign) -> Self {
@@ -107,7 +112,7 @@ impl Process {
         let weighing = |band, dependence| Weighing::new(band, dependence, sample_time);
         let of_spool = design.spool.as_ref();
         let of_chambers = design.chambers.as_ref();
-        let flow = design.flow.clone();
+        let (flow, friction) = (design.flow.clone(), design.friction.clone());
         Self {
             levels: design.levels(),
             weighings: [
@@ -123,6 +128,7 @@ impl Process {
             of_spool: EvidenceWindows::default(),
             of_chambers: EvidenceWindows::default(),
             flow: flow.and_then(|it| FlowWatch::new(it, by, sample_time)),
+            friction: friction.and_then(|it| FrictionWatch::new(it, by, sample_time)),
             trace: Trace::default(),
             open: 0,
             judged: [false; RELATIONS],
@@ -143,6 +149,7 @@ impl Process {
     fn forget(&mut self) {
         self.forget_cycles();
         self.forget_flow();
+        self.forget_friction();
     }
 
     fn forget_cycles(&mut self) {
@@ -157,13 +164,19 @@ impl Process {
         }
     }
 
-    /// The alarm that counts: pressures that do not add up explain a spool that is off, and either of them what the oil
-    /// does; not the other way round.
+    fn forget_friction(&mut self) {
+        if let Some(friction) = &mut self.friction {
+            friction.forget();
+        }
+    }
+
+    /// The alarm that counts: pressures that do not add up explain a spool that is off, either of them what the oil
+    /// does, and all of them that the rod goes harder; not the other way round.
     #[inline]
     pub fn alarm(&self) -> Option<&ProcessAlarm> {
-        let [spool, chambers, flow] = &self.alarms;
+        let [spool, chambers, flow, friction] = &self.alarms;
         let chambers = chambers.as_ref().filter(|alarm| alarm.age >= self.counts.company);
-        chambers.or(spool.as_ref()).or(flow.as_ref())
+        chambers.or(spool.as_ref()).or(flow.as_ref()).or(friction.as_ref())
     }
 
     /// Whether the chambers' pressures do not add up.
@@ -180,7 +193,7 @@ impl Process {
     /// Whether it knows each relation.
     pub const fn knows(&self) -> [bool; RELATIONS] {
         let [spool, chambers] = &self.weighings;
-        [spool.is_some(), chambers.is_some(), self.flow.is_some()]
+        [spool.is_some(), chambers.is_some(), self.flow.is_some(), self.friction.is_some()]
     }
 
     /// Whether each relation judged the newest cycle.
@@ -230,6 +243,7 @@ impl Process {
             }
         }
         self.step_flow(input);
+        self.step_friction(input);
         None
     }
 
@@ -238,6 +252,7 @@ impl Process {
     #[cold]
     fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
         self.forget_cycles();
+        self.forget_friction();
         let asked = input.asked && self.alarms == [None; RELATIONS];
         let flow = self.flow.as_mut()?;
         flow.step_held(flow_sample(input, flow.area_ratio()), asked)
@@ -264,6 +279,23 @@ impl Process {
         };
         if self.alarms[FLOW].is_some() || peak.width > 0 {
             self.follow(FLOW, peak, cycles, input.at);
+        }
+    }
+
+    /// Takes a cycle of forces; pressures that do not add up prove nothing of them.
+    fn step_friction(&mut self, input: &ProcessInput) {
+        let Some(friction) = &mut self.friction else { return };
+        let is_odd = self.alarms[CHAMBERS].is_some();
+        let sample = force_sample(input, friction.area_ratio()).filter(|_| !is_odd);
+        let is_complete = friction.step(sample);
+        self.judged[FRICTION] = friction.is_judging();
+        if !is_complete {
+            return;
+        }
+        let (cycles, is_raised) = (friction.block(), self.alarms[FRICTION].is_some());
+        let peak = if is_raised { friction.peak() } else { friction.peak_in_turn() };
+        if is_raised || peak.nats >= self.levels[FRICTION] {
+            self.follow(FRICTION, peak, cycles, input.at);
         }
     }
 
@@ -310,10 +342,10 @@ impl Process {
         let sample = self.design.sample_time * f64::from(cycles);
         let back = sample * peak.width.saturating_sub(1) as f64;
         ProcessAlarm {
-            malfunction: if which == CHAMBERS {
-                Malfunction::Chambers
-            } else {
-                Malfunction::Unclassified
+            malfunction: match which {
+                CHAMBERS => Malfunction::Chambers,
+                FRICTION => Malfunction::Friction,
+                _ => Malfunction::Unclassified,
             },
             size: None,
             nats: peak.nats,
@@ -325,9 +357,10 @@ impl Process {
 
     /// Looks at the kind and size of an alarm while it is young, or while nobody knows its kind.
     fn look(&mut self, which: usize, width: usize) {
-        if which == FLOW {
-            self.look_at_flow();
-            return;
+        match which {
+            FLOW => return self.look_at_flow(),
+            FRICTION => return self.look_at_friction(),
+            _ => {}
         }
         let Some(alarm) = &mut self.alarms[which] else { return };
         let [from, until] = self.counts.looks;
@@ -350,6 +383,13 @@ impl Process {
         }
     }
 
+    fn look_at_friction(&mut self) {
+        let (Some(alarm), Some(friction)) = (&mut self.alarms[FRICTION], &self.friction) else {
+            return;
+        };
+        alarm.size = friction.size(alarm.age).or(alarm.size);
+    }
+
     fn look_at_flow(&mut self) {
         let (Some(alarm), Some(flow)) = (&mut self.alarms[FLOW], &self.flow) else { return };
         if let Some((malfunction, size)) = flow.malfunction(alarm.age) {
@@ -358,10 +398,22 @@ impl Process {
     }
 }
 
+/// What the balance of forces needs; `None` without all of it.
+fn force_sample(input: &ProcessInput, area_ratio: f64) -> Option<ForceSample> {
+    let load = load(input, area_ratio)?;
+    let [c1, c2] = input.lengths;
+    Some(ForceSample { length: 0.5 * (c1? + c2?), load })
+}
+
+/// P_L as the machine sends it, or by the chambers' pressures, bar.
+fn load(input: &ProcessInput, area_ratio: f64) -> Option<f64> {
+    let [bottom, rod] = input.chambers;
+    input.load.or_else(|| Some(bottom? - area_ratio * rod?))
+}
+
 /// What the balance of oil and rod needs; `None` without all of it.
 fn flow_sample(input: &ProcessInput, area_ratio: f64) -> Option<FlowSample> {
-    let [bottom, rod] = input.chambers;
-    let load = input.load.or_else(|| Some(bottom? - area_ratio * rod?))?;
+    let load = load(input, area_ratio)?;
     let [c1, c2] = input.lengths;
     let (lengths, apart) = ([c1?, c2?], input.apart);
     Some(FlowSample { lengths, spool: input.spool?, load, supply: input.supply?, apart })

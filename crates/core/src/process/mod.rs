@@ -7,10 +7,13 @@
 //! P_bot + P_rod ──────────────────────┘
 //! x, P_S, P_L ─→ way of the rod by the oil ─┐ ─→ evidence ─ h ─→ leakage, null, dead band
 //! C1, corrected C2 ─────────────────────────┘
+//! way, speed, acceleration of the rod ─┐ ────→ evidence ─ h ─→ friction
+//! P_L ─────────────────────────────────┘
 //! ```
 //!
 //! All relations are learnt from a healthy recording. The first two do not know C1 and C2, and the third one asks both, so
-//! that a transducer's fault leaves them alone but by what the controller then commands. Nothing is judged on commands
+//! that a transducer's fault leaves them alone but by what the controller then commands; the last one looks at C1 and C2
+//! as long as they agree. Nothing is judged on commands
 //! and positions that were not taught.
 //! Memory is bounded, and a step allocates nothing.
 
@@ -21,6 +24,7 @@ pub mod curve;
 pub mod detector;
 pub mod evidence;
 pub mod flow;
+pub mod friction;
 pub mod parameters;
 pub mod spool;
 mod trace;
@@ -32,5 +36,6 @@ pub use curve::Curve;
 pub use detector::{Process, ProcessDesign, ProcessInput};
 pub use evidence::{EvidenceWindows, Weighing};
 pub use flow::{FlowDesign, FlowSample};
+pub use friction::{ForceSample, Forces, FrictionDesign};
 pub use parameters::ProcessParameters;
 pub use spool::{Spool, SpoolDesign};

@@ -54,6 +54,16 @@ pub struct ProcessParameters {
     pub edges: f64,
     /// Blocks near the middle from which worn edges are judged.
     pub edges_least: f64,
+    /// Time over which loads move on, s: of pressures and movements only what is faster tells of friction; and the
+    /// time until that is told apart, s: three of them.
+    pub friction_slow: f64,
+    pub friction_settling: f64,
+    /// v₀: speed at which Coulomb's friction has its full size, m/s.
+    pub friction_speed: f64,
+    /// Coulomb friction beyond that learnt that is no fault, bar, …
+    pub friction_band: f64,
+    /// … and the part of the viscous one that the oil's temperature may change.
+    pub friction_viscosity: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
     pub side: SideParameters,
@@ -83,6 +93,11 @@ impl ProcessParameters {
         flow_bands: [0.8e-3, 0.7e-3, 0.03, 1.2e-3, 1.5e-3, 0.0],
         edges: 0.022,
         edges_least: 2.0,
+        friction_slow: 3.0,
+        friction_settling: 9.0,
+        friction_speed: 0.01,
+        friction_band: 0.45,
+        friction_viscosity: 0.25,
         over: 0.5,
         side: SideParameters::DEFAULT,
     };

@@ -42,18 +42,21 @@ pub enum Fault {
     PressureSensor,
     /// The command comes late, or the valve follows another one.
     Command,
+    /// The rod goes harder.
+    Friction,
 }
 
 choice! {
     Fault {
         Unclassified, Abrupt, Noise, Incipient, OutOfRange, BrokenWire, Frozen, Stale,
         ValveSticking, Leakage, ValveOffset, Supply, PressureSensor, Command,
+        Friction,
     }
 }
 
 impl Fault {
     /// All kinds, in the order of their numbers.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Unclassified,
         Self::Abrupt,
         Self::Noise,
@@ -68,6 +71,7 @@ impl Fault {
         Self::Supply,
         Self::PressureSensor,
         Self::Command,
+        Self::Friction,
     ];
 
     /// Name in files and reports.
@@ -87,6 +91,7 @@ impl Fault {
             Self::Supply => "supply",
             Self::PressureSensor => "pressure_sensor",
             Self::Command => "command",
+            Self::Friction => "friction",
         }
     }
 }

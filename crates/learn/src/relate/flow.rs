@@ -101,7 +101,7 @@ impl Lesson<'_> {
         let row = &self.rows[index];
         let flow = row.flow?;
         let [c1, c2] = flow.lengths.map(f64::from);
-        let [load, supply] = [flow.load, flow.supply].map(f64::from);
+        let [load, supply] = [flow.load, flow.supply?].map(f64::from);
         let lengths = [c1, self.gain * c2];
         Some(FlowSample { lengths, spool: row.spool?.into(), load, supply, apart: None })
     }

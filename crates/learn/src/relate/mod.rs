@@ -6,6 +6,7 @@
 
 mod chambers;
 pub mod flow;
+mod friction;
 mod pieces;
 mod rows;
 mod scatter;
@@ -14,7 +15,9 @@ mod spool;
 use crate::survey::Ranking;
 pub use rows::{ProcessRow, ProcessRows};
 use std::fmt;
-use tertius_config::settings::{ChambersTable, CylinderProcess, FlowTable, Settings, SpoolTable};
+use tertius_config::settings::{
+    ChambersTable, CylinderProcess, FlowTable, FrictionTable, Settings, SpoolTable,
+};
 
 /// Shortest time from which a relation is learnt, s.
 pub const LEAST_TIME: f64 = 600.0;
@@ -30,6 +33,8 @@ pub struct LearntProcess {
     pub chambers: Option<Result<ChambersTable, ProcessRefusal>>,
     /// `None` where the configuration does not name the spool, the load pressure, the supply's or C2.
     pub flow: Option<Result<FlowTable, ProcessRefusal>>,
+    /// `None` where the configuration does not name the load pressure or C2.
+    pub friction: Option<Result<FrictionTable, ProcessRefusal>>,
 }
 
 /// Why a relation was not learnt.
@@ -66,8 +71,9 @@ impl LearntProcess {
         let spool = self.spool.as_ref().and_then(|it| it.as_ref().ok()).cloned();
         let chambers = self.chambers.as_ref().and_then(|it| it.as_ref().ok()).cloned();
         let flow = self.flow.as_ref().and_then(|it| it.as_ref().ok()).cloned();
-        let any = spool.is_some() || chambers.is_some() || flow.is_some();
-        any.then_some(CylinderProcess { sample_time, spool, chambers, flow })
+        let friction = self.friction.as_ref().and_then(|it| it.as_ref().ok()).cloned();
+        let any = spool.is_some() || chambers.is_some() || flow.is_some() || friction.is_some();
+        any.then_some(CylinderProcess { sample_time, spool, chambers, flow, friction })
     }
 
     /// What was not learnt, and why.
@@ -79,14 +85,16 @@ impl LearntProcess {
         let of_chambers =
             refused("the pressures", self.chambers.as_ref().and_then(|it| it.as_ref().err()));
         let of_flow = refused("the flow", self.flow.as_ref().and_then(|it| it.as_ref().err()));
-        of_spool.into_iter().chain(of_chambers).chain(of_flow).collect()
+        let of_friction =
+            refused("the friction", self.friction.as_ref().and_then(|it| it.as_ref().err()));
+        of_spool.into_iter().chain(of_chambers).chain(of_flow).chain(of_friction).collect()
     }
 }
 
 impl ProcessRows {
     /// Whether `settings` name what a relation is made of.
     pub fn are_named(settings: &Settings) -> bool {
-        has_spool(settings) || has_chambers(settings)
+        has_spool(settings) || has_chambers(settings) || has_friction(settings)
     }
 
     /// What the rows of all cylinders teach. They are taken in the order of the recording's
@@ -110,6 +118,10 @@ impl ProcessRows {
                 let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
                 flow::learn(self.of(n), geometry, time, level)
             }),
+            friction: has_friction(settings).then(|| {
+                let geometry = [gains[usize::from(n) - 1], settings.machine.area_ratio];
+                friction::learn(self.of(n), geometry, time, level)
+            }),
         };
         (1..=settings.machine.cylinders).map(learn).collect()
     }
@@ -120,10 +132,13 @@ const fn has_spool(settings: &Settings) -> bool {
 }
 
 const fn has_flow(settings: &Settings) -> bool {
+    has_spool(settings) && has_friction(settings) && settings.signals.supply.is_some()
+}
+
+const fn has_friction(settings: &Settings) -> bool {
     let own = &settings.signals.cylinder;
     let of_chambers = own.pressure_bottom.is_some() && own.pressure_rod.is_some();
-    let has_load = own.load_pressure.is_some() || of_chambers;
-    has_spool(settings) && has_load && own.c2.is_some() && settings.signals.supply.is_some()
+    (own.load_pressure.is_some() || of_chambers) && own.c2.is_some()
 }
 
 const fn has_chambers(settings: &Settings) -> bool {

@@ -25,7 +25,7 @@ pub struct ProcessRow {
     pub spool: Option<f32>,
     /// P_bot, P_rod and P_S, bar.
     pub pressures: Option<[f32; 3]>,
-    /// What the flow is learnt from.
+    /// What flow and friction are learnt from.
     pub flow: Option<FlowRow>,
     /// Whether the row before is that of the cycle before.
     pub follows: bool,
@@ -38,7 +38,7 @@ pub struct FlowRow {
     pub lengths: [f32; 2],
     /// P_L and P_S, bar.
     pub load: f32,
-    pub supply: f32,
+    pub supply: Option<f32>,
 }
 
 /// The rows of all cylinders.
@@ -152,7 +152,7 @@ impl ProcessRows {
         Some(FlowRow {
             lengths: [c1 as f32, c2 as f32],
             load: row.load_pressure(self.area_ratio)? as f32,
-            supply: self.supply.or(row.supply)? as f32,
+            supply: self.supply.or(row.supply).map(|supply| supply as f32),
         })
     }
 

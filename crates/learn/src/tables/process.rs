@@ -2,11 +2,13 @@
 
 use super::calibration::six;
 use std::fmt::Write as _;
-use tertius_config::settings::{ChambersTable, CylinderProcess, FlowTable, SpoolTable};
+use tertius_config::settings::{
+    ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable,
+};
 
 /// `[cylinder.process]` and its parts.
 pub(super) fn table(process: &CylinderProcess) -> String {
-    let CylinderProcess { sample_time, spool, chambers, flow } = process;
+    let CylinderProcess { sample_time, spool, chambers, flow, friction } = process;
     let mut text = format!("\n[cylinder.process]\nsample_time = {sample_time:?}\n");
     if let Some(spool) = spool {
         text += &of_spool(spool);
@@ -16,6 +18,9 @@ pub(super) fn table(process: &CylinderProcess) -> String {
     }
     if let Some(flow) = flow {
         text += &of_flow(flow);
+    }
+    if let Some(friction) = friction {
+        text += &of_friction(friction);
     }
     text
 }
@@ -74,4 +79,13 @@ fn of_flow(table: &FlowTable) -> String {
         six(scatter_c2),
     );
     text
+}
+
+fn of_friction(table: &FrictionTable) -> String {
+    let FrictionTable { coefficients, scatter } = table;
+    format!(
+        "\n[cylinder.process.friction]\ncoefficients = {}\nscatter = {}\n",
+        six(coefficients),
+        six(scatter),
+    )
 }

@@ -33,7 +33,7 @@ const fn of_the_machine(
     ProcessCase { label, sensor: "machine", wanted, expected: Some(expected), size, watch: WATCH }
 }
 
-/// A fault that shows in the flow alone: it takes longer.
+/// A fault that shows in the flow or in the friction alone: it takes longer.
 const fn by_flow(
     label: &'static str,
     ailment: Ailment,
@@ -65,7 +65,7 @@ const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
 }
 
 /// Sizes of spools are in the unit of the default machine's signal, %.
-pub const CASES: [ProcessCase; 30] = [
+pub const CASES: [ProcessCase; 33] = [
     of_the_machine(
         "sticking 0.5 %",
         Ailment::Sticking { band: 0.005 },
@@ -135,6 +135,9 @@ pub const CASES: [ProcessCase; 30] = [
     by_flow("dead band 0.5 %", Ailment::DeadBand { size: 0.005 }, Fault::Unclassified, None),
     by_flow("dead band 1 %", Ailment::DeadBand { size: 0.01 }, Fault::Unclassified, None),
     by_flow("worn edges 12.5 mm/s", Ailment::ValveLeakage { speed: 0.0125 }, Fault::Leakage, None),
+    by_flow("friction × 1.5", Ailment::Friction { factor: 1.5 }, Fault::Friction, None),
+    by_flow("friction × 2", Ailment::Friction { factor: 2.0 }, Fault::Friction, None),
+    by_flow("friction × 3", Ailment::Friction { factor: 3.0 }, Fault::Friction, None),
     of_pressure("pressure 3 bar off", Shape::Step { size: 3.0 }, Some(3.0)),
     of_pressure("pressure 10 bar off", Shape::Step { size: 10.0 }, Some(10.0)),
     of_pressure("pressure drifts 0.2 bar/s", Shape::Drift { rate: 0.2 }, None),

@@ -134,6 +134,7 @@ impl Cylinder {
         let fault = match alarm.malfunction {
             Malfunction::Unclassified | Malfunction::DeadBand => Fault::Unclassified,
             Malfunction::Leakage => Fault::Leakage,
+            Malfunction::Friction => Fault::Friction,
             Malfunction::Sticking => Fault::ValveSticking,
             Malfunction::Offset | Malfunction::Null => Fault::ValveOffset,
             Malfunction::Late | Malfunction::OtherCommand => Fault::Command,

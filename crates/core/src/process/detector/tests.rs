@@ -20,6 +20,7 @@ fn process() -> Process {
         spool: None,
         chambers: None,
         flow: Some(flow),
+        friction: None,
         level: 25.0,
         sample_time: SAMPLE_TIME,
         clear: 50,

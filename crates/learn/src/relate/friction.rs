@@ -1,0 +1,124 @@
+//! What pressure it takes to move the rod.
+
+use super::rows::ProcessRow;
+use super::{LEAST_TIME, ProcessRefusal};
+use nalgebra::{SMatrix, SVector};
+use tertius_config::settings::FrictionTable;
+use tertius_core::process::friction::{
+    FORCE_TERMS, ForceBlock, FrictionBlock, FrictionWeighing, FrictionWindows, SCATTERS,
+};
+use tertius_core::process::{ForceSample, Forces, FrictionDesign, ProcessParameters, flow};
+
+/// Blocks over which what is left may depend on itself: 12 s.
+const LAGS: usize = 60;
+
+/// A block of the recording.
+struct Told<T> {
+    /// Seconds since the recording's first frame.
+    t: f64,
+    /// How many blocks before it are joined to it.
+    joined: usize,
+    block: T,
+}
+
+/// Learns the relation from the rows of one cylinder whose C1 is `gain` times C2.
+pub(super) fn learn(
+    rows: &[ProcessRow],
+    [gain, area_ratio]: [f64; 2],
+    sample_time: f64,
+    level: f64,
+) -> Result<FrictionTable, ProcessRefusal> {
+    let known = rows.iter().filter(|row| row.flow.is_some()).count();
+    let seconds = known as f64 * sample_time;
+    if seconds < LEAST_TIME {
+        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
+    }
+    let blocks = blocks(rows, gain, sample_time);
+    let coefficients = fit(&blocks).ok_or(ProcessRefusal::Undetermined)?;
+    let mut design = FrictionDesign { coefficients, scatter: [0.0; SCATTERS], area_ratio };
+    let left =
+        |it: &Told<ForceBlock>| Told { t: it.t, joined: it.joined, block: design.block(&it.block) };
+    let left: Vec<Told<FrictionBlock>> = blocks.iter().map(left).collect();
+    design.scatter = scatter(&left);
+    verify(&left, &design, flow::level(level, sample_time))?;
+    Ok(FrictionTable { coefficients, scatter: design.scatter })
+}
+
+/// What the detector makes of the rows.
+fn blocks(rows: &[ProcessRow], gain: f64, sample_time: f64) -> Vec<Told<ForceBlock>> {
+    let mut forces = Forces::new(sample_time);
+    let (mut blocks, mut joined) = (Vec::new(), 0);
+    for row in rows {
+        if !row.follows {
+            forces.reset();
+        }
+        let sample = row.flow.map(|flow| {
+            let [c1, c2] = flow.lengths.map(f64::from);
+            ForceSample { length: 0.5 * (c1 + gain * c2), load: flow.load.into() }
+        });
+        let block = forces.step(sample);
+        if !forces.is_settled() {
+            joined = 0;
+        }
+        if let Some(block) = block {
+            blocks.push(Told { t: row.t, joined, block });
+            joined += 1;
+        }
+    }
+    blocks
+}
+
+/// Least squares of P_L; `None` where nothing moves.
+fn fit(blocks: &[Told<ForceBlock>]) -> Option<[f64; FORCE_TERMS]> {
+    let mut normal = SMatrix::<f64, FORCE_TERMS, FORCE_TERMS>::zeros();
+    let mut right = SVector::<f64, FORCE_TERMS>::zeros();
+    for Told { block, .. } in blocks {
+        let terms = SVector::from(block.terms);
+        normal += terms * terms.transpose();
+        right += terms * block.load;
+    }
+    let solved = normal.cholesky()?.solve(&right);
+    solved.iter().all(|it| it.is_finite()).then(|| solved.into())
+}
+
+/// Ω: the long-run covariance of what is left times the directions, by Bartlett's weights.
+fn scatter(blocks: &[Told<FrictionBlock>]) -> [f64; SCATTERS] {
+    let product = |it: &Told<FrictionBlock>| it.block.directions.map(|along| along * it.block.left);
+    let products: Vec<[f64; 2]> = blocks.iter().map(product).collect();
+    let mut sums = [0.0; SCATTERS];
+    for (at, Told { joined, .. }) in blocks.iter().enumerate() {
+        let [one, two] = products[at];
+        sums = add(sums, [one * one, one * two, two * two], 1.0);
+        for lag in 1..=LAGS.min(*joined) {
+            let [former, before] = products[at - lag];
+            let both = [2.0 * one * former, one * before + two * former, 2.0 * two * before];
+            sums = add(sums, both, 1.0 - lag as f64 / (LAGS + 1) as f64);
+        }
+    }
+    sums.map(|sum| sum / blocks.len().max(1) as f64)
+}
+
+fn add(mut sums: [f64; SCATTERS], values: [f64; SCATTERS], weight: f64) -> [f64; SCATTERS] {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+    sums
+}
+
+/// Tries the detector on its own lesson, at the detector's `level`, nats.
+fn verify(
+    blocks: &[Told<FrictionBlock>],
+    design: &FrictionDesign,
+    level: f64,
+) -> Result<(), ProcessRefusal> {
+    let weighing = FrictionWeighing::new(design).ok_or(ProcessRefusal::Undetermined)?;
+    let mut windows = FrictionWindows::default();
+    let (mut worst, mut at) = (0.0, 0.0);
+    for Told { t, block, .. } in blocks {
+        windows.push(block);
+        let nats = windows.peak(&weighing).nats;
+        if nats > worst {
+            (worst, at) = (nats, *t);
+        }
+    }
+    let is_doubtful = worst > ProcessParameters::DEFAULT.doubtful * level;
+    if is_doubtful { Err(ProcessRefusal::Contradicted { at, nats: worst }) } else { Ok(()) }
+}
