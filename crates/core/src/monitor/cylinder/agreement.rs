@@ -19,6 +19,12 @@ const PART: f64 = 0.5;
 /// own, and the innovation that first exceeds its threshold is larger than the other.
 const SHARED: f64 = 0.25;
 
+/// Whether a residual `own` is mostly what the observer of the `other` transducer does not see, m. Where that one does
+/// not judge nothing is known, and it is not.
+pub fn parts(own: f64, other: Option<f64>) -> bool {
+    other.is_some_and(|other| (own - other).abs() > PART * own.abs())
+}
+
 /// Agreement for FDE1 and FDE2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
@@ -76,6 +82,14 @@ mod tests {
         assert!(agreement.is_process(0));
         agreement.judge([true, false], r, None, true);
         assert!(!agreement.is_process(0));
+    }
+
+    #[test]
+    fn what_only_one_observer_sees_parts_them() {
+        // Braking, with and without a step of C1 by 3 mm in it.
+        assert!(!parts(5e-3, Some(4.6e-3)) && !parts(4.6e-3, Some(5e-3)));
+        assert!(parts(5e-3, Some(2e-3)) && parts(3e-3, Some(-1e-4)) && parts(-1e-4, Some(3e-3)));
+        assert!(!parts(5e-3, None));
     }
 
     /// Noise of 0.7 mm, with its second sample opposite to its first, which the observer had
