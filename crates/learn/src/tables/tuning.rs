@@ -39,8 +39,8 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
     lines.extend(command_change.map(|change| {
         format!(
             "command_change: commands that change by more than {change:.4} m/s from one cycle to the next are too rare in \
-             the recording to teach a threshold. For observer.settle after one, what R1 and R2 share is neither a fault \
-             nor its absence; what only one of them shows is a fault of its transducer as ever"
+             the recording to teach a threshold. For observer.settle after one, R1 or R2 raises a warning only where the \
+             other shows less than half of it: an error of the model is in both"
         )
     }));
     lines

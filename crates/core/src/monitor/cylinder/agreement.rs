@@ -19,10 +19,10 @@ const PART: f64 = 0.5;
 /// own, and the innovation that first exceeds its threshold is larger than the other.
 const SHARED: f64 = 0.25;
 
-/// Whether a residual `own` is mostly what the observer of the `other` transducer does not see, m. Where that one does
-/// not judge nothing is known, and it is not.
-pub fn parts(own: f64, other: Option<f64>) -> bool {
-    other.is_some_and(|other| (own - other).abs() > PART * own.abs())
+/// Whether the observer of the `other` transducer sees less than half of the residual `own`, m: an error of the model is in
+/// both. Where the other one does not judge nothing is known.
+pub fn is_alone(own: f64, other: Option<f64>) -> bool {
+    other.is_some_and(|other| other.abs() < PART * own.abs())
 }
 
 /// Agreement for FDE1 and FDE2.
@@ -85,11 +85,13 @@ mod tests {
     }
 
     #[test]
-    fn what_only_one_observer_sees_parts_them() {
-        // Braking, with and without a step of C1 by 3 mm in it.
-        assert!(!parts(5e-3, Some(4.6e-3)) && !parts(4.6e-3, Some(5e-3)));
-        assert!(parts(5e-3, Some(2e-3)) && parts(3e-3, Some(-1e-4)) && parts(-1e-4, Some(3e-3)));
-        assert!(!parts(5e-3, None));
+    fn a_fault_is_in_one_observer_and_an_error_of_the_model_in_both() {
+        assert!(!is_alone(5e-3, Some(4.6e-3)) && !is_alone(4.6e-3, Some(5e-3)));
+        // A step of C1 by 12 mm, by itself and on top of that; and by as much the other way, where nobody can tell.
+        assert!(is_alone(12e-3, Some(-1e-4)));
+        assert!(is_alone(17e-3, Some(5e-3)) && !is_alone(5e-3, Some(17e-3)));
+        assert!(!is_alone(-7e-3, Some(5e-3)) && !is_alone(5e-3, Some(-7e-3)));
+        assert!(!is_alone(5e-3, None));
     }
 
     /// Noise of 0.7 mm, with its second sample opposite to its first, which the observer had
