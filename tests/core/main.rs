@@ -45,6 +45,7 @@ mod sequential;
 mod sequential_healthy;
 mod sequential_scale;
 mod sequential_support;
+mod steep_commands;
 mod stops;
 mod survey;
 mod trc;

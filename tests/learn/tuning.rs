@@ -6,7 +6,8 @@ use tertius::extremes::{Pareto, per_second};
 use tertius::observe::observer::{Measurement, Observer, ObserverDesign};
 use tertius::survey::{Row, Surveyor};
 use tertius::tune::{
-    Criterion, CylinderModel, Evidence, Store, Weights, designs, response, search, sensitivity,
+    Criterion, CylinderModel, Evidence, Steepest, Store, Weights, designs, response, search,
+    sensitivity,
 };
 use tertius_testing::oracle;
 
@@ -159,7 +160,7 @@ fn the_smallest_step_is_found_in_nineteen_of_twenty_places_and_half_of_it_is_mos
     let (learnt, fresh) = (rows(5, 60_000), rows(6, 60_000));
     let store = store(&learnt);
     let design = designs(&cylinders(), TRUE, 50).expect("it has an observer").remove(0);
-    let mut evidence = Evidence::new(&cylinders(), std::slice::from_ref(&design), 50);
+    let mut evidence = Evidence::new(&cylinders(), std::slice::from_ref(&design), 50, None);
     learnt.iter().for_each(|row| evidence.row(row));
     let detectors = evidence.detectors(learning_support::TS);
     let tails: Vec<_> = detectors.iter().filter_map(|detector| detector.tail).collect();
@@ -200,7 +201,7 @@ fn lost_cycles_cost_evidence_and_no_more() {
     let judged = |lossy: bool| {
         let mut store = Store::new(&cylinders());
         let design = designs(&cylinders(), TRUE, 50).expect("it has an observer");
-        let mut evidence = Evidence::new(&cylinders(), &design, 50);
+        let mut evidence = Evidence::new(&cylinders(), &design, 50, None);
         for row in &whole {
             if lossy && row.cycle % 50 == 49 {
                 store.gap(1);
@@ -221,6 +222,47 @@ fn lost_cycles_cost_evidence_and_no_more() {
     assert!((of_rest / threshold - 1.0).abs() < 0.1, "{of_rest} {threshold}");
     // A prediction over what is lost is none that a threshold is made for.
     assert!(worst_of_rest <= worst * (1.0 + 1e-9), "{worst_of_rest} {worst}");
+}
+
+/// Twenty minutes in which the rod brakes `times` harder than ever else, each time with an error of 3 mm that both readings
+/// share, as of a model that does not know how the valve closes.
+fn braked(times: u64) -> Vec<Row> {
+    let mut rows = rows(5, 60_000);
+    for k in 0..times {
+        let at = (2000 + 50_000 * k / times) as usize;
+        rows[at - 1].u = rows[at - 1].u.map(|u| u + 0.2);
+        for row in &mut rows[at..at + 5] {
+            (row.c1, row.c2) = (row.c1.map(|c1| c1 + 3e-3), row.c2.map(|c2| c2 + 3e-3));
+        }
+    }
+    rows
+}
+
+/// The change of command that rows teach, and the largest residual of the tail that goes with it, or that of all rows.
+fn taught(rows: &[Row], by_all: bool) -> (f64, f64) {
+    let mut steepest = Steepest::new(&cylinders(), 50);
+    rows.iter().for_each(|row| steepest.row(row));
+    let change = steepest.taught();
+    let design = designs(&cylinders(), TRUE, 50).expect("it has an observer");
+    let mut evidence = Evidence::new(&cylinders(), &design, 50, change.filter(|_| !by_all));
+    rows.iter().for_each(|row| evidence.row(row));
+    let tail = evidence.detectors(learning_support::TS)[0].tail.expect("there is enough");
+    (change.expect("it moves"), tail.worst)
+}
+
+/// A few waves in which the rod brakes as never else are no tail: how large the next one is, and when it comes, they do
+/// not tell.
+#[test]
+fn what_comes_a_few_times_teaches_no_threshold() {
+    let (ordinary, worst) = taught(&braked(0), false);
+    assert!((0.004..0.01).contains(&ordinary) && worst < 1e-3, "{ordinary} {worst}");
+    let (change, of_rest) = taught(&braked(3), false);
+    assert!((change / ordinary - 1.0).abs() < 0.02, "{change} {ordinary}");
+    assert!((of_rest / worst - 1.0).abs() < 0.02, "{of_rest} {worst}");
+    assert!(taught(&braked(3), true).1 > 2.5e-3);
+    // What is often there belongs to the machine.
+    let (change, worst) = taught(&braked(40), false);
+    assert!(change > 0.19 && worst > 2.5e-3, "{change} {worst}");
 }
 
 /// Seconds in which the residual exceeds `threshold`.

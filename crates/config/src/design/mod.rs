@@ -182,6 +182,7 @@ impl<'a> Connector<'a> {
             devices: self.watched(n),
             command_offset: settings.command_offset_of(n),
             command_stale: settings.cycles(settings.plausibility.stale).max(1),
+            command_change: fde.command_change.unwrap_or(f64::INFINITY),
             moving_speed: settings.plausibility.frozen_speed,
             comparator: Comparator { gain, offset },
             bank: BankDesign {

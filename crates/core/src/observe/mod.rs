@@ -3,3 +3,4 @@
 pub mod model;
 pub mod observer;
 pub mod riccati;
+pub mod steepness;

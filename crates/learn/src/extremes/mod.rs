@@ -15,6 +15,6 @@ pub use maxima::Maxima;
 pub use pareto::Pareto;
 pub use sketch::Sketch;
 pub use slope::{Asked, LARGEST_LEVEL, levels};
-pub use tail::{LEAST_BLOCKS, Tail, common_level};
+pub use tail::{LEAST_BLOCKS, LEAST_PEAKS, Tail, common_level};
 pub use tertius_core::time::{HOURS_PER_YEAR, per_second};
 pub use thinned::Thinned;

@@ -15,7 +15,7 @@ const TAIL: u64 = 5;
 const TAILS: [u64; 4] = [TAIL, 10, 20, 40];
 
 /// Fewest blocks of a tail that is made of fewer.
-const LEAST_PEAKS: u64 = 25;
+pub const LEAST_PEAKS: u64 = 25;
 
 /// Most blocks in a tail; of a long recording they are the outermost ones.
 const MOST: usize = 500;

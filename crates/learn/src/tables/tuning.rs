@@ -18,9 +18,9 @@ pub fn length(metres: f64) -> String {
 
 /// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
-    let Thresholds { per_year, hours, .. } = result.thresholds;
+    let Thresholds { per_year, hours, command_change, .. } = result.thresholds;
     let (count, often) = (result.detectors.len(), provenance::times(per_year));
-    vec![
+    let mut lines = vec![
         format!(
             "high: {count} residuals together exceed it at most {often} in a year of monitoring; \
              one number for all, since their rates are added up; at least the thesis's {:.1} mm",
@@ -35,7 +35,15 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
              that coincide count twice, as do bursts at the border of two seconds",
             HOURS_PER_YEAR / per_year / hours
         ),
-    ]
+    ];
+    lines.extend(command_change.map(|change| {
+        format!(
+            "command_change: commands that change by more than {change:.4} m/s from one cycle to the next are too rare in \
+             the recording to teach a threshold. For observer.settle after one, R1 or R2 raises a warning only where the \
+             other shows less than half of it: an error of the model is in both"
+        )
+    }));
+    lines
 }
 
 /// Meaning of the level of the sequential detectors, where `per_year` false alarms were wanted.
@@ -83,10 +91,13 @@ pub fn of(result: &Tuning, version: &str) -> String {
     for remark in &result.remarks {
         _ = writeln!(text, "# {}", provenance::one_line(remark));
     }
-    let Thresholds { low, high, .. } = result.thresholds;
+    let Thresholds { low, high, command_change, .. } = result.thresholds;
     let (low, high) = (four_digits(low), four_digits(high));
     // Rounding up may put them past each other where they are the same.
     _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
+    if let Some(change) = command_change {
+        _ = writeln!(text, "command_change = {change:?}");
+    }
     if let Some(level) = &result.sequential {
         for line in sequential_meaning(level, result.thresholds.per_year) {
             _ = writeln!(text, "\n# {line}");

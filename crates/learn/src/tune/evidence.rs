@@ -7,6 +7,7 @@ use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
 use crate::survey::{Lull, Row, Surveyor};
 use tertius_core::observe::observer::{Observer, ObserverDesign, Restart};
+use tertius_core::observe::steepness::Steepness;
 
 /// The residuals of one observer.
 #[derive(Clone, Debug)]
@@ -48,12 +49,21 @@ pub struct Evidence {
     cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
     pauses: Vec<Pause>,
     lulls: Vec<Lull>,
+    steepness: Vec<Steepness>,
 }
 
 impl Evidence {
     /// A pass with observers by `designs`; `block` is the number of cycles that count as one
-    /// warning.
-    pub fn new(cylinders: &[CylinderModel], designs: &[[ObserverDesign; 2]], block: u32) -> Self {
+    /// warning. What follows a change of command by more than `command_change`, m/s from one cycle to the next, is left
+    /// out.
+    pub fn new(
+        cylinders: &[CylinderModel],
+        designs: &[[ObserverDesign; 2]],
+        block: u32,
+        command_change: Option<f64>,
+    ) -> Self {
+        let most = command_change.unwrap_or(f64::INFINITY);
+        let steepness = designs.iter().map(|[c1, _]| Steepness::new(most, c1.settle)).collect();
         let witnesses = |(cylinder, designs): (&CylinderModel, &[ObserverDesign; 2])| {
             let witness = |i: usize| {
                 let fresh = Observer::new(designs[i].clone());
@@ -69,7 +79,8 @@ impl Evidence {
         };
         let pauses = vec![Pause::default(); cylinders.len()];
         let lulls = vec![Lull::default(); cylinders.len()];
-        Self { cylinders: cylinders.iter().zip(designs).map(witnesses).collect(), pauses, lulls }
+        let cylinders = cylinders.iter().zip(designs).map(witnesses).collect();
+        Self { cylinders, pauses, lulls, steepness }
     }
 
     /// Results of every observer; with a tail where there are enough data.
@@ -103,6 +114,12 @@ impl Surveyor for Evidence {
         let cycle = Cycle::new(row, cylinder.command_offset);
         let missing = self.pauses[index].before(row.cycle, cylinder.max_gap);
         let begins_anew = self.lulls[index].ends(row.t);
+        let steepness = &mut self.steepness[index];
+        if begins_anew || missing.is_none() {
+            steepness.reset();
+        }
+        let is_taught = !steepness.is_beyond();
+        steepness.take(cycle.command);
         for (transducer, witness) in witnesses.iter_mut().enumerate() {
             let Some(witness) = witness else { continue };
             if begins_anew {
@@ -115,7 +132,8 @@ impl Surveyor for Evidence {
                 }),
                 None => witness.observer.stop(Restart::Gap),
             }
-            if let Some(residual) = cycle.step(&mut witness.observer, transducer) {
+            let residual = cycle.step(&mut witness.observer, transducer);
+            if let Some(residual) = residual.filter(|_| is_taught) {
                 witness.residuals.add(residual);
                 witness.magnitudes.add(residual);
                 witness.maxima.add(residual);

@@ -1,8 +1,9 @@
 //! The observer's weights and the thresholds of R1 and R2, from a healthy recording.
 //!
 //! ```text
-//! rows ─→ store ─ stretches ─→ search ─ Q, R ─→ evidence (all rows) ─ tails ─→ δ_l, δ_h
-//!           └──────────────────────────────────── sensitivity ←──────────────────┘
+//! rows ─┬→ store ─ stretches ─→ search ─ Q, R ─→ evidence (all rows) ─ tails ─→ δ_l, δ_h
+//!       │    └──────────────────────────────────── sensitivity ←──────────────────┘
+//!       └→ steepest ─ change of command ─→ evidence
 //! ```
 //!
 //! The thesis tuned Q and R by hand, until the innovation was small and a step showed sharply in
@@ -21,12 +22,14 @@ mod pause;
 pub mod response;
 pub mod search;
 pub mod sensitivity;
+mod steepest;
 pub mod store;
 mod usable;
 
 pub use criterion::{Criterion, Score};
 pub use evidence::{Detector, Evidence};
 pub use search::{Search, search};
+pub use steepest::Steepest;
 pub use store::Store;
 pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
@@ -115,6 +118,9 @@ pub struct Thresholds {
     pub low: f64,
     /// Upper threshold δ_h, m.
     pub high: f64,
+    /// Largest change of the command from one cycle to the next that they were made with, m/s; `None` where there was
+    /// none.
+    pub command_change: Option<f64>,
     /// False alarms of the whole machine in a year of monitoring.
     pub per_year: f64,
     /// Judged time in the recording of the detector with the least, h.

@@ -19,6 +19,12 @@ const PART: f64 = 0.5;
 /// own, and the innovation that first exceeds its threshold is larger than the other.
 const SHARED: f64 = 0.25;
 
+/// Whether the observer of the `other` transducer sees less than half of the residual `own`, m: an error of the model is in
+/// both. Where the other one does not judge nothing is known.
+pub fn is_alone(own: f64, other: Option<f64>) -> bool {
+    other.is_some_and(|other| other.abs() < PART * own.abs())
+}
+
 /// Agreement for FDE1 and FDE2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
@@ -76,6 +82,16 @@ mod tests {
         assert!(agreement.is_process(0));
         agreement.judge([true, false], r, None, true);
         assert!(!agreement.is_process(0));
+    }
+
+    #[test]
+    fn a_fault_is_in_one_observer_and_an_error_of_the_model_in_both() {
+        assert!(!is_alone(5e-3, Some(4.6e-3)) && !is_alone(4.6e-3, Some(5e-3)));
+        // A step of C1 by 12 mm, by itself and on top of that; and by as much the other way, where nobody can tell.
+        assert!(is_alone(12e-3, Some(-1e-4)));
+        assert!(is_alone(17e-3, Some(5e-3)) && !is_alone(5e-3, Some(17e-3)));
+        assert!(!is_alone(-7e-3, Some(5e-3)) && !is_alone(5e-3, Some(-7e-3)));
+        assert!(!is_alone(5e-3, None));
     }
 
     /// Noise of 0.7 mm, with its second sample opposite to its first, which the observer had

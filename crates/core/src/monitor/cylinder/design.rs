@@ -33,6 +33,9 @@ pub struct CylinderDesign {
     pub command_offset: f64,
     /// Cycles without a command after which it is stale.
     pub command_stale: u32,
+    /// Largest change of the command from one cycle to the next that the thresholds of R1 and R2 were learnt with, m/s;
+    /// infinite where it is not known.
+    pub command_change: f64,
     /// Command speed beyond which it moves the cylinder, m/s.
     pub moving_speed: f64,
     pub observers: [ObserverDesign; 2],

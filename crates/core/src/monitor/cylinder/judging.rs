@@ -1,6 +1,6 @@
 //! Inputs of the detectors of a cylinder in a cycle.
 
-use super::agreement::Agreement;
+use super::agreement::{Agreement, is_alone};
 use super::precedence::{DETECTORS, Standing};
 use super::{Cylinder, Evaluation, Implausible};
 use crate::monitor::gate::Opening;
@@ -29,8 +29,14 @@ impl Cylinder {
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());
-        // After a loss it is no evidence either way.
-        let whole = |i: usize| judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole));
+        // After a loss it is no evidence either way. After a change of command that the thresholds were not made for, only
+        // what one observer alone sees is a fault.
+        let (beyond, high) = (self.steepness.is_beyond(), self.design.bank.observer.high);
+        let whole = |i: usize| {
+            let residual = judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole))?;
+            let counts = !beyond || residual.abs() <= high || is_alone(residual, judged[1 - i]);
+            counts.then_some(residual)
+        };
         let residuals = Residuals { r: [whole(0), whole(1), difference] };
         self.bank.judge(now.at, &residuals);
         residuals
