@@ -3,16 +3,18 @@
 use crate::alarm::e2e;
 use crate::alarm::status::MAX_CYLINDERS;
 use crate::cli::Failure;
+use crate::config::Settings;
+use crate::config::settings::bus_of;
 use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
 
-/// Number of cylinders of the demonstration's machine, which is the largest.
+/// Number of cylinders in Fd_Status, of which a machine may have fewer.
 pub const CYLINDERS: usize = MAX_CYLINDERS;
 
 /// Meaning of a frame for the audience.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
-    /// State of the platform, from Plc_State.
+    /// State of the platform.
     Platform(String),
     Status(Status),
     Warning(Warning),
@@ -55,7 +57,8 @@ pub struct Listener {
     database: Database,
     status: Own,
     warning: Own,
-    platform: Id,
+    /// The platform's state, where the machine sends it.
+    platform: Option<(Id, Signal)>,
     /// Identifiers that the gateway receives, of which some are in no database: those of devices' services.
     received: Vec<Id>,
 }
@@ -69,18 +72,24 @@ struct Own {
 impl Listener {
     /// # Errors
     /// A message that the DBC does not have.
-    pub fn new(database: &Database, received: Vec<Id>) -> Result<Self, Failure> {
-        let find = |name: &str| {
-            let found = database.message(name);
-            found.map_err(|error| Failure::Failed(format!("the DBC of the program: {error}")))
+    pub fn new(
+        settings: &Settings,
+        database: &Database,
+        received: Vec<Id>,
+    ) -> Result<Self, Failure> {
+        let own = |name: &str| -> Result<Own, Failure> {
+            let message = database.message(name).map_err(|error| {
+                Failure::Wrong(format!("{error}; the demonstration reads what the gateway sends"))
+            })?;
+            Ok(Own { id: message.id, signals: message.signals.clone() })
         };
-        let own = |name: &str| {
-            find(name).map(|message| Own { id: message.id, signals: message.signals.clone() })
-        };
+        let state = settings.signals.state.as_deref();
+        let state = state.map(|name| bus_of(name).map_or(name, |(_, name)| name));
+        let state = state.and_then(|name| database.signal(name).ok());
         Ok(Self {
             status: own("Fd_Status")?,
             warning: own("Fd_Warning")?,
-            platform: find("Plc_State")?.id,
+            platform: state.map(|(message, signal)| (message.id, signal.clone())),
             database: database.clone(),
             received,
         })
@@ -97,12 +106,11 @@ impl Listener {
             Heard::Status(self.status(frame))
         } else if frame.id == self.warning.id {
             Heard::Warning(self.warning(frame))
-        } else if let Some(message) = self.database.message_by_id(frame.id) {
-            match message.signal("PlatformState") {
-                Some(signal) if message.id == self.platform => Heard::Platform(name(signal, frame)),
-                _ => Heard::Machine,
-            }
-        } else if self.received.contains(&frame.id) {
+        } else if let Some((_, signal)) = self.platform.as_ref().filter(|(id, _)| *id == frame.id) {
+            Heard::Platform(name(signal, frame))
+        } else if self.database.message_by_id(frame.id).is_some()
+            || self.received.contains(&frame.id)
+        {
             Heard::Machine
         } else {
             Heard::Stranger
