@@ -1,15 +1,11 @@
 //! A listener that decodes the bus like any other node: frames, by the DBC.
 
 use crate::alarm::e2e;
-use crate::alarm::status::MAX_CYLINDERS;
 use crate::cli::Failure;
 use crate::config::Settings;
 use crate::config::settings::bus_of;
 use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
-
-/// Number of cylinders in Fd_Status, of which a machine may have fewer.
-pub const CYLINDERS: usize = MAX_CYLINDERS;
 
 /// Meaning of a frame for the audience.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +26,7 @@ pub enum Heard {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Status {
     /// States of C1 and C2 of each cylinder.
-    pub states: [[String; 2]; CYLINDERS],
+    pub states: Vec<[String; 2]>,
     pub level: String,
     pub mode: String,
     pub active: i64,
@@ -59,6 +55,8 @@ pub struct Listener {
     warning: Own,
     /// The platform's state, where the machine sends it.
     platform: Option<(Id, Signal)>,
+    /// Number of cylinders that the machine has; Fd_Status has room for more.
+    cylinders: usize,
     /// Identifiers that the gateway receives, of which some are in no database: those of devices' services.
     received: Vec<Id>,
 }
@@ -91,6 +89,7 @@ impl Listener {
             warning: own("Fd_Warning")?,
             platform: state.map(|(message, signal)| (message.id, signal.clone())),
             database: database.clone(),
+            cylinders: settings.machine.cylinders.into(),
             received,
         })
     }
@@ -120,7 +119,7 @@ impl Listener {
     fn status(&self, frame: &Frame) -> Status {
         let state = |n: usize, c: usize| self.status.name(&format!("Cyl{n}_C{c}_State"), frame);
         Status {
-            states: std::array::from_fn(|index| [1, 2].map(|c| state(index + 1, c))),
+            states: (1..=self.cylinders).map(|n| [1, 2].map(|c| state(n, c))).collect(),
             level: self.status.name("Level", frame),
             mode: self.status.name("Mode", frame),
             active: self.status.number("ActiveWarnings", frame) as i64,

@@ -10,7 +10,8 @@ const CELLS: usize = 5;
 pub fn lines(scene: &Scene, limits: [f64; 3]) -> Vec<String> {
     let mut lines = vec![heading(scene), header(limits)];
     for (index, row) in scene.rows.iter().enumerate() {
-        lines.push(cylinder(index + 1, row, &scene.status.states[index], limits));
+        let states = scene.status.states.get(index).cloned().unwrap_or_default();
+        lines.push(cylinder(index + 1, row, &states, limits));
     }
     lines.extend(now(scene));
     lines.push(dim("what the gateway warns of"));
@@ -158,7 +159,7 @@ mod tests {
             });
         }
         scene.status = Status {
-            states: std::array::from_fn(|_| ["healthy", "unknown"].map(str::to_owned)),
+            states: vec![["healthy", "unknown"].map(str::to_owned); 6],
             level: "orange".to_owned(),
             mode: "monitoring".to_owned(),
             active: 63,
