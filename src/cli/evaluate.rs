@@ -15,7 +15,7 @@ use crate::evaluate::{
 };
 use crate::monitor::MonitorDesign;
 use crate::report::{evaluation, page};
-use crate::simulator::Options;
+use crate::simulator::{Options, Tables};
 use crate::tune::Weights;
 use clap::{Args, ValueEnum};
 use std::io::Write;
@@ -59,8 +59,8 @@ pub struct Evaluate {
     /// Runs only these studies
     #[arg(long, value_name = "NAME,…", value_enum, value_delimiter = ',')]
     rows: Vec<Studied>,
-    /// Significant wave height, m, and peak period, s; may be repeated [default: 2.5,8 and 1.5,7
-    /// and 3,10; --quick: 2.5,8]
+    /// Significant wave height, m, and peak period, s; may be repeated [default: the plant's, a calmer
+    /// and a rougher one, 2.5,8 and 1.5,7 and 3,10 of the built-in plant; --quick: the plant's]
     #[arg(long = "sea", value_name = "HS,TP")]
     seas: Vec<String>,
     /// Weights of the observers for --rows weights: the diagonals of Q and R; may be repeated
@@ -164,8 +164,8 @@ impl Studied {
     }
 }
 
-/// Default seas; that of the plant's table is in the middle.
-const SEAS: [[f64; 2]; 3] = [[2.5, 8.0], [1.5, 7.0], [3.0, 10.0]];
+/// Default seas: heights and periods by those of the plant's table.
+const SEAS: [[f64; 2]; 3] = [[1.0, 1.0], [0.6, 0.875], [1.2, 1.25]];
 
 /// Hours in each sea that the detectors of the contest learn from.
 const LESSONS: Lessons = Lessons { calibration: 1.0, level: 20.0 };
@@ -183,7 +183,8 @@ impl Evaluate {
         let tables = self.plant.tables()?;
         let machine = Machine::load(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
-        let plan = Plan::new(self.seed, self.extent(settings)?)
+        PlantOptions::compare(&tables, settings);
+        let plan = Plan::new(self.seed, self.extent(settings, &tables)?)
             .map_err(|error| Failure::Wrong(error.to_string()))?;
         let mut stand = Stand::new(&tables, settings, &machine.database, &machine.design);
         // Whatever the call asks for that cannot be, before anything is done.
@@ -238,7 +239,7 @@ impl Evaluate {
             .map_err(|error| Failure::writing("standard output", &error))
     }
 
-    fn extent(&self, settings: &Settings) -> Result<Extent, Failure> {
+    fn extent(&self, settings: &Settings, tables: &Tables) -> Result<Extent, Failure> {
         let asked: Vec<Studied> = if self.rows.is_empty() {
             let all = Studied::value_variants().iter().copied();
             let has_top = settings.signals.top_roll.is_some();
@@ -251,10 +252,12 @@ impl Evaluate {
         let healthy = asked.contains(&Studied::Healthy);
         let hours = self.hours.unwrap_or(if self.quick { 0.1 } else { 10.0 });
         let given = self.seas.iter().map(|text| plant::sea(text)).collect::<Result<Vec<_>, _>>()?;
+        let usual =
+            SEAS.map(|[height, period]| [height * tables.sea.height, period * tables.sea.period]);
         let seas = match (given.is_empty(), self.quick) {
             (false, _) => given,
-            (true, true) => SEAS[..1].to_vec(),
-            (true, false) => SEAS.to_vec(),
+            (true, true) => usual[..1].to_vec(),
+            (true, false) => usual.to_vec(),
         };
         Ok(Extent {
             trials: self.trials.unwrap_or(if self.quick { 12 } else { 600 }),
@@ -268,6 +271,8 @@ impl Evaluate {
             contest_hours: if asked.contains(&Studied::Contest) { hours } else { 0.0 },
             studies: asked.into_iter().filter_map(Studied::study).collect(),
             lessons: if self.quick { QUICK_LESSONS } else { LESSONS },
+            cylinders: settings.machine.cylinders,
+            lag: tables.valve.lag,
         })
     }
 

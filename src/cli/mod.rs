@@ -55,13 +55,11 @@ mod monitor;
 mod node;
 #[cfg(feature = "cli")]
 mod output;
-#[cfg(feature = "cli")]
 mod overriding;
 #[cfg(feature = "cli")]
 mod packed;
 #[cfg(feature = "cli")]
 mod passing;
-#[cfg(feature = "cli")]
 mod plant;
 mod player;
 #[cfg(feature = "cli")]

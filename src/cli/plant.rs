@@ -1,6 +1,7 @@
 //! The simulated machine of a command line.
 
 use super::Failure;
+use crate::config::Settings;
 use crate::plant;
 use crate::simulator::Tables;
 use clap::Args;
@@ -25,6 +26,17 @@ impl PlantOptions {
     /// The files, which are inputs.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(PathBuf::as_path)
+    }
+
+    /// Says where the simulated machine and the one of `settings` cannot be the same.
+    pub fn compare(tables: &Tables, settings: &Settings) {
+        let ([low, high], [least, most]) = (tables.hexapod.reach, settings.machine.stroke);
+        if (low, high) != (least, most) {
+            tell!(
+                "the simulated machine's cylinders go from {low} to {high} m, and machine.stroke is from {least} to \
+                 {most} m; --plant FILE simulates another machine"
+            );
+        }
     }
 
     /// The tables in the files, or the built-in ones.

@@ -152,6 +152,7 @@ impl Simulate {
         let tables = self.plant.tables()?;
         let machine = Machine::load_unjudging(&self.config, &self.set.overrides()?)?;
         let settings = &machine.loaded.settings;
+        PlantOptions::compare(&tables, settings);
         let of_the_machine = |named: &Named| matches!(named.fault.wanted, Wanted::Machine(_));
         let (ailments, readings): (Vec<Named>, Vec<Named>) =
             faults.iter().cloned().partition(of_the_machine);

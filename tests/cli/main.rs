@@ -23,6 +23,7 @@ mod incidents;
 mod init;
 mod inject_cli;
 mod inject_oracle;
+mod machines;
 mod manual;
 mod output_files;
 mod outputs_document;

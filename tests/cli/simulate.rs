@@ -556,13 +556,13 @@ fn tables_are_refused_for_what_is_wrong_with_them() {
 }
 
 #[test]
-fn a_machine_that_is_no_hexapod_is_not_simulated() {
+fn a_machine_has_no_more_cylinders_than_a_hexapod() {
     let mut setup = setup();
-    setup.settings.machine.cylinders = 5;
+    setup.settings.machine.cylinders = 7;
     let tables = Tables::default();
     let made = Simulator::new(&tables, &setup.settings, &setup.database, &Options::default());
-    let error = made.expect_err("five legs");
-    assert_eq!(error, SimulatorError::Layout(LayoutError::Cylinders(5)));
+    let error = made.expect_err("seven legs");
+    assert_eq!(error, SimulatorError::Layout(LayoutError::Cylinders(7)));
 }
 
 /// The monitor's view of the simulated machine is the default one but for the C2 corrections.

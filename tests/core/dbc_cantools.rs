@@ -119,7 +119,8 @@ fn compare(dice: &mut Dice, files: &[PathBuf], frames: usize) -> Counts {
 fn own_files() -> Vec<PathBuf> {
     let names =
         ["intel", "motorola", "floats", "multiplexed", "nested", "extended", "fd", "long_names"];
-    names.iter().map(|name| Path::new(ROOT).join(format!("tests/dbc/{name}.dbc"))).collect()
+    let files = names.iter().map(|name| format!("tests/dbc/{name}.dbc"));
+    files.chain(["dbc/a-type.dbc".to_owned()]).map(|file| Path::new(ROOT).join(file)).collect()
 }
 
 #[test]

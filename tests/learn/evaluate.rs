@@ -60,6 +60,8 @@ fn plan(studies: &[Study], trials: u32, hours: f64) -> Plan {
         process_hours: 0.0,
         side_hours: 0.0,
         hexapod_hours: 0.0,
+        cylinders: 6,
+        lag: 0.06,
         trials,
         hours,
         seas: vec![SEA],
@@ -319,6 +321,13 @@ fn what_cannot_be_is_refused_before_anything_is_done() {
     evaluate(&["--sea", "9,8"]).failed(2, &["take a calmer sea"]);
     evaluate(&["--report", "none/page.html"]).failed(2, &["none/page.html cannot be created"]);
     evaluate(&["--plant", "none.toml"]).failed(2, &["none.toml: cannot be read"]);
-    let rig = ["evaluate", "--config", support::HANGING_LOAD, "--quick"];
-    support::tertius(&rig, b"").failed(2, &["machine.cylinders is 1"]);
+}
+
+/// The simulated machine has six legs, of which a configuration may monitor one: here one of another layout.
+#[test]
+fn a_configuration_of_one_cylinder_is_evaluated_on_that_cylinder() {
+    let rig = ["evaluate", "--config", support::HANGING_LOAD, "--quick", "--rows", "step"];
+    let run = support::tertius(&[&rig[..], &["--trials", "2"]].concat(), b"").ok();
+    let large = run.stdout.lines().find(|line| line.starts_with(" step 50 mm"));
+    assert!(large.is_some_and(|line| line.contains("2 of 2")), "{}", run.stdout);
 }

@@ -1,5 +1,6 @@
 //! What is learnt from recordings, by the library and by the commands, and what it is worth.
 
+mod a_type;
 mod calibration;
 mod commission;
 mod commissioning;

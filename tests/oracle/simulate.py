@@ -8,12 +8,40 @@ step back; then for each cylinder the VAF of position and velocity; then the par
 """
 
 import sys
+from pathlib import Path
 
 import can
 import cantools
 import numpy as np
 
-TS = 0.02
+# By a machine's DBC: sample time, area ratio, what its messages are called, and their signals.
+MACHINES = {
+    "e-type.dbc": (
+        0.02,
+        0.5,
+        "Cyl{}_",
+        {
+            "l": ("C1", "Position"),
+            "v": ("C1", "Velocity"),
+            "u": ("Valve", "ControlSpeed"),
+            "bottom": ("Valve", "PressureBottom"),
+            "rod": ("Valve", "PressureRod"),
+        },
+    ),
+    "a-type.dbc": (
+        0.025,
+        0.61,
+        "Leg{}_",
+        {
+            "l": ("EncA", "Length"),
+            "v": ("EncA", "Rate"),
+            "u": ("Demand", "Speed"),
+            "bottom": ("Servo", "BottomPressure"),
+            "rod": ("Servo", "RodPressure"),
+        },
+    ),
+}
+TS, RATIO, MESSAGES, SIGNALS = MACHINES[Path(sys.argv[1]).name]
 
 database = cantools.database.load_file(sys.argv[1])
 frames = wrong = outside = backwards = 0
@@ -24,7 +52,7 @@ for frame in can.LogReader(sys.argv[2]):
     backwards += frame.timestamp < last
     last = frame.timestamp
     message = database.get_message_by_frame_id(frame.arbitration_id)
-    if len(frame.data) != message.length or frame.is_extended_id:
+    if len(frame.data) != message.length or frame.is_extended_id != message.is_extended_frame:
         wrong += 1
         continue
     values = message.decode(frame.data, decode_choices=False)
@@ -41,16 +69,17 @@ def smooth(x, n=5):
     return np.convolve(x, np.ones(n) / n, "same")
 
 
-def column(message, signal, cylinder):
-    return np.array(columns[f"Cyl{cylinder}_{message}", signal])
+def column(name, cylinder):
+    message, signal = SIGNALS[name]
+    return np.array(columns[MESSAGES.format(cylinder) + message, signal])
 
 
 class Cylinder:
     def __init__(self, n):
-        self.l = column("C1", "Position", n)
-        self.v = column("C1", "Velocity", n)
-        self.u = column("Valve", "ControlSpeed", n)
-        self.p = column("Valve", "PressureBottom", n) - 0.5 * column("Valve", "PressureRod", n)
+        self.l = column("l", n)
+        self.v = column("v", n)
+        self.u = column("u", n)
+        self.p = column("bottom", n) - RATIO * column("rod", n)
 
 
 def identify(c, part):

@@ -1,7 +1,6 @@
 //! Audience of the demonstration.
 
 use super::listener::{Heard, Listener};
-use super::programme::{ACTS, CURTAIN, window};
 use super::scene::Scene;
 use super::score::Score;
 use super::screen::Screen;
@@ -75,18 +74,22 @@ impl Audience {
 
     fn announce(&mut self) {
         let now = self.scene.now;
-        if now >= CURTAIN {
+        let programme = &self.scene.programme;
+        if now >= programme.curtain() {
             self.stage.set_pace(self.pace);
         }
         let [begun, over] = self.begun;
-        if over < begun && now >= window(over)[1] {
+        if over < begun && now >= programme.window(over)[1] {
             self.begun[1] += 1;
             self.tell(|| format!("{now:7.2} s  that is over"));
         }
-        if begun < ACTS.len() && now >= window(begun)[0] {
+        let programme = &self.scene.programme;
+        if let Some(act) = programme.acts.get(begun)
+            && now >= programme.window(begun)[0]
+        {
+            let line = format!("\n{now:7.2} s  now: {}\n{:11}{}", act.title, "", act.hint);
             self.begun[0] += 1;
-            let act = &ACTS[begun];
-            self.tell(|| format!("\n{now:7.2} s  now: {}\n{:11}{}", act.title, "", act.hint));
+            self.tell(|| line);
         }
     }
 

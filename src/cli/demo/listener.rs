@@ -1,18 +1,16 @@
 //! A listener that decodes the bus like any other node: frames, by the DBC.
 
 use crate::alarm::e2e;
-use crate::alarm::status::MAX_CYLINDERS;
 use crate::cli::Failure;
+use crate::config::Settings;
+use crate::config::settings::bus_of;
 use crate::dbc::{Database, Signal};
 use crate::frame::{Frame, Id};
-
-/// Number of cylinders of the demonstration's machine, which is the largest.
-pub const CYLINDERS: usize = MAX_CYLINDERS;
 
 /// Meaning of a frame for the audience.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
-    /// State of the platform, from Plc_State.
+    /// State of the platform.
     Platform(String),
     Status(Status),
     Warning(Warning),
@@ -28,7 +26,7 @@ pub enum Heard {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Status {
     /// States of C1 and C2 of each cylinder.
-    pub states: [[String; 2]; CYLINDERS],
+    pub states: Vec<[String; 2]>,
     pub level: String,
     pub mode: String,
     pub active: i64,
@@ -55,7 +53,10 @@ pub struct Listener {
     database: Database,
     status: Own,
     warning: Own,
-    platform: Id,
+    /// The platform's state, where the machine sends it.
+    platform: Option<(Id, Signal)>,
+    /// Number of cylinders that the machine has; Fd_Status has room for more.
+    cylinders: usize,
     /// Identifiers that the gateway receives, of which some are in no database: those of devices' services.
     received: Vec<Id>,
 }
@@ -69,19 +70,26 @@ struct Own {
 impl Listener {
     /// # Errors
     /// A message that the DBC does not have.
-    pub fn new(database: &Database, received: Vec<Id>) -> Result<Self, Failure> {
-        let find = |name: &str| {
-            let found = database.message(name);
-            found.map_err(|error| Failure::Failed(format!("the DBC of the program: {error}")))
+    pub fn new(
+        settings: &Settings,
+        database: &Database,
+        received: Vec<Id>,
+    ) -> Result<Self, Failure> {
+        let own = |name: &str| -> Result<Own, Failure> {
+            let message = database.message(name).map_err(|error| {
+                Failure::Wrong(format!("{error}; the demonstration reads what the gateway sends"))
+            })?;
+            Ok(Own { id: message.id, signals: message.signals.clone() })
         };
-        let own = |name: &str| {
-            find(name).map(|message| Own { id: message.id, signals: message.signals.clone() })
-        };
+        let state = settings.signals.state.as_deref();
+        let state = state.map(|name| bus_of(name).map_or(name, |(_, name)| name));
+        let state = state.and_then(|name| database.signal(name).ok());
         Ok(Self {
             status: own("Fd_Status")?,
             warning: own("Fd_Warning")?,
-            platform: find("Plc_State")?.id,
+            platform: state.map(|(message, signal)| (message.id, signal.clone())),
             database: database.clone(),
+            cylinders: settings.machine.cylinders.into(),
             received,
         })
     }
@@ -97,12 +105,11 @@ impl Listener {
             Heard::Status(self.status(frame))
         } else if frame.id == self.warning.id {
             Heard::Warning(self.warning(frame))
-        } else if let Some(message) = self.database.message_by_id(frame.id) {
-            match message.signal("PlatformState") {
-                Some(signal) if message.id == self.platform => Heard::Platform(name(signal, frame)),
-                _ => Heard::Machine,
-            }
-        } else if self.received.contains(&frame.id) {
+        } else if let Some((_, signal)) = self.platform.as_ref().filter(|(id, _)| *id == frame.id) {
+            Heard::Platform(name(signal, frame))
+        } else if self.database.message_by_id(frame.id).is_some()
+            || self.received.contains(&frame.id)
+        {
             Heard::Machine
         } else {
             Heard::Stranger
@@ -112,7 +119,7 @@ impl Listener {
     fn status(&self, frame: &Frame) -> Status {
         let state = |n: usize, c: usize| self.status.name(&format!("Cyl{n}_C{c}_State"), frame);
         Status {
-            states: std::array::from_fn(|index| [1, 2].map(|c| state(index + 1, c))),
+            states: (1..=self.cylinders).map(|n| [1, 2].map(|c| state(n, c))).collect(),
             level: self.status.name("Level", frame),
             mode: self.status.name("Mode", frame),
             active: self.status.number("ActiveWarnings", frame) as i64,

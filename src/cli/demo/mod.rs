@@ -13,6 +13,8 @@ use super::Failure;
 use super::files::{Inputs, Mark, Overwriting};
 use super::gateway;
 use super::machine::Machine;
+use super::overriding::SetOptions;
+use super::plant::PlantOptions;
 use super::player::Pace;
 use super::simulation::Simulation;
 use super::stage::Stage;
@@ -26,7 +28,7 @@ use crate::time::Span;
 use audience::Audience;
 use clap::Args;
 use listener::Listener;
-use programme::{ACTS, END};
+use programme::Programme;
 use scene::Scene;
 use score::Score;
 use screen::Screen;
@@ -47,6 +49,7 @@ const PRELUDE: f64 = 6.0;
   tertius demo
   tertius demo --speed max --record demo.log --force
   tertius replay demo.log --config config/e-type-simulated.toml
+  tertius demo --config config/a-type-simulated.toml --plant config/a-type-plant.toml
 
 On a terminal it takes 40 seconds and draws in place; elsewhere it writes lines, as fast as possible.
 Exit code 1: a fault was not found as announced.")]
@@ -58,8 +61,15 @@ pub struct Demo {
     /// Seed of everything random: the sea, the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Shows the machine of this configuration [default: built in, as config/e-type-simulated.toml]
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    #[command(flatten)]
+    set: SetOptions,
+    #[command(flatten)]
+    plant: PlantOptions,
     /// Shows a machine whose transducers and valves are CANopen devices
-    #[arg(long)]
+    #[arg(long, conflicts_with = "config")]
     canopen: bool,
     /// Writes all frames of the bus in the format of candump -l
     #[arg(long, value_name = "FILE.log")]
@@ -74,13 +84,17 @@ impl Demo {
     /// # Errors
     /// A fault was not found as announced, or an output cannot be written.
     pub fn run(self) -> Result<(), Failure> {
-        let machine =
-            if self.canopen { Machine::simulated_canopen()? } else { Machine::simulated()? };
-        let stage = self.stage(&machine)?;
-        let mut audience = self.audience(&machine, &stage)?;
+        let machine = self.machine()?;
+        let tables = self.plant.tables()?;
+        let settings = &machine.loaded.settings;
+        PlantOptions::compare(&tables, settings);
+        let programme = Programme::new(settings, &tables);
+        let introduction = introduction(settings.machine.cylinders, programme.acts.len());
+        let stage = self.stage(&machine, &tables, &programme)?;
+        let mut audience = self.audience(&machine, &stage, programme)?;
         let opener =
             stage.opener(Identifiers::Only(gateway::identifiers(&machine, BusNumber::First)));
-        let introduced = audience.screen.say(&INTRODUCTION.map(str::to_owned));
+        let introduced = audience.screen.say(&introduction);
         introduced.map_err(|error| Failure::writing("standard output", &error))?;
         supervisor::run(gateway::gateway(machine), opener, &mut audience);
         // Its stopping status.
@@ -88,29 +102,57 @@ impl Demo {
         end(audience)
     }
 
+    /// The machine that is shown.
+    fn machine(&self) -> Result<Machine, Failure> {
+        let Some(config) = &self.config else {
+            if self.set.are_given() {
+                return Err(Failure::Wrong(
+                    "--set changes a configuration, and none is given; add --config FILE"
+                        .to_owned(),
+                ));
+            }
+            return if self.canopen { Machine::simulated_canopen() } else { Machine::simulated() };
+        };
+        let machine = Machine::load(config, &self.set.overrides()?)?;
+        let instead = "give a configuration with one bus";
+        machine.refuse_several("the demonstration", instead)?;
+        Ok(machine)
+    }
+
     /// The bus with the machine connected to it.
-    fn stage(&self, machine: &Machine) -> Result<Stage<Simulation>, Failure> {
+    fn stage(
+        &self,
+        machine: &Machine,
+        tables: &Tables,
+        programme: &Programme,
+    ) -> Result<Stage<Simulation>, Failure> {
         let settings = &machine.loaded.settings;
-        let built_in = |error: &dyn std::fmt::Display| Failure::Failed(error.to_string());
-        let faults = (0..ACTS.len())
+        // Only a given machine may have no place for a fault.
+        let wrong = |error: &dyn std::fmt::Display| {
+            Failure::Wrong(format!("{} cannot be shown: {error}", machine.loaded.document.name()))
+        };
+        let faults = (0..programme.acts.len())
             .map(|index| {
-                let fault =
-                    programme::fault(index, self.canopen).map_err(|error| built_in(&error))?;
-                place(&fault, settings, &machine.database).map_err(|error| built_in(&error))
+                let fault = programme.fault(index).map_err(|error| wrong(&error))?;
+                place(&fault, settings, &machine.database).map_err(|error| wrong(&error))
             })
             .collect::<Result<Vec<Placed>, Failure>>()?;
         let options = Options { seed: self.seed, start: State::Safe, faults, ..Options::default() };
-        let mut simulator =
-            Simulator::new(&Tables::default(), settings, &machine.database, &options)
-                .map_err(|error| built_in(&error))?;
+        let mut simulator = Simulator::new(tables, settings, &machine.database, &options)
+            .map_err(|error| wrong(&error))?;
         simulator.request(State::Engaged);
-        let cycles = (END / settings.machine.sample_time).round() as u64;
+        let cycles = (programme.end() / settings.machine.sample_time).round() as u64;
         // The last open cycle ends, and what follows from it gets past the guard.
         let rest = Span::from_seconds(settings.gateway.guard + settings.machine.sample_time);
         Stage::new(Simulation::new(simulator, cycles), Pace::Max, rest, None)
     }
 
-    fn audience(&self, machine: &Machine, stage: &Stage<Simulation>) -> Result<Audience, Failure> {
+    fn audience(
+        &self,
+        machine: &Machine,
+        stage: &Stage<Simulation>,
+        programme: Programme,
+    ) -> Result<Audience, Failure> {
         let [over, interrupted] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
         for signal in [SIGINT, SIGTERM] {
             signal_hook::flag::register(signal, Arc::clone(&interrupted))
@@ -118,7 +160,9 @@ impl Demo {
         }
         stage.stop_at_end(Arc::clone(&over));
         let wanted = [(self.record.as_deref(), Mark::None)];
-        let [record] = Inputs::default().claim(wanted, self.overwriting)?;
+        let config = self.config.iter().flat_map(|config| machine.files(config));
+        let inputs = Inputs::new(config.chain(self.plant.files()));
+        let [record] = inputs.claim(wanted, self.overwriting)?;
         let record = record.map(audience::record).transpose()?;
         let settings = &machine.loaded.settings;
         let (fde, comparator) = (settings.fde.high, settings.comparator.bound);
@@ -133,6 +177,7 @@ impl Demo {
             stage: stage.clone(),
             ear: stage.listener()?,
             listener: Listener::new(
+                settings,
                 &machine.database,
                 gateway::identifiers(machine, BusNumber::First),
             )?,
@@ -142,8 +187,8 @@ impl Demo {
             limits: [fde, fde, comparator],
             over,
             interrupted,
-            scene: Scene::default(),
-            score: Score::new(),
+            scene: Scene::new(programme.clone(), settings.machine.cylinders),
+            score: Score::new(programme),
             strangers: 0,
             begun: [0; 2],
             failure: None,
@@ -151,12 +196,24 @@ impl Demo {
     }
 }
 
-const INTRODUCTION: [&str; 4] = [
-    "This is a simulated gangway, its CAN bus, and the gateway that listens to it.",
-    "Each of six cylinders has two position transducers, C1 and C2. R1 and R2 are",
-    "their readings minus an observer's prediction, R3 is C1 minus C2: the largest of",
-    "a second. Five faults will come, one after the other. Ctrl-C ends it.",
-];
+/// What is shown, with so many `faults` to come.
+fn introduction(cylinders: u8, faults: usize) -> [String; 4] {
+    const WORDS: [&str; 7] = ["no", "one", "two", "three", "four", "five", "six"];
+    let word = |number: usize| WORDS.get(number).map_or(number.to_string(), |it| (*it).to_owned());
+    let whose = match cylinders {
+        1 => "Its cylinder".to_owned(),
+        many => format!("Each of {} cylinders", word(many.into())),
+    };
+    let mut faults = word(faults);
+    faults.get_mut(..1).into_iter().for_each(str::make_ascii_uppercase);
+    [
+        "This is a simulated gangway, its CAN bus, and the gateway that listens to it.".to_owned(),
+        format!("{whose} has two position transducers, C1 and C2. R1 and R2 are"),
+        "their readings minus an observer's prediction, R3 is C1 minus C2: the largest of"
+            .to_owned(),
+        format!("a second. {faults} faults will come, one after the other. Ctrl-C ends it."),
+    ]
+}
 
 /// Prints the result.
 fn end(mut audience: Audience) -> Result<(), Failure> {
@@ -184,7 +241,7 @@ fn end(mut audience: Audience) -> Result<(), Failure> {
     if strangers > 0 {
         return Err(Failure::Failed(format!("{strangers} frames on the bus are unknown")));
     }
-    if right < over || !(stopped || over == ACTS.len()) {
+    if right < over || !(stopped || over == scene.programme.acts.len()) {
         return Err(Failure::Failed(
             "not everything was found as announced; see the \
             table"

@@ -1,7 +1,7 @@
 //! The scene at a moment.
 
-use super::listener::{CYLINDERS, Status};
-use super::programme::{ACTS, window};
+use super::listener::Status;
+use super::programme::Programme;
 use crate::monitor::Record;
 use std::collections::VecDeque;
 
@@ -22,11 +22,13 @@ pub struct Row {
 }
 
 /// Readings, residuals, states, and the newest lines.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Scene {
+    pub programme: Programme,
     /// Time since the start, s.
     pub now: f64,
-    pub rows: [Row; CYLINDERS],
+    /// A row for each cylinder.
+    pub rows: Vec<Row>,
     pub platform: String,
     pub status: Status,
     /// Number of frames of the gateway: Fd_Status and Fd_Warning.
@@ -44,6 +46,21 @@ impl Row {
 }
 
 impl Scene {
+    /// The scene before the first frame of a machine of so many `cylinders`.
+    pub fn new(programme: Programme, cylinders: u8) -> Self {
+        Self {
+            programme,
+            now: 0.0,
+            rows: vec![Row::default(); cylinders.into()],
+            platform: String::new(),
+            status: Status::default(),
+            sent: [0; 2],
+            warnings: VecDeque::new(),
+            last_status: String::new(),
+            frames: VecDeque::new(),
+        }
+    }
+
     /// Takes the monitor's record of a cycle.
     pub fn record(&mut self, record: &Record) {
         let now = self.now;
@@ -69,8 +86,9 @@ impl Scene {
 
     /// The present fault, or the next one; `None` after the last.
     pub fn act(&self) -> Option<(usize, bool)> {
-        let next = (0..ACTS.len()).find(|&index| self.now < window(index)[1])?;
-        Some((next, self.now >= window(next)[0]))
+        let programme = &self.programme;
+        let next = (0..programme.acts.len()).find(|it| self.now < programme.window(*it)[1])?;
+        Some((next, self.now >= programme.window(next)[0]))
     }
 }
 

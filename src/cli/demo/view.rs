@@ -1,6 +1,5 @@
 //! The scene as lines of at most 80 columns.
 
-use super::programme::{ACTS, window};
 use super::scene::{FRAMES, Row, Scene, TOLD};
 use console::{Color, style};
 
@@ -11,7 +10,8 @@ const CELLS: usize = 5;
 pub fn lines(scene: &Scene, limits: [f64; 3]) -> Vec<String> {
     let mut lines = vec![heading(scene), header(limits)];
     for (index, row) in scene.rows.iter().enumerate() {
-        lines.push(cylinder(index + 1, row, &scene.status.states[index], limits));
+        let states = scene.status.states.get(index).cloned().unwrap_or_default();
+        lines.push(cylinder(index + 1, row, &states, limits));
     }
     lines.extend(now(scene));
     lines.push(dim("what the gateway warns of"));
@@ -71,19 +71,20 @@ fn residual(residual: Option<f64>, limit: f64) -> String {
 
 /// Two lines: the present fault, and what to watch.
 fn now(scene: &Scene) -> [String; 2] {
+    let programme = &scene.programme;
     match scene.act() {
         Some((index, true)) => {
-            let act = &ACTS[index];
+            let act = &programme.acts[index];
             [style(format!("now: {}", act.title)).bold().to_string(), act.hint.to_owned()]
         }
         Some((index, false)) => {
-            let left = (window(index)[0] - scene.now).ceil();
+            let left = (programme.window(index)[0] - scene.now).ceil();
             let state = match (index, &*scene.platform) {
                 (0, "engaged") => "the platform is engaged, its observers settle",
                 (0, _) => "the platform comes up; this is played faster",
                 _ => "that is over, and its warnings clear",
             };
-            [state.to_owned(), dim(&format!("in {left:.0} s: {}", ACTS[index].title))]
+            [state.to_owned(), dim(&format!("in {left:.0} s: {}", programme.acts[index].title))]
         }
         None => ["that was all".to_owned(), String::new()],
     }
@@ -133,6 +134,7 @@ fn dim(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::cli::demo::listener::Status;
+    use crate::cli::demo::programme::tests::programme;
     use crate::monitor::Record;
     use crate::sample::Quality;
     use console::measure_text_width;
@@ -141,8 +143,9 @@ mod tests {
     #[test]
     fn it_fits_a_terminal_of_80_columns_and_24_lines() {
         let limits = [1e-3, 1e-3, 1.5e-3];
-        let empty = lines(&Scene::default(), limits);
-        let mut scene = Scene { now: 9999.99, platform: "settled".to_owned(), ..Scene::default() };
+        let beginning = || Scene::new(programme(6), 6);
+        let empty = lines(&beginning(), limits);
+        let mut scene = Scene { now: 9999.99, platform: "settled".to_owned(), ..beginning() };
         for cylinder in 1..=6 {
             scene.record(&Record {
                 cylinder,
@@ -156,7 +159,7 @@ mod tests {
             });
         }
         scene.status = Status {
-            states: std::array::from_fn(|_| ["healthy", "unknown"].map(str::to_owned)),
+            states: vec![["healthy", "unknown"].map(str::to_owned); 6],
             level: "orange".to_owned(),
             mode: "monitoring".to_owned(),
             active: 63,

@@ -102,7 +102,7 @@ impl Extent {
     /// Machines of each case; each has its fault on every cylinder.
     pub(super) fn estimated(&self) -> u32 {
         let asked = self.studies.contains(&Study::Estimate);
-        if asked { self.trials.div_ceil(CYLINDERS as u32) } else { 0 }
+        if asked { self.trials.div_ceil(u32::from(self.cylinders)) } else { 0 }
     }
 }
 
@@ -148,8 +148,9 @@ impl Stand<'_> {
     fn of_case(&self, case: &Case, times: &[f64; CYLINDERS]) -> Result<Vec<Placed>, StandError> {
         let Some(wanted) = case.wanted else { return Ok(Vec::new()) };
         let sensors = if case.both { &["c1", "c2"][..] } else { &["c1"] };
-        let each =
-            (1_u8..).zip(times).flat_map(|(n, at)| sensors.iter().map(move |it| (n, it, at)));
+        let each = (1..=self.settings.machine.cylinders)
+            .zip(times)
+            .flat_map(|(n, at)| sensors.iter().map(move |it| (n, it, at)));
         each.map(|(cylinder, sensor, at)| {
             let [from, until] = [*at, at + case.lasting].map(Span::from_seconds);
             let window = Window { from, until: Some(until) };
@@ -196,8 +197,8 @@ impl Sink for Watch {
 }
 
 impl EstimateResult {
-    /// The figures of `machines` of a case.
-    pub(super) fn new(cell: Cell, case: &Case, machines: &[Errors]) -> Self {
+    /// The figures of `machines` of a case, each of so many `cylinders`.
+    pub(super) fn new(cell: Cell, case: &Case, machines: &[Errors], cylinders: u8) -> Self {
         let sum = |count: fn(&Errors) -> u64| machines.iter().map(count).sum::<u64>();
         let mut sizes: Vec<f64> = machines.iter().flat_map(|it| &it.sizes).copied().collect();
         sizes.sort_unstable_by(f64::total_cmp);
@@ -208,7 +209,7 @@ impl EstimateResult {
             case: case.name,
             grade: cell.grade.name(),
             sea: cell.sea,
-            cylinders: (machines.len() * CYLINDERS) as u64,
+            cylinders: machines.len() as u64 * u64::from(cylinders),
             cycles,
             valid: valid as f64 / cycles.max(1) as f64,
             rms: (squares / valid.max(1) as f64).sqrt(),

@@ -199,6 +199,7 @@ impl<'a> Gathering<'a> {
     pub fn finish(self, machine: &str, learnt: &[Learnt], block: f64) -> Evaluation {
         let cells = self.plan.cells.iter().zip(&self.healthy);
         let healthy = cells.filter(|(_, healthy)| healthy.judged[0] > 0);
+        let cylinders = self.plan.extent.cylinders;
         let contest = self.contest.map(|contest| contest.finish(learnt, self.sample_time));
         Evaluation {
             contest: contest.unwrap_or_default(),
@@ -210,14 +211,16 @@ impl<'a> Gathering<'a> {
             machine: machine.to_owned(),
             seed: self.plan.seed,
             healthy: healthy
-                .map(|(cell, healthy)| HealthyCell::new(*cell, healthy, self.sample_time))
+                .map(|(cell, healthy)| {
+                    HealthyCell::new(*cell, healthy, (cylinders, self.sample_time))
+                })
                 .collect(),
             estimates: self
                 .estimates
                 .into_iter()
                 .map(|((cell, case), machines)| {
                     let machines: Vec<Errors> = machines.into_values().collect();
-                    EstimateResult::new(self.plan.cells[cell], &CASES[case], &machines)
+                    EstimateResult::new(self.plan.cells[cell], &CASES[case], &machines, cylinders)
                 })
                 .collect(),
             rows: self.rows.into_iter().filter_map(|part| part.result).collect(),
@@ -246,8 +249,8 @@ impl RowResult {
 }
 
 impl HealthyCell {
-    fn new(cell: Cell, healthy: &Healthy, sample_time: f64) -> Self {
-        let hours = healthy.hours(sample_time);
+    fn new(cell: Cell, healthy: &Healthy, (cylinders, sample_time): (u8, f64)) -> Self {
+        let hours = healthy.hours(cylinders, sample_time);
         let within = |i: usize| {
             let (judged, beyond) = (healthy.judged[i], healthy.beyond[i]);
             Proportion::new(judged - beyond, judged)

@@ -13,8 +13,8 @@ pub enum Grade {
     Coarse,
 }
 
-/// Standard deviation of the noise before rounding, m: half a count.
-const NOISE: f64 = 5e-5;
+/// Standard deviation of the noise before rounding, counts: half a count, as 5e-5 m on the E-type.
+const NOISE: f64 = 0.4608;
 
 /// Counts in a step of the coarse transducers.
 const COUNTS: f64 = 4.0;
@@ -32,7 +32,8 @@ impl Grade {
     /// The machine of `tables` with transducers of this grade.
     pub fn apply(self, tables: &Tables) -> Tables {
         let mut tables = tables.clone();
-        tables.transducer.noise = NOISE;
+        let [low, high] = tables.transducer.range;
+        tables.transducer.noise = NOISE * (high - low) / tables.transducer.counts;
         if self == Self::Coarse {
             tables.transducer.counts = (tables.transducer.counts / COUNTS).max(2.0);
             tables.transducer.fluctuation_probability = 0.0;

@@ -69,9 +69,9 @@ impl Healthy {
         }
     }
 
-    /// Hours of one machine, by what its observers judged.
-    pub fn hours(&self, sample_time: f64) -> f64 {
-        self.judged[0] as f64 / CYLINDERS as f64 * sample_time / 3600.0
+    /// Hours of one machine of so many `cylinders`, by what its observers judged.
+    pub fn hours(&self, cylinders: u8, sample_time: f64) -> f64 {
+        self.judged[0] as f64 / f64::from(cylinders) * sample_time / 3600.0
     }
 }
 

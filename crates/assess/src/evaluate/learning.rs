@@ -10,7 +10,6 @@ use tertius_core::sequential::{self, Sequential};
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
 use tertius_learn::survey::{Survey, Surveyor, Timeline, Window};
-use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{EPOCH, Options};
 
 /// Hours to learn from in each sea.
@@ -62,7 +61,7 @@ impl Recording for Run<'_> {
             for _ in 0..stand.cycles(window.to) {
                 simulator.step(&mut |frame| monitor.take(frame, &mut survey));
             }
-            (1..=CYLINDERS as u8).for_each(|cylinder| surveyor.gap(cylinder));
+            (1..=settings.machine.cylinders).for_each(|cylinder| surveyor.gap(cylinder));
         }
         Ok(())
     }
@@ -159,5 +158,6 @@ fn detectors(design: &MonitorDesign) -> Result<Vec<sequential::Design>, StandErr
         ..detector.design().clone()
     };
     let found: Vec<_> = monitor.sequential().map(|(_, it)| unbounded(it)).collect();
-    if found.len() == CYLINDERS { Ok(found) } else { Err(untaught("a cylinder has no detector")) }
+    let all = found.len() == design.cylinders.len();
+    if all { Ok(found) } else { Err(untaught("a cylinder has no detector")) }
 }

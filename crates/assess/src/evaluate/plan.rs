@@ -17,7 +17,6 @@ use super::weights::{self, TransducerKind, Weighing};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_learn::tune::Weights;
-use tertius_machine::plant::CYLINDERS;
 
 /// Transducers in one sea.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +51,10 @@ pub struct Extent {
     pub side_hours: f64,
     /// Hours of each healthy machine with a sensor on its deck.
     pub hexapod_hours: f64,
+    /// Number of cylinders that are monitored; every one of a machine has its fault.
+    pub cylinders: u8,
+    /// Time constant of the spools of the plant, s, for the studies that try another one, too.
+    pub lag: f64,
 }
 
 /// Why there is no plan.
@@ -158,30 +161,23 @@ impl Plan {
         let cells: Vec<Cell> = Grade::ALL.into_iter().flat_map(in_seas).collect();
         let mut rows = rows(&cells);
         rows.retain(|row| extent.studies.contains(&row.study));
-        let contest = extent.studies.contains(&Study::Contest).then(|| {
-            let hours = extent.contest_hours * extent.seas.len() as f64;
-            Contest::new(seed, &extent.seas, extent.trials, hours)
-        });
-        let weighing = extent.studies.contains(&Study::Weights).then(|| Weighing {
+        let asked = |study: Study| extent.studies.contains(&study);
+        let contest = asked(Study::Contest).then(|| Contest::new(seed, &extent));
+        let weighing = asked(Study::Weights).then(|| Weighing {
             kinds: TransducerKind::ALL.to_vec(),
             sets: extent.weights.clone(),
             seas: extent.seas.clone(),
             trials: extent.trials,
             hours: extent.weights_hours * extent.seas.len() as f64,
             seed,
+            cylinders: extent.cylinders,
         });
-        let process = extent.studies.contains(&Study::Process).then(|| {
-            ProcessStudy::new(seed, extent.seas.clone(), extent.trials, extent.process_hours)
-        });
-        let asked = extent.studies.contains(&Study::Handover);
+        let process = asked(Study::Process).then(|| ProcessStudy::new(seed, &extent));
         let machines = extent.trials.div_ceil(4);
-        let handover =
-            asked.then(|| HandoverStudy::new(seed, extent.seas.clone(), machines, extent.lessons));
-        let side = extent
-            .studies
-            .contains(&Study::Side)
-            .then(|| SideStudy::new(seed, extent.seas.clone(), extent.trials, extent.side_hours));
-        let hexapod = extent.studies.contains(&Study::Hexapod).then(|| {
+        let handover = asked(Study::Handover)
+            .then(|| HandoverStudy::new(seed, extent.seas.clone(), machines, extent.lessons));
+        let side = asked(Study::Side).then(|| SideStudy::new(seed, &extent));
+        let hexapod = asked(Study::Hexapod).then(|| {
             HexapodStudy::new(seed, extent.seas.clone(), extent.trials, extent.hexapod_hours)
         });
         Ok(Self { seed, extent, rows, cells, contest, weighing, process, handover, side, hexapod })
@@ -190,7 +186,11 @@ impl Plan {
     /// The number of machines of a row.
     pub fn machines(&self, row: &Row) -> u32 {
         let trials = self.extent.trials;
-        if row.is_alone() { trials.div_ceil(4) } else { trials.div_ceil(CYLINDERS as u32) }
+        if row.is_alone() {
+            trials.div_ceil(4)
+        } else {
+            trials.div_ceil(u32::from(self.extent.cylinders))
+        }
     }
 
     /// The number of healthy machines of a cell.
@@ -240,7 +240,7 @@ impl Plan {
                 let row = &self.rows[row];
                 let mut rng = self.random(row.stream * NUMBERS + u64::from(number));
                 let settle = stand.settings.observer.settle;
-                let one = Try::draw(row, number, settle, &mut rng);
+                let one = Try::draw(row, number, self.extent.cylinders, settle, &mut rng);
                 Product::Trial(stand.trial(row, &one)?)
             }
             Job::Contest(job) => {

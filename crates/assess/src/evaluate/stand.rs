@@ -170,6 +170,11 @@ impl<'a> Stand<'a> {
         Ok(Simulator::new(&tables, self.settings, self.database, options)?)
     }
 
+    /// The tables of the machine with transducers of `grade`.
+    pub(super) fn tables_of(&self, grade: Grade) -> &Tables {
+        self.of_grade(&self.tables, grade)
+    }
+
     fn of_grade<'b>(&self, tables: &'b [(Grade, Tables)], grade: Grade) -> &'b Tables {
         let of_grade = tables.iter().find(|(known, _)| *known == grade);
         let (_, tables) = of_grade.expect("there are tables for every grade");

@@ -44,13 +44,13 @@ pub struct Try {
 }
 
 impl Try {
-    /// Draws a trial of `row` from `rng`; `settle` is how long the observers take to settle, s.
-    /// Rows that differ only in kind and size draw the same trial.
-    pub fn draw(row: &Row, number: u32, settle: f64, rng: &mut ChaCha8Rng) -> Self {
+    /// Draws a trial of `row` on a machine of so many `cylinders` from `rng`; `settle` is how long the observers
+    /// take to settle, s. Rows that differ only in kind and size draw the same trial.
+    pub fn draw(row: &Row, number: u32, cylinders: u8, settle: f64, rng: &mut ChaCha8Rng) -> Self {
         let seed = rng.random();
         let alone = row.is_alone();
-        let cylinders = 0..CYLINDERS as u32;
-        let chosen = cylinders.filter(|index| !alone || number % CYLINDERS as u32 == *index);
+        let count = u32::from(cylinders);
+        let chosen = (0..count).filter(|index| !alone || number % count == *index);
         let faults = chosen
             .map(|index| {
                 let at = settle + LEAD + SPREAD * rng.random::<f64>();

@@ -1,5 +1,6 @@
 //! The signals of a DBC in a row, and the frames that carry them.
 
+use super::words::{Measure, measure};
 use std::collections::BTreeMap;
 use tertius_core::decode::{Decoded, Value};
 use tertius_core::frame::{Frame, Id};
@@ -87,6 +88,19 @@ impl<'a> Catalogue<'a> {
         first..first + self.messages[self.signals[signal].message].signals.len()
     }
 
+    /// The signals of what answers the command of this number: those of its message, or, where the command travels alone,
+    /// those of all messages whose names have the same first number.
+    pub(super) fn answering(&self, command: usize) -> Vec<usize> {
+        let own = self.beside(command);
+        let message = |signal: usize| &*self.messages[self.signals[signal].message].name;
+        let tells = |signal: &usize| matches!(measure(self.unit(*signal)), Measure::Pressure);
+        let number = first_number(message(command));
+        if number.is_none() || own.clone().any(|signal| tells(&signal)) {
+            return own.collect();
+        }
+        (0..self.signals()).filter(|signal| first_number(message(*signal)) == number).collect()
+    }
+
     /// The number of the signal of that name.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         self.signals.iter().position(|listed| listed.name == name)
@@ -99,4 +113,12 @@ impl<'a> Catalogue<'a> {
     pub(super) fn unit(&self, signal: usize) -> &str {
         &self.signals[signal].signal.unit
     }
+}
+
+/// The first number in a name, such as 3 of `Leg3_Servo1`.
+fn first_number(name: &str) -> Option<&str> {
+    let begin = name.find(|letter: char| letter.is_ascii_digit())?;
+    let rest = &name[begin..];
+    let end = rest.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(rest.len());
+    Some(&rest[..end])
 }

@@ -123,11 +123,11 @@ impl Assembly<'_> {
         picks
     }
 
-    /// Pressures and spool, beside the command or by their names.
+    /// Pressures and spool, beside the command or elsewhere by their names.
     fn valve(&self, command: usize, picks: &mut Picks) {
         pressures(self.catalogue, command, picks);
         let driver = smooth(&self.tracks.clean(command));
-        let spools = self.catalogue.beside(command).filter_map(|signal| {
+        let spools = self.catalogue.answering(command).into_iter().filter_map(|signal| {
             let name = says(self.catalogue.name(signal), Hint::Spool);
             let unit = measure(self.catalogue.unit(signal));
             let used = picks.values().any(|pick| pick.signal == signal) || signal == command;
@@ -140,7 +140,9 @@ impl Assembly<'_> {
             let spool = smooth(&self.tracks.clean(signal));
             let follows = following(&spool, &driver, self.tracks.period);
             let correlation = follows.map_or(0.0, |it| it.correlation.abs());
-            (name || correlation >= SURE).then_some((signal, correlation))
+            // Elsewhere, readings of the rod follow the command, too.
+            let is_beside = self.catalogue.beside(command).contains(&signal);
+            (name || is_beside && correlation >= SURE).then_some((signal, correlation))
         });
         if let Some((signal, correlation)) = spools.max_by(|a, b| a.1.total_cmp(&b.1)) {
             let (certainty, why) = if correlation >= SURE {
@@ -153,14 +155,15 @@ impl Assembly<'_> {
     }
 }
 
-/// The pressures beside the command: by their names, or two without a telling name in their order.
+/// The pressures beside the command, or of its cylinder: by their names, or two without a telling name in their order.
 pub(super) fn pressures(catalogue: &Catalogue<'_>, command: usize, picks: &mut Picks) {
     let is_pressure = |signal: &usize| {
         let (name, unit) = (catalogue.name(*signal), catalogue.unit(*signal));
         unit == "bar" || unit.is_empty() && says(name, Hint::Pressure)
     };
     let found: Vec<usize> = catalogue
-        .beside(command)
+        .answering(command)
+        .into_iter()
         .filter(is_pressure)
         .filter(|signal| !says(catalogue.name(*signal), Hint::Supply))
         .collect();

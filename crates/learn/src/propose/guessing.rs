@@ -123,7 +123,7 @@ fn spool(catalogue: &Catalogue<'_>, command: usize, picks: &mut Picks) {
     let is_spool = |signal: &usize| {
         says(&catalogue.signals[*signal].signal.name, Hint::Spool) && *signal != command
     };
-    if let Some(signal) = catalogue.beside(command).find(is_spool) {
+    if let Some(signal) = catalogue.answering(command).into_iter().find(is_spool) {
         let why = "by its name".to_owned();
         picks.insert("spool", Pick { signal, certainty: Certainty::Guessed, why });
     }

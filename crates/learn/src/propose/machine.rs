@@ -10,6 +10,7 @@ use super::words::{Hint, says};
 use super::{Certainty, Proposal, ProposedLine, quoted};
 use std::collections::BTreeMap;
 use tertius_core::frame::Id;
+use tertius_dbc::Signal;
 
 /// Identifier of CANopen's SYNC.
 const SYNC_ID: u32 = 0x080;
@@ -171,7 +172,9 @@ impl Writer<'_> {
         let is_sync = |place: usize| {
             let message = catalogue.messages[place];
             let name = message.name.to_lowercase();
+            let counts = |signal: &Signal| says(&signal.name, Hint::Counter);
             message.length <= 1
+                || (!message.signals.is_empty() && message.signals.iter().all(counts))
                 || name.contains("sync")
                 || Some(message.id) == Id::standard(SYNC_ID)
         };

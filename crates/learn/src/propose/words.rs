@@ -85,8 +85,20 @@ const WORDS: [(Hint, &[&str]); 12] = [
     (
         Hint::Status,
         &[
-            "status", "error", "err", "fault", "diag", "flags", "fehler", "storing", "fout",
-            "erreur", "defaut", "feil",
+            "status",
+            "error",
+            "err",
+            "fault",
+            "diag",
+            "diagnosis",
+            "diagnostics",
+            "flags",
+            "fehler",
+            "storing",
+            "fout",
+            "erreur",
+            "defaut",
+            "feil",
         ],
     ),
     (
@@ -118,7 +130,17 @@ const WORDS: [(Hint, &[&str]); 12] = [
     (Hint::Rod, &["rod", "annulus", "ring", "stange", "stang", "tige", "vastago", "b"]),
     (
         Hint::Supply,
-        &["supply", "ps", "pump", "versorgung", "toevoer", "alimentation", "pompe", "pumpe"],
+        &[
+            "supply",
+            "ps",
+            "pump",
+            "accumulator",
+            "versorgung",
+            "toevoer",
+            "alimentation",
+            "pompe",
+            "pumpe",
+        ],
     ),
     (Hint::Spool, &["spool", "schieber", "schuif", "tiroir", "sleide", "lvdt"]),
     (

@@ -13,7 +13,20 @@ pub enum State {
     Engaged,
 }
 
-const STATES: [State; 4] = [State::Safe, State::Settled, State::Neutral, State::Engaged];
+impl State {
+    /// All states, the lowest first.
+    pub const ALL: [Self; 4] = [Self::Safe, Self::Settled, Self::Neutral, Self::Engaged];
+
+    /// Its name in section 2-2-1 and in a DBC.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Safe => "safe",
+            Self::Settled => "settled",
+            Self::Neutral => "neutral",
+            Self::Engaged => "engaged",
+        }
+    }
+}
 
 /// Phase of the platform in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,8 +118,8 @@ impl Plc {
 fn towards(from: State, wanted: State) -> State {
     let place = from as usize;
     match wanted.cmp(&from) {
-        std::cmp::Ordering::Less => STATES[place - 1],
+        std::cmp::Ordering::Less => State::ALL[place - 1],
         std::cmp::Ordering::Equal => from,
-        std::cmp::Ordering::Greater => STATES[place + 1],
+        std::cmp::Ordering::Greater => State::ALL[place + 1],
     }
 }

@@ -5,8 +5,11 @@ use super::friction::Friction;
 use serde::Deserialize;
 use tertius_config::settings::{CylinderNonlinear, FlowTable, Stribeck, ValveCurve, ValveFlow};
 
-/// What the simulated valve says of its spool when it is fully open: its signal is in %.
-const FULL: f64 = 100.0;
+/// Largest leakage, 1/s.
+const MOST_LEAKAGE: f64 = 100.0;
+
+/// Least part of the spool's stroke that a curve has to cover.
+const LEAST_STROKE: f64 = 0.01;
 
 /// One cylinder as it was identified.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,18 +60,18 @@ pub fn is_identified(text: &str) -> bool {
 }
 
 /// The identified cylinders in the text of a file that `identify --nonlinear` wrote, or of a configuration that has such
-/// tables. A cylinder without a flow curve takes that of its process detector.
+/// tables. A cylinder without a flow curve takes that of its process detector. `full` is the spool's signal at full stroke.
 ///
 /// # Errors
 /// What is wrong with the text, or that there are none.
-pub fn identified(text: &str) -> Result<Vec<Identified>, String> {
+pub fn identified(text: &str, full: f64) -> Result<Vec<Identified>, String> {
     let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
     let mut found = Vec::new();
     for Table { n, nonlinear, process } in file.cylinder {
         let (curve, friction) =
             nonlinear.map_or((None, None), |table| (table.flow, table.friction));
         let relation = || Some(ValveCurve::from(&process?.flow?));
-        let flow = curve.or_else(relation).map(|curve| flow(&curve)).transpose();
+        let flow = curve.or_else(relation).map(|curve| flow(&curve, full)).transpose();
         let flow = flow.map_err(|why| format!("cylinder {n}: {why}"))?;
         if flow.is_some() || friction.is_some() {
             found.push(Identified { number: n, flow, friction });
@@ -82,11 +85,12 @@ pub fn identified(text: &str) -> Result<Vec<Identified>, String> {
     Ok(found)
 }
 
-fn flow(curve: &ValveCurve) -> Result<IdentifiedFlow, String> {
-    let limit = curve.limit;
-    if !(1.0..=FULL).contains(&limit) {
+fn flow(curve: &ValveCurve, full: f64) -> Result<IdentifiedFlow, String> {
+    let (limit, least) = (curve.limit, LEAST_STROKE * full);
+    if !(least..=full).contains(&limit) {
         return Err(format!(
-            "the spool goes to {limit}, expected 1 to {FULL}: the simulated spool is in % of its stroke"
+            "the spool goes to {limit}, expected {least} to {full}, which is the simulated spool's full stroke \
+             (sensors.spool_full of the plant)"
         ));
     }
     if curve.samples.len() + 1 != curve.curve.len() {
@@ -107,10 +111,10 @@ fn flow(curve: &ValveCurve) -> Result<IdentifiedFlow, String> {
     }
     // Oil that flows from the lower pressure to the higher one is an error of what was measured.
     let leakage = (-curve.leakage * stiffening).max(0.0);
-    if leakage > FULL {
+    if leakage > MOST_LEAKAGE {
         return Err(format!("leakage is {}, expected -0.1 to 0.1 m/s per bar", curve.leakage));
     }
-    Ok(IdentifiedFlow { valve: valve.scaled(1.0 / FULL), stiffening, leakage })
+    Ok(IdentifiedFlow { valve: valve.scaled(1.0 / full), stiffening, leakage })
 }
 
 /// The friction of a piston of `area`, m².

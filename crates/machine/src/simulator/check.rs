@@ -70,6 +70,7 @@ fn sea(tables: &Tables) -> Result<(), TableError> {
         ("sea.peakedness", sea.peakedness, [1.0, 10.0]),
         ("gangway.load", tables.gangway.load, [0.0, 0.5]),
         ("gangway.period", tables.gangway.period, [1.0, MUCH]),
+        ("gangway.length", tables.gangway.length, [0.0, 1000.0]),
     ])?;
     response("vessel.surge", &vessel.surge)?;
     response("vessel.sway", &vessel.sway)?;
@@ -190,6 +191,7 @@ fn transducers(tables: &Tables) -> Result<(), TableError> {
         ("sensors.pressure", tables.sensors.pressure, [0.0, 100.0]),
         ("sensors.supply", tables.sensors.supply, [0.0, 100.0]),
         ("sensors.spool", tables.sensors.spool, [0.0, 0.1]),
+        ("sensors.spool_full", tables.sensors.spool_full, [1e-3, MUCH]),
     ])?;
     each_within("sensors.valve_age", &tables.sensors.valve_age, [0.0, 0.02])?;
     top(&tables.sensors.top)?;

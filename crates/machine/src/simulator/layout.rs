@@ -1,7 +1,8 @@
 //! Messages that the machine sends, their order and contents.
 
-use super::values::{Origin, Values};
-use crate::controller::Heard;
+use super::beside::SignalTable;
+use super::values::{Origin, Scales, Values};
+use crate::controller::{Heard, State};
 use crate::inject::Unrounded;
 use crate::plant::CYLINDERS;
 use crate::transducer::Grid;
@@ -30,18 +31,6 @@ pub enum LayoutError {
     )]
     Mixed { message: String },
 }
-
-/// Signals of the default layout that no configuration names; sent where the DBC has them.
-const UNNAMED: [(&str, Origin); 8] = [
-    ("Mru_Attitude.Roll", Origin::Attitude(0)),
-    ("Mru_Attitude.Pitch", Origin::Attitude(1)),
-    ("Mru_Attitude.Yaw", Origin::Attitude(2)),
-    ("Mru_Translation.Surge", Origin::Translation(0)),
-    ("Mru_Translation.Sway", Origin::Translation(1)),
-    ("Mru_Translation.Heave", Origin::Translation(2)),
-    ("Plc_State.SupplyPressure", Origin::Supply),
-    ("Plc_State.Counter", Origin::Counter),
-];
 
 /// Time within the cycle at which a message is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,53 +113,72 @@ impl Planned {
 pub struct Layout {
     pub messages: Vec<Planned>,
     pub values: Values,
-    /// Whether the speeds by C1 and C2 are on the bus; the controller has its own wire for those that are not.
-    pub carries_speed: [bool; 2],
+    /// Number of cylinders whose readings are on the bus.
+    cylinders: usize,
+    /// Whether the bus has the lengths by C1 and C2, and the speeds, of these cylinders.
+    carries: [[bool; 2]; 2],
 }
 
 impl Layout {
-    /// The messages that `settings` name in `database`: Sync, C1 and C2 of every cylinder, the
-    /// motion sensor, the platform's state, the valves. Transducers round to `grid`.
+    /// The messages that `settings` name in `database`, and those of `beside`: Sync, C1 and C2 of every monitored
+    /// cylinder, the motion sensor, the platform's state, the valves. Transducers round to `grid`, and a spool's signal
+    /// at full stroke is `spool_full`.
     ///
     /// # Errors
-    /// The machine is not a hexapod, or a signal is missing or is not where a controller
+    /// There are more cylinders than the machine has, or a signal is missing or is not where a controller
     /// could send it.
-    pub fn new(settings: &Settings, database: &Database, grid: Grid) -> Result<Self, LayoutError> {
-        let cylinders = settings.machine.cylinders;
-        if usize::from(cylinders) != CYLINDERS {
+    pub fn new(
+        settings: &Settings,
+        database: &Database,
+        beside: &SignalTable,
+        (grid, spool_full): (Grid, f64),
+    ) -> Result<Self, LayoutError> {
+        let (cylinders, signals) = (settings.machine.cylinders, &settings.signals);
+        if usize::from(cylinders) > CYLINDERS {
             return Err(LayoutError::Cylinders(cylinders));
         }
         let mut builder = Builder { database, messages: Vec::new() };
-        if let Some(name) = &settings.signals.sync {
+        if let Some(name) = &signals.sync {
             builder.sync(name)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Sampled)?;
+            builder.cylinder(&signals.cylinder, cylinder, SendPhase::Sampled)?;
         }
-        for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin != Origin::Counter) {
-            builder.unnamed(name, *origin)?;
+        for (name, origin) in unnamed(beside) {
+            builder.unnamed(name, origin)?;
         }
-        for (key, name, axis) in tops(settings) {
+        for (key, name, origin) in named(settings) {
             if let Some(name) = name {
-                builder.add(key, name, Origin::Top(axis))?;
+                builder.add(key, name, origin)?;
             }
         }
-        if let Some(name) = &settings.signals.state {
-            builder.add("signals.state", name, Origin::State)?;
-        }
-        for (name, origin) in UNNAMED.iter().filter(|(_, origin)| *origin == Origin::Counter) {
-            builder.unnamed(name, *origin)?;
+        for name in &beside.counters {
+            builder.unnamed(name, Origin::Counter)?;
         }
         for cylinder in 0..cylinders {
-            builder.cylinder(&settings.signals.cylinder, cylinder, SendPhase::Commanded)?;
-            builder.unnamed(
-                &CylinderSignals::of_cylinder("Cyl{n}_Valve.SpoolPosition", cylinder + 1),
-                Origin::Spool(usize::from(cylinder)),
-            )?;
+            builder.cylinder(&signals.cylinder, cylinder, SendPhase::Commanded)?;
+            if let Some(pattern) = &beside.spool {
+                let name = CylinderSignals::of_cylinder(pattern, cylinder + 1);
+                builder.unnamed(&name, Origin::Spool(usize::from(cylinder)))?;
+            }
         }
-        let signals = &settings.signals.cylinder;
-        let carries_speed = [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some);
-        Ok(Self { messages: builder.messages, values: Values::new(grid), carries_speed })
+        let scales = Scales { grid, spool_full, states: builder.states(signals.state.as_deref()) };
+        let signals = &signals.cylinder;
+        Ok(Self {
+            messages: builder.messages,
+            values: Values::new(scales),
+            cylinders: cylinders.into(),
+            carries: [
+                [true, signals.c2.is_some()],
+                [&signals.c1_velocity, &signals.c2_velocity].map(Option::is_some),
+            ],
+        })
+    }
+
+    /// Whether the length, and the speed, by C1 (0) or C2 (1) of the cylinder `leg`, from 0, is on the bus; the controller
+    /// has its own wire for what is not.
+    pub fn carries(&self, leg: usize, which: usize) -> [bool; 2] {
+        self.carries.map(|of| leg < self.cylinders && of[which])
     }
 }
 
@@ -196,18 +204,42 @@ impl Layout {
     }
 }
 
-/// The signals of the sensor on the deck: keys, names, and roll (0) or pitch (1).
-fn tops(settings: &Settings) -> [(&'static str, Option<&str>, usize); 2] {
+/// The signals of `beside` that are no cylinder's, without the counters.
+fn unnamed(beside: &SignalTable) -> impl Iterator<Item = (&str, Origin)> {
+    let signals = [
+        (&beside.roll, Origin::Attitude(0)),
+        (&beside.pitch, Origin::Attitude(1)),
+        (&beside.yaw, Origin::Attitude(2)),
+        (&beside.surge, Origin::Translation(0)),
+        (&beside.sway, Origin::Translation(1)),
+        (&beside.heave, Origin::Translation(2)),
+        (&beside.supply, Origin::Supply),
+    ];
+    signals.into_iter().filter_map(|(name, origin)| Some((name.as_deref()?, origin)))
+}
+
+/// The signals of a configuration that are no cylinder's: keys, names and what they are.
+fn named(settings: &Settings) -> [(&'static str, Option<&str>, Origin); 6] {
     let signals = &settings.signals;
+    let [roll, pitch] = tops(settings);
     [
-        ("signals.top_roll", signals.top_roll.as_deref(), 0),
-        ("signals.top_pitch", signals.top_pitch.as_deref(), 1),
+        ("signals.vessel_roll", signals.vessel_roll.as_deref(), Origin::Attitude(0)),
+        ("signals.vessel_pitch", signals.vessel_pitch.as_deref(), Origin::Attitude(1)),
+        ("signals.supply", signals.supply.as_deref(), Origin::Supply),
+        ("signals.top_roll", roll, Origin::Top(0)),
+        ("signals.top_pitch", pitch, Origin::Top(1)),
+        ("signals.state", signals.state.as_deref(), Origin::State),
     ]
+}
+
+/// The names of roll and pitch of the sensor on the deck.
+fn tops(settings: &Settings) -> [Option<&str>; 2] {
+    [&settings.signals.top_roll, &settings.signals.top_pitch].map(|name| name.as_deref())
 }
 
 /// Whether the machine of `settings` has a sensor on its deck.
 pub fn has_top(settings: &Settings) -> bool {
-    tops(settings).iter().any(|(_, name, _)| name.is_some())
+    tops(settings).iter().any(Option::is_some)
 }
 
 /// The origin of a key of `[signals.cylinder]`.
@@ -259,6 +291,16 @@ impl Builder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The numbers of the platform's states by their names in the DBC; one without a name has its own number.
+    fn states(&self, name: Option<&str>) -> [f64; 4] {
+        let name = name.map(|name| bus_of(name).map_or(name, |(_, name)| name));
+        let signal = name.and_then(|name| self.database.signal(name).ok()).map(|(_, it)| it);
+        State::ALL.map(|state| {
+            let number = signal.and_then(|signal| signal.numbers_named(state.name()).next());
+            number.map_or(f64::from(state as u8), |number| number as f64)
+        })
     }
 
     fn unnamed(&mut self, name: &str, origin: Origin) -> Result<(), LayoutError> {

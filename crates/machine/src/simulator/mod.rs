@@ -17,6 +17,7 @@
 
 mod ailing;
 mod arrivals;
+mod beside;
 mod check;
 mod disturbance;
 mod layout;
@@ -28,6 +29,7 @@ mod trail;
 pub mod truth;
 mod values;
 
+pub use beside::SignalTable;
 pub use disturbance::{Change, Disturbance, Misread, Sampling, Spikes, Sticking};
 pub use layout::LayoutError;
 pub use machine::{Machine, MachineError, Sample};
@@ -141,7 +143,8 @@ impl Simulator {
         database: &Database,
         options: &Options,
     ) -> Result<Self, SimulatorError> {
-        let mut layout = Layout::new(settings, database, tables.transducer.grid())?;
+        let scales = (tables.transducer.grid(), tables.sensors.spool_full);
+        let mut layout = Layout::new(settings, database, &tables.signals, scales)?;
         let timers = timers(settings, database);
         layout.send_early(&timers);
         let sample_time = settings.machine.sample_time;
@@ -252,11 +255,15 @@ impl Simulator {
         self.cycle += 1;
     }
 
-    /// The speeds that are not on the bus.
+    /// The readings that are not on the bus: speeds that it does not carry, and cylinders that are not monitored.
     fn hear_by_wire(&mut self, sample: &Sample) {
         for (leg, pair) in sample.transducers.iter().enumerate() {
             for (which, reading) in pair.iter().enumerate() {
-                if !self.layout.carries_speed[which] {
+                let [length, speed] = self.layout.carries(leg, which);
+                if !length {
+                    self.heard.lengths[leg][which] = reading.length;
+                }
+                if !speed {
                     self.heard.speeds[leg][which] = reading.speed;
                 }
             }

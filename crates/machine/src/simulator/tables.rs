@@ -1,5 +1,6 @@
 //! The tables that describe a simulated machine: `config/e-type-plant.toml`.
 
+use super::beside::SignalTable;
 use super::check;
 use super::disturbance::Disturbance;
 use super::top::TopTable;
@@ -42,6 +43,9 @@ pub struct Tables {
     pub c1: Errors,
     pub c2: Errors,
     pub sensors: SensorTable,
+    /// Signals beside those that a configuration names.
+    #[serde(default = "SignalTable::of_the_e_type")]
+    pub signals: SignalTable,
     #[serde(default)]
     pub disturbance: Disturbance,
     /// Cylinders that were identified, see [`Tables::identified_by`].
@@ -81,6 +85,19 @@ pub struct Gangway {
     pub load: f64,
     /// Period of one turn, s.
     pub period: f64,
+    /// From the middle of the deck to the gangway's tip, m.
+    #[serde(default = "gangway_length")]
+    pub length: f64,
+}
+
+/// Length of a gangway whose table does not say, m: the E-type's, assumed.
+const fn gangway_length() -> f64 {
+    20.0
+}
+
+/// What the spool's signal is when the valve is fully open, where the table does not say: it is in %.
+const fn spool_full() -> f64 {
+    100.0
 }
 
 /// Standard deviations of the sensors other than the position transducers.
@@ -94,6 +111,9 @@ pub struct SensorTable {
     /// Standard deviation of a spool's position, part of its stroke.
     #[serde(default)]
     pub spool: f64,
+    /// A spool's signal at full stroke, in the signal's own unit.
+    #[serde(default = "spool_full")]
+    pub spool_full: f64,
     /// How long before the Sync each valve samples its spool and pressures, s; by default at the Sync.
     #[serde(default)]
     pub valve_age: [f64; CYLINDERS],
@@ -141,8 +161,8 @@ pub enum TableError {
 }
 
 impl Tables {
-    /// Reads tables from TOML; every key is required except `[chambers]`, `[thermal]`, `[disturbance]`,
-    /// ripple, warming, speed_lag, and of the sensors spool, valve_age and top.
+    /// Reads tables from TOML; every key is required except `[chambers]`, `[thermal]`, `[signals]`, `[disturbance]`,
+    /// ripple, warming, speed_lag, the gangway's length, and of the sensors spool, spool_full, valve_age and top.
     ///
     /// # Errors
     /// The first thing wrong with them.
@@ -165,7 +185,8 @@ impl Tables {
         if text.len() > MAX_TEXT {
             return Err(TableError::TooLong);
         }
-        let identified = plant::identified(text).map_err(TableError::Identified)?;
+        let identified =
+            plant::identified(text, self.sensors.spool_full).map_err(TableError::Identified)?;
         let strange = identified.iter().find(|it| !(1..=CYLINDERS).contains(&it.number.into()));
         if let Some(Identified { number, .. }) = strange {
             let what =

@@ -31,10 +31,21 @@ pub enum Origin {
     Supply,
 }
 
-/// The values of one cycle, in the units of the default layout.
+/// What the numbers on a machine's bus stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// Grid that the transducers round to.
+    pub grid: Grid,
+    /// A spool's signal at full stroke.
+    pub spool_full: f64,
+    /// Numbers of the platform's states, in the order of [`State`].
+    pub states: [f64; 4],
+}
+
+/// The values of one cycle, in the units of the bus.
 #[derive(Clone, Debug)]
 pub struct Values {
-    grid: Grid,
+    scales: Scales,
     sample: Sample,
     commands: Commands,
     state: f64,
@@ -42,22 +53,21 @@ pub struct Values {
 }
 
 impl Values {
-    /// Values of transducers that round to `grid`.
-    pub fn new(grid: Grid) -> Self {
+    pub fn new(scales: Scales) -> Self {
         let (sample, commands) = (Sample::default(), Commands::default());
-        Self { grid, sample, commands, state: 0.0, cycle: 0 }
+        Self { scales, sample, commands, state: 0.0, cycle: 0 }
     }
 
     /// The value of a transducer before it was rounded.
     pub fn unrounded(&self, origin: Origin) -> Option<Unrounded> {
         let Origin::Length(cylinder, which) = origin else { return None };
         let length = self.sample.transducers[cylinder][which].unrounded;
-        Some(Unrounded { length, grid: self.grid })
+        Some(Unrounded { length, grid: self.scales.grid })
     }
 
     pub fn sampled(&mut self, sample: &Sample, state: State, cycle: u64) {
         self.sample = *sample;
-        self.state = f64::from(state as u8);
+        self.state = self.scales.states[state as usize];
         self.cycle = cycle;
     }
 
@@ -72,7 +82,7 @@ impl Values {
             Origin::Length(cylinder, which) => self.sample.transducers[cylinder][which].length,
             Origin::Speed(cylinder, which) => self.sample.transducers[cylinder][which].speed,
             Origin::Command(cylinder) => self.commands.speeds[cylinder],
-            Origin::Spool(cylinder) => 100.0 * self.sample.spools[cylinder],
+            Origin::Spool(cylinder) => self.scales.spool_full * self.sample.spools[cylinder],
             Origin::Bottom(cylinder) => self.sample.chambers[cylinder][0],
             Origin::Rod(cylinder) => self.sample.chambers[cylinder][1],
             Origin::LoadPressure(cylinder) => self.sample.load_pressures[cylinder],

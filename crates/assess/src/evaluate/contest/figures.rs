@@ -11,7 +11,6 @@ use crate::evaluate::row::Row;
 use serde::Serialize;
 use tertius_learn::extremes::per_second;
 use tertius_machine::inject::Wanted;
-use tertius_machine::plant::CYLINDERS;
 
 /// A row of the contest with its figures.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,7 +62,7 @@ impl RowFigures {
         course: Course,
         entries: &[Entry],
         hours: &Hours,
-        sample_time: f64,
+        (cylinders, sample_time): (u8, f64),
     ) -> Self {
         let fair: Vec<&Entry> = entries.iter().filter(|entry| !entry.spoilt).collect();
         let at_stop = course == Course::Stop;
@@ -73,7 +72,7 @@ impl RowFigures {
         let sequential = |entry: &&&Entry| entry.delays[Rival::Sequential as usize].is_some();
         let seen: Vec<&Entry> = fair.iter().filter(sequential).copied().collect();
         let kind = row.kind().map(|kind| Proportion::counting(&seen, |it| it.kind == Some(kind)));
-        let bound = bound(row, hours, sample_time).filter(|_| !at_stop);
+        let bound = bound(row, hours, cylinders, sample_time).filter(|_| !at_stop);
         let median = found[Rival::Sequential as usize].delay.median;
         let cycles = |delay: f64| (delay / sample_time).ceil().max(1.0);
         let ratio = bound.zip(median).map(|(bound, median)| cycles(median) / bound.max(1.0));
@@ -109,13 +108,13 @@ fn label(row: &Row, at_stop: bool) -> String {
 }
 
 /// Lorden's bound, samples.
-fn bound(row: &Row, hours: &Hours, sample_time: f64) -> Option<f64> {
+fn bound(row: &Row, hours: &Hours, cylinders: u8, sample_time: f64) -> Option<f64> {
     let Some(Wanted::Shape(shape)) = row.wanted else { return None };
     if hours.deviation <= 0.0 {
         return None;
     }
     // Samples of all cylinders in a year.
-    let evidence = (CYLINDERS as f64 / sample_time / per_second(1.0)).ln();
+    let evidence = (f64::from(cylinders) / sample_time / per_second(1.0)).ln();
     lorden::bound(&shape, hours.deviation, evidence, sample_time)
 }
 

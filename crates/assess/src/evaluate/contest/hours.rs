@@ -8,7 +8,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use tertius_core::alarm::Detector;
 use tertius_learn::extremes::{HOURS_PER_YEAR, Maxima, Tail, common_level, per_second};
-use tertius_machine::plant::CYLINDERS;
 
 const RIVALS: usize = Rival::ALL.len();
 
@@ -26,15 +25,16 @@ pub struct Adding {
     beyond: [[u64; LEVELS]; RIVALS],
 }
 
-impl Default for Adding {
-    fn default() -> Self {
+impl Adding {
+    /// None yet, of a machine of so many `cylinders`.
+    pub(super) fn new(cylinders: u8) -> Self {
         // The maxima of blocks come as they are: one is a block.
         let maxima = || std::array::from_fn(|_| Maxima::new(1));
         Self {
             samples: 0,
             squares: 0,
             raises: [0; DETECTORS],
-            maxima: (0..CYLINDERS).map(|_| maxima()).collect(),
+            maxima: (0..cylinders).map(|_| maxima()).collect(),
             beyond: [[0; LEVELS]; RIVALS],
         }
     }
@@ -77,7 +77,7 @@ impl Adding {
 
     /// Figures of these hours; `level` is that of the sequential detector, nats.
     pub(super) fn finish(&self, level: f64, sample_time: f64) -> Hours {
-        let hours = self.samples as f64 / CYLINDERS as f64 * sample_time / 3600.0;
+        let hours = self.samples as f64 / self.maxima.len() as f64 * sample_time / 3600.0;
         if self.samples == 0 {
             return Hours::default();
         }

@@ -24,6 +24,7 @@ pub use trial::Entry;
 
 use super::grade::Grade;
 use super::learning::Learnt;
+use super::plan::Extent;
 use super::row::Row;
 use super::stand::{Stand, StandError};
 use super::trial::Try;
@@ -31,15 +32,14 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use tertius_machine::plant::CYLINDERS;
 
 /// Time from when the observers have settled until the faults begin, s: longer than the widest
 /// window.
 const LEAD: f64 = 37.0;
 
-/// Cylinders of a machine that have a fault at once. Where half of the cylinders show a fault, the
+/// Cylinders in each of which one has a fault at once. Where half of the cylinders show a fault, the
 /// detectors attribute it to something shared.
-const AT_ONCE: u32 = 2;
+const TURNS: u32 = 3;
 
 /// First stream of random numbers, apart from those of all other jobs.
 const STREAMS: u64 = 3 << 40;
@@ -57,6 +57,8 @@ pub struct Contest {
     /// turns.
     pub hours: f64,
     pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
 }
 
 /// One simulated machine.
@@ -76,16 +78,22 @@ pub enum ContestProduct {
 }
 
 impl Contest {
-    /// Contest of every grade in `seas`.
-    pub fn new(seed: u64, seas: &[[f64; 2]], trials: u32, hours: f64) -> Self {
-        let grades = Grade::ALL.to_vec();
-        let rows = grades.iter().flat_map(|grade| rows(*grade, seas)).collect();
-        Self { grades, rows, seas: seas.to_vec(), trials, hours, seed }
+    /// Contest of every grade in every sea.
+    pub fn new(seed: u64, extent: &Extent) -> Self {
+        let (grades, seas) = (Grade::ALL.to_vec(), extent.seas.clone());
+        let rows = grades.iter().flat_map(|grade| rows(*grade, &seas)).collect();
+        let hours = extent.contest_hours * seas.len() as f64;
+        Self { grades, rows, trials: extent.trials, hours, seed, cylinders: extent.cylinders, seas }
     }
 
     /// The number of machines of a row.
-    pub const fn machines(&self) -> u32 {
-        self.trials.div_ceil(AT_ONCE)
+    pub fn machines(&self) -> u32 {
+        self.trials.div_ceil(u32::from(self.cylinders) / self.turns())
+    }
+
+    /// Number of turns in which all cylinders have their faults.
+    fn turns(&self) -> u32 {
+        TURNS.min(self.cylinders.into())
     }
 
     /// All jobs, the longest first.
@@ -111,7 +119,7 @@ impl Contest {
                 let (row, course) = &self.rows[index];
                 let learnt = stand.learnt(row.cell.grade)?;
                 let mut rng = self.random(1 + index as u64, number);
-                let one = |begin: f64, rng: &mut ChaCha8Rng| few(row, number, begin, rng);
+                let one = |begin: f64, rng: &mut ChaCha8Rng| self.few(row, number, begin, rng);
                 let settle = stand.settings.observer.settle;
                 ContestProduct::Faulty(match course {
                     Course::Engaged => {
@@ -136,6 +144,16 @@ impl Contest {
         })
     }
 
+    /// Draws a trial in which only a few cylinders have a fault.
+    fn few(&self, row: &Row, number: u32, begin: f64, rng: &mut ChaCha8Rng) -> Try {
+        let mut one = Try::draw(row, number, self.cylinders, begin, rng);
+        let turns = self.turns();
+        // Each of them in each sea.
+        let turn = number / turns % turns;
+        one.faults.retain(|fault| u32::from(fault.cylinder) % turns == turn);
+        one
+    }
+
     fn random(&self, stream: u64, number: u32) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(STREAMS + stream * NUMBERS + u64::from(number));
@@ -146,16 +164,6 @@ impl Contest {
     pub fn lessons(&self) -> [u64; 2] {
         [0, 1].map(|which| self.random(NUMBERS - 1, which).random())
     }
-}
-
-/// Draws a trial in which only a few cylinders have a fault.
-fn few(row: &Row, number: u32, begin: f64, rng: &mut ChaCha8Rng) -> Try {
-    let mut one = Try::draw(row, number, begin, rng);
-    let turns = CYLINDERS as u32 / AT_ONCE;
-    // Each of them in each sea.
-    let turn = number / turns % turns;
-    one.faults.retain(|fault| u32::from(fault.cylinder) % turns == turn);
-    one
 }
 
 /// Result for one grade of transducers.
@@ -194,7 +202,8 @@ impl<'a> ContestGathering<'a> {
                 self.entries[row].insert(number, entries);
             }
             (ContestJob::Quiet { grade, .. }, ContestProduct::Quiet(quiet)) => {
-                self.hours.entry(grade).or_default().add(&quiet);
+                let adding = || hours::Adding::new(self.contest.cylinders);
+                self.hours.entry(grade).or_insert_with(adding).add(&quiet);
             }
             // A job brings what it is.
             (ContestJob::Faulty { .. } | ContestJob::Quiet { .. }, _) => {}
@@ -208,9 +217,10 @@ impl<'a> ContestGathering<'a> {
             .iter_mut()
             .map(|it| std::mem::take(it).into_values().flatten().collect())
             .collect();
+        let cylinders = self.contest.cylinders;
         let result = |learnt: &Learnt| {
-            let hours = self.hours.remove(&learnt.grade).unwrap_or_default();
-            let hours = hours.finish(learnt.nats, sample_time);
+            let hours = self.hours.remove(&learnt.grade);
+            let hours = hours.map_or_else(Hours::default, |it| it.finish(learnt.nats, sample_time));
             let own = self.contest.rows.iter().zip(&entries);
             let own = own.filter(|((row, _), entries)| {
                 row.cell.grade == learnt.grade && !entries.is_empty()
@@ -222,7 +232,7 @@ impl<'a> ContestGathering<'a> {
                 level_from: learnt.level.map(|level| [level.worst, level.hours]),
                 rows: own
                     .map(|((row, course), entries)| {
-                        RowFigures::of(row, *course, entries, &hours, sample_time)
+                        RowFigures::of(row, *course, entries, &hours, (cylinders, sample_time))
                     })
                     .collect(),
                 hours,

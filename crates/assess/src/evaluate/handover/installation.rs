@@ -14,9 +14,6 @@ use tertius_machine::simulator::Simulator;
 /// may be chance, above all on coarse transducers; 1 cm is beyond what healthy transducers differ by (section 5-5).
 const LARGE: f64 = 0.01;
 
-/// Length of the gangway from the middle of the deck, m. Assumed.
-pub const GANGWAY: f64 = 20.0;
-
 /// Fd_Warning.Fault of a frozen reading.
 const FROZEN: u8 = 6;
 
@@ -90,13 +87,14 @@ pub struct Installation {
 }
 
 impl Installation {
-    pub fn new(simulator: Simulator, monitor: Monitor, reader: Reader) -> Self {
+    /// With a gangway of `gangway` from the middle of the deck, m.
+    pub fn new(simulator: Simulator, monitor: Monitor, reader: Reader, gangway: f64) -> Self {
         Self {
             simulator,
             monitor,
             reader,
             sent: Sent::default(),
-            tip: Tip::new(GANGWAY),
+            tip: Tip::new(gangway),
             policy: Policy::Stay,
             out: [[false; 2]; CYLINDERS],
             standing: Vec::new(),
@@ -183,7 +181,7 @@ mod tests {
             .expect("it can be simulated");
         simulator.supervise(Supervision::new(0.05, 5));
         let reader = Reader::new(&database).expect("it has them");
-        Installation::new(simulator, Monitor::new(design), reader).with(policy)
+        Installation::new(simulator, Monitor::new(design), reader, 20.0).with(policy)
     }
 
     fn blamed(which: usize, detector: Detector, residual: Option<f64>) -> Blamed {

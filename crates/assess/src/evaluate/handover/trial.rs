@@ -75,7 +75,7 @@ struct Followed {
 
 impl Stand<'_> {
     /// Plays a healthy machine with transducers of `grade` in `sea` for as long as its detectors need, and then every
-    /// fault of `cases` on C1 and on C2 of its cylinder `number` (modulo 6) under every policy.
+    /// fault of `cases` on C1 and on C2 of its cylinder `number` (modulo their number) under every policy.
     ///
     /// # Errors
     /// There is no such machine, or no place for such a fault on it.
@@ -90,7 +90,7 @@ impl Stand<'_> {
         let options =
             Options { seed: rng.random(), sea: Some(sea), in_loop: true, ..Options::default() };
         let drawn = Drawn {
-            leg: number as usize % CYLINDERS,
+            leg: number as usize % usize::from(self.settings.machine.cylinders),
             sign: if rng.random::<bool>() { 1.0 } else { -1.0 },
             at: 1.0 + SPREAD * rng.random::<f64>(),
             seed: rng.random(),
@@ -99,7 +99,9 @@ impl Stand<'_> {
         let patience = self.cycles(PATIENCE) as u32;
         simulator.supervise(Supervision::new(self.settings.comparator.critical, patience));
         let monitor = Monitor::new(self.handing(grade)?.clone());
-        let mut healthy = Installation::new(simulator, monitor, Reader::new(self.database)?);
+        let reader = Reader::new(self.database)?;
+        let gangway = self.tables_of(grade).gangway.length;
+        let mut healthy = Installation::new(simulator, monitor, reader, gangway);
         let mut early = None;
         for _ in 0..self.cycles(LEAD) {
             early = early.or(healthy.step().first().map(|it| it.detector));

@@ -15,7 +15,6 @@ use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::Suspect;
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, Window, place};
-use tertius_machine::plant::CYLINDERS;
 use tertius_machine::simulator::{EPOCH, Options, Simulator};
 
 /// Time before the earliest drift, s: minutes at work, and within which they all begin.
@@ -91,7 +90,7 @@ impl Stand<'_> {
         let seed: u64 = rng.random();
         let at = LEAD + SPREAD * rng.random::<f64>();
         let rate = if rng.random::<bool>() { case.rate } else { -case.rate };
-        let cylinder = (number as usize % CYLINDERS) as u8 + 1;
+        let cylinder = (number % u32::from(self.settings.machine.cylinders)) as u8 + 1;
         let window = Window { from: Span::from_seconds(at), until: None };
         let wanted = Wanted::Shape(Shape::Drift { rate });
         let fault = Fault { cylinder, sensor: case.transducer.name(), wanted, window };

@@ -3,6 +3,7 @@
 use tertius_core::verdict::Fault;
 use tertius_machine::inject::{Shape, Wanted};
 use tertius_machine::plant::Ailment;
+use tertius_machine::simulator::Tables;
 
 /// A fault and what it should be called.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +44,36 @@ const fn by_flow(
     ProcessCase { watch: LONG_WATCH, ..of_the_machine(label, ailment, expected, size) }
 }
 
-/// Oil that passes the piston at `speed`, m/s at 24 bar: β / α of (3-8) times the load, with α of the default plant.
+/// α of (3-8) that the leakages of [`CASES`] are for, bar/m: that of the default plant.
+const PRESSURE_RISE: f64 = 7000.0;
+
+/// A spool's signal at full stroke that the sizes of [`CASES`] are for: they are in %.
+const SPOOL_FULL: f64 = 100.0;
+
+/// Oil that passes the piston at `speed`, m/s at 24 bar: β / α of (3-8) times the load.
 const fn leakage(speed: f64) -> Ailment {
-    Ailment::Leakage { rate: speed * 7000.0 / 24.0 }
+    Ailment::Leakage { rate: speed * PRESSURE_RISE / 24.0 }
+}
+
+impl ProcessCase {
+    /// The case on the machine of `tables`: with the same oil past the piston, and its size in the unit of the
+    /// machine's spool.
+    pub(super) fn on(&self, tables: &Tables) -> Self {
+        let wanted = match self.wanted {
+            Wanted::Machine(Ailment::Leakage { rate }) => {
+                let rate = rate * (tables.cylinder.pressure_rise / PRESSURE_RISE);
+                Wanted::Machine(Ailment::Leakage { rate })
+            }
+            other => other,
+        };
+        let unit = match self.expected {
+            Some(Fault::ValveSticking | Fault::ValveOffset) => {
+                tables.sensors.spool_full / SPOOL_FULL
+            }
+            _ => 1.0,
+        };
+        Self { wanted, size: self.size.map(|size| size * unit), ..*self }
+    }
 }
 
 const fn of_pressure(label: &'static str, shape: Shape, size: Option<f64>) -> ProcessCase {
@@ -64,7 +92,7 @@ const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
     ProcessCase { label, sensor: "c1", wanted, expected: None, size: None, watch: WATCH }
 }
 
-/// Sizes of spools are in the unit of the default machine's signal, %.
+/// Sizes of spools are in % of their stroke; [`ProcessCase::on`] is a case on a machine.
 pub const CASES: [ProcessCase; 33] = [
     of_the_machine(
         "sticking 0.5 %",

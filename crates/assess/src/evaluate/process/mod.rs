@@ -15,12 +15,12 @@ pub use trial::{ProcessOutcome, ProcessQuiet};
 pub(super) use trial::{is_process, varied};
 
 use super::grade::Grade;
+use super::plan::Extent;
 use super::stand::{Stand, StandError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 use tertius_core::monitor::MonitorDesign;
-use tertius_machine::plant::CYLINDERS;
 
 /// Transducers, and the time constant of the spools, s.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -29,8 +29,16 @@ pub struct ProcessMachine {
     pub lag: f64,
 }
 
-/// Time constants of the spools, s.
-const LAGS: [f64; 2] = [0.06, 0.01];
+/// Time constant of the spools of fast servo-valves, s, which are tried beside the plant's own.
+const FAST: f64 = 0.01;
+
+impl ProcessMachine {
+    /// Machines of every grade, with spools of the time constant `lag`, s, and with fast ones.
+    pub(super) fn all(lag: f64) -> Vec<Self> {
+        let of = |grade| [lag, FAST].map(|lag| Self { grade, lag });
+        Grade::ALL.into_iter().flat_map(of).collect()
+    }
+}
 
 /// Length of the recording that teaches, s.
 pub const LESSON: f64 = 1500.0;
@@ -53,6 +61,8 @@ pub struct ProcessStudy {
     /// Hours of each healthy machine, rounded up to whole stretches.
     pub hours: f64,
     pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
 }
 
 /// One simulated machine.
@@ -79,15 +89,20 @@ pub enum ProcessProduct {
 
 impl ProcessStudy {
     /// The study of all machines.
-    pub fn new(seed: u64, seas: Vec<[f64; 2]>, trials: u32, hours: f64) -> Self {
-        let of = |grade| LAGS.map(|lag| ProcessMachine { grade, lag });
-        let machines = Grade::ALL.into_iter().flat_map(of).collect();
-        Self { machines, seas, trials, hours, seed }
+    pub fn new(seed: u64, extent: &Extent) -> Self {
+        Self {
+            machines: ProcessMachine::all(extent.lag),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.process_hours,
+            seed,
+            cylinders: extent.cylinders,
+        }
     }
 
     /// Number of machines with the same fault.
     pub const fn repeats(&self) -> u32 {
-        self.trials.div_ceil(CYLINDERS as u32)
+        self.trials.div_ceil(self.cylinders as u32)
     }
 
     /// All jobs, the longest first.

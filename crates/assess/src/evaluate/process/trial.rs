@@ -111,6 +111,8 @@ impl Stand<'_> {
         case: &ProcessCase,
         rng: &mut ChaCha8Rng,
     ) -> Result<Vec<ProcessOutcome>, StandError> {
+        let tables = self.tables_of(machine.grade);
+        let case = &case.on(tables);
         let seed: u64 = rng.random();
         let begin = ProcessParameters::DEFAULT.opening + LEAD;
         let drawn: [(f64, f64); CYLINDERS] = std::array::from_fn(|_| {
@@ -120,7 +122,8 @@ impl Stand<'_> {
         // Pressures that are off everywhere are the supply's.
         let every =
             |n: &u8| case.expected != Some(Kind::PressureSensor) || seed % 2 == u64::from(*n) % 2;
-        let chosen = || (1_u8..).zip(&drawn).filter(|(n, _)| every(n));
+        let cylinders = 1..=self.settings.machine.cylinders;
+        let chosen = || cylinders.clone().zip(&drawn).filter(|(n, _)| every(n));
         let faults: Vec<Fault> = chosen().map(|(n, drawn)| fault(case, n, *drawn)).collect();
         let of_machine = matches!(case.wanted, Wanted::Machine(_));
         let placed = |fault: &Fault| Ok(place(fault, self.settings, self.database)?);

@@ -9,15 +9,14 @@ mod trial;
 pub use figures::{SideFigures, SideGathering, SideHealthy, SideResult};
 pub use trial::{SideOutcome, SideQuiet};
 
-use super::grade::Grade;
 use super::learning::{Learnt, Lessons};
+use super::plan::Extent;
 use super::process::ProcessMachine;
 use super::stand::{Stand, StandError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::verdict::Suspect;
-use tertius_machine::plant::CYLINDERS;
 
 /// A drift of one transducer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +70,8 @@ pub struct SideStudy {
     /// Hours of each healthy machine, rounded up to whole stretches.
     pub hours: f64,
     pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
 }
 
 /// One simulated machine.
@@ -97,16 +98,21 @@ pub enum SideProduct {
 
 impl SideStudy {
     /// The study of all machines.
-    pub fn new(seed: u64, seas: Vec<[f64; 2]>, trials: u32, hours: f64) -> Self {
-        let of = |grade| [0.06, 0.01].map(|lag| ProcessMachine { grade, lag });
-        let machines = Grade::ALL.into_iter().flat_map(of).collect();
-        Self { machines, seas, trials, hours, seed }
+    pub fn new(seed: u64, extent: &Extent) -> Self {
+        Self {
+            machines: ProcessMachine::all(extent.lag),
+            seas: extent.seas.clone(),
+            trials: extent.trials,
+            hours: extent.side_hours,
+            seed,
+            cylinders: extent.cylinders,
+        }
     }
 
     /// All jobs, the longest first.
     pub fn jobs(&self) -> Vec<SideJob> {
         let stretches = (self.hours * 3600.0 / STRETCH).ceil() as u32;
-        let repeats = self.trials.div_ceil(CYLINDERS as u32);
+        let repeats = self.trials.div_ceil(u32::from(self.cylinders));
         let machines = || 0..self.machines.len();
         let quiet = machines().flat_map(|machine| {
             (0..stretches).map(move |number| SideJob::Quiet { machine, number })

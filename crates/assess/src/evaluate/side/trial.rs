@@ -61,14 +61,15 @@ impl Stand<'_> {
             let fault = Fault { cylinder, sensor: case.transducer.name(), wanted, window };
             Ok(place(&fault, self.settings, self.database)?)
         };
-        let faults: Result<Vec<Placed>, StandError> = (1..).zip(&drawn).map(placed).collect();
+        let drawn = || (1..=self.settings.machine.cylinders).zip(&drawn);
+        let faults: Result<Vec<Placed>, StandError> = drawn().map(placed).collect();
         let sea = Some(sea);
         let options = Options { seed, sea, faults: faults?, in_loop: true, ..Options::default() };
         let mut simulator =
             self.steady_with_lag(machine.grade, Some(machine.lag), None, &options)?;
         let end = LEAD + SPREAD + IN_TIME / case.rate;
         let warnings = self.heard(&mut simulator, design, end);
-        let outcomes = (1..).zip(&drawn).map(|(n, drawn)| outcome(case, &warnings, n, drawn.0));
+        let outcomes = drawn().map(|(n, drawn)| outcome(case, &warnings, n, drawn.0));
         Ok(outcomes.collect())
     }
 

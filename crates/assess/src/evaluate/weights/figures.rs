@@ -1,6 +1,6 @@
 //! Figures of the weights.
 
-use super::trial::{RESIDUALS, STRETCH};
+use super::trial::STRETCH;
 use super::{FAULTS, Faulty, QuietMachine, TransducerKind, Weighing, WeightsJob, WeightsProduct};
 use crate::evaluate::proportion::Proportion;
 use crate::evaluate::rate::Rate;
@@ -90,7 +90,8 @@ impl<'a> WeightsGathering<'a> {
             .filter(|((of, _), _)| *of == kind)
             .map(|(_, sets)| &sets[set])
             .collect();
-        let levels = tails(&quiet, block)
+        let residuals = 2 * usize::from(self.weighing.cylinders);
+        let levels = tails(&quiet, residuals, block)
             .map(|tails| RATES.map(|per_year| common_level(&tails, per_second(per_year))));
         let hours = quiet.len() as f64 * STRETCH / 3600.0;
         let weights = self.weighing.sets[set];
@@ -110,7 +111,9 @@ impl<'a> WeightsGathering<'a> {
         let fault = |(index, (shape, within)): (usize, &_)| {
             let own =
                 self.faulty.iter().filter(|((of, fault, _), _)| (*of, *fault) == (kind, index));
-            let peaks: Vec<f64> = own.flat_map(|(_, sets)| sets[set].0).collect();
+            let cylinders = usize::from(self.weighing.cylinders);
+            let peaks: Vec<f64> =
+                own.flat_map(|(_, sets)| sets[set].0.into_iter().take(cylinders)).collect();
             let found = peaks.iter().filter(|peak| **peak > high).count();
             let found = Proportion::new(found as u64, peaks.len() as u64);
             SeenFault { label: label(*shape), within: *within, found }
@@ -119,13 +122,13 @@ impl<'a> WeightsGathering<'a> {
     }
 }
 
-/// Tails of every residual over all machines; `None` where one has too few blocks.
-fn tails(quiet: &[&QuietMachine], block: f64) -> Option<Vec<Tail>> {
+/// Tails of the first `residuals` over all machines; `None` where one has too few blocks.
+fn tails(quiet: &[&QuietMachine], residuals: usize, block: f64) -> Option<Vec<Tail>> {
     let tail = |index: usize| {
         // What comes in is the largest of a block already.
         let mut maxima = Maxima::new(1);
         quiet.iter().flat_map(|quiet| &quiet.blocks[index]).for_each(|peak| maxima.add(*peak));
         Tail::fit(&maxima, block)
     };
-    (0..RESIDUALS).map(tail).collect()
+    (0..residuals).map(tail).collect()
 }

@@ -24,7 +24,6 @@ use tertius_dbc::Database;
 use tertius_learn::tune::criterion::{INCIPIENT, STEP};
 use tertius_learn::tune::{LEAST_HIGH, Weights};
 use tertius_machine::inject::{Shape, Wanted};
-use tertius_machine::plant::CYLINDERS;
 
 /// Sets that are tried when the command line names none: of the thesis's design, of fine and of
 /// coarse transducers, and a slow one.
@@ -91,6 +90,8 @@ pub struct Weighing {
     /// Hours of a healthy machine of each kind, rounded up to whole stretches.
     pub hours: f64,
     pub seed: u64,
+    /// Number of cylinders that are monitored.
+    pub cylinders: u8,
 }
 
 /// One simulated machine, which all sets watch.
@@ -137,7 +138,7 @@ impl Weighing {
     /// All jobs, the longest first.
     pub fn jobs(&self) -> Vec<WeightsJob> {
         let stretches = (self.hours * 3600.0 / trial::STRETCH).ceil() as u32;
-        let machines = self.trials.div_ceil(CYLINDERS as u32);
+        let machines = self.trials.div_ceil(u32::from(self.cylinders));
         let kinds = || self.kinds.iter().copied();
         let quiet = kinds()
             .flat_map(|kind| (0..stretches).map(move |number| WeightsJob::Quiet { kind, number }));

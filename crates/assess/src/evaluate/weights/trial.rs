@@ -128,7 +128,8 @@ impl Stand<'_> {
     ) -> Result<Vec<Faulty>, StandError> {
         let cell = Cell { grade: kind.of_grade(), sea };
         let row = Row { watch, ..Row::open(Study::Weights, cell, Some(wanted)) };
-        let one = Try::draw(&row, 0, self.settings.observer.settle, rng);
+        let cylinders = self.settings.machine.cylinders;
+        let one = Try::draw(&row, 0, cylinders, self.settings.observer.settle, rng);
         let faults = self.placed(&one)?;
         let options = Options { seed: one.seed, sea: Some(sea), faults, ..Options::default() };
         let mut simulator = self.of_kind(kind, &options)?;
