@@ -5,9 +5,9 @@ use super::sheet::{Section, Sheet};
 use crate::calibrate::{Calibration, TriedBand};
 use crate::config::Fingerprints;
 use crate::config::settings::{CylinderProcess, FrictionTable};
+use crate::extremes::four_digits;
 use crate::sequential::reference::LARGEST_DOUBT;
 use crate::tables::calibration::{fits, meaning};
-use crate::tables::provenance::four_digits;
 use std::fmt::Write as _;
 
 /// The page; the recordings were read with the configuration `with`.

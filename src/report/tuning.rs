@@ -2,8 +2,8 @@
 
 use super::sheet::{Section, Sheet};
 use crate::config::Fingerprints;
+use crate::extremes::four_digits;
 use crate::extremes::{HOURS_PER_YEAR, per_second};
-use crate::tables::provenance::four_digits;
 use crate::tables::tuning::{length, meaning, name, sequential_meaning};
 use crate::tune::criterion::STEP;
 use crate::tune::{Score, Search, Thresholds, Tuning, Weights};

@@ -220,7 +220,7 @@ fn a_plant_refuses_curves_that_it_cannot_use() {
     let tables = Tables::default().identified_by(&sound).expect("sound");
     assert_eq!(tables.identified.len(), 1);
     for (text, words) in [
-        (curve("0.6", "[500, 500, 500, 500]", "-1e-4"), "the simulated spool is in %"),
+        (curve("0.6", "[500, 500, 500, 500]", "-1e-4"), "the simulated spool's full stroke"),
         (curve("60.0", "[500, 500, 500]", "-1e-4"), "3 counts of samples for 5 knots"),
         (curve("60.0", "[500, 500, 0, 0]", "-1e-4"), "not taught on both sides of rest"),
         (curve("60.0", "[500, 500, 500, 500]", "1e-4"), "expected -1 to -1e-5"),

@@ -9,9 +9,9 @@ use super::html::capitalised;
 use super::palette;
 use crate::calibrate::{Calibration, CylinderCalibration, TriedBand};
 use crate::config::Fingerprints;
+use crate::extremes::four_digits;
 use crate::report::calibration as text;
 use crate::report::coverage as covered;
-use crate::tables::provenance::four_digits;
 use plotters::style::RGBColor;
 
 const NAMES: [&str; 2] = ["C1 − C2 (mm)", "C1 − Ĉ2 (mm)"];

@@ -5,9 +5,9 @@ use super::figure::{Curve, Figure, FigureMark, HALF, Level, Panel, Shape, WIDE};
 use super::html::capitalised;
 use super::{Page, palette};
 use crate::config::Fingerprints;
+use crate::extremes::four_digits;
 use crate::extremes::{Tail, per_second};
 use crate::report::tuning as text;
-use crate::tables::provenance::four_digits;
 use crate::tables::tuning::length;
 use crate::tune::{Detector, Tuning};
 

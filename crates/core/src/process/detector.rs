@@ -3,8 +3,9 @@
 use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
-use super::flow::{self, FlowDesign, FlowSample, FlowWatch};
-use super::friction::{ForceSample, FrictionDesign, FrictionWatch};
+use super::flow::{self, FlowDesign, FlowWatch};
+use super::friction::{FrictionDesign, FrictionWatch};
+use super::input::ProcessInput;
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
@@ -34,31 +35,6 @@ impl ProcessDesign {
         let of_blocks = flow::level(self.level, self.sample_time);
         [self.level, self.level, of_blocks, of_blocks]
     }
-}
-
-/// Inputs of a cycle; `None` where nothing came.
-#[derive(Clone, Copy, Debug)]
-pub struct ProcessInput {
-    /// u(k) as sent, m/s.
-    pub command: Option<f64>,
-    /// Position of the spool, in the unit of its signal.
-    pub spool: Option<f64>,
-    /// P_bot and P_rod, bar.
-    pub chambers: [Option<f64>; 2],
-    /// P_L as the machine sends it, and P_S, bar.
-    pub load: Option<f64>,
-    pub supply: Option<f64>,
-    /// C1 and the corrected C2, m.
-    pub lengths: [Option<f64>; 2],
-    /// Whether the platform is in a monitored state.
-    pub monitored: bool,
-    /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
-    pub apart: Option<f64>,
-    /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
-    pub held: bool,
-    /// Whether it is asked whose reading has moved.
-    pub asked: bool,
-    pub at: Timestamp,
 }
 
 /// The process detector of one cylinder.
@@ -255,7 +231,7 @@ impl Process {
         self.forget_friction();
         let asked = input.asked && self.alarms == [None; RELATIONS];
         let flow = self.flow.as_mut()?;
-        flow.step_held(flow_sample(input, flow.area_ratio()), asked)
+        flow.step_held(input.passage(flow.area_ratio()), asked)
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
@@ -265,7 +241,7 @@ impl Process {
             return;
         }
         let Some(flow) = &mut self.flow else { return };
-        let sample = flow_sample(input, flow.area_ratio());
+        let sample = input.passage(flow.area_ratio());
         let is_complete = flow.step(sample);
         self.judged[FLOW] = flow.is_judging();
         if !is_complete {
@@ -286,7 +262,7 @@ impl Process {
     fn step_friction(&mut self, input: &ProcessInput) {
         let Some(friction) = &mut self.friction else { return };
         let is_odd = self.alarms[CHAMBERS].is_some();
-        let sample = force_sample(input, friction.area_ratio()).filter(|_| !is_odd);
+        let sample = input.forces(friction.area_ratio()).filter(|_| !is_odd);
         let is_complete = friction.step(sample);
         self.judged[FRICTION] = friction.is_judging();
         if !is_complete {
@@ -396,27 +372,6 @@ impl Process {
             (alarm.malfunction, alarm.size) = (malfunction, size);
         }
     }
-}
-
-/// What the balance of forces needs; `None` without all of it.
-fn force_sample(input: &ProcessInput, area_ratio: f64) -> Option<ForceSample> {
-    let load = load(input, area_ratio)?;
-    let [c1, c2] = input.lengths;
-    Some(ForceSample { length: 0.5 * (c1? + c2?), load })
-}
-
-/// P_L as the machine sends it, or by the chambers' pressures, bar.
-fn load(input: &ProcessInput, area_ratio: f64) -> Option<f64> {
-    let [bottom, rod] = input.chambers;
-    input.load.or_else(|| Some(bottom? - area_ratio * rod?))
-}
-
-/// What the balance of oil and rod needs; `None` without all of it.
-fn flow_sample(input: &ProcessInput, area_ratio: f64) -> Option<FlowSample> {
-    let load = load(input, area_ratio)?;
-    let [c1, c2] = input.lengths;
-    let (lengths, apart) = ([c1?, c2?], input.apart);
-    Some(FlowSample { lengths, spool: input.spool?, load, supply: input.supply?, apart })
 }
 
 fn named(form: SpoolForm) -> (Malfunction, Option<f64>) {

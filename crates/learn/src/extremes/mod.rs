@@ -4,6 +4,7 @@
 //! maxima of blocks about as long as a warning lasts are counted ([`Maxima`]), and the largest of
 //! them are extrapolated by a tail ([`Tail`]). Everything streams: memory does not grow.
 
+mod digits;
 mod maxima;
 mod pareto;
 mod sketch;
@@ -11,6 +12,7 @@ mod slope;
 mod tail;
 mod thinned;
 
+pub use digits::four_digits;
 pub use maxima::Maxima;
 pub use pareto::Pareto;
 pub use sketch::Sketch;

@@ -1,9 +1,10 @@
 //! A calibration as tables that the configuration reads.
 
 use super::process;
-use super::provenance::{self, four_digits, one_line};
+use super::provenance::{self, one_line};
 use crate::calibrate::{Bound, Calibration, CylinderCalibration, Fitted, LEAST_BOUND};
 use crate::extremes::HOURS_PER_YEAR;
+use crate::extremes::four_digits;
 use std::fmt::Write as _;
 use tertius_config::settings::{Cylinder, CylinderSequential};
 

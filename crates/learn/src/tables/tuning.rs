@@ -1,8 +1,9 @@
 //! A tuning as tables that the configuration reads.
 
-use super::provenance::{self, four_digits};
+use super::provenance;
 use crate::calibrate::watch::Level;
 use crate::extremes::HOURS_PER_YEAR;
+use crate::extremes::four_digits;
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
 

@@ -6,9 +6,8 @@ use super::{
     Tuning, Weights, designs, response, search, sensitivity,
 };
 use crate::calibrate::watch::Watch;
-use crate::extremes::{LEAST_BLOCKS, Tail, common_level, per_second};
+use crate::extremes::{LEAST_BLOCKS, Tail, common_level, four_digits, per_second};
 use crate::survey::{Origin, Recording};
-use crate::tables::provenance::four_digits;
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
 use tertius_core::observe::model::Model;

@@ -1,0 +1,53 @@
+//! What a process detector takes of a cycle, and what each relation needs of it.
+
+use super::flow::FlowSample;
+use super::friction::ForceSample;
+use crate::time::Timestamp;
+
+/// Inputs of a cycle; `None` where nothing came.
+#[derive(Clone, Copy, Debug)]
+pub struct ProcessInput {
+    /// u(k) as sent, m/s.
+    pub command: Option<f64>,
+    /// Position of the spool, in the unit of its signal.
+    pub spool: Option<f64>,
+    /// P_bot and P_rod, bar.
+    pub chambers: [Option<f64>; 2],
+    /// P_L as the machine sends it, and P_S, bar.
+    pub load: Option<f64>,
+    pub supply: Option<f64>,
+    /// C1 and the corrected C2, m.
+    pub lengths: [Option<f64>; 2],
+    /// Whether the platform is in a monitored state.
+    pub monitored: bool,
+    /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
+    pub apart: Option<f64>,
+    /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
+    pub held: bool,
+    /// Whether it is asked whose reading has moved.
+    pub asked: bool,
+    pub at: Timestamp,
+}
+
+impl ProcessInput {
+    /// What the balance of forces needs, on a cylinder with α of (3-5); `None` without all of it.
+    pub(super) fn forces(&self, area_ratio: f64) -> Option<ForceSample> {
+        let load = self.load(area_ratio)?;
+        let [c1, c2] = self.lengths;
+        Some(ForceSample { length: 0.5 * (c1? + c2?), load })
+    }
+
+    /// What the balance of oil and rod needs, on a cylinder with α of (3-5); `None` without all of it.
+    pub(super) fn passage(&self, area_ratio: f64) -> Option<FlowSample> {
+        let load = self.load(area_ratio)?;
+        let [c1, c2] = self.lengths;
+        let (lengths, apart) = ([c1?, c2?], self.apart);
+        Some(FlowSample { lengths, spool: self.spool?, load, supply: self.supply?, apart })
+    }
+
+    /// P_L as the machine sends it, or by the chambers' pressures, bar.
+    fn load(&self, area_ratio: f64) -> Option<f64> {
+        let [bottom, rod] = self.chambers;
+        self.load.or_else(|| Some(bottom? - area_ratio * rod?))
+    }
+}
