@@ -92,7 +92,7 @@ const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
     ProcessCase { label, sensor: "c1", wanted, expected: None, size: None, watch: WATCH }
 }
 
-/// Sizes of spools are in % of their stroke; [`ProcessCase::on`] is a case on a machine.
+/// Sizes of spools are in % of their stroke.
 pub const CASES: [ProcessCase; 33] = [
     of_the_machine(
         "sticking 0.5 %",
