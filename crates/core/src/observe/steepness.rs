@@ -32,7 +32,11 @@ impl Steepness {
 
     /// Takes the command of a cycle, m/s, which is in the innovations from the next cycle on. Where it is absent, the
     /// observers hold the last one.
+    #[inline]
     pub fn take(&mut self, command: Option<f64>) {
+        if self.most == f64::INFINITY {
+            return;
+        }
         self.left = self.left.saturating_sub(1);
         let Some(command) = command else { return };
         let before = self.newest.replace(command).unwrap_or(command);
