@@ -85,9 +85,7 @@ impl Connector<'_> {
         }
         is_sound.then_some(design)
     }
-}
 
-impl Connector<'_> {
     fn friction(&mut self, n: u8, fitted: &FrictionTable) -> Option<FrictionDesign> {
         let design = FrictionDesign {
             coefficients: fitted.coefficients,

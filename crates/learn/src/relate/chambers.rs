@@ -2,7 +2,7 @@
 
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
-use super::{LEAST_TIME, ProcessRefusal};
+use super::{LEAST_TIME, ProcessRefusal, enough};
 use nalgebra::{SMatrix, SVector};
 use tertius_config::settings::ChambersTable;
 use tertius_core::process::chambers::{TERMS, terms};
@@ -19,10 +19,7 @@ pub(super) fn learn(
     let is_known =
         |row: &&ProcessRow| row.pressures.is_some() && (row.spool.is_some() || !has_spool);
     let known: Vec<&ProcessRow> = rows.iter().filter(is_known).collect();
-    let seconds = known.len() as f64 * sample_time;
-    if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
-    }
+    enough(known.len(), sample_time, LEAST_TIME)?;
     let coefficients = fit(&known).ok_or(ProcessRefusal::Undetermined)?;
     let (deviation, growth, dependence) = (1.0, 0.0, [[1.0; WIDTHS.len()]; 2]);
     let design = ChambersDesign { coefficients, deviation, growth, dependence };

@@ -1,7 +1,7 @@
 //! How far the oil that passes the valve moves the rod.
 
 use super::rows::ProcessRow;
-use super::{LEAST_TIME, ProcessRefusal, pieces};
+use super::{LEAST_TIME, ProcessRefusal, enough, long_run, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::{FlowTable, ValveCurve};
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
@@ -20,9 +20,6 @@ const BETWEEN: [f64; 11] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.
 
 /// What keeps values at knots near which no position was from running away, as a part of the mean diagonal of f.
 const RIDGE: f64 = 1e-7;
-
-/// Blocks over which what is left may depend on itself: 12 s.
-const LAGS: usize = 60;
 
 /// What Ω gets, as a part of its trace, where a direction did not occur.
 const FLOOR: f64 = 1e-9;
@@ -83,10 +80,7 @@ impl Lesson<'_> {
     /// The relation without its scatter, by rows of at least `least` seconds, and the samples in each piece of f.
     fn best(&self, least: f64) -> Result<(FlowDesign, Vec<u64>), ProcessRefusal> {
         let sizes: Vec<f32> = self.positions().map(|position| position.abs() as f32).collect();
-        let seconds = sizes.len() as f64 * self.sample_time;
-        if seconds < least {
-            return Err(ProcessRefusal::Short { seconds, least });
-        }
+        enough(sizes.len(), self.sample_time, least)?;
         let limit = pieces::limit(sizes).filter(|limit| *limit > 0.0);
         let limit = limit.ok_or(ProcessRefusal::Undetermined)?;
         let samples = pieces::samples(self.positions(), limit, PIECES);
@@ -225,21 +219,7 @@ fn scatter(blocks: &[(f64, bool, FlowBlock)], of: usize) -> [[f64; DIRECTIONS]; 
         let before = joined.last().copied().unwrap_or(0_usize);
         joined.push(if *is_joined { before + 1 } else { 0 });
     }
-    let mut sums = [[0.0; DIRECTIONS]; DIRECTIONS];
-    for (at, product) in products.iter().enumerate() {
-        for lag in 0..=LAGS.min(joined[at]) {
-            let weight = 1.0 - lag as f64 / (LAGS + 1) as f64;
-            let other = &products[at - lag];
-            for (i, j) in upper() {
-                let both = if lag == 0 {
-                    product[i] * product[j]
-                } else {
-                    product[i] * other[j] + other[i] * product[j]
-                };
-                sums[i][j] += weight * both;
-            }
-        }
-    }
+    let mut sums = long_run::covariance(&products, &joined);
     let count = blocks.len().max(1) as f64;
     let trace: f64 = (0..DIRECTIONS).map(|i| sums[i][i]).sum();
     for (i, j) in upper() {

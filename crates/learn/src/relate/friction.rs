@@ -1,16 +1,13 @@
 //! What pressure it takes to move the rod.
 
 use super::rows::ProcessRow;
-use super::{LEAST_TIME, ProcessRefusal};
+use super::{LEAST_TIME, ProcessRefusal, enough, long_run};
 use nalgebra::{SMatrix, SVector};
 use tertius_config::settings::FrictionTable;
 use tertius_core::process::friction::{
     FORCE_TERMS, ForceBlock, FrictionBlock, FrictionWeighing, FrictionWindows, SCATTERS,
 };
 use tertius_core::process::{ForceSample, Forces, FrictionDesign, ProcessParameters, flow};
-
-/// Blocks over which what is left may depend on itself: 12 s.
-const LAGS: usize = 60;
 
 /// A block of the recording.
 struct Told<T> {
@@ -29,10 +26,7 @@ pub(super) fn learn(
     level: f64,
 ) -> Result<FrictionTable, ProcessRefusal> {
     let known = rows.iter().filter(|row| row.flow.is_some()).count();
-    let seconds = known as f64 * sample_time;
-    if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
-    }
+    enough(known, sample_time, LEAST_TIME)?;
     let blocks = blocks(rows, gain, sample_time);
     let coefficients = fit(&blocks).ok_or(ProcessRefusal::Undetermined)?;
     let mut design = FrictionDesign { coefficients, scatter: [0.0; SCATTERS], area_ratio };
@@ -85,22 +79,9 @@ fn fit(blocks: &[Told<ForceBlock>]) -> Option<[f64; FORCE_TERMS]> {
 fn scatter(blocks: &[Told<FrictionBlock>]) -> [f64; SCATTERS] {
     let product = |it: &Told<FrictionBlock>| it.block.directions.map(|along| along * it.block.left);
     let products: Vec<[f64; 2]> = blocks.iter().map(product).collect();
-    let mut sums = [0.0; SCATTERS];
-    for (at, Told { joined, .. }) in blocks.iter().enumerate() {
-        let [one, two] = products[at];
-        sums = add(sums, [one * one, one * two, two * two], 1.0);
-        for lag in 1..=LAGS.min(*joined) {
-            let [former, before] = products[at - lag];
-            let both = [2.0 * one * former, one * before + two * former, 2.0 * two * before];
-            sums = add(sums, both, 1.0 - lag as f64 / (LAGS + 1) as f64);
-        }
-    }
-    sums.map(|sum| sum / blocks.len().max(1) as f64)
-}
-
-fn add(mut sums: [f64; SCATTERS], values: [f64; SCATTERS], weight: f64) -> [f64; SCATTERS] {
-    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-    sums
+    let joined: Vec<usize> = blocks.iter().map(|it| it.joined).collect();
+    let [[coulomb, mixed], [_, viscous]] = long_run::covariance(&products, &joined);
+    [coulomb, mixed, viscous].map(|sum| sum / blocks.len().max(1) as f64)
 }
 
 /// Tries the detector on its own lesson, at the detector's `level`, nats.

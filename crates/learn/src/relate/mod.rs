@@ -7,6 +7,7 @@
 mod chambers;
 pub mod flow;
 mod friction;
+mod long_run;
 mod pieces;
 mod rows;
 mod scatter;
@@ -63,6 +64,12 @@ impl fmt::Display for ProcessRefusal {
             ),
         }
     }
+}
+
+/// Refuses a relation that so many `samples` teach where that is less than `least` seconds of them.
+fn enough(samples: usize, sample_time: f64, least: f64) -> Result<(), ProcessRefusal> {
+    let seconds = samples as f64 * sample_time;
+    if seconds < least { Err(ProcessRefusal::Short { seconds, least }) } else { Ok(()) }
 }
 
 impl LearntProcess {

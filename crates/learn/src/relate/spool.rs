@@ -2,7 +2,7 @@
 
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
-use super::{LEAST_TIME, ProcessRefusal, pieces};
+use super::{LEAST_TIME, ProcessRefusal, enough, pieces};
 use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::SpoolTable;
 use tertius_core::process::{Curve, ProcessParameters, Spool, SpoolDesign, curve};
@@ -28,10 +28,7 @@ pub(super) fn learn(
     level: f64,
 ) -> Result<SpoolTable, ProcessRefusal> {
     let count = rows.iter().filter(|row| row.spool.is_some()).count();
-    let seconds = count as f64 * sample_time;
-    if seconds < LEAST_TIME {
-        return Err(ProcessRefusal::Short { seconds, least: LEAST_TIME });
-    }
+    enough(count, sample_time, LEAST_TIME)?;
     let commands = rows.iter().map(|row| row.command.abs()).collect();
     let limit = pieces::limit(commands).filter(|limit| *limit > LEAST_LIMIT);
     let limit = limit.ok_or(ProcessRefusal::Undetermined)?;

@@ -29,17 +29,23 @@ impl Cylinder {
         let judged = innovations
             .map(|innovation| innovation.filter(|i| open && i.settled).map(|i| i.residual));
         self.judged = judged.map(|residual| residual.is_some());
-        // After a loss it is no evidence either way. After a change of command that the thresholds were not made for, only
-        // what one observer alone sees is a fault.
-        let (beyond, high) = (self.steepness.is_beyond(), self.design.bank.observer.high);
-        let whole = |i: usize| {
-            let residual = judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole))?;
-            let counts = !beyond || residual.abs() <= high || is_alone(residual, judged[1 - i]);
-            counts.then_some(residual)
-        };
-        let residuals = Residuals { r: [whole(0), whole(1), difference] };
+        // After a loss it is no evidence either way.
+        let whole = |i: usize| judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole));
+        let mut residuals = Residuals { r: [whole(0), whole(1), difference] };
+        if self.steepness.is_beyond() {
+            self.keep_lonely(&mut residuals, judged);
+        }
         self.bank.judge(now.at, &residuals);
         residuals
+    }
+
+    /// After a change of command that the thresholds were not made for, only what one observer alone sees is a fault.
+    #[cold]
+    fn keep_lonely(&self, residuals: &mut Residuals, judged: [Option<f64>; 2]) {
+        let high = self.design.bank.observer.high;
+        for (i, residual) in residuals.r.iter_mut().take(judged.len()).enumerate() {
+            *residual = residual.filter(|it| it.abs() <= high || is_alone(*it, judged[1 - i]));
+        }
     }
 
     /// Judges the machine's own rule, "difference too big" (thesis, section 1-1), on the readings
