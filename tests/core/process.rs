@@ -180,6 +180,18 @@ fn a_worn_machine_with_another_load_is_quiet() {
     assert_eq!(of_process(&warnings), Vec::<&Warning>::new());
 }
 
+/// The plant has 2 kN of Coulomb's and 40 kN s/m of viscous friction over 0.02 m²: 1 bar and 20 bar s/m, less where the
+/// oil is warm.
+#[test]
+fn friction_is_learnt_as_the_plant_has_it() {
+    for learnt in &TAUGHT.learnt {
+        let Some(Ok(table)) = &learnt.friction else { panic!("{:?}", learnt.remarks()) };
+        let [.., viscous, coulomb] = table.coefficients;
+        assert!((13.0..23.0).contains(&viscous), "{}: {viscous} bar s/m", learnt.number);
+        assert!((0.9..1.4).contains(&coulomb), "{}: {coulomb} bar", learnt.number);
+    }
+}
+
 #[test]
 fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
     let taught = Taught::by(

@@ -6,6 +6,7 @@ use tertius::config::design;
 use tertius::config::{self, Settings};
 use tertius::dbc::{Database, text};
 use tertius::evaluate::contest::{Course, Rival};
+use tertius::evaluate::process::ProcessMachine;
 use tertius::evaluate::weights::{FAULTS, SETS, SetResult};
 use tertius::evaluate::{
     Blame, Cell, Evaluation, Extent, Gathering, Grade, Job, Lessons, Outcome, Plan, Product, Row,
@@ -263,6 +264,26 @@ fn detectors_are_compared_on_the_same_faults_and_hours() {
     }));
     let delays: Vec<f64> = points.iter().filter_map(|point| point.median).collect();
     assert!(delays.len() > 10 && delays.is_sorted(), "{delays:?}");
+}
+
+/// Readings in steps of half a millimetre need higher thresholds than those of the configuration, which are for finer ones.
+#[test]
+fn a_machine_with_hydraulics_is_commissioned_with_thresholds_and_relations_of_its_own() {
+    let bench = Bench::new();
+    let plant = std::fs::read_to_string(support::top().join("config/e-type-hydraulic-plant.toml"));
+    let tables = Tables::parse(&plant.expect("it ships")).expect("it is sound");
+    let stand = Stand::new(&tables, &bench.settings, &bench.database, &bench.design);
+    let machine = ProcessMachine { grade: Grade::Coarse, lag: 0.06 };
+    let lessons = Lessons { calibration: 0.25, level: 0.25 };
+    let learnt = stand.commission(machine, true, &[SEA], [1, 2], lessons).expect("it teaches");
+    for (own, configured) in learnt.design.cylinders.iter().zip(&bench.design.cylinders) {
+        let [own_high, high] = [own, configured].map(|it| it.bank.observer.high);
+        assert!(own_high > 1.2 * high, "{own_high} {high}");
+        assert!(own.command_change.is_finite() && own.sequential.is_some());
+        let process = own.process.as_ref().expect("it is learnt");
+        assert!(process.spool.is_some() && process.chambers.is_some());
+        assert!(process.flow.is_some() && process.friction.is_some());
+    }
 }
 
 #[test]

@@ -2,14 +2,17 @@
 //! calibrated on one healthy run, with their level from another.
 
 use super::grade::Grade;
+use super::process::ProcessMachine;
 use super::stand::{Stand, StandError};
 use tertius_config::design::{self, Flaw};
-use tertius_config::settings::Settings;
+use tertius_config::settings::{Fde, Settings};
 use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::sequential::{self, Sequential};
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
-use tertius_learn::survey::{Survey, Surveyor, Timeline, Window};
+use tertius_learn::survey::{Origin, Survey, Surveyor, Timeline, Window};
+use tertius_learn::tune::Tuning;
+use tertius_learn::tune::course::{SIGMA, TuningCourse, Untuned};
 use tertius_machine::simulator::{EPOCH, Options};
 
 /// Hours to learn from in each sea.
@@ -36,9 +39,12 @@ pub struct Learnt {
 }
 
 /// The same run of a machine in one sea after the other.
+#[derive(Clone, Copy)]
 struct Run<'a> {
     stand: &'a Stand<'a>,
     grade: Grade,
+    /// Whether its transducers fluctuate as in Figure 5-9.
+    fluctuates: bool,
     /// Time constant of the spools, s; `None`: the plant's.
     lag: Option<f64>,
     seas: &'a [[f64; 2]],
@@ -51,11 +57,11 @@ impl Recording for Run<'_> {
 
     /// Reads the run into `surveyor`; `window` is a part of the time in each sea.
     fn read(&self, window: Window, mut surveyor: impl Surveyor) -> Result<(), StandError> {
-        let Self { stand, grade, lag, seas, settings, seed } = *self;
+        let Self { stand, grade, fluctuates, lag, seas, settings, seed } = *self;
         let design = design::surveying(settings, stand.database).map_err(|flaws| flawed(&flaws))?;
         for sea in seas {
             let options = Options { seed, sea: Some(*sea), ..Options::default() };
-            let mut simulator = stand.steady_with_lag(grade, lag, None, &options)?;
+            let mut simulator = stand.lagging((grade, fluctuates), lag, None, &options)?;
             let mut monitor = Monitor::new(design.clone());
             let mut survey = Survey::new(EPOCH, window, &mut surveyor);
             for _ in 0..stand.cycles(window.to) {
@@ -64,6 +70,34 @@ impl Recording for Run<'_> {
             (1..=settings.machine.cylinders).for_each(|cylinder| surveyor.gap(cylinder));
         }
         Ok(())
+    }
+}
+
+impl Run<'_> {
+    /// Weights and thresholds by so many `hours` in each sea.
+    fn tuning(&self, hours: f64) -> Result<Tuning, StandError> {
+        let design =
+            design::surveying(self.settings, self.stand.database).map_err(|it| flawed(&it))?;
+        let window = Window { from: 0.0, to: 3600.0 * hours };
+        let origin = Origin {
+            inputs: String::new(),
+            timeline: Timeline::default(),
+            window,
+            remarks: Vec::new(),
+        };
+        let course = TuningCourse {
+            settings: self.settings,
+            design: &design,
+            origin: &origin,
+            without: &[],
+            per_year: self.settings.sequential.false_alarms_per_year,
+            keep_weights: false,
+            sigma: SIGMA,
+        };
+        course.run(self).map_err(|why| match why {
+            Untuned::Recording(error) => error,
+            Untuned::TooLittle(why) => StandError::Untaught(why),
+        })
     }
 }
 
@@ -90,25 +124,35 @@ impl Stand<'_> {
         seeds: [u64; 2],
         lessons: Lessons,
     ) -> Result<Learnt, StandError> {
-        self.learn_with_lag(grade, None, seas, seeds, lessons)
+        let ([seed, other], settings) = (seeds, self.settings);
+        let run = Run { stand: self, grade, fluctuates: false, lag: None, seas, settings, seed };
+        self.learn_from(run, other, lessons)
     }
 
-    /// As [`Self::learn`], from a machine with spools of the time constant `lag`, s, where it is given; with them the
-    /// process detectors, where the machine sends what they need.
+    /// As [`Self::learn`], from a machine with spools of the time constant `lag`, s; with them the process detectors, where
+    /// the machine sends what they need, and the weights and thresholds of its observers: all that an engineer would have
+    /// it learn.
     ///
     /// # Errors
     /// See [`Self::learn`].
-    pub fn learn_with_lag(
+    pub fn commission(
         &self,
-        grade: Grade,
-        lag: Option<f64>,
+        machine: ProcessMachine,
+        fluctuates: bool,
         seas: &[[f64; 2]],
         seeds: [u64; 2],
         lessons: Lessons,
     ) -> Result<Learnt, StandError> {
+        let ([seed, other], settings) = (seeds, self.settings);
+        let ProcessMachine { grade, lag } = machine;
+        let run = Run { stand: self, grade, fluctuates, lag: Some(lag), seas, settings, seed };
+        self.learn_from(run, other, lessons)
+    }
+
+    /// By `run`, and the same with the seed `other`.
+    fn learn_from(&self, run: Run<'_>, other: u64, lessons: Lessons) -> Result<Learnt, StandError> {
+        let Run { grade, lag, .. } = run;
         let mut settings = self.settings.clone();
-        let [seed, other] = seeds;
-        let run = Run { stand: self, grade, lag, seas, settings: self.settings, seed };
         let time = 3600.0 * lessons.calibration;
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
         let per_year = settings.sequential.false_alarms_per_year;
@@ -143,6 +187,14 @@ impl Stand<'_> {
         };
         if let Some(level) = &level {
             settings.sequential.level = Some(level.nats);
+        }
+        if lag.is_some() {
+            let run = Run { seed: other, settings: &settings, ..run };
+            let tuning = run.tuning(lessons.level)?;
+            let (weights, thresholds) = (tuning.search.weights, tuning.thresholds);
+            (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
+            let (low, high) = (thresholds.low, thresholds.high);
+            settings.fde = Fde { low, high, command_change: thresholds.command_change };
         }
         let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
         let nats = settings.sequential_level();

@@ -19,7 +19,7 @@ pub enum StandError {
     Place(#[from] PlaceError),
     #[error("the gateway's frames cannot be read: {0}")]
     Unread(String),
-    #[error("the sequential detectors cannot be calibrated to the simulated machine: {0}")]
+    #[error("the simulated machine does not teach all that is tried: {0}")]
     Untaught(String),
 }
 
@@ -107,35 +107,20 @@ impl<'a> Stand<'a> {
         self.simulate(&self.steady, grade, options)
     }
 
-    /// The machine with transducers of `grade` and spools with the time constant `lag`, s, with another load and
-    /// friction if they are `changed`.
+    /// The machine with transducers of `grade`, which fluctuate or do not, and spools with the time constant `lag`, s,
+    /// or the plant's; with another load and friction if they are `changed`.
     ///
     /// # Errors
     /// See [`Self::simulator`].
-    pub fn with_lag(
+    pub(super) fn lagging(
         &self,
-        grade: Grade,
-        lag: f64,
-        changed: Option<(Change, f64)>,
-        options: &Options,
-    ) -> Result<Simulator, StandError> {
-        self.simulate_changed(
-            self.of_grade(&self.tables, grade).clone(),
-            Some(lag),
-            changed,
-            options,
-        )
-    }
-
-    /// The same with transducers that do not fluctuate; without a `lag`, spools are the plant's.
-    pub(super) fn steady_with_lag(
-        &self,
-        grade: Grade,
+        (grade, fluctuates): (Grade, bool),
         lag: Option<f64>,
         changed: Option<(Change, f64)>,
         options: &Options,
     ) -> Result<Simulator, StandError> {
-        self.simulate_changed(self.of_grade(&self.steady, grade).clone(), lag, changed, options)
+        let tables = if fluctuates { &self.tables } else { &self.steady };
+        self.simulate_changed(self.of_grade(tables, grade).clone(), lag, changed, options)
     }
 
     /// The machine with transducers of `grade` that do not fluctuate, and with a sensor on its deck of this `witness`.

@@ -16,6 +16,7 @@ pub(super) use trial::{is_process, varied};
 
 use super::grade::Grade;
 use super::plan::Extent;
+use super::side::LESSONS;
 use super::stand::{Stand, StandError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -39,9 +40,6 @@ impl ProcessMachine {
         Grade::ALL.into_iter().flat_map(of).collect()
     }
 }
-
-/// Length of the recording that teaches, s.
-pub const LESSON: f64 = 1500.0;
 
 /// How long one healthy machine is watched, s.
 pub const STRETCH: f64 = 1800.0;
@@ -128,8 +126,11 @@ impl ProcessStudy {
     pub fn designs(&self, stand: &Stand) -> Result<Vec<MonitorDesign>, StandError> {
         let numbered = (0..).zip(&self.machines);
         let taught = numbered.map(|(number, machine)| {
-            let seed = self.random(STREAMS + number).random();
-            stand.taught_process(*machine, self.seas[0], seed)
+            let mut rng = self.random(STREAMS + number);
+            let seeds = [rng.random(), rng.random()];
+            let learnt = stand.commission(*machine, true, &self.seas[..1], seeds, LESSONS)?;
+            is_complete(&learnt.design)?;
+            Ok(learnt.design)
         });
         taught.collect()
     }
@@ -171,4 +172,23 @@ impl ProcessStudy {
         rng.set_stream(stream);
         rng
     }
+}
+
+/// Whether every cylinder has learnt every relation: figures of the others would be of nothing.
+fn is_complete(design: &MonitorDesign) -> Result<(), StandError> {
+    for (number, cylinder) in (1..).zip(&design.cylinders) {
+        let process = cylinder.process.as_ref();
+        let learnt = [
+            ("spool", process.is_some_and(|it| it.spool.is_some())),
+            ("chambers", process.is_some_and(|it| it.chambers.is_some())),
+            ("flow", process.is_some_and(|it| it.flow.is_some())),
+            ("friction", process.is_some_and(|it| it.friction.is_some())),
+        ];
+        if let Some((name, _)) = learnt.into_iter().find(|(_, is_known)| !is_known) {
+            let why =
+                format!("process detectors: cylinder {number} has learnt nothing by the {name}");
+            return Err(StandError::Untaught(why));
+        }
+    }
+    Ok(())
 }

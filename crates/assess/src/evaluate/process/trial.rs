@@ -1,20 +1,16 @@
 //! One machine with a fault, or without.
 
 use super::cases::ProcessCase;
-use super::{LESSON, ProcessMachine, STRETCH};
+use super::{ProcessMachine, STRETCH};
 use crate::evaluate::stand::{Stand, StandError};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use tertius_config::design;
-use tertius_config::settings::{Cylinder, Settings};
 use tertius_core::alarm::detector::PLACES;
 use tertius_core::alarm::{Detector, State, Warning};
-use tertius_core::monitor::{Monitor, MonitorDesign, Sink};
+use tertius_core::monitor::{Monitor, Sink};
 use tertius_core::process::ProcessParameters;
 use tertius_core::time::{Span, Timestamp};
 use tertius_core::verdict::{Fault as Kind, Suspect};
-use tertius_learn::relate::ProcessRows;
-use tertius_learn::survey::{Ranking, Survey, Window};
 use tertius_machine::inject::{Fault, Placed, Shape, Wanted, place};
 use tertius_machine::plant::{Ailment, CYLINDERS};
 use tertius_machine::simulator::{Change, EPOCH, Options, Simulator};
@@ -64,44 +60,6 @@ impl Sink for Listener {
 }
 
 impl Stand<'_> {
-    /// The monitor that a healthy machine in `sea` teaches.
-    pub(super) fn taught_process(
-        &self,
-        machine: ProcessMachine,
-        sea: [f64; 2],
-        seed: u64,
-    ) -> Result<MonitorDesign, StandError> {
-        let mut settings: Settings = self.settings.clone();
-        let told = |flaws: Vec<design::Flaw>| {
-            let told = flaws.iter().map(|flaw| format!("{}: {}", flaw.key, flaw.message));
-            StandError::Untaught(told.collect::<Vec<_>>().join("; "))
-        };
-        let surveying = design::surveying(&settings, self.database).map_err(told)?;
-        let options = Options { seed, sea: Some(sea), ..Options::default() };
-        let mut simulator = self.with_lag(machine.grade, machine.lag, None, &options)?;
-        let mut rows = ProcessRows::new(&settings);
-        let mut monitor = Monitor::new(surveying);
-        let mut survey = Survey::new(EPOCH, Window::ALL, &mut rows);
-        for _ in 0..self.cycles(LESSON) {
-            simulator.step(&mut |frame| monitor.take(frame, &mut survey));
-        }
-        let gains: Vec<f64> =
-            (1..=settings.machine.cylinders).map(|n| settings.comparator_of(n).0).collect();
-        for learnt in rows.learn(&settings, &Ranking::default(), &gains) {
-            if let Some(why) = learnt.remarks().first() {
-                return Err(StandError::Untaught(format!("cylinder {}: {why}", learnt.number)));
-            }
-            let process = learnt.table(settings.machine.sample_time);
-            match settings.cylinder.iter_mut().find(|own| own.n == learnt.number) {
-                Some(own) => own.process = process,
-                None => {
-                    settings.cylinder.push(Cylinder { process, ..Cylinder::new(learnt.number) })
-                }
-            }
-        }
-        design::judging(&settings, self.database).map_err(told)
-    }
-
     /// Plays a machine with the fault of `case` on every cylinder.
     pub(super) fn ailing(
         &self,
@@ -135,7 +93,8 @@ impl Stand<'_> {
         };
         let sea = Some(sea);
         let options = Options { seed, sea, ailments, faults, in_loop: true, ..Options::default() };
-        let mut simulator = self.with_lag(machine.grade, machine.lag, None, &options)?;
+        let mut simulator =
+            self.lagging((machine.grade, true), Some(machine.lag), None, &options)?;
         let warnings = self.watched(&mut simulator, index, begin + SPREAD + case.watch);
         let outcome = |(n, drawn): (u8, &(f64, f64))| outcome(case, &warnings, n, *drawn);
         Ok(chosen().map(outcome).collect())
@@ -151,7 +110,8 @@ impl Stand<'_> {
     ) -> Result<ProcessQuiet, StandError> {
         let options = Options { seed: rng.random(), sea: Some(sea), ..Options::default() };
         let changed = Some(varied(rng));
-        let mut simulator = self.with_lag(machine.grade, machine.lag, changed, &options)?;
+        let mut simulator =
+            self.lagging((machine.grade, true), Some(machine.lag), changed, &options)?;
         let warnings = self.watched(&mut simulator, index, STRETCH);
         let raised = |it: &&Warning| is_process(it) && it.state == State::Raised;
         Ok(ProcessQuiet { raises: warnings.iter().filter(raised).count() as u64 })

@@ -9,7 +9,7 @@ mod trial;
 pub use figures::{SideFigures, SideGathering, SideHealthy, SideResult};
 pub use trial::{SideOutcome, SideQuiet};
 
-use super::learning::{Learnt, Lessons};
+use super::learning::Lessons;
 use super::plan::Extent;
 use super::process::ProcessMachine;
 use super::stand::{Stand, StandError};
@@ -134,10 +134,8 @@ impl SideStudy {
         let taught = numbered.map(|(number, machine)| {
             let mut rng = self.random(STREAMS + number);
             let seeds = [rng.random(), rng.random()];
-            let ProcessMachine { grade, lag } = *machine;
-            let Learnt { design, .. } =
-                stand.learn_with_lag(grade, Some(lag), &self.seas[..1], seeds, LESSONS)?;
-            Ok(design)
+            let learnt = stand.commission(*machine, false, &self.seas[..1], seeds, LESSONS)?;
+            Ok(learnt.design)
         });
         taught.collect()
     }

@@ -66,7 +66,7 @@ impl Stand<'_> {
         let sea = Some(sea);
         let options = Options { seed, sea, faults: faults?, in_loop: true, ..Options::default() };
         let mut simulator =
-            self.steady_with_lag(machine.grade, Some(machine.lag), None, &options)?;
+            self.lagging((machine.grade, false), Some(machine.lag), None, &options)?;
         let end = LEAD + SPREAD + IN_TIME / case.rate;
         let warnings = self.heard(&mut simulator, design, end);
         let outcomes = drawn().map(|(n, drawn)| outcome(case, &warnings, n, drawn.0));
@@ -84,7 +84,7 @@ impl Stand<'_> {
         let options = Options { seed: rng.random(), sea: Some(sea), ..Options::default() };
         let changed = Some(varied(rng));
         let mut simulator =
-            self.steady_with_lag(machine.grade, Some(machine.lag), changed, &options)?;
+            self.lagging((machine.grade, false), Some(machine.lag), changed, &options)?;
         let warnings = self.heard(&mut simulator, design, STRETCH);
         let own = |it: &&Warning| is_process(it) || it.detector == Detector::Sequential;
         let raised = warnings.iter().filter(own).filter(|it| it.state == State::Raised).count();

@@ -1,5 +1,6 @@
 use super::*;
 use crate::process::Curve;
+use crate::process::friction::{FORCE_TERMS, FrictionDesign};
 
 const SAMPLE_TIME: f64 = 0.02;
 
@@ -66,4 +67,113 @@ fn the_oil_tells_whose_reading_drifts_where_it_is_asked() {
         assert!(said([0.0, rate], true).is_some_and(|nats| nats < -8.0));
         assert_eq!(said([rate, 0.0], false), None);
     }
+}
+
+/// c₁ to c₄ of the rod that [`swing`] moves.
+const FORCES: [f64; FORCE_TERMS] = [2.0, 5.0, 20.0, 1.5];
+
+/// A detector that knows friction and nothing else.
+fn of_friction() -> Process {
+    let friction =
+        FrictionDesign { coefficients: FORCES, scatter: [0.01, 0.005, 0.1], area_ratio: 0.5 };
+    Process::new(ProcessDesign {
+        spool: None,
+        chambers: None,
+        flow: None,
+        friction: Some(friction),
+        level: 25.0,
+        sample_time: SAMPLE_TIME,
+        clear: 50,
+        parameters: &ProcessParameters::DEFAULT,
+    })
+}
+
+/// Cycle `k` of a rod that swings by half a metre in 8 s, and takes so much `more` pressure by Coulomb's friction, bar.
+fn swing(k: u32, more: f64, held: bool) -> ProcessInput {
+    let (t, w) = (SAMPLE_TIME * f64::from(k), core::f64::consts::PI / 4.0);
+    let rod = |t: f64| [libm::sin(w * t), w * libm::cos(w * t)].map(|it| 0.5 * it);
+    // P_L counts from a cycle to the next, so that it is that of its middle.
+    let ([length, _], [at, speed]) = (rod(t), rod(t - 0.5 * SAMPLE_TIME));
+    let along = libm::tanh(speed / ProcessParameters::DEFAULT.friction_speed);
+    let terms = [at, -w * w * at, speed, along];
+    let load: f64 = terms.iter().zip(FORCES).map(|(term, of)| term * of).sum();
+    ProcessInput {
+        command: None,
+        spool: None,
+        chambers: [None; 2],
+        load: Some(24.0 + load + more * along),
+        supply: None,
+        lengths: [Some(length); 2],
+        apart: None,
+        monitored: true,
+        held,
+        asked: false,
+        at: Timestamp::default(),
+    }
+}
+
+#[test]
+fn friction_that_has_grown_is_found_with_its_size_and_ends_with_it() {
+    let mut process = of_friction();
+    for k in 0..60 * 50 {
+        process.step(&swing(k, 0.0, false));
+        assert_eq!(process.alarm(), None);
+    }
+    let mut raised = None;
+    for k in 60 * 50..120 * 50 {
+        process.step(&swing(k, 2.0, false));
+        raised = raised.or(process.alarm().map(|_| k));
+    }
+    let delay = SAMPLE_TIME * f64::from(raised.expect("it is found")) - 60.0;
+    assert!((1.0..20.0).contains(&delay), "{delay} s");
+    let alarm = process.alarm().expect("it stands");
+    assert_eq!(alarm.malfunction, Malfunction::Friction);
+    let size = alarm.size.expect("it was looked at for long enough");
+    // The rest went with what is slow.
+    assert!((1.6..2.05).contains(&size), "{size} bar");
+    for k in 120 * 50..400 * 50 {
+        process.step(&swing(k, 0.0, false));
+    }
+    assert_eq!(process.alarm(), None, "it goes as before");
+}
+
+#[test]
+fn friction_is_not_judged_while_a_transducer_is_suspected_nor_by_what_went_before() {
+    let (mut process, settling) = (of_friction(), ProcessParameters::DEFAULT.friction_settling);
+    let mut last = 0;
+    for k in 0..240 * 50 {
+        // What the rod does meanwhile is the controller's answer to a wrong reading.
+        let held = (60 * 50..120 * 50).contains(&k);
+        process.step(&swing(k, if held { 4.0 } else { 0.0 }, held));
+        assert_eq!(process.alarm(), None, "{k}");
+        let open = if k < 60 * 50 { k } else { k.saturating_sub(120 * 50) };
+        let is_known = SAMPLE_TIME * f64::from(open) > settling;
+        assert!(is_known || !process.judged()[FRICTION], "{k}");
+        last = if process.judged()[FRICTION] { k } else { last };
+    }
+    assert_eq!(last + 1, 240 * 50);
+}
+
+#[test]
+fn pressures_spool_and_oil_come_before_friction() {
+    let mut process = of_friction();
+    let alarm = |malfunction, age| {
+        let onset = Timestamp::default();
+        Some(ProcessAlarm { malfunction, size: None, nats: 30.0, onset, age, quiet: 0 })
+    };
+    let named = |process: &Process| process.alarm().map(|alarm| alarm.malfunction);
+    let old = process.counts.company;
+    process.alarms[FRICTION] = alarm(Malfunction::Friction, old);
+    assert_eq!(named(&process), Some(Malfunction::Friction));
+    for (which, malfunction) in [
+        (FLOW, Malfunction::Leakage),
+        (SPOOL, Malfunction::Sticking),
+        (CHAMBERS, Malfunction::Chambers),
+    ] {
+        process.alarms[which] = alarm(malfunction, old);
+        assert_eq!(named(&process), Some(malfunction));
+    }
+    let [.., of_blocks] = process.levels;
+    // Ten cycles are one block: as many false alarms an hour take log 10 less.
+    assert!((25.0 - of_blocks - libm::log(0.2 / SAMPLE_TIME)).abs() < 1e-9, "{of_blocks}");
 }
