@@ -11,6 +11,7 @@ mod counts;
 pub mod cylinder;
 mod devices;
 mod estimates;
+mod filling;
 pub mod gate;
 mod implausible;
 mod intake;
@@ -28,7 +29,6 @@ mod tilt;
 
 use crate::alarm::status::{MAX_CYLINDERS, Status};
 use crate::alarm::{Detector, Encoder, Register};
-use crate::decode::{Decoded, Value};
 use crate::error_frame::ErrorFrame;
 use crate::frame::{Buses, Frame, Kind};
 use crate::hexapod::{Tilt, TiltDesign};
@@ -46,7 +46,7 @@ use passage::{LARGEST_PAUSE, SMALLEST_SETBACK};
 pub use saved::{DesignChecksum, MAX_STATE, SavedState, StateRefusal};
 use silence::Silence;
 pub use sink::{Notice, Record, Sink};
-use subscriptions::{Subscriptions, Target};
+use subscriptions::Subscriptions;
 
 /// Everything a monitor is made from.
 #[derive(Clone, Debug)]
@@ -235,53 +235,6 @@ impl Monitor {
         }
     }
 
-    /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
-    /// complete.
-    fn fill(&mut self, page: Place, now: Timestamp, frame: &Frame, sink: &mut impl Sink) {
-        let Self { stations, cylinders, gate, tilt, counts, .. } = self;
-        let page = &stations[page.0].pages[page.1];
-        if let Some(intake) = &page.intake {
-            let index = intake.cylinder();
-            let cylinder = &mut cylinders[index];
-            if let Some(word) = intake.word(frame) {
-                intake.fill(word, &mut cylinder.inputs);
-                if cylinder.pending && cylinder.is_done() {
-                    self.evaluate(index, now, sink);
-                }
-                return;
-            }
-        }
-        let mut touched = 0_u8;
-        for signal in &page.signals {
-            let value = match signal.plan.decode(frame) {
-                Decoded::Value(value) => value,
-                Decoded::Absent => continue,
-                Decoded::Short => {
-                    counts.bad_signals += 1;
-                    continue;
-                }
-            };
-            match signal.target {
-                Target::State => gate.state(now, state_number(value)),
-                Target::Inclination(which) => {
-                    counts.bad_signals += tilt::put(tilt.as_deref_mut(), which, value);
-                }
-                Target::Cylinder(index, field) => {
-                    touched |= 1 << index;
-                    let taken = cylinders[usize::from(index)].put(field, value);
-                    counts.bad_signals += u64::from(!taken);
-                }
-            }
-        }
-        while touched != 0 {
-            let index = touched.trailing_zeros() as usize;
-            touched &= touched - 1;
-            if self.cylinders[index].pending && self.cylinders[index].is_done() {
-                self.evaluate(index, now, sink);
-            }
-        }
-    }
-
     /// Opens a cycle with a frame that has the time stamp `stamp`.
     fn open_cycle(
         &mut self,
@@ -390,8 +343,4 @@ impl Monitor {
             }
         }
     }
-}
-
-fn state_number(value: Value) -> i64 {
-    value.raw.as_i64().unwrap_or(value.raw.as_f64() as i64)
 }

@@ -4,6 +4,7 @@ use super::intake::{Counting, Intake};
 use super::subscriptions::{SubscribedService, SubscribedSignal, Subscription, Target};
 use crate::decode::{Decoded, SignalPlan};
 use crate::frame::Frame;
+use crate::hexapod::Inclination;
 use crate::sample::arrival::Slot;
 use crate::sample::counter::AliveCounter;
 use crate::sample::{Field, Transducer};
@@ -76,7 +77,7 @@ pub(super) struct Page {
     /// Whether the page belongs to a cycle; the platform's state does not.
     pub cyclic: bool,
     /// Signals of the page except its counter.
-    pub signals: Box<[SubscribedSignal]>,
+    pub signals: Box<[PageSignal]>,
     /// Short path of the signals.
     pub intake: Option<Intake>,
     counter: Option<SignalPlan>,
@@ -90,6 +91,67 @@ pub(super) struct Page {
 state! {
     Page { slot }
     but { reading, cyclic, signals, intake, counter, counted, carried_with }
+}
+
+/// A signal of a page, and where it goes.
+#[derive(Clone, Debug)]
+pub(super) struct PageSignal {
+    pub plan: SignalPlan,
+    pub destination: Destination,
+}
+
+/// Where a signal goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Destination {
+    State,
+    Inclination(Inclination),
+    /// The same field of one cylinder or several, as of the supply's pressure: a bit for each.
+    Cylinders(u8, Field),
+}
+
+impl Destination {
+    /// How many values a signal is that goes there.
+    pub fn count(self) -> u64 {
+        match self {
+            Self::State | Self::Inclination(_) => 1,
+            Self::Cylinders(bits, _) => bits.count_ones().into(),
+        }
+    }
+}
+
+impl PageSignal {
+    fn of(signal: &SubscribedSignal) -> Self {
+        let destination = match signal.target {
+            Target::State => Destination::State,
+            Target::Inclination(which) => Destination::Inclination(which),
+            Target::Cylinder(index, field) => Destination::Cylinders(1 << index, field),
+        };
+        Self { plan: signal.plan.clone(), destination }
+    }
+
+    /// The bits of its cylinders, if `other` is the same value for the same field.
+    fn joined(&mut self, other: &Self) -> Option<&mut u8> {
+        match (&mut self.destination, other.destination) {
+            (Destination::Cylinders(bits, own), Destination::Cylinders(_, field)) => {
+                (*own == field && self.plan == other.plan).then_some(bits)
+            }
+            _ => None,
+        }
+    }
+
+    /// `signals`, of which those that only differ in their cylinder are one.
+    fn all(signals: &[SubscribedSignal]) -> Box<[Self]> {
+        let mut all: Vec<Self> = Vec::new();
+        for signal in signals {
+            let own = Self::of(signal);
+            let joined = all.iter_mut().find_map(|known| known.joined(&own));
+            match (joined, own.destination) {
+                (Some(bits), Destination::Cylinders(more, _)) => *bits |= more,
+                _ => all.push(own),
+            }
+        }
+        all.into()
+    }
 }
 
 impl Stateful for StationKind {
@@ -198,7 +260,7 @@ impl Draft<'_> {
             reading: self.signals.iter().any(|signal| signal.is_reading()),
             cyclic: self.cyclic,
             intake: Intake::of(&signals, counting),
-            signals,
+            signals: PageSignal::all(&signals),
             counter: plan,
             counted,
             slot: Slot::new(alive),

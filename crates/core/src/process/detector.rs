@@ -198,7 +198,7 @@ impl Process {
                 if stand.is_settled {
                     self.of_spool.push(stand.residual(), stand.deviation);
                     self.judged[SPOOL] = true;
-                    if self.alarms[SPOOL].is_some() || self.of_spool.is_turn() {
+                    if self.is_asked(SPOOL, &self.of_spool) {
                         self.weigh(SPOOL, input.at);
                     }
                 }
@@ -214,7 +214,7 @@ impl Process {
         if let Some((residual, deviation)) = residual {
             self.of_chambers.push(residual, deviation);
             self.judged[CHAMBERS] = true;
-            if self.alarms[CHAMBERS].is_some() || self.of_chambers.is_turn() {
+            if self.is_asked(CHAMBERS, &self.of_chambers) {
                 self.weigh(CHAMBERS, input.at);
             }
         }
@@ -275,7 +275,16 @@ impl Process {
         }
     }
 
+    /// Whether there is anything to weigh of a relation: an alarm, which is followed by all there is, or evidence.
+    #[inline]
+    fn is_asked(&self, which: usize, evidence: &EvidenceWindows) -> bool {
+        let weighing = self.weighings[which].as_ref();
+        self.alarms[which].is_some()
+            || weighing.is_some_and(|weighing| evidence.has_evidence_in_turn(weighing))
+    }
+
     /// Raises, follows or ends the alarm of a relation.
+    #[cold]
     fn weigh(&mut self, which: usize, at: Timestamp) {
         let Some(weighing) = &self.weighings[which] else { return };
         let evidence = [&self.of_spool, &self.of_chambers][which];

@@ -26,6 +26,8 @@ pub struct Weighing {
     pub dependence: [[f64; WIDTHS.len()]; 2],
     /// Places in [`WIDTHS`] of the shortest window and of that after the longest.
     widths: [usize; 2],
+    /// Σ (y/s)² over each of [`WIDTHS`] that is no fault.
+    most_squares: [f64; WIDTHS.len()],
 }
 
 impl Weighing {
@@ -33,19 +35,20 @@ impl Weighing {
     pub fn new(dead_band: f64, dependence: [[f64; WIDTHS.len()]; 2], sample_time: f64) -> Self {
         let [shortest, longest] = P.widths(sample_time);
         let before = |samples: usize| WIDTHS.iter().take_while(|width| **width < samples).count();
-        Self { dead_band, dependence, widths: [before(shortest), before(longest.min(WIDEST) + 1)] }
+        let widths = [before(shortest), before(longest.min(WIDEST) + 1)];
+        let most_squares = WIDTHS.map(|width| P.spread_band * width as f64);
+        Self { dead_band, dependence, widths, most_squares }
     }
 
-    /// Whether the sums over the window of `index` are evidence of anything.
+    /// Whether sums over a window are evidence of anything; of squares they may be `most`.
     #[inline]
-    fn is_evidence(&self, index: usize, [sum, weight, square, _]: &[f64; 4]) -> bool {
-        let beyond = sum.abs() > self.dead_band * weight;
-        beyond || *square > P.spread_band * WIDTHS[index] as f64
+    fn is_evidence(&self, most: f64, [sum, weight, square, _]: &[f64; VALUES]) -> bool {
+        sum.abs() > self.dead_band * weight || *square > most
     }
 
     /// Nats of the sums over the window of `index`: of the mean beyond the dead band, (|Σ y/s²| − ε Σ 1/s²)²
     /// over 2 κ Σ 1/s², and of the variance, n/2κ (ρ − 1 − ln ρ), ρ being the mean (y/s)² over the band.
-    fn nats(&self, index: usize, [sum, weight, square, _]: [f64; 4]) -> [f64; 2] {
+    fn nats(&self, index: usize, [sum, weight, square, _]: [f64; VALUES]) -> [f64; 2] {
         let [of_mean, of_spread] = &self.dependence;
         let beyond = sum.abs() - self.dead_band * weight;
         let mean = if beyond > 0.0 && weight > 0.0 {
@@ -109,12 +112,6 @@ impl EvidenceWindows {
         self.sums.push([weighed, weight, evident * weighed, within(ABSURD)]);
     }
 
-    /// Whether the width of any window has its turn, see [`Self::peaks_in_turn`].
-    #[inline]
-    pub const fn is_turn(&self) -> bool {
-        self.sums.count().is_multiple_of(TURN)
-    }
-
     /// The sums over the newest `width` samples: y/s², 1/s², (y/s)², each as far as it is evidence, and y; `None` if
     /// there are not so many.
     pub fn sums(&self, width: usize) -> Option<[f64; VALUES]> {
@@ -129,17 +126,30 @@ impl EvidenceWindows {
 
     /// The same of the widths whose turn it is: the two shortest at every fourth sample, the next two at every eighth
     /// one, and so on, so that its width is the longest that one waits.
-    #[inline]
     pub fn peaks_in_turn(&self, by: &Weighing) -> [Peak; 2] {
-        let [first, end] = by.widths;
-        if !self.is_turn() {
-            return [Peak::default(); 2];
-        }
-        let count = self.sums.count();
-        self.among(by, first..end.min(first + in_turn(count / TURN)))
+        self.among(by, self.turn(by))
+    }
+
+    /// Whether [`Self::peaks_in_turn`] has anything to weigh, which is soon told.
+    #[inline]
+    pub fn has_evidence_in_turn(&self, by: &Weighing) -> bool {
+        self.sums.count().is_multiple_of(TURN) && self.has_evidence(by, self.turn(by))
     }
 
     #[inline]
+    fn turn(&self, by: &Weighing) -> Range<usize> {
+        let ([first, end], count) = (by.widths, self.sums.count());
+        let turns = if count.is_multiple_of(TURN) { in_turn(count / TURN) } else { 0 };
+        first..end.min(first + turns)
+    }
+
+    fn has_evidence(&self, by: &Weighing, indices: Range<usize>) -> bool {
+        let held = self.sums.held();
+        let widths = WIDTHS[indices.clone()].iter().zip(&by.most_squares[indices]);
+        let mut held = widths.take_while(|(width, _)| **width <= held);
+        held.any(|(width, most)| by.is_evidence(*most, &self.sums.newest(*width)))
+    }
+
     fn among(&self, by: &Weighing, indices: Range<usize>) -> [Peak; 2] {
         let mut peaks = [Peak::default(); 2];
         let held = self.sums.held();
@@ -148,7 +158,7 @@ impl EvidenceWindows {
                 break;
             }
             let sums = self.sums.newest(width);
-            if by.is_evidence(index, &sums) {
+            if by.is_evidence(by.most_squares[index], &sums) {
                 for (peak, nats) in peaks.iter_mut().zip(by.nats(index, sums)) {
                     if nats > peak.nats {
                         *peak = Peak { nats, width };

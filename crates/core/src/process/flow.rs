@@ -118,8 +118,7 @@ pub struct Flow {
     sample_time: f64,
     /// Cycles of a block.
     block: u32,
-    /// The newest cycle, if it is known.
-    last: Option<FlowSample>,
+    /// `None` until a cycle is known.
     open: Option<OpenBlock>,
 }
 
@@ -127,7 +126,7 @@ pub struct Flow {
 const BY_CYCLE: usize = DIRECTIONS - 1;
 
 state! {
-    Flow { last, open }
+    Flow { open }
     but { design, slope, sample_time, block }
 }
 
@@ -135,24 +134,26 @@ state! {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OpenBlock {
     first: FlowSample,
+    /// The newest cycle.
+    last: FlowSample,
     /// Sums of the speeds along each of them, m/s.
     speeds: [f64; BY_CYCLE],
     cycles: u32,
     is_taught: bool,
 }
 
-whole! { OpenBlock { first, speeds, cycles, is_taught } }
+whole! { OpenBlock { first, last, speeds, cycles, is_taught } }
 
 impl OpenBlock {
     const fn new(first: FlowSample) -> Self {
-        Self { first, speeds: [0.0; BY_CYCLE], cycles: 0, is_taught: true }
+        Self { first, last: first, speeds: [0.0; BY_CYCLE], cycles: 0, is_taught: true }
     }
 }
 
 impl Flow {
     pub fn new(design: FlowDesign, sample_time: f64) -> Self {
         let block = block_cycles(sample_time);
-        Self { slope: design.slope(), design, sample_time, block, last: None, open: None }
+        Self { slope: design.slope(), design, sample_time, block, open: None }
     }
 
     pub const fn design(&self) -> &FlowDesign {
@@ -165,30 +166,30 @@ impl Flow {
     }
 
     pub const fn reset(&mut self) {
-        (self.last, self.open) = (None, None);
+        self.open = None;
     }
 
     /// Whether the cycle before was known, at a position that was taught.
     pub fn is_judging(&self) -> bool {
-        self.open.is_some_and(|open| open.is_taught)
+        self.open.as_ref().is_some_and(|open| open.is_taught)
     }
 
     /// One cycle; `None` without all of it, which ends the block. Returns a block when it is complete.
+    #[inline]
     pub fn step(&mut self, sample: Option<FlowSample>) -> Option<FlowBlock> {
         let Some(sample) = sample else {
             self.reset();
             return None;
         };
-        let last = self.last.replace(sample);
-        let Some(last) = last else {
+        let Some(open) = &mut self.open else {
             self.open = Some(OpenBlock::new(sample));
             return None;
         };
-        let passage = Passage::of(&last, &sample, self.design.between);
         let design = &self.design;
+        let passage = Passage::of(&open.last, &sample, design.between);
+        open.last = sample;
         let at = design.curve.place(passage.position);
         let along = Along::new(&design.curve, self.slope, &passage, at);
-        let open = self.open.get_or_insert_with(|| OpenBlock::new(last));
         open.is_taught &= passage.position.abs() <= design.limit && design.taught[at.0];
         for (sum, speed) in open.speeds.iter_mut().zip(along.speeds()) {
             *sum += speed;
@@ -197,15 +198,23 @@ impl Flow {
         if open.cycles < self.block {
             return None;
         }
-        let full = self.open.replace(OpenBlock::new(sample))?;
-        full.is_taught.then(|| full.close(&sample, &self.design, self.sample_time))
+        self.close()
+    }
+
+    /// Ends the open block and begins the next one.
+    #[inline(never)]
+    fn close(&mut self) -> Option<FlowBlock> {
+        let open = self.open.as_mut()?;
+        let full = core::mem::replace(open, OpenBlock::new(open.last));
+        full.is_taught.then(|| full.close(&self.design, self.sample_time))
     }
 }
 
 impl OpenBlock {
-    /// The block that ends with `last`.
-    fn close(self, last: &FlowSample, design: &FlowDesign, sample_time: f64) -> FlowBlock {
-        let pressed = last.load - self.first.load;
+    /// The block, which ends with its newest cycle.
+    fn close(self, design: &FlowDesign, sample_time: f64) -> FlowBlock {
+        let Self { first, last, .. } = self;
+        let pressed = last.load - first.load;
         let mut directions = [pressed; DIRECTIONS];
         for (way, speeds) in directions.iter_mut().zip(self.speeds) {
             *way = sample_time * speeds;
@@ -214,8 +223,8 @@ impl OpenBlock {
         let leaked = -LEAKAGE_LOAD * directions[Direction::Leakage as usize];
         let by_oil = directions[Direction::Gain as usize];
         let way = by_oil + design.leakage * leaked + design.compression * pressed;
-        let left = core::array::from_fn(|i| last.lengths[i] - self.first.lengths[i] - way);
-        let parted = last.apart.zip(self.first.apart).map(|(now, before)| now - before);
+        let left = core::array::from_fn(|i| last.lengths[i] - first.lengths[i] - way);
+        let parted = last.apart.zip(first.apart).map(|(now, before)| now - before);
         FlowBlock { left, directions, parted }
     }
 }

@@ -59,17 +59,17 @@ impl FlowWatch {
     }
 
     /// Takes a cycle; `None` without all of it. Returns whether a block was completed with it.
+    #[inline]
     pub fn step(&mut self, sample: Option<FlowSample>) -> bool {
-        if core::mem::take(&mut self.was_held) {
+        if self.was_held {
             // A block is either before or after.
             self.flow.reset();
+            self.was_held = false;
         }
-        let block = self.flow.step(sample);
-        if let Some(block) = &block {
-            self.windows.push(block);
-            self.side.learn(block);
-        }
-        block.is_some()
+        let Some(block) = self.flow.step(sample) else { return false };
+        self.windows.push(&block);
+        self.side.learn(&block);
+        true
     }
 
     /// Takes a cycle in which a transducer is under suspicion, which proves nothing of the hydraulics. If it `is_asked`

@@ -1,0 +1,81 @@
+//! The way of a page's signals to the inputs of cylinders, to the platform's state and to the attitudes.
+
+use super::page::Destination;
+use super::sink::Sink;
+use super::{Monitor, Place, tilt};
+use crate::decode::{Decoded, Value};
+use crate::frame::Frame;
+use crate::time::Timestamp;
+
+impl Monitor {
+    /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
+    /// complete.
+    pub(super) fn fill(
+        &mut self,
+        page: Place,
+        now: Timestamp,
+        frame: &Frame,
+        sink: &mut impl Sink,
+    ) {
+        let intake = self.stations[page.0].pages[page.1].intake.as_ref();
+        let touched = match intake.and_then(|intake| Some((intake, intake.word(frame)?))) {
+            Some((intake, word)) => {
+                let index = intake.cylinder();
+                intake.fill(word, &mut self.cylinders[index].inputs);
+                1 << index
+            }
+            None => self.fill_each(page, now, frame),
+        };
+        for index in cylinders_of(touched) {
+            if self.cylinders[index].pending && self.cylinders[index].is_done() {
+                self.evaluate(index, now, sink);
+            }
+        }
+    }
+
+    /// Decodes one signal of a page after the other; returns a bit for each cylinder that took one.
+    fn fill_each(&mut self, page: Place, now: Timestamp, frame: &Frame) -> u8 {
+        let Self { stations, cylinders, gate, tilt, counts, .. } = self;
+        let page = &stations[page.0].pages[page.1];
+        let mut touched = 0;
+        for signal in &page.signals {
+            let value = match signal.plan.decode(frame) {
+                Decoded::Value(value) => value,
+                Decoded::Absent => continue,
+                Decoded::Short => {
+                    counts.bad_signals += signal.destination.count();
+                    continue;
+                }
+            };
+            match signal.destination {
+                Destination::State => gate.state(now, state_number(value)),
+                Destination::Inclination(which) => {
+                    counts.bad_signals += tilt::put(tilt.as_deref_mut(), which, value);
+                }
+                Destination::Cylinders(bits, field) => {
+                    touched |= bits;
+                    for index in cylinders_of(bits) {
+                        let taken = cylinders[index].put(field, value);
+                        counts.bad_signals += u64::from(!taken);
+                    }
+                }
+            }
+        }
+        touched
+    }
+}
+
+/// Indices of the cylinders that have a bit in `bits`.
+#[inline]
+fn cylinders_of(mut bits: u8) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let index = bits.trailing_zeros() as usize;
+        let is_there = bits != 0;
+        bits &= bits.wrapping_sub(1);
+        is_there.then_some(index)
+    })
+}
+
+fn state_number(value: Value) -> i64 {
+    value.raw.as_i64().unwrap_or(value.raw.as_f64() as i64)
+}
