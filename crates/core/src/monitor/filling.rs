@@ -34,6 +34,7 @@ impl Monitor {
     }
 
     /// Decodes one signal of a page after the other; returns a bit for each cylinder that took one.
+    #[inline]
     fn fill_each(&mut self, page: Place, now: Timestamp, frame: &Frame) -> u8 {
         let Self { stations, cylinders, gate, tilt, counts, .. } = self;
         let page = &stations[page.0].pages[page.1];
