@@ -279,7 +279,11 @@ fn a_machine_with_hydraulics_is_commissioned_with_thresholds_and_relations_of_it
     for (own, configured) in learnt.design.cylinders.iter().zip(&bench.design.cylinders) {
         let [own_high, high] = [own, configured].map(|it| it.bank.observer.high);
         assert!(own_high > 1.2 * high, "{own_high} {high}");
-        assert!(own.command_change.is_finite() && own.sequential.is_some());
+        assert!(
+            own.commands.size.is_finite()
+                && own.commands.change.is_finite()
+                && own.sequential.is_some()
+        );
         let process = own.process.as_ref().expect("it is learnt");
         assert!(process.spool.is_some() && process.chambers.is_some());
         assert!(process.flow.is_some() && process.friction.is_some());

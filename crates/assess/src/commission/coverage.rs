@@ -85,10 +85,12 @@ pub fn wins(taught: &Taught, coverage: &[Coverage]) -> Vec<String> {
             (HOURS_PER_YEAR / it.per_year / it.hours).ceil()
         )
     }));
-    wins.extend(thresholds.and_then(|it| it.command_change).map(|change| {
+    wins.extend(thresholds.and_then(|it| it.commands).map(|commands| {
         format!(
-            "commands that change by more than {change:.4} m/s from one cycle to the next, which are too rare in the \
-             recording to teach a threshold: for observer.settle after one, what both R1 and R2 show is no fault"
+            "commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle to the next, which are \
+             too rare in the recording to teach a threshold: for observer.settle after one, what both R1 and R2 show is \
+             no fault",
+            commands.size, commands.change
         )
     }));
     wins

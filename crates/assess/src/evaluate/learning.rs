@@ -7,6 +7,7 @@ use super::stand::{Stand, StandError};
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::{Fde, Settings};
 use tertius_core::monitor::{Monitor, MonitorDesign};
+use tertius_core::observe::commands::LearntCommands;
 use tertius_core::sequential::{self, Sequential};
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
@@ -194,7 +195,9 @@ impl Stand<'_> {
             let (weights, thresholds) = (tuning.search.weights, tuning.thresholds);
             (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
             let (low, high) = (thresholds.low, thresholds.high);
-            settings.fde = Fde { low, high, command_change: thresholds.command_change };
+            let of = |which: fn(LearntCommands) -> f64| thresholds.commands.map(which);
+            let (command, command_change) = (of(|it| it.size), of(|it| it.change));
+            settings.fde = Fde { low, high, command, command_change };
         }
         let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
         let nats = settings.sequential_level();

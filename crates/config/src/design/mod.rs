@@ -18,6 +18,7 @@ use tertius_core::monitor::cylinder::CylinderDesign;
 use tertius_core::monitor::gate::Gate;
 use tertius_core::monitor::subscriptions::{SubscribedSignal, Subscription, Subscriptions, Target};
 use tertius_core::monitor::{Estimates, MonitorDesign};
+use tertius_core::observe::commands::LearntCommands;
 use tertius_core::observe::model::Model;
 use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::sample::cycle::CycleTiming;
@@ -182,7 +183,10 @@ impl<'a> Connector<'a> {
             devices: self.watched(n),
             command_offset: settings.command_offset_of(n),
             command_stale: settings.cycles(settings.plausibility.stale).max(1),
-            command_change: fde.command_change.unwrap_or(f64::INFINITY),
+            commands: LearntCommands {
+                size: fde.command.unwrap_or(f64::INFINITY),
+                change: fde.command_change.unwrap_or(f64::INFINITY),
+            },
             moving_speed: settings.plausibility.frozen_speed,
             comparator: Comparator { gain, offset },
             bank: BankDesign {

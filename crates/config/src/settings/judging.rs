@@ -66,8 +66,10 @@ table! {
             "7.5e-4", "below this R1 and R2 count towards clearing, m";
         high: f64 = 1.0e-3 => number(Limits::above(0.0, THRESHOLD)),
             "1.0e-3", "above this R1 and R2 raise a warning, m";
+        command: Option<f64> = None => number(Limits::above(0.0, "the size of a speed in metres per second")),
+            "0.5", "largest command that the thresholds were learnt with, either way, m/s; after a larger one, for observer.settle, R1 or R2 raises a warning only where the other one shows less than half of it; absent: any";
         command_change: Option<f64> = None => number(Limits::above(0.0, "the size of a speed in metres per second")),
-            "0.015", "largest change of the command from one cycle to the next that the thresholds were learnt with, m/s; after a larger one, for observer.settle, R1 or R2 raises a warning only where the other one shows less than half of it; absent: any";
+            "0.015", "the same of the change of the command from one cycle to the next, m/s; absent: any";
     }
 }
 

@@ -21,8 +21,8 @@ use crate::decode::Value;
 use crate::estimate::{Estimate, VirtualSensor};
 use crate::frame::Buses;
 use crate::incident::Quantities;
+use crate::observe::commands::CommandWatch;
 use crate::observe::observer::{Innovation, Measurement, Observer, Restart};
-use crate::observe::steepness::Steepness;
 use crate::process::Process;
 use crate::sample::device::DeviceWord;
 use crate::sample::motion::ReadingMotion;
@@ -78,7 +78,7 @@ pub struct Cylinder {
     devices: Option<Box<Watches>>,
     implausible: [Implausible; 3],
     observers: [Observer; 2],
-    steepness: Steepness,
+    commands: CommandWatch,
     bank: Bank,
     sequential: Option<Box<Sequential>>,
     /// `None` without tables of spool or pressures.
@@ -123,7 +123,7 @@ impl Cylinder {
             devices: devices::watches(&design.devices),
             implausible: core::array::from_fn(|_| Implausible::new(design.clear)),
             observers: design.observers.clone().map(Observer::new),
-            steepness: Steepness::new(design.command_change, design.observers[0].settle),
+            commands: CommandWatch::new(design.commands, design.observers[0].settle),
             bank: Bank::new(&design.bank),
             sequential: design.sequential.clone().map(|design| Box::new(Sequential::new(design))),
             process: design.process.clone().map(|design| Box::new(Process::new(design))),
@@ -244,7 +244,7 @@ impl Cylinder {
             .zip(good[1])
             .map(|(c1, c2)| self.design.comparator.residual(c1.position, c2.position));
         let residuals = self.judge(now, innovations, difference);
-        self.steepness.take(command);
+        self.commands.take(command);
         self.judge_measured(now.at, &readings);
         if self.sequential.is_some() {
             self.judge_sequentially(now, good, &residuals);

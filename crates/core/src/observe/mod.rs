@@ -1,6 +1,6 @@
 //! The model of a cylinder and its observers.
 
+pub mod commands;
 pub mod model;
 pub mod observer;
 pub mod riccati;
-pub mod steepness;

@@ -6,6 +6,7 @@ use crate::extremes::HOURS_PER_YEAR;
 use crate::extremes::four_digits;
 use crate::tune::{Detector, LEAST_HIGH, Score, Thresholds, Tuning, Weights};
 use std::fmt::Write as _;
+use tertius_core::observe::commands::LearntCommands;
 
 /// Cylinder number and name of the detector's residual.
 pub fn name(detector: &Detector) -> [String; 2] {
@@ -19,7 +20,7 @@ pub fn length(metres: f64) -> String {
 
 /// Meaning of the numbers, and their reliability.
 pub fn meaning(result: &Tuning) -> Vec<String> {
-    let Thresholds { per_year, hours, command_change, .. } = result.thresholds;
+    let Thresholds { per_year, hours, commands, .. } = result.thresholds;
     let (count, often) = (result.detectors.len(), provenance::times(per_year));
     let mut lines = vec![
         format!(
@@ -37,11 +38,12 @@ pub fn meaning(result: &Tuning) -> Vec<String> {
             HOURS_PER_YEAR / per_year / hours
         ),
     ];
-    lines.extend(command_change.map(|change| {
+    lines.extend(commands.map(|commands| {
         format!(
-            "command_change: commands that change by more than {change:.4} m/s from one cycle to the next are too rare in \
-             the recording to teach a threshold. For observer.settle after one, R1 or R2 raises a warning only where the \
-             other shows less than half of it: an error of the model is in both"
+            "command, command_change: commands of more than {:.3} m/s, or that change by more than {:.4} m/s from one cycle \
+             to the next, are too rare in the recording to teach a threshold. For observer.settle after one, R1 or R2 \
+             raises a warning only where the other shows less than half of it: an error of the model is in both",
+            commands.size, commands.change
         )
     }));
     lines
@@ -92,12 +94,13 @@ pub fn of(result: &Tuning, version: &str) -> String {
     for remark in &result.remarks {
         _ = writeln!(text, "# {}", provenance::one_line(remark));
     }
-    let Thresholds { low, high, command_change, .. } = result.thresholds;
+    let Thresholds { low, high, commands, .. } = result.thresholds;
     let (low, high) = (four_digits(low), four_digits(high));
     // Rounding up may put them past each other where they are the same.
     _ = writeln!(text, "[fde]\nlow = {:?}\nhigh = {high:?}", low.min(high));
-    if let Some(change) = command_change {
-        _ = writeln!(text, "command_change = {change:?}");
+    if let Some(commands) = commands {
+        let LearntCommands { size, change } = commands;
+        _ = writeln!(text, "command = {size:?}\ncommand_change = {change:?}");
     }
     if let Some(level) = &result.sequential {
         for line in sequential_meaning(level, result.thresholds.per_year) {

@@ -2,11 +2,11 @@
 
 use super::usable::{limits, sequential};
 use super::{
-    Criterion, CylinderModel, Detector, Evidence, LEAST_HIGH, Search, Steepest, Store, Thresholds,
+    Commands, Criterion, CylinderModel, Detector, Evidence, LEAST_HIGH, Search, Store, Thresholds,
     Tuning, Weights, designs, response, search, sensitivity,
 };
 use crate::calibrate::watch::Watch;
-use crate::extremes::{LEAST_BLOCKS, Tail, common_level, four_digits, per_second};
+use crate::extremes::{LEAST_BLOCKS, Tail, common_level, per_second};
 use crate::survey::{Origin, Recording};
 use tertius_config::settings::Settings;
 use tertius_core::monitor::MonitorDesign;
@@ -68,22 +68,21 @@ impl TuningCourse<'_> {
         let sample_time = settings.machine.sample_time;
         let criterion = self.criterion();
         let mut store = Store::new(&cylinders);
-        let mut steepest = Steepest::new(&cylinders, criterion.block);
-        let both = (&mut store, &mut steepest);
+        let mut commands = Commands::new(&cylinders, criterion.block);
+        let both = (&mut store, &mut commands);
         recording.read(origin.window, both).map_err(Untuned::Recording)?;
         store.finish();
-        let change = steepest.taught().map(four_digits);
+        let commands = commands.taught();
         let search = self.search(&criterion, &cylinders, &store).map_err(Untuned::TooLittle)?;
         let designs = designs(&cylinders, search.weights, criterion.settle)
             .map_err(|(n, error)| Untuned::TooLittle(format!("cylinder {n}: {error}")))?;
-        let mut evidence = Evidence::new(&cylinders, &designs, criterion.block, change);
+        let mut evidence = Evidence::new(&cylinders, &designs, criterion.block, commands);
         let mut watch =
             Watch::new(self.design.cylinders.iter().map(|c| c.sequential.as_ref()), sample_time);
         recording.read(origin.window, (&mut evidence, &mut watch)).map_err(Untuned::Recording)?;
         let mut detectors = evidence.detectors(sample_time);
         let tails = tails(&detectors, criterion.block, sample_time).map_err(Untuned::TooLittle)?;
-        let thresholds =
-            Thresholds { command_change: change, ..self.thresholds(&detectors, &tails) };
+        let thresholds = Thresholds { commands, ..self.thresholds(&detectors, &tails) };
         let noise_horizon = ((NOISE_IN_TIME / sample_time) as usize).max(1);
         for detector in &mut detectors {
             let (index, i) = (usize::from(detector.cylinder) - 1, detector.transducer);
@@ -173,7 +172,7 @@ impl TuningCourse<'_> {
         Thresholds {
             high,
             low: calm.min(HYSTERESIS * high),
-            command_change: None,
+            commands: None,
             per_year: self.per_year,
             hours: tails.iter().map(|tail| tail.seconds).fold(f64::INFINITY, f64::min) / 3600.0,
         }

@@ -6,8 +6,8 @@ use super::store::Cycle;
 use crate::extremes::{Maxima, Sketch, Tail};
 use crate::identify::moments::Spread;
 use crate::survey::{Lull, Row, Surveyor};
+use tertius_core::observe::commands::{CommandWatch, LearntCommands};
 use tertius_core::observe::observer::{Observer, ObserverDesign, Restart};
-use tertius_core::observe::steepness::Steepness;
 
 /// The residuals of one observer.
 #[derive(Clone, Debug)]
@@ -49,21 +49,20 @@ pub struct Evidence {
     cylinders: Vec<(CylinderModel, [Option<Witness>; 2])>,
     pauses: Vec<Pause>,
     lulls: Vec<Lull>,
-    steepness: Vec<Steepness>,
+    commands: Vec<CommandWatch>,
 }
 
 impl Evidence {
     /// A pass with observers by `designs`; `block` is the number of cycles that count as one
-    /// warning. What follows a change of command by more than `command_change`, m/s from one cycle to the next, is left
-    /// out.
+    /// warning. What follows a command beyond `learnt` is left out.
     pub fn new(
         cylinders: &[CylinderModel],
         designs: &[[ObserverDesign; 2]],
         block: u32,
-        command_change: Option<f64>,
+        learnt: Option<LearntCommands>,
     ) -> Self {
-        let most = command_change.unwrap_or(f64::INFINITY);
-        let steepness = designs.iter().map(|[c1, _]| Steepness::new(most, c1.settle)).collect();
+        let learnt = learnt.unwrap_or(LearntCommands::ANY);
+        let commands = designs.iter().map(|[c1, _]| CommandWatch::new(learnt, c1.settle)).collect();
         let witnesses = |(cylinder, designs): (&CylinderModel, &[ObserverDesign; 2])| {
             let witness = |i: usize| {
                 let fresh = Observer::new(designs[i].clone());
@@ -80,7 +79,7 @@ impl Evidence {
         let pauses = vec![Pause::default(); cylinders.len()];
         let lulls = vec![Lull::default(); cylinders.len()];
         let cylinders = cylinders.iter().zip(designs).map(witnesses).collect();
-        Self { cylinders, pauses, lulls, steepness }
+        Self { cylinders, pauses, lulls, commands }
     }
 
     /// Results of every observer; with a tail where there are enough data.
@@ -114,12 +113,12 @@ impl Surveyor for Evidence {
         let cycle = Cycle::new(row, cylinder.command_offset);
         let missing = self.pauses[index].before(row.cycle, cylinder.max_gap);
         let begins_anew = self.lulls[index].ends(row.t);
-        let steepness = &mut self.steepness[index];
+        let commands = &mut self.commands[index];
         if begins_anew || missing.is_none() {
-            steepness.reset();
+            commands.reset();
         }
-        let is_taught = !steepness.is_beyond();
-        steepness.take(cycle.command);
+        let is_taught = !commands.is_beyond();
+        commands.take(cycle.command);
         for (transducer, witness) in witnesses.iter_mut().enumerate() {
             let Some(witness) = witness else { continue };
             if begins_anew {

@@ -3,7 +3,7 @@
 //! ```text
 //! rows ─┬→ store ─ stretches ─→ search ─ Q, R ─→ evidence (all rows) ─ tails ─→ δ_l, δ_h
 //!       │    └──────────────────────────────────── sensitivity ←──────────────────┘
-//!       └→ steepest ─ change of command ─→ evidence
+//!       └→ commands ─ largest ones ─→ evidence
 //! ```
 //!
 //! The thesis tuned Q and R by hand, until the innovation was small and a step showed sharply in
@@ -14,6 +14,7 @@
 //! then reads the whole recording, and [`sensitivity`] computes what the thresholds find.
 //! [`mod@course`] runs all of this in turn.
 
+mod commands;
 pub mod course;
 pub mod criterion;
 mod drawn;
@@ -22,18 +23,18 @@ mod pause;
 pub mod response;
 pub mod search;
 pub mod sensitivity;
-mod steepest;
 pub mod store;
 mod usable;
 
+pub use commands::Commands;
 pub use criterion::{Criterion, Score};
 pub use evidence::{Detector, Evidence};
 pub use search::{Search, search};
-pub use steepest::Steepest;
 pub use store::Store;
 pub use usable::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 
 use crate::survey::{Timeline, Window};
+use tertius_core::observe::commands::LearntCommands;
 use tertius_core::observe::model::Model;
 use tertius_core::observe::observer::ObserverDesign;
 use tertius_core::observe::riccati::RiccatiError;
@@ -118,9 +119,8 @@ pub struct Thresholds {
     pub low: f64,
     /// Upper threshold δ_h, m.
     pub high: f64,
-    /// Largest change of the command from one cycle to the next that they were made with, m/s; `None` where there was
-    /// none.
-    pub command_change: Option<f64>,
+    /// Commands that they were made with; `None` where none moved a rod.
+    pub commands: Option<LearntCommands>,
     /// False alarms of the whole machine in a year of monitoring.
     pub per_year: f64,
     /// Judged time in the recording of the detector with the least, h.

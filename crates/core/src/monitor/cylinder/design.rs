@@ -5,6 +5,7 @@ use crate::compare::Comparator;
 use crate::estimate;
 use crate::frame::BusNumber;
 use crate::incident::QUANTITIES;
+use crate::observe::commands::LearntCommands;
 use crate::observe::observer::ObserverDesign;
 use crate::process::ProcessDesign;
 use crate::sample::device::DeviceDesign;
@@ -33,9 +34,8 @@ pub struct CylinderDesign {
     pub command_offset: f64,
     /// Cycles without a command after which it is stale.
     pub command_stale: u32,
-    /// Largest change of the command from one cycle to the next that the thresholds of R1 and R2 were learnt with, m/s;
-    /// infinite where it is not known.
-    pub command_change: f64,
+    /// Commands that the thresholds of R1 and R2 were learnt with.
+    pub commands: LearntCommands,
     /// Command speed beyond which it moves the cylinder, m/s.
     pub moving_speed: f64,
     pub observers: [ObserverDesign; 2],

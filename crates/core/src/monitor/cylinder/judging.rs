@@ -32,14 +32,14 @@ impl Cylinder {
         // After a loss it is no evidence either way.
         let whole = |i: usize| judged[i].filter(|_| innovations[i].is_some_and(|i| i.whole));
         let mut residuals = Residuals { r: [whole(0), whole(1), difference] };
-        if self.steepness.is_beyond() {
+        if self.commands.is_beyond() {
             self.keep_lonely(&mut residuals, judged);
         }
         self.bank.judge(now.at, &residuals);
         residuals
     }
 
-    /// After a change of command that the thresholds were not made for, only what one observer alone sees is a fault.
+    /// After a command that the thresholds were not made for, only what one observer alone sees is a fault.
     #[cold]
     fn keep_lonely(&self, residuals: &mut Residuals, judged: [Option<f64>; 2]) {
         let high = self.design.bank.observer.high;

@@ -11,7 +11,7 @@ impl Cylinder {
     /// findings stand.
     pub fn interrupt(&mut self, reason: Restart, last: Timestamp) {
         self.observers.iter_mut().for_each(|observer| observer.stop(reason));
-        self.steepness.reset();
+        self.commands.reset();
         self.plausibility.iter_mut().for_each(Plausibility::reset);
         self.bank.interrupt();
         self.interrupt_joint();
@@ -44,7 +44,7 @@ impl Cylinder {
         }
         if command {
             self.push = None;
-            self.steepness.reset();
+            self.commands.reset();
             self.implausible[2].trigger.interrupt();
         }
         self.bank.interrupt_of([c1 || command, c2 || command]);
