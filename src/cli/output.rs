@@ -33,6 +33,8 @@ pub struct Output {
     /// The time stamp from which the seconds of lines and tables count: of the first frame of all, where a state
     /// was taken up.
     pub begin: Timestamp,
+    /// Sum of the jumps of the time stamps, s.
+    pub jumped: f64,
     pub episodes: Episodes,
     pub incidents: Incidents,
     pub notices: Notices,
@@ -67,6 +69,7 @@ impl Output {
         Ok(Self {
             first: Timestamp::default(),
             begin: Timestamp::default(),
+            jumped: 0.0,
             episodes: Episodes::default(),
             incidents: Incidents::default(),
             notices: Notices::default(),
@@ -221,6 +224,9 @@ impl Sink for Output {
 
     fn notice(&mut self, notice: &Notice) {
         self.notices.take(notice);
+        if let Notice::TimeJump { by, .. } = notice {
+            self.jumped += by.as_seconds();
+        }
         if let Some(recorder) = &mut self.recorder {
             recorder.notice(self.first, notice);
         }

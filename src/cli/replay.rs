@@ -283,6 +283,7 @@ impl Replay {
         let summary = Summary {
             stops: &stops,
             duration: duration.as_seconds(),
+            recorded: duration.as_seconds() - output.jumped,
             sample_time: machine.loaded.settings.machine.sample_time,
             fingerprints: &machine.loaded.fingerprints(),
             has_model: machine.loaded.has_model(),

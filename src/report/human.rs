@@ -89,8 +89,9 @@ pub fn page(heading: &Heading<'_>, summary: &Summary<'_>, notices: &Notices) -> 
 pub(super) fn overview(summary: &Summary<'_>) -> String {
     let Summary { statistics, counts, .. } = summary;
     let mut text = format!(
-        "{} of recording: {}, of which {} not used by this configuration\n",
-        wording::clock(summary.duration),
+        "{} of recording{}: {}, of which {} not used by this configuration\n",
+        wording::clock(summary.recorded),
+        within(summary),
         wording::counted(statistics.frames, "frame"),
         summary.ignored_frames(),
     );
@@ -99,26 +100,33 @@ pub(super) fn overview(summary: &Summary<'_>) -> String {
         "{} cycles, {} incomplete, {} missing",
         counts.cycles, counts.incomplete, counts.missing
     );
-    for (count, what) in [
-        (counts.late, "frames that came after their cycle was decided"),
-        (counts.repeated, "frames that came twice"),
-        (counts.held, "frames that came before their cycle (they were kept for it)"),
-        (counts.bad_signals, "values for which the frame was too short, or that are not a number"),
-        (counts.backwards, "frames with a time stamp earlier than the previous one"),
-        (counts.time_jumps, "jumps of the time stamps (everything restarted)"),
-        (counts.interruptions, "× the bus was lost (everything restarted)"),
-        (statistics.error_frames, "error frames of the controller"),
-        (statistics.remote_frames, "remote frames"),
-        (statistics.other_interface_frames, "frames of other interfaces"),
+    for (count, what, which) in [
+        (counts.late, "frame", "that came after the cycle was decided"),
+        (counts.repeated, "frame", "that came twice"),
+        (counts.held, "frame", "that came before the cycle (kept for it)"),
+        (counts.bad_signals, "value", "beyond the end of the frame, or not a number"),
+        (counts.backwards, "frame", "with a time stamp earlier than the previous one"),
+        (counts.time_jumps, "jump", "of the time stamps (everything restarted)"),
+        (counts.interruptions, "interruption", "of the bus (everything restarted)"),
+        (statistics.error_frames, "error frame", "of the controller"),
+        (statistics.remote_frames, "remote frame", ""),
+        (statistics.other_interface_frames, "frame", "of other interfaces"),
     ] {
         if count > 0 {
-            _ = writeln!(text, "{count} {what}");
+            let counted = wording::counted(count, what);
+            _ = writeln!(text, "{}", format!("{counted} {which}").trim_end());
         }
     }
     if statistics.interfaces.len() > 1 {
         _ = writeln!(text, "interfaces: {}", statistics.interfaces_found());
     }
     text + "\n"
+}
+
+/// The time in which it was recorded, where there was more of it between the first frame and the last.
+fn within(summary: &Summary<'_>) -> String {
+    let apart = (summary.duration - summary.recorded).abs() >= 1.0;
+    if apart { format!(" within {}", wording::clock(summary.duration)) } else { String::new() }
 }
 
 fn table(heading: &Heading<'_>, columns: &[&str]) -> Table {

@@ -47,6 +47,9 @@ use serde::Serialize;
 pub struct Summary<'a> {
     /// Duration from the first to the last frame, s.
     pub duration: f64,
+    /// The same without the jumps of the time stamps, as between two recordings of different days, s: of what was in
+    /// between nothing is known.
+    pub recorded: f64,
     /// Sample time, s.
     pub sample_time: f64,
     /// What it was judged by.

@@ -34,7 +34,7 @@ pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
     if !summary.judgement.is_judged() {
         return Vec::new();
     }
-    let mut lines = vec![incidents(summary.incidents, summary.duration, zone)];
+    let mut lines = vec![incidents(summary.incidents, summary.recorded, zone)];
     lines.push(format!("The observers judged {} of the time.", judged(summary)));
     lines.extend(sequential(summary));
     lines.extend(process(summary));
@@ -42,8 +42,8 @@ pub fn lines(summary: &Summary<'_>, zone: &Zone) -> Vec<String> {
     lines
 }
 
-fn incidents(incidents: &Incidents, duration: f64, zone: &Zone) -> String {
-    let length = story::span(Span::from_seconds(duration));
+fn incidents(incidents: &Incidents, recorded: f64, zone: &Zone) -> String {
+    let length = story::span(Span::from_seconds(recorded));
     let Some(worst) = incidents.worst() else {
         return format!("No incident in {length}.");
     };

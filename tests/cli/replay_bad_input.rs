@@ -466,9 +466,28 @@ fn a_lost_bus_is_counted_and_said() {
     let run = replay(&[&log], E_TYPE, &["--report", &html]).ok();
     assert_eq!(run.summary()["interruptions"], 1);
     let page = tertius(&["replay", &log, "--config", E_TYPE], b"").ok().stdout;
-    assert!(page.contains("1 × the bus was lost (everything restarted)\n"), "{page}");
+    assert!(page.contains("1 interruption of the bus (everything restarted)\n"), "{page}");
     let html = scratch.read("page.html");
-    assert!(html.contains("1 × the bus was lost") && html.contains("bus lost"), "it is marked");
+    assert!(
+        html.contains("1 interruption of the bus") && html.contains("bus lost"),
+        "it is marked"
+    );
+}
+
+/// Of the day between two recordings nothing is known, so that nobody says that it had no incident.
+#[test]
+fn the_time_between_two_recordings_is_no_time_without_an_incident() {
+    let scratch = Scratch::new();
+    let quiet = between(&recorded("e-type-healthy.log.zst"), 240.0, 260.0);
+    let first = scratch.write("first.log", &quiet);
+    let later = scratch.write("later.log", quiet.replace("(170000", "(170010"));
+    let page = tertius(&["replay", &first, &later, "--config", E_TYPE], b"").ok().stdout;
+    assert!(page.contains("No incident in 40.0 s.\n"), "{page}");
+    assert!(page.contains("\n0:39.9"), "{page}");
+    assert!(page.contains(" of recording within 27:46:59.9"), "{page}");
+    assert!(page.contains("\n1 jump of the time stamps (everything restarted)\n"), "{page}");
+    let page = tertius(&["replay", &first, "--config", E_TYPE], b"").ok().stdout;
+    assert!(page.contains("No incident in 20.0 s.\n") && !page.contains("within"), "{page}");
 }
 
 /// `log` with the time stamps of its cycles moved by what `shift` gives for each, s.
