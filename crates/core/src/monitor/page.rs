@@ -285,3 +285,48 @@ impl Page {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::decode::{BitField, NumberForm};
+    use crate::sample::Pressure;
+
+    fn plan(start: u64) -> SignalPlan {
+        let field = BitField::new(start, 16, false, false).expect("it is within a frame");
+        SignalPlan::new(field, NumberForm::Integer, 0.01, 0.0, Box::new([]))
+    }
+
+    /// Where the signals at these bits, for these fields of cylinders, go.
+    fn destinations(signals: &[(u64, u8, Field)]) -> Vec<Destination> {
+        let subscribed = |&(start, index, field): &(u64, u8, Field)| SubscribedSignal {
+            plan: plan(start),
+            target: Target::Cylinder(index, field),
+        };
+        let signals: Vec<SubscribedSignal> = signals.iter().map(subscribed).collect();
+        PageSignal::all(&signals).iter().map(|signal| signal.destination).collect()
+    }
+
+    #[test]
+    fn one_value_for_the_same_field_of_several_cylinders_is_read_once() {
+        const SUPPLY: Field = Field::Pressure(Pressure::Supply);
+        let shared = destinations(&[(8, 0, SUPPLY), (8, 3, SUPPLY), (8, 5, SUPPLY)]);
+        assert_eq!(shared, [Destination::Cylinders(0b10_1001, SUPPLY)]);
+        assert_eq!(shared[0].count(), 3);
+    }
+
+    #[test]
+    fn values_of_their_own_and_other_fields_stay_apart() {
+        let [c1, c2] = [Transducer::C1, Transducer::C2];
+        let of = |bits, field| Destination::Cylinders(bits, field);
+        let positions = [(0, 0, Field::Position(c1)), (16, 1, Field::Position(c1))];
+        assert_eq!(
+            destinations(&positions),
+            [of(1, Field::Position(c1)), of(2, Field::Position(c1))]
+        );
+        // One status for both readings of two cylinders.
+        let status = [c1, c2].map(Field::Status);
+        let found = destinations(&[(0, 0, status[0]), (0, 0, status[1]), (0, 1, status[1])]);
+        assert_eq!(found, [of(1, status[0]), of(3, status[1])]);
+    }
+}

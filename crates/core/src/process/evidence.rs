@@ -244,11 +244,24 @@ mod tests {
                 seen[index] = k;
             }
             let in_turn = evidence.peaks_in_turn(&by)[0].nats;
+            assert_eq!(evidence.has_evidence_in_turn(&by), in_turn > 0.0, "{k}");
             let all = evidence.peaks(&by)[0].nats;
             assert!(in_turn <= all && (k % 512 != 0 || in_turn == all), "{k}");
         }
         let [first, end] = by.widths;
         assert!(seen[first..end].iter().all(|seen| *seen > 3000 - 512), "{seen:?}");
+    }
+
+    /// Four samples beyond the dead band after healthy ones are in no window but the shortest.
+    #[test]
+    fn evidence_of_a_single_width_is_seen() {
+        let (by, mut evidence) = (Weighing::new(0.5, ONE, 0.02), EvidenceWindows::default());
+        for (residual, is_evidence) in [(0.0, false), (0.6, true)] {
+            let samples = if is_evidence { 4 } else { 96 };
+            (0..samples).for_each(|_| evidence.push(residual, 0.5));
+            assert_eq!(evidence.has_evidence_in_turn(&by), is_evidence);
+        }
+        assert_eq!(evidence.peaks_in_turn(&by)[0].width, 4);
     }
 
     #[test]
