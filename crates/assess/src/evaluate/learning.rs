@@ -9,6 +9,7 @@ use tertius_config::settings::{Fde, Settings};
 use tertius_core::monitor::{Monitor, MonitorDesign};
 use tertius_core::observe::commands::LearntCommands;
 use tertius_core::sequential::{self, Sequential};
+use tertius_dbc::Database;
 use tertius_learn::calibrate::watch::{Level, Watch};
 use tertius_learn::calibrate::{CalibrationCourse, Recording};
 use tertius_learn::survey::{Origin, Survey, Surveyor, Timeline, Window};
@@ -127,7 +128,7 @@ impl Stand<'_> {
     ) -> Result<Learnt, StandError> {
         let ([seed, other], settings) = (seeds, self.settings);
         let run = Run { stand: self, grade, fluctuates: false, lag: None, seas, settings, seed };
-        self.learn_from(run, other, lessons)
+        self.calibrated(run, other, lessons)?.conclude(grade, self.database)
     }
 
     /// As [`Self::learn`], from a machine with spools of the time constant `lag`, s; with them the process detectors, where
@@ -147,12 +148,20 @@ impl Stand<'_> {
         let ([seed, other], settings) = (seeds, self.settings);
         let ProcessMachine { grade, lag } = machine;
         let run = Run { stand: self, grade, fluctuates, lag: Some(lag), seas, settings, seed };
-        self.learn_from(run, other, lessons)
+        let mut taught = self.calibrated(run, other, lessons)?;
+        let run = Run { seed: other, settings: &taught.settings, ..run };
+        let Tuning { search, thresholds, .. } = run.tuning(lessons.level)?;
+        let (low, high) = (thresholds.low, thresholds.high);
+        let of = |which: fn(LearntCommands) -> f64| thresholds.commands.map(which);
+        let (command, command_change) = (of(|it| it.size), of(|it| it.change));
+        taught.settings.fde = Fde { low, high, command, command_change };
+        (taught.settings.observer.q, taught.settings.observer.r) =
+            (search.weights.q, search.weights.r);
+        taught.conclude(grade, self.database)
     }
 
-    /// By `run`, and the same with the seed `other`.
-    fn learn_from(&self, run: Run<'_>, other: u64, lessons: Lessons) -> Result<Learnt, StandError> {
-        let Run { grade, lag, .. } = run;
+    /// The calibration by `run`, and the level by the same with the seed `other`.
+    fn calibrated(&self, run: Run<'_>, other: u64, lessons: Lessons) -> Result<Taught, StandError> {
         let mut settings = self.settings.clone();
         let time = 3600.0 * lessons.calibration;
         let [fitted, tried] = Window { from: settings.observer.settle, to: time }.split(0.5);
@@ -189,19 +198,23 @@ impl Stand<'_> {
         if let Some(level) = &level {
             settings.sequential.level = Some(level.nats);
         }
-        if lag.is_some() {
-            let run = Run { seed: other, settings: &settings, ..run };
-            let tuning = run.tuning(lessons.level)?;
-            let (weights, thresholds) = (tuning.search.weights, tuning.thresholds);
-            (settings.observer.q, settings.observer.r) = (weights.q, weights.r);
-            let (low, high) = (thresholds.low, thresholds.high);
-            let of = |which: fn(LearntCommands) -> f64| thresholds.commands.map(which);
-            let (command, command_change) = (of(|it| it.size), of(|it| it.change));
-            settings.fde = Fde { low, high, command, command_change };
-        }
-        let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
-        let nats = settings.sequential_level();
-        Ok(Learnt { grade, design, nats, level, detectors })
+        Ok(Taught { settings, detectors, level })
+    }
+}
+
+/// What the runs have taught so far.
+struct Taught {
+    settings: Settings,
+    detectors: Vec<sequential::Design>,
+    level: Option<Level>,
+}
+
+impl Taught {
+    /// The monitor that follows.
+    fn conclude(self, grade: Grade, database: &Database) -> Result<Learnt, StandError> {
+        let Self { settings, detectors, level } = self;
+        let design = design::judging(&settings, database).map_err(|flaws| flawed(&flaws))?;
+        Ok(Learnt { grade, design, nats: settings.sequential_level(), level, detectors })
     }
 }
 

@@ -47,14 +47,6 @@ impl Curve {
         &self.values
     }
 
-    /// By how many bits a piece's index is shifted for the one in which it lies here, if `finer` has the same limit and
-    /// its knots are twice, four times, … as many.
-    pub fn coarser_than(&self, finer: &Self) -> Option<u32> {
-        let (own, finer_count) = (self.pieces.len(), finer.pieces.len());
-        let shift = finer_count.ilog2().checked_sub(own.ilog2())?;
-        (self.limit == finer.limit && own << shift == finer_count).then_some(shift)
-    }
-
     /// The value at `command`; beyond the outermost knots theirs.
     pub fn at(&self, command: f64) -> f64 {
         self.at_place(self.place(command))
@@ -66,13 +58,6 @@ impl Curve {
         let command = within(command, self.limit);
         let piece = piece_of(self.limit, self.half, command).min(self.pieces.len() - 1);
         (piece, part_of(self.pieces[piece].ends, command))
-    }
-
-    /// The value at `command`, which is known to lie in this piece, or beyond the outermost ones.
-    #[inline]
-    pub fn at_piece(&self, piece: usize, command: f64) -> f64 {
-        let command = within(command, self.limit);
-        self.at_place((piece, part_of(self.pieces[piece].ends, command)))
     }
 
     /// The value at a place among its own pieces.
@@ -148,25 +133,5 @@ mod tests {
         for command in [-5.0, -0.8, -0.6, -0.1, -0.0, 1e-9, 0.3, 0.7, 0.8, 2.0] {
             assert_eq!(curve.place(command), place(0.8, 8, command));
         }
-    }
-
-    #[test]
-    fn the_piece_of_a_finer_curve_tells_that_of_a_coarser_one() {
-        let of = |limit, pieces: usize| {
-            let values = (0..=pieces).map(|index| libm::sin(index as f64)).collect();
-            Curve::new(limit, values)
-        };
-        let fine = of(0.7, 24);
-        for (coarse, shift) in [(24, Some(0)), (12, Some(1)), (3, Some(3)), (8, None), (48, None)] {
-            let coarse = of(0.7, coarse);
-            assert_eq!(coarse.coarser_than(&fine), shift);
-            for command in (-80..=80).map(|k| 0.01 * f64::from(k)).chain([f64::NAN, -0.0]) {
-                let Some(shift) = shift else { continue };
-                let (piece, _) = fine.place(command);
-                let found = coarse.at_piece(piece >> shift, command);
-                assert_eq!(found.to_bits(), coarse.at(command).to_bits(), "{command}");
-            }
-        }
-        assert_eq!(of(0.8, 12).coarser_than(&fine), None);
     }
 }

@@ -57,8 +57,6 @@ impl Stand {
 #[derive(Clone, Debug)]
 pub struct Spool {
     design: SpoolDesign,
-    /// See [`Curve::coarser_than`]: of the curve of the command before than of the other, as where they were learnt.
-    coarser: Option<u32>,
     /// Cycles until a prediction that began anywhere is right.
     settling: u32,
     run: Run,
@@ -66,7 +64,7 @@ pub struct Spool {
 
 state! {
     Spool { run }
-    but { design, coarser, settling }
+    but { design, settling }
 }
 
 /// What changes from cycle to cycle.
@@ -85,8 +83,7 @@ whole! { Run { expected, before, unsettled } }
 impl Spool {
     pub fn new(design: SpoolDesign, sample_time: f64) -> Self {
         let settling = time::cycles(ProcessParameters::DEFAULT.settling, sample_time).max(2);
-        let coarser = design.before.coarser_than(&design.curve);
-        Self { design, coarser, settling, run: Run::default() }
+        Self { design, settling, run: Run::default() }
     }
 
     pub const fn design(&self) -> &SpoolDesign {
@@ -98,18 +95,14 @@ impl Spool {
     }
 
     /// One cycle: `command` u(k), m/s, and the spool's position x(k), both as sent. `None` without both.
-    #[inline]
     pub fn step(&mut self, command: Option<f64>, position: Option<f64>) -> Option<Stand> {
-        let Self { design, coarser, settling, run } = self;
+        let Self { design, settling, run } = self;
         let Some(command) = command else {
             *run = Run::default();
             return None;
         };
         let at = design.curve.place(command);
-        let own = match coarser {
-            Some(shift) => design.before.at_piece(at.0 >> *shift, command),
-            None => design.before.at(command),
-        };
+        let own = design.before.at(command);
         let before = run.before.replace(own).unwrap_or(own);
         if run.expected.is_none() {
             run.unsettled = *settling;

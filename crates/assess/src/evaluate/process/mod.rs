@@ -192,3 +192,21 @@ fn is_complete(design: &MonitorDesign) -> Result<(), StandError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tertius_config::design;
+    use tertius_dbc::{Database, text};
+
+    #[test]
+    fn a_cylinder_that_lacks_a_relation_is_not_evaluated_but_told() {
+        let config = include_str!("../../../../../config/e-type.toml");
+        let (settings, _) = tertius_config::parse("e-type.toml", config).expect("it is sound");
+        let dbc = text::from_bytes(include_bytes!("../../../../../dbc/e-type.dbc"));
+        let database = Database::parse(&dbc).expect("it is sound");
+        let design = design::judging(&settings, &database).expect("they fit");
+        let error = is_complete(&design).expect_err("it has no process detectors").to_string();
+        assert!(error.contains("cylinder 1 has learnt nothing by the spool"), "{error}");
+    }
+}
