@@ -83,9 +83,11 @@ pub fn tables(result: &Commissioned) -> Section {
     let process = cylinders().filter_map(|it| it.process.as_ref()?.table(it.sample_time));
     let learnt: Vec<[bool; RELATIONS]> = process
         .map(|it| {
-            [it.spool.is_some(), it.chambers.is_some(), it.flow.is_some(), it.friction.is_some()]
+            let (flow, friction) = (it.flow.is_some(), it.friction.is_some());
+            [it.spool.is_some(), it.chambers.is_some(), flow, friction, false]
         })
         .collect();
+    let of_supply = taught.calibration.iter().any(|it| matches!(it.supply, Some(Ok(_))));
     let relations = [
         ("process, by the spool", "a valve that sticks, an offset, a late or other command"),
         ("process, by the pressures", "a pressure sensor, the supply's sensor"),
@@ -97,6 +99,10 @@ pub fn tables(result: &Commissioned) -> Section {
         if count > 0 {
             add(name, super::wording::counted(count as u64, "cylinder"), format!("finds {finds}"));
         }
+    }
+    if of_supply {
+        let finds = "finds a pump that gives less, or to a lower pressure".to_owned();
+        add("process, by the supply", "the machine".to_owned(), finds);
     }
     table.about("what was learnt")
 }

@@ -144,15 +144,23 @@ struct ProcessCoverageFields {
     flow_seconds: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     friction_seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    supply_seconds: Option<f64>,
 }
 
 impl ProcessCoverageFields {
     fn new(coverage: &ProcessCoverage, sample_time: f64) -> Self {
         let seconds = |cycles: u64| in_seconds(cycles, sample_time);
-        let [spool_seconds, chambers_seconds, flow_seconds, friction_seconds] =
+        let [spool_seconds, chambers_seconds, flow_seconds, friction_seconds, supply_seconds] =
             coverage.judged().map(|it| it.map(seconds));
-        let monitored_seconds = seconds(coverage.monitored);
-        Self { monitored_seconds, spool_seconds, chambers_seconds, flow_seconds, friction_seconds }
+        Self {
+            monitored_seconds: seconds(coverage.monitored),
+            spool_seconds,
+            chambers_seconds,
+            flow_seconds,
+            friction_seconds,
+            supply_seconds,
+        }
     }
 }
 

@@ -24,11 +24,18 @@ pub const UNKNOWN: [&str; Unknown::ALL.len()] =
 
 /// What the process detectors judge by, in the order of [`crate::process::ProcessCoverage::judged`].
 pub const RELATIONS: [&str; detector::RELATIONS] =
-    ["the spools", "the chambers' pressures", "the flow", "the friction"];
+    ["the spools", "the chambers' pressures", "the flow", "the friction", "the supply"];
 
 /// Columns of the time in which the process detectors judged.
-pub const PROCESS_COLUMNS: [&str; 2 + detector::RELATIONS] =
-    ["cylinder", "monitored", "by the spool", "by the pressures", "by the flow", "by the friction"];
+pub const PROCESS_COLUMNS: [&str; 2 + detector::RELATIONS] = [
+    "cylinder",
+    "monitored",
+    "by the spool",
+    "by the pressures",
+    "by the flow",
+    "by the friction",
+    "by the supply",
+];
 
 pub const EPISODE_COLUMNS: [&str; 10] = [
     "at", "log time", "cylinder", "detector", "fault", "suspect", "level", "residual", "limit",
@@ -109,9 +116,10 @@ pub fn process_rows(summary: &Summary<'_>) -> Vec<[String; PROCESS_COLUMNS.len()
     let seconds = |cycles: u64| format!("{:.1} s", cycles as f64 * summary.sample_time);
     let row = |(number, tally): (usize, &crate::monitor::cylinder::Tally)| {
         let coverage = tally.process?;
-        let [spool, chambers, flow, friction] =
+        let [spool, chambers, flow, friction, supply] =
             coverage.judged().map(|it| it.map_or("–".to_owned(), seconds));
-        Some([number.to_string(), seconds(coverage.monitored), spool, chambers, flow, friction])
+        let monitored = seconds(coverage.monitored);
+        Some([number.to_string(), monitored, spool, chambers, flow, friction, supply])
     };
     (1..).zip(summary.tallies).filter_map(row).collect()
 }

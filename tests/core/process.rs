@@ -9,7 +9,7 @@ use tertius::dbc::{Database, text};
 use tertius::frame::Frame;
 use tertius::inject::{Fault, Wanted, place};
 use tertius::monitor::{Monitor, MonitorDesign};
-use tertius::relate::{LearntProcess, ProcessRows};
+use tertius::relate::{LearntProcess, ProcessRefusal, ProcessRows, SupplyRows};
 use tertius::simulator::{Change, EPOCH, Options, Simulator, Tables};
 use tertius::survey::{Ranking, Survey, Window};
 use tertius::verdict::{Fault as Kind, Suspect};
@@ -21,6 +21,8 @@ struct Taught {
     database: Database,
     tables: Tables,
     learnt: Vec<LearntProcess>,
+    /// Why nothing was learnt of the supply.
+    unsupplied: Option<ProcessRefusal>,
     design: MonitorDesign,
 }
 
@@ -55,7 +57,7 @@ impl Taught {
         let tables = Tables::parse(&plant.expect("it ships")).expect("it ships");
         let mut settings = loaded.settings;
         let surveying = design::surveying(&settings, &database).expect("they fit");
-        let mut rows = ProcessRows::new(&settings);
+        let mut rows = (ProcessRows::new(&settings), SupplyRows::new(&settings));
         let (mut monitor, mut survey) =
             (Monitor::new(surveying), Survey::new(EPOCH, Window::ALL, &mut rows));
         let mut simulator = simulator(&tables, &settings, &database, 7, faults);
@@ -63,7 +65,11 @@ impl Taught {
             simulator.step(&mut |frame: &Frame| monitor.take(frame, &mut survey));
         }
         let gains: Vec<f64> = (1..=6).map(|n| settings.comparator_of(n).0).collect();
+        let (rows, supply) = rows;
         let learnt = rows.learn(&settings, &Ranking::default(), &gains);
+        let supply = supply.learn(&Ranking::default(), settings.process_level());
+        let unsupplied = supply.as_ref().err().copied();
+        settings.process.supply = supply.ok();
         for one in &learnt {
             let process = one.table(0.02);
             match settings.cylinder.iter_mut().find(|own| own.n == one.number) {
@@ -72,7 +78,7 @@ impl Taught {
             }
         }
         let design = design::judging(&settings, &database).expect("they fit");
-        Self { settings, database, tables, learnt, design }
+        Self { settings, database, tables, learnt, unsupplied, design }
     }
 
     /// Warnings of `seconds` of another recording with these faults.
@@ -162,6 +168,27 @@ fn pressures_that_are_off_everywhere_are_the_supply_s() {
     assert!(of_process(&four).iter().all(|it| it.finding.fault == Kind::PressureSensor));
 }
 
+/// One fault of the machine, which every cylinder tells, and no transducer's.
+#[test]
+fn a_supply_that_falls_is_found_with_its_size_and_accuses_no_transducer() {
+    for (part, size) in [(0.1, -24.0), (0.2, -48.0)] {
+        let fault = format!("supply_loss,cylinder=1,at=25,part={part}");
+        let warnings = TAUGHT.warnings(27, &[&fault], 60.0);
+        let found = of_process(&warnings);
+        assert!(found.iter().all(|it| it.finding.fault == Kind::Supply), "{found:?}");
+        for n in 1..=6 {
+            let own = || found.iter().filter(|it| it.cylinder == n);
+            let raised = own().find(|it| it.state == State::Raised).expect("it is raised");
+            let delay = raised.timestamp.since(EPOCH).as_seconds() - 25.0;
+            assert!((0.0..3.0).contains(&delay), "{n}: {delay} s");
+            let told = own().next_back().and_then(|it| it.finding.size()).expect("it has a size");
+            assert!((told - size).abs() < 0.15 * f64::abs(size), "{part} {n}: {told} bar");
+        }
+        let blamed = |it: &&Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
+        assert_eq!(warnings.iter().find(blamed), None, "{part}");
+    }
+}
+
 #[test]
 fn a_healthy_machine_in_another_sea_is_quiet() {
     let warnings = TAUGHT.warnings(24, &[], 400.0);
@@ -199,6 +226,7 @@ fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
             "sticking,cylinder=2,at=300,until=320,band=0.03",
             "friction,cylinder=5,at=300,until=360,factor=4",
             "step,sensor=pressure_rod,cylinder=4,at=300,until=320,size=6",
+            "supply_loss,cylinder=1,at=500,until=530,part=0.15",
         ],
         700.0,
     );
@@ -211,9 +239,14 @@ fn a_recording_with_a_fault_in_it_teaches_nothing_of_that_cylinder() {
         let expected = [2, 4, 5].map(|number| learnt.number == number);
         assert_eq!(is_refused, expected, "{:?}", learnt.remarks());
     }
+    let Some(ProcessRefusal::Contradicted { at, .. }) = taught.unsupplied else {
+        panic!("{:?}", taught.unsupplied)
+    };
+    assert!((500.0..540.0).contains(&at), "{at} s");
     let told = taught.learnt[1].remarks();
     assert!(told[0].contains("by the spool") && told[0].contains("is there a fault"), "{told:?}");
     // A minute is no lesson.
     let short = Taught::by(&[], 60.0);
     assert!(short.learnt.iter().all(|it| it.table(0.02).is_none() && it.remarks().len() == 4));
+    assert!(matches!(short.unsupplied, Some(ProcessRefusal::Short { .. })));
 }

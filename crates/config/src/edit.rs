@@ -19,6 +19,9 @@ const OF_A_FILE: &str = "# Keys of [[cylinder]]";
 pub fn put(text: &str, tables: &str, anew: &[&str]) -> Result<String, TomlError> {
     let mut document: DocumentMut = text.parse()?;
     let learnt: DocumentMut = tables.parse()?;
+    if is_calibration(&learnt) {
+        forget_supply(&mut document);
+    }
     for (key, item) in learnt.iter() {
         match item.as_array_of_tables().filter(|_| key == "cylinder") {
             Some(learnt) => put_cylinders(document.as_table_mut(), learnt),
@@ -43,6 +46,16 @@ pub fn without(text: &str, n: u8, key: &str) -> Result<String, TomlError> {
     for cylinder in cylinders.into_iter().flat_map(ArrayOfTables::iter_mut).filter(of_n) {
         cylinder.remove(key);
     }
+    Ok(document.to_string())
+}
+
+/// The configuration `text` without what a calibration has learnt of the supply.
+///
+/// # Errors
+/// `text` is not TOML.
+pub fn without_supply(text: &str) -> Result<String, TomlError> {
+    let mut document: DocumentMut = text.parse()?;
+    forget_supply(&mut document);
     Ok(document.to_string())
 }
 
@@ -92,6 +105,19 @@ fn table_unplaced(table: &Table) -> Table {
         fresh.insert(key, unplaced(item));
     }
     fresh
+}
+
+/// Whether `learnt` are the tables of a calibration.
+fn is_calibration(learnt: &DocumentMut) -> bool {
+    let cylinders = learnt.get("cylinder").and_then(Item::as_array_of_tables);
+    cylinders.is_some_and(|all| all.iter().any(|cylinder| cylinder.contains_key("c2_gain")))
+}
+
+/// Removes what an earlier calibration has learnt of the supply.
+fn forget_supply(document: &mut DocumentMut) {
+    if let Some(process) = document.get_mut("process").and_then(Item::as_table_like_mut) {
+        process.remove("supply");
+    }
 }
 
 fn put_cylinders(root: &mut Table, learnt: &ArrayOfTables) {
@@ -272,6 +298,20 @@ nodes = [7.0]
         let text = put(&old, TABLES, &[]).expect("both are TOML");
         assert_eq!(text, put(CONFIGURATION, TABLES, &[]).expect("both are TOML"));
         assert_eq!(without(&old, 2, "process").expect("it is TOML"), CONFIGURATION);
+        let supply = "[process]\nlevel = 30.0\n\n[process.supply]\nreference = 230.0\n\n";
+        let with = |supply: &str| CONFIGURATION.replace("[model]", &format!("{supply}[model]"));
+        let (old, kept) = (with(supply), with("[process]\nlevel = 30.0\n\n"));
+        assert_eq!(without_supply(&old).expect("it is TOML"), kept);
+        let calibrated = put(&old, TABLES, &[]).expect("both are TOML");
+        assert_eq!(calibrated, put(&kept, TABLES, &[]).expect("both are TOML"));
+        let newer = format!("{TABLES}\n[process.supply]\nreference = 220.0\n");
+        let calibrated = put(&old, &newer, &[]).expect("both are TOML");
+        assert!(
+            calibrated.contains("level = 30.0\n\n[process.supply]\nreference = 220.0\n"),
+            "{calibrated}"
+        );
+        let tuned = put(&old, "[fde]\nhigh = 0.002\n", &[]).expect("both are TOML");
+        assert!(tuned.contains("reference = 230.0"), "what it does not learn stays");
         assert_eq!(without(&old, 1, "process").expect("it is TOML"), old);
     }
 

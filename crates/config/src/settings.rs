@@ -40,6 +40,7 @@ pub use nonlinear::{CylinderNonlinear, Stribeck, ValveCurve, ValveFlow};
 use process::PROCESS;
 pub use process::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, ProcessSettings, SpoolTable,
+    SupplyTable,
 };
 use recorder::RECORDER;
 pub use recorder::Recorder;

@@ -81,6 +81,7 @@ fn process(machine: &Machine, n: u8) -> Option<String> {
         ("chambers' pressures", design.chambers.is_some()),
         ("flow", design.flow.is_some()),
         ("friction", design.friction.is_some()),
+        ("supply", design.supply),
     ];
     let known = parts.into_iter().zip(design.levels()).filter(|((_, is_known), _)| *is_known);
     let known = known.map(|((name, _), level)| format!("{name} (level {level:.1} nats)"));

@@ -83,6 +83,7 @@ impl TableRow for CylinderRow {
         "process_chambers_seconds", "s", Number, "it judged by the chambers' pressures", |it| it.process(|it| it.judged()[1]);
         "process_flow_seconds", "s", Number, "it judged by the flow", |it| it.process(|it| it.judged()[2]);
         "process_friction_seconds", "s", Number, "it judged by the friction", |it| it.process(|it| it.judged()[3]);
+        "process_supply_seconds", "s", Number, "it judged by the supply", |it| it.process(|it| it.judged()[4]);
     };
 
     fn at(&self) -> Timestamp {

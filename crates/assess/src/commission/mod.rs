@@ -104,7 +104,7 @@ impl Task<'_> {
             }
             _ => None,
         };
-        trial.iter().for_each(|trial| taught.without_process(&trial.of_process));
+        trial.iter().for_each(|trial| taught.without_process(trial));
         let coverage = coverage::of(&taught);
         let verdict = Verdict::of(&taught, rehearsed.map(|(it, _)| it).as_ref(), trial.as_ref());
         Ok(Commissioned {

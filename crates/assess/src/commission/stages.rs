@@ -2,12 +2,13 @@
 
 use super::Task;
 use super::holding::{Blocks, Without};
-use super::trial::FalseAlarm;
+use super::trial::{FalseAlarm, Trial};
 use std::fmt;
 use tertius_config::design::{self, Flaw};
 use tertius_config::settings::Settings;
 use tertius_config::{self as config, edit};
 use tertius_core::monitor::MonitorDesign;
+use tertius_core::verdict::Fault;
 use tertius_learn::calibrate;
 use tertius_learn::calibrate::{Calibration, Cuts, CylinderCalibration};
 use tertius_learn::identify;
@@ -81,10 +82,14 @@ impl Taught {
 
     /// Leaves out the process detectors that warn in the trial, which may be wrong with a valve that is not like itself
     /// for long; the transducers are watched all the same.
-    pub(super) fn without_process(&mut self, alarms: &[FalseAlarm]) {
-        if let Some(calibration) = &mut self.calibration {
-            leave_out(&mut self.text, &mut calibration.cylinders, alarms);
+    pub(super) fn without_process(&mut self, trial: &Trial) {
+        let Some(calibration) = &mut self.calibration else { return };
+        let mut alarms = trial.of_process.clone();
+        if let Some(t) = trial.of_supply {
+            leave_out_supply(&mut self.text, calibration, t);
+            alarms.retain(|alarm| alarm.fault != Fault::Supply);
         }
+        leave_out(&mut self.text, &mut calibration.cylinders, &alarms);
     }
 
     fn refuse(&mut self, by: Stage, refusals: Vec<(u8, String)>) {
@@ -116,6 +121,17 @@ fn leave_out(text: &mut String, cylinders: &mut [CylinderCalibration], alarms: &
              first frame; is there a fault in the recording?"
         ));
     }
+}
+
+/// Takes the relation of the supply, which fell short of it at `t`, s, out of the configuration's `text`, and says so.
+fn leave_out_supply(text: &mut String, calibration: &mut Calibration, t: f64) {
+    let Ok(without) = edit::without_supply(text) else { return };
+    *text = without;
+    calibration.supply = None;
+    calibration.remarks.push(format!(
+        "no process detector by the supply: that of the trial, which does not know that block, warns {t:.1} s after the \
+         first frame; is there a fault in the recording?"
+    ));
 }
 
 /// Gives the stages the frames that are not held back.
@@ -307,7 +323,8 @@ mod tests {
             |n: u8| format!("[[cylinder]] # the {n}\nn = {n}\n[cylinder.process]\nlevel = {n}\n\n");
         let mut text = own(1) + &own(2);
         let mut cylinders = [cylinder(1), cylinder(2)];
-        let alarm = |t| FalseAlarm { t, cylinder: 2, detector: Detector::Process };
+        let alarm =
+            |t| FalseAlarm { t, cylinder: 2, detector: Detector::Process, fault: Fault::Leakage };
         leave_out(&mut text, &mut cylinders, &[alarm(61.25), alarm(75.0)]);
         assert!(text.starts_with(&own(1)), "{text}");
         assert!(text.contains("\nn = 2") && !text.contains("level = 2"), "{text}");

@@ -16,7 +16,7 @@ use tertius_core::alarm::{Detector, State, Warning};
 use tertius_core::frame::Frame;
 use tertius_core::monitor::{Monitor, Record, Sink};
 use tertius_core::time::{Span, Timestamp};
-use tertius_core::verdict::Verdict;
+use tertius_core::verdict::{Fault, Verdict};
 use tertius_learn::calibrate::Cuts;
 use tertius_learn::survey::{Frames, Timeline};
 use tertius_machine::inject::{Injector, place};
@@ -32,6 +32,7 @@ pub struct FalseAlarm {
     /// Cylinder number, counted from 1.
     pub cylinder: u8,
     pub detector: Detector,
+    pub fault: Fault,
 }
 
 /// What became of the faults of one kind.
@@ -66,6 +67,8 @@ pub struct Trial {
     pub false_alarms: Vec<FalseAlarm>,
     /// Those of the process detectors, which are left out instead.
     pub of_process: Vec<FalseAlarm>,
+    /// Time since the first frame at which the supply first fell short, s.
+    pub of_supply: Option<f64>,
     /// For each cylinder with a sequential detector, the part of the time held back in which it
     /// judged.
     pub known: Vec<(u8, f64)>,
@@ -150,6 +153,7 @@ impl Course<'_> {
             monitor,
             heard: Heard::default(),
             known,
+            of_supply: None,
             waiting,
             attempts: Vec::new(),
             entries: Vec::new(),
@@ -169,6 +173,7 @@ struct Trying<'a> {
     heard: Heard,
     /// For each cylinder with a sequential detector: cycles in which it judged, and all cycles.
     known: Vec<(u8, [u64; 2])>,
+    of_supply: Option<f64>,
     /// Faults still to begin, the next one last.
     waiting: Vec<(Planned, Injector)>,
     attempts: Vec<Attempt>,
@@ -244,6 +249,9 @@ impl Trying<'_> {
             if !self.course.blocks.hold(t) {
                 continue;
             }
+            if self.monitor.supply().is_some_and(|it| it.alarm().is_some()) {
+                self.of_supply = self.of_supply.or(Some(t));
+            }
             let detector = self.monitor.sequential().find(|(number, _)| *number == cylinder);
             let own = self.known.iter_mut().find(|(number, _)| *number == cylinder);
             if let Some(((_, detector), (_, [judged, all]))) = detector.zip(own) {
@@ -265,6 +273,7 @@ impl Trying<'_> {
             held: self.course.blocks.spans().iter().map(|[from, to]| to - from).sum(),
             false_alarms,
             of_process,
+            of_supply: self.of_supply,
             known: self.known.iter().map(|(number, known)| (*number, part(*known))).collect(),
             kinds: faults::KINDS.map(|kind| result(kind, &entries)).to_vec(),
         }
@@ -274,8 +283,9 @@ impl Trying<'_> {
         let Course { blocks, cuts, .. } = self.course;
         let raised = self.heard.warnings.iter().filter(|it| it.state == State::Raised);
         let alarm = |it: &Warning| {
-            let (cylinder, detector) = (it.cylinder, it.detector);
-            FalseAlarm { t: it.timestamp.since(self.first).as_seconds(), cylinder, detector }
+            let t = it.timestamp.since(self.first).as_seconds();
+            let (cylinder, detector, fault) = (it.cylinder, it.detector, it.finding.fault);
+            FalseAlarm { t, cylinder, detector, fault }
         };
         let counts = |it: &FalseAlarm| {
             DETECTORS.contains(&it.detector)

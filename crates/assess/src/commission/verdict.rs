@@ -191,6 +191,7 @@ mod tests {
     use super::super::trial::FalseAlarm;
     use super::*;
     use tertius_core::alarm::Detector;
+    use tertius_core::verdict::Fault;
 
     /// scipy.stats.chi2.ppf(0.05, 2 n) / 2.
     #[test]
@@ -228,6 +229,7 @@ mod tests {
             held: 300.0,
             false_alarms: Vec::new(),
             of_process: Vec::new(),
+            of_supply: None,
             known: Vec::new(),
             kinds: vec![one],
         }
@@ -245,7 +247,12 @@ mod tests {
         assert!(sound.reasons.is_empty() && sound.advice.is_empty());
         let mut heard = trial(12);
         let detector = Detector::Fde3;
-        heard.false_alarms.push(FalseAlarm { t: 130.0, cylinder: 4, detector });
+        heard.false_alarms.push(FalseAlarm {
+            t: 130.0,
+            cylinder: 4,
+            detector,
+            fault: Fault::Abrupt,
+        });
         let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
         assert_eq!(unfit.fitness, Fitness::Unfit);
         assert_eq!(unfit.reasons, ["fde3 of cylinder 4 warns at 130.0 s"]);

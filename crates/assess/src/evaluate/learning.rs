@@ -174,7 +174,8 @@ impl Stand<'_> {
             tried,
             per_year,
         };
-        let tables = course.run(&run)?.cylinders.into_iter().map(|cylinder| {
+        let calibrated = course.run(&run)?;
+        let tables = calibrated.cylinders.into_iter().map(|cylinder| {
             let missing = || format!("cylinder {} has no profile", cylinder.number);
             let table = cylinder.table().filter(|table| table.sequential.is_some());
             table.ok_or_else(|| {
@@ -183,6 +184,7 @@ impl Stand<'_> {
             })
         });
         settings.cylinder = tables.collect::<Result<_, _>>()?;
+        settings.process.supply = calibrated.supply.and_then(Result::ok);
         let design = design::judging(&settings, self.database).map_err(|flaws| flawed(&flaws))?;
         let detectors = detectors(&design)?;
         let level = match settings.sequential.level {

@@ -114,7 +114,7 @@ impl<'a> Connector<'a> {
         let cylinders = (1..=settings.machine.cylinders)
             .filter_map(|n| self.connect_cylinder(n))
             .collect::<Vec<_>>();
-        let tilt = self.connect_tilt();
+        let (tilt, supply) = (self.connect_tilt(), self.supply());
         self.connect_devices();
         self.refuse_own_identifiers();
         self.refuse_crowded_cycles();
@@ -134,6 +134,7 @@ impl<'a> Connector<'a> {
                 ),
                 cylinders,
                 tilt,
+                supply,
                 estimates: if settings.estimate.send { Estimates::Sent } else { Estimates::None },
                 encoder,
             }),

@@ -1,13 +1,15 @@
-//! From the fitted tables to a process detector.
+//! From the fitted tables to the process detectors.
 
 use super::{Connector, Flaw};
-use crate::settings::{ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable};
+use crate::settings::{
+    ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,
+};
 use tertius_core::process::flow::FlowWeighing;
 use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::friction::FrictionWeighing;
 use tertius_core::process::{
     ChambersDesign, Curve, FlowDesign, FrictionDesign, ProcessDesign, ProcessParameters,
-    SpoolDesign,
+    SpoolDesign, SupplyDesign,
 };
 
 /// Least number of samples with which the commands between two knots are taught.
@@ -17,17 +19,54 @@ impl Connector<'_> {
     /// The process detector of cylinder `n`; `None` where nothing of it was fitted.
     pub(super) fn process(&mut self, n: u8) -> Option<ProcessDesign> {
         let settings = self.settings;
-        let fitted = settings.process_of(n)?;
-        self.refuse_absent(n, fitted);
-        Some(ProcessDesign {
-            spool: fitted.spool.as_ref().map(spool),
-            chambers: fitted.chambers.as_ref().map(chambers),
-            flow: fitted.flow.as_ref().and_then(|it| self.flow(n, it)),
-            friction: fitted.friction.as_ref().and_then(|it| self.friction(n, it)),
+        let (fitted, supply) = (settings.process_of(n), settings.process.supply.is_some());
+        if let Some(fitted) = fitted {
+            self.refuse_absent(n, fitted);
+        }
+        (fitted.is_some() || supply).then(|| ProcessDesign {
+            spool: fitted.and_then(|it| it.spool.as_ref()).map(spool),
+            chambers: fitted.and_then(|it| it.chambers.as_ref()).map(chambers),
+            flow: fitted.and_then(|it| it.flow.as_ref()).and_then(|it| self.flow(n, it)),
+            friction: fitted
+                .and_then(|it| it.friction.as_ref())
+                .and_then(|it| self.friction(n, it)),
+            supply,
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
             clear: settings.warning_cycles(),
             parameters: &ProcessParameters::DEFAULT,
+        })
+    }
+
+    /// The supply of all cylinders; `None` where nothing of it was fitted.
+    pub(super) fn supply(&mut self) -> Option<SupplyDesign> {
+        let settings = self.settings;
+        let fitted = settings.process.supply.as_ref()?;
+        let SupplyTable { reference, taught, taken, deviation, mean_dependence, .. } = *fitted;
+        if settings.signals.supply.is_none() {
+            self.flaws.push(Flaw::new(
+                "process.supply",
+                "the table is for a signal that is not named: signals.supply",
+                "name it as signals.supply, or leave the table out",
+            ));
+        }
+        if taught[0] >= taught[1] {
+            self.flaws.push(Flaw::new(
+                "process.supply.taught",
+                format!("its pressures do not rise: {taught:?}"),
+                "let `tertius calibrate` write the table anew, or leave it out",
+            ));
+        }
+        Some(SupplyDesign {
+            reference,
+            taught,
+            pump: fitted.pump.clone(),
+            taken,
+            deviation: deviation.max(ProcessParameters::DEFAULT.supply_deviation),
+            dependence: [mean_dependence; 2],
+            level: settings.process_level(),
+            sample_time: settings.machine.sample_time,
+            clear: settings.warning_cycles(),
         })
     }
 

@@ -40,7 +40,7 @@ impl Connector<'_> {
         let Some(name) = self.settings.signals.supply.as_deref() else { return };
         let Some(found) = self.find("signals.supply", name) else { return };
         self.refuse_unit("signals.supply", name, found.signal, Field::Pressure(Pressure::Supply));
-        if self.reads_all_of(n) {
+        if self.reads_all_of(n) || self.settings.process.supply.is_some() {
             let subscription = self.subscriptions.subscribe(found.bus, found.message.id);
             subscription.cyclic = true;
             let target = Target::Cylinder(n - 1, Field::Pressure(Pressure::Supply));

@@ -58,6 +58,12 @@ impl Connector<'_> {
             );
         }
         self.refuse_time(
+            "process.supply.sample_time",
+            settings.process.supply.as_ref().map(|fitted| fitted.sample_time),
+            "the table [process.supply]",
+            "`tertius calibrate` takes this configuration as it is, and writes the table again",
+        );
+        self.refuse_time(
             "observer.sample_time",
             settings.observer.sample_time,
             "the table [observer]",

@@ -1,7 +1,7 @@
-//! `[process]`, and the tables that `tertius calibrate` has fitted for the process detector of one cylinder.
+//! `[process]`, and the tables that `tertius calibrate` has fitted for the process detectors.
 
 use super::fitted::{FITTED, dependence, fitted};
-use crate::kinds::number;
+use crate::kinds::{number, numbers};
 use crate::schema::{Kind, Limits, Scalar, WholeLimits, table};
 use tertius_core::process::chambers::TERMS;
 use tertius_core::process::flow::directions::HALF;
@@ -9,13 +9,36 @@ use tertius_core::process::friction::{FORCE_TERMS, SCATTERS};
 use tertius_core::sequential::windows::WIDTHS;
 
 table! {
-    /// Settings of the process detectors of all cylinders that are calibrated for one.
+    /// Settings of the process detectors of all cylinders that are calibrated for one, and the supply of all of them.
     pub struct ProcessSettings = PROCESS {
         level: Option<f64> = None =>
             number(Limits::above(0.0, "evidence in nats, at which a detector warns").most(1000.0)),
             "26.0",
             "the level of the process detectors of all cylinders, nats; absent: by \
              sequential.false_alarms_per_year";
+        supply: Option<SupplyTable> = None => Kind::Table(&SUPPLY),
+            "", "what the supply's pressure does by what all rods take";
+    }
+}
+
+table! {
+    /// P² (1/P_S − 1/P_S′) = T q(P_S) + c₁ w₁ + c₂ w₂ over T = 0.2 s, w being the ways of all rods out and in.
+    pub struct SupplyTable = SUPPLY {
+        sample_time: f64 => number(Limits::above(0.0, FITTED)),
+            "0.02", "the sample time that it was fitted at, s";
+        reference: f64 => number(Limits::above(0.0, FITTED)),
+            "230.0", "P, bar";
+        taught: [f64; 2] => numbers(2, Limits::above(0.0, FITTED)),
+            "[220.0, 238.0]", "the least and the largest pressure that were taught, bar";
+        pump: Vec<f64> => fitted(2, 1001),
+            "[16.0, 8.0, 1.6]", "q: what the pump adds, bar/s, at even distances between them";
+        taken: [f64; 2] => numbers(2, Limits::finite(FITTED)),
+            "[-7.5, -3.5]", "c₁ and c₂: what the rods add on their ways out and in, bar/m";
+        deviation: f64 => number(Limits::above(0.0, FITTED)),
+            "0.15", "the standard deviation of the pressure beside it after T, bar";
+        mean_dependence: [f64; WIDTHS.len()] => dependence(),
+            "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]",
+            "samples of the mean that carry as much information as one, by the width of the window";
     }
 }
 

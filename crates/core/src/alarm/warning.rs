@@ -73,12 +73,18 @@ impl Finding {
         self.evidence?.gain
     }
 
-    /// Whether `other` means the same to a person; the residual, which changes all the time, is not
-    /// compared.
+    /// [`Evidence::size`] of a fault of the process, where it is known.
+    pub fn size(&self) -> Option<f64> {
+        self.evidence?.size
+    }
+
+    /// Whether `other` means the same to a person; numbers, which change all the time, are not compared, but whether
+    /// they are known.
     pub fn says_as(&self, other: &Self) -> bool {
         let meaning = |it: &Self| it.device.map(|device| device.meaning());
-        (self.fault, self.suspect, self.level, self.gain().is_some(), meaning(self))
-            == (other.fault, other.suspect, other.level, other.gain().is_some(), meaning(other))
+        let sizes = |it: &Self| [it.gain(), it.size()].map(|size| size.is_some());
+        (self.fault, self.suspect, self.level, sizes(self), meaning(self))
+            == (other.fault, other.suspect, other.level, sizes(other), meaning(other))
     }
 }
 
@@ -120,11 +126,16 @@ mod tests {
     }
 
     #[test]
-    fn a_finding_changes_for_a_person_when_it_becomes_a_gain_but_not_with_its_numbers() {
+    fn a_finding_changes_for_a_person_when_a_size_is_known_but_not_with_its_numbers() {
         let [scale, other_scale, none] = [Some(0.01), Some(0.02), None].map(finding);
         assert_eq!((scale.gain(), none.gain()), (Some(0.01), None));
         assert_eq!(Finding { evidence: None, ..scale }.gain(), None);
         assert!(scale.says_as(&other_scale) && !scale.says_as(&none));
+        let sized = |size| {
+            let evidence = scale.evidence.map(|it| Evidence { size, ..it });
+            Finding { evidence, ..scale }
+        };
+        assert!(sized(Some(1.0)).says_as(&sized(Some(2.0))) && !sized(Some(1.0)).says_as(&scale));
         assert!(scale.says_as(&Finding { residual: Some(2e-3), ..scale }));
         for changed in [
             Finding { fault: Fault::Noise, ..scale },

@@ -43,7 +43,7 @@ pub(super) struct Open {
 whole! { Open { incident, newest, grew, difference, has_returned, told } }
 
 /// What an incident says that is news to a person when it changes.
-type Said = (Suspect, Fault, bool, Level);
+type Said = (Suspect, Fault, [bool; 2], Level);
 
 impl Open {
     pub fn new(incident: Incident) -> Self {
@@ -117,7 +117,9 @@ impl Open {
     /// The incident as it is told at `at`, if it says something new.
     pub fn news(&mut self, at: Timestamp) -> Option<&Incident> {
         let Incident { suspect, fault, gain, level, .. } = self.incident;
-        let said = (suspect, fault, gain.is_some(), level);
+        let has_size =
+            self.incident.parts.iter().flatten().any(|part| part.finding.size().is_some());
+        let said = (suspect, fault, [gain.is_some(), has_size], level);
         let before = self.told.replace(said);
         if before == Some(said) {
             return None;

@@ -33,6 +33,7 @@ use crate::error_frame::ErrorFrame;
 use crate::frame::{Buses, Frame, Kind};
 use crate::hexapod::{Tilt, TiltDesign};
 use crate::incident::Incidents;
+use crate::process::{SupplyDesign, SupplyWatch};
 use crate::sample::cycle::{CycleClock, CycleTiming, Due};
 use crate::sequential::Sampling;
 use crate::time::{Span, Timestamp};
@@ -60,6 +61,8 @@ pub struct MonitorDesign {
     pub cylinders: Vec<CylinderDesign>,
     /// Comparison of the deck's attitude with a sensor on it; only for a hexapod.
     pub tilt: Option<TiltDesign>,
+    /// The supply of all cylinders, where it was taught.
+    pub supply: Option<SupplyDesign>,
     pub estimates: Estimates,
     pub encoder: Encoder,
 }
@@ -84,6 +87,8 @@ pub struct Monitor {
     has_process: bool,
     /// `None` without a sensor on the deck.
     tilt: Option<Box<Tilt>>,
+    /// `None` without a table of the supply.
+    supply: Option<Box<SupplyWatch>>,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -135,6 +140,7 @@ impl Monitor {
             register: Register::new(cylinders.len()),
             has_process: cylinders.iter().any(|cylinder| cylinder.process().is_some()),
             tilt: design.tilt.as_ref().map(|design| Box::new(Tilt::new(design))),
+            supply: design.supply.map(|design| Box::new(SupplyWatch::new(design))),
             incidents,
             cylinders,
             sampling: Sampling::default(),
@@ -286,7 +292,7 @@ impl Monitor {
         self.counts.incomplete += u64::from(self.incomplete);
         self.follow_sampling(at, sink);
         if self.has_process {
-            self.follow_supply();
+            self.follow_supply(at);
         }
         self.follow_tilt(at);
         self.clock.close();
@@ -298,6 +304,7 @@ impl Monitor {
         self.clock.skip(1);
         self.counts.missing += 1;
         self.missing_run += 1;
+        self.lose_supply();
         // Beyond that the observers stand still and nothing is judged any more.
         if !self.heard.is_empty() || self.missing_run <= self.gap_cycles + 1 {
             for index in 0..self.cylinders.len() {

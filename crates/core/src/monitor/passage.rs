@@ -131,6 +131,7 @@ impl Monitor {
         if let Some(tilt) = &mut self.tilt {
             tilt.forget();
         }
+        self.interrupt_supply();
         let last = self.last.unwrap_or_default();
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.interrupt(reason, last));
     }
@@ -151,6 +152,7 @@ impl Monitor {
         self.clock.skip(count);
         self.counts.missing += count;
         self.missing_run += count;
+        self.lose_supply();
     }
 
     /// Does everything that falls due before `now`, in the order of time.

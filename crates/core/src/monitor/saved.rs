@@ -31,7 +31,7 @@ state! {
         keeps, clock, gate, sampling, pending, incomplete, missing_run, heard, monitored_once, opened_once, register,
         incidents, encoder, counts, last, next_status, last_status, next_due,
     }
-    parts { stations, cylinders, silence, tilt }
+    parts { stations, cylinders, silence, tilt, supply }
     but { subscriptions, by_timers, has_process, gap_cycles, sends_estimates }
     sound |it| it.is_sound()
 }

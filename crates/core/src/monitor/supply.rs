@@ -1,16 +1,53 @@
-//! What the chambers' pressures of all cylinders together say of the supply's.
+//! What all cylinders together say of their supply.
 
 use super::Monitor;
 use super::cylinder::Cylinder;
-use crate::process::ProcessParameters;
+use super::gate::Opening;
+use crate::process::{OilSample, ProcessParameters, SupplyWatch};
+use crate::time::Timestamp;
 
 /// Fewer cylinders than this are no many.
 const LEAST: usize = 2;
 
 impl Monitor {
+    /// The supply of all cylinders, if it is watched.
+    pub fn supply(&self) -> Option<&SupplyWatch> {
+        self.supply.as_deref()
+    }
+
+    /// Takes what all cylinders say of their supply at the end of a cycle.
+    pub(super) fn follow_supply(&mut self, at: Timestamp) {
+        self.follow_chambers();
+        if self.supply.is_some() {
+            self.watch_supply(at);
+        }
+    }
+
+    /// Compares the supply's pressure with what all rods have taken.
+    #[inline(never)]
+    fn watch_supply(&mut self, at: Timestamp) {
+        let is_open = self.gate.opening(at) == Opening::Open;
+        let Self { supply: Some(supply), cylinders, .. } = self else { return };
+        supply.step(read(cylinders).as_ref(), is_open, at);
+        let (alarm, is_judging) = (supply.alarm().copied(), supply.is_judging());
+        for process in cylinders.iter_mut().filter_map(Cylinder::process_mut) {
+            process.take_supply(alarm, is_judging);
+        }
+    }
+
+    /// Takes a cycle that did not come.
+    pub(super) fn lose_supply(&mut self) {
+        self.supply.iter_mut().for_each(|supply| supply.lose());
+    }
+
+    /// Forgets what was going on, after a time of which nothing is known.
+    pub(super) fn interrupt_supply(&mut self) {
+        self.supply.iter_mut().for_each(|supply| supply.interrupt());
+    }
+
     /// Lays pressures that do not add up in most cylinders at once on the supply, which is what they have in
     /// common.
-    pub(super) fn follow_supply(&mut self) {
+    fn follow_chambers(&mut self) {
         let comparing = || self.cylinders.iter().filter_map(Cylinder::process);
         let odd = comparing().filter(|process| process.has_odd_chambers()).count();
         let is_many = || {
@@ -20,4 +57,15 @@ impl Monitor {
         let is_odd = odd >= LEAST && is_many();
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.supply_is_odd = is_odd);
     }
+}
+
+/// The supply's pressure and every rod's length in the newest cycle; `None` if anything is missing.
+fn read(cylinders: &[Cylinder]) -> Option<OilSample> {
+    let mut sample = OilSample::default();
+    for (length, cylinder) in sample.lengths.iter_mut().zip(cylinders) {
+        let oil = cylinder.process()?.oil();
+        *length = oil.length?;
+        sample.pressure = oil.pressure?;
+    }
+    Some(sample)
 }

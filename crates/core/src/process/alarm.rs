@@ -26,12 +26,15 @@ pub enum Malfunction {
     DeadBand,
     /// The rod goes harder. The size is the load pressure that it takes more, bar.
     Friction,
+    /// The supply's pressure falls short of what the rods leave of it. The size is by how much it is beside what a sound
+    /// pump would have brought about, bar.
+    Supply,
 }
 
 choice! {
     Malfunction {
         Unclassified, Sticking, Offset, Late, OtherCommand, Chambers, Leakage, Null, DeadBand,
-        Friction,
+        Friction, Supply,
     }
 }
 

@@ -28,7 +28,7 @@ impl ProcessCoverage {
         }
     }
 
-    /// Cycles that were judged by spool, chambers, flow and friction; `None` without the relation.
+    /// Cycles that were judged by spool, chambers, flow, friction and supply; `None` without the relation.
     pub fn judged(&self) -> [Option<u64>; RELATIONS] {
         core::array::from_fn(|which| self.knows[which].then_some(self.judged[which]))
     }

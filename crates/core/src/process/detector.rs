@@ -1,11 +1,13 @@
 //! The process detector of one cylinder.
 
+mod standing;
+
 use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
 use super::flow::{self, FlowDesign, FlowWatch};
 use super::friction::{FrictionDesign, FrictionWatch};
-use super::input::ProcessInput;
+use super::input::{OilReading, ProcessInput};
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
@@ -20,6 +22,8 @@ pub struct ProcessDesign {
     pub chambers: Option<ChambersDesign>,
     pub flow: Option<FlowDesign>,
     pub friction: Option<FrictionDesign>,
+    /// Whether the machine's supply is watched, see [`Process::take_supply`].
+    pub supply: bool,
     /// h, nats.
     pub level: f64,
     /// s.
@@ -33,7 +37,7 @@ impl ProcessDesign {
     /// h of each relation, nats.
     pub fn levels(&self) -> [f64; RELATIONS] {
         let of_blocks = flow::level(self.level, self.sample_time);
-        [self.level, self.level, of_blocks, of_blocks]
+        [self.level, self.level, of_blocks, of_blocks, of_blocks]
     }
 }
 
@@ -57,10 +61,13 @@ pub struct Process {
     /// Whether the newest cycle was judged.
     judged: [bool; RELATIONS],
     alarms: [Option<ProcessAlarm>; RELATIONS],
+    /// What the newest cycle told of the supply, and whether the supply was judged in the one before.
+    oil: OilReading,
+    is_supply_judged: bool,
 }
 
 state! {
-    Process { of_spool, of_chambers, trace, open, alarms }
+    Process { of_spool, of_chambers, trace, open, alarms, oil, is_supply_judged }
     parts { spool, flow, friction }
     but { design, levels, weighings, counts, judged }
 }
@@ -77,9 +84,10 @@ const SPOOL: usize = 0;
 const CHAMBERS: usize = 1;
 const FLOW: usize = 2;
 const FRICTION: usize = 3;
+const SUPPLY: usize = 4;
 
-/// Number of relations: spool, chambers, flow and friction.
-pub const RELATIONS: usize = 4;
+/// Number of relations: spool, chambers, flow, friction and supply.
+pub const RELATIONS: usize = 5;
 
 impl Process {
     pub fn new(design: ProcessDesign) -> Self {
@@ -109,6 +117,8 @@ impl Process {
             open: 0,
             judged: [false; RELATIONS],
             alarms: [None; RELATIONS],
+            oil: OilReading::default(),
+            is_supply_judged: false,
             design,
         }
     }
@@ -146,42 +156,12 @@ impl Process {
         }
     }
 
-    /// The alarm that counts: pressures that do not add up explain a spool that is off, either of them what the oil
-    /// does, and all of them that the rod goes harder; not the other way round.
-    #[inline]
-    pub fn alarm(&self) -> Option<&ProcessAlarm> {
-        let [spool, chambers, flow, friction] = &self.alarms;
-        let chambers = chambers.as_ref().filter(|alarm| alarm.age >= self.counts.company);
-        chambers.or(spool.as_ref()).or(flow.as_ref()).or(friction.as_ref())
-    }
-
-    /// Whether the chambers' pressures do not add up.
-    #[inline]
-    pub const fn has_odd_chambers(&self) -> bool {
-        self.alarms[CHAMBERS].is_some()
-    }
-
-    /// Whether it compares the chambers' pressures.
-    pub const fn knows_chambers(&self) -> bool {
-        self.design.chambers.is_some()
-    }
-
-    /// Whether it knows each relation.
-    pub const fn knows(&self) -> [bool; RELATIONS] {
-        let [spool, chambers] = &self.weighings;
-        [spool.is_some(), chambers.is_some(), self.flow.is_some(), self.friction.is_some()]
-    }
-
-    /// Whether each relation judged the newest cycle.
-    #[inline]
-    pub const fn judged(&self) -> [bool; RELATIONS] {
-        self.judged
-    }
-
     /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:
     /// positive for C1, negative for C2.
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
         self.judged = [false; RELATIONS];
+        self.judged[SUPPLY] = self.is_supply_judged;
+        self.oil = input.oil();
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.
         let stand = self.spool.as_mut().and_then(|it| it.step(input.command, input.spool));
@@ -229,7 +209,7 @@ impl Process {
     fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
         self.forget_cycles();
         self.forget_friction();
-        let asked = input.asked && self.alarms == [None; RELATIONS];
+        let asked = input.asked && self.alarms[..SUPPLY] == [None; SUPPLY];
         let flow = self.flow.as_mut()?;
         flow.step_held(input.passage(flow.area_ratio()), asked)
     }

@@ -2,6 +2,7 @@
 
 use super::flow::FlowSample;
 use super::friction::ForceSample;
+use crate::state::whole;
 use crate::time::Timestamp;
 
 /// Inputs of a cycle; `None` where nothing came.
@@ -29,7 +30,26 @@ pub struct ProcessInput {
     pub at: Timestamp,
 }
 
+/// What a cylinder tells of the supply in a cycle; `None` where nothing came.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OilReading {
+    /// P_S, bar.
+    pub pressure: Option<f64>,
+    /// Length of its rod by C1, or else by the corrected C2, m; `None` while one of them is under suspicion, since the
+    /// controller may then take oil that no reading shows.
+    pub length: Option<f64>,
+}
+
+whole! { OilReading { pressure, length } }
+
 impl ProcessInput {
+    /// What the supply is compared with.
+    pub(super) fn oil(&self) -> OilReading {
+        let [c1, c2] = self.lengths;
+        let length = c1.or(c2).filter(|_| !self.held);
+        OilReading { pressure: self.supply, length }
+    }
+
     /// What the balance of forces needs, on a cylinder with α of (3-5); `None` without all of it.
     pub(super) fn forces(&self, area_ratio: f64) -> Option<ForceSample> {
         let load = self.load(area_ratio)?;

@@ -9,12 +9,14 @@
 //! C1, corrected C2 ─────────────────────────┘
 //! way, speed, acceleration of the rod ─┐ ────→ evidence ─ h ─→ friction
 //! P_L ─────────────────────────────────┘
+//! ways of all rods ─→ what they take ─┐ ─────→ evidence ─ h ─→ the supply falls short
+//! P_S ────────────────────────────────┘
 //! ```
 //!
 //! All relations are learnt from a healthy recording. The first two do not know C1 and C2, and the third one asks both, so
-//! that a transducer's fault leaves them alone but by what the controller then commands; the last one looks at C1 and C2
-//! as long as they agree. Nothing is judged on commands
-//! and positions that were not taught.
+//! that a transducer's fault leaves them alone but by what the controller then commands; the friction looks at C1 and C2
+//! as long as they agree. The supply is one for all cylinders, and so is the relation of its pressure. Nothing is judged
+//! on commands and positions that were not taught.
 //! Memory is bounded, and a step allocates nothing.
 
 pub mod alarm;
@@ -28,6 +30,7 @@ pub mod friction;
 mod input;
 pub mod parameters;
 pub mod spool;
+pub mod supply;
 mod trace;
 
 pub use alarm::{Malfunction, ProcessAlarm};
@@ -38,6 +41,7 @@ pub use detector::{Process, ProcessDesign};
 pub use evidence::{EvidenceWindows, Weighing};
 pub use flow::{FlowDesign, FlowSample};
 pub use friction::{ForceSample, Forces, FrictionDesign};
-pub use input::ProcessInput;
+pub use input::{OilReading, ProcessInput};
 pub use parameters::ProcessParameters;
 pub use spool::{Spool, SpoolDesign};
+pub use supply::{OilSample, SupplyDesign, SupplyWatch};

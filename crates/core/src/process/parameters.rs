@@ -64,6 +64,14 @@ pub struct ProcessParameters {
     pub friction_band: f64,
     /// … and the part of the viscous one that the oil's temperature may change.
     pub friction_viscosity: f64,
+    /// What the supply's pressure may fall short of without a fault, bar/s.
+    pub supply_band: f64,
+    /// Least standard deviation that is believed of what a block leaves of it, bar.
+    pub supply_deviation: f64,
+    /// Time over which it is measured by how much the pressure is too low, s: most of a wave, …
+    pub supply_look: f64,
+    /// … and the most that it is of that before where it has arrived.
+    pub supply_arrived: f64,
     /// Part of the level below which evidence has to fall for an alarm to end.
     pub over: f64,
     pub side: SideParameters,
@@ -98,6 +106,10 @@ impl ProcessParameters {
         friction_speed: 0.01,
         friction_band: 0.45,
         friction_viscosity: 0.25,
+        supply_band: 1.5,
+        supply_deviation: 0.05,
+        supply_look: 5.0,
+        supply_arrived: 1.1,
         over: 0.5,
         side: SideParameters::DEFAULT,
     };

@@ -6,9 +6,9 @@ use super::{
     Bound, CalibrationRefusal, Contradiction, CylinderCalibration, Division, Fitting, Gathering,
     Halves, Profile, Profiling, Scatter, Scattering, Spreading, Trying,
 };
-use crate::relate::{LearntProcess, ProcessRows};
+use crate::relate::{LearntProcess, ProcessRefusal, ProcessRows, SupplyRows};
 use crate::survey::{Recording, Timeline, Window};
-use tertius_config::settings::{Cylinder, CylinderSequential, Settings};
+use tertius_config::settings::{Cylinder, CylinderSequential, Settings, SupplyTable};
 use tertius_core::sequential;
 use tertius_core::sequential::reference::DOUBTED;
 use tertius_core::sequential::wild::Outliers;
@@ -35,10 +35,15 @@ pub struct Calibrated {
     pub cylinders: Vec<CylinderCalibration>,
     /// Bound of R3, see [`super::Calibration::bound`].
     pub bound: Option<Bound>,
+    /// What the supply's pressure does, see [`super::Calibration::supply`].
+    pub supply: Option<Result<SupplyTable, ProcessRefusal>>,
 }
 
 /// Profiles of each cylinder, from all of the recording and from each half.
 type Profiles = Vec<Option<(Profile, Halves)>>;
+
+/// What was learnt for the process detectors: of each cylinder, and of the supply.
+type LearntRelations = (Vec<LearntProcess>, Option<Result<SupplyTable, ProcessRefusal>>);
 
 /// What was learnt of each cylinder.
 struct Taught {
@@ -50,6 +55,7 @@ struct Taught {
     sequential: Vec<Option<(Profile, Scatter)>>,
     levels: Vec<Option<OwnLevel>>,
     process: Vec<LearntProcess>,
+    supply: Option<Result<SupplyTable, ProcessRefusal>>,
 }
 
 impl CalibrationCourse<'_> {
@@ -64,27 +70,31 @@ impl CalibrationCourse<'_> {
         let taught = self.teach(recording, &none)?;
         let (cuts, cut) = self.cuts(&taught);
         let mut taught = if cut { self.teach(recording, &cuts)? } else { taught };
-        taught.process = self.process(recording, &cuts, &taught)?;
+        (taught.process, taught.supply) = self.process(recording, &cuts, &taught)?;
         Ok(self.conclude(taught, &cuts))
     }
 
-    /// What spool and pressures of every cylinder say of each other; nothing where the configuration does not name
-    /// them.
+    /// What spool and pressures of every cylinder say of each other, and the supply's pressure of what all rods take;
+    /// nothing where the configuration does not name them.
     fn process<R: Recording>(
         &self,
         recording: &R,
         cuts: &Cuts,
         taught: &Taught,
-    ) -> Result<Vec<LearntProcess>, R::Error> {
-        if !ProcessRows::are_named(self.settings) {
-            return Ok(Vec::new());
+    ) -> Result<LearntRelations, R::Error> {
+        let settings = self.settings;
+        if !ProcessRows::are_named(settings) && !SupplyRows::are_named(settings) {
+            return Ok((Vec::new(), None));
         }
-        let mut rows = ProcessRows::new(self.settings);
-        recording.read(self.whole(), cuts.around(&mut rows))?;
+        let (mut rows, mut supply) = (ProcessRows::new(settings), SupplyRows::new(settings));
+        recording.read(self.whole(), cuts.around((&mut rows, &mut supply)))?;
+        let ranking = self.timeline.ranking();
+        let supply = SupplyRows::are_named(settings)
+            .then(|| supply.learn(&ranking, settings.process_level()));
         let gain =
             |fitted: &Result<super::Fitted, _>| fitted.as_ref().map_or(1.0, |it| it.line.gain);
         let gains: Vec<f64> = taught.results.iter().map(gain).collect();
-        Ok(rows.learn(self.settings, &self.timeline.ranking(), &gains))
+        Ok((rows.learn(settings, &ranking, &gains), supply))
     }
 
     fn division(&self) -> Division {
@@ -134,6 +144,7 @@ impl CalibrationCourse<'_> {
             sequential,
             levels: Vec::new(),
             process: Vec::new(),
+            supply: None,
         };
         taught.levels = self.levels(recording, cuts, &taught)?;
         Ok(taught)
@@ -230,8 +241,8 @@ impl CalibrationCourse<'_> {
     }
 
     fn conclude(&self, taught: Taught, cuts: &Cuts) -> Calibrated {
-        let Taught { gathering, results, scattering, trying, sequential, levels, process, .. } =
-            taught;
+        let Taught { gathering, results, scattering, trying, sequential, levels, .. } = taught;
+        let (process, supply) = (taught.process, taught.supply);
         let settings = self.settings;
         let sample_time = settings.machine.sample_time;
         // What contradicts is no measure for the others.
@@ -267,7 +278,7 @@ impl CalibrationCourse<'_> {
                 remarks,
             }
         };
-        Calibrated { cylinders: learnt.map(cylinder).collect(), bound }
+        Calibrated { cylinders: learnt.map(cylinder).collect(), bound, supply }
     }
 }
 

@@ -14,7 +14,7 @@ impl Calibration {
         origin: &Origin,
     ) -> Result<Self, R::Error> {
         let settings = course.settings;
-        let Calibrated { cylinders, bound } = course.run(recording)?;
+        let Calibrated { cylinders, bound, supply } = course.run(recording)?;
         let own = cylinders.iter().any(|cylinder| cylinder.level.is_some());
         let configured = settings.sequential.level.filter(|_| own).map(|level| {
             format!(
@@ -22,6 +22,8 @@ impl Calibration {
                  level of each cylinder; remove it"
             )
         });
+        let refused = supply.as_ref().and_then(|it| it.as_ref().err());
+        let unsupplied = refused.map(|why| format!("no process detector by the supply: {why}"));
         Ok(Self {
             machine: settings.machine.name.clone(),
             inputs: origin.inputs.clone(),
@@ -30,7 +32,8 @@ impl Calibration {
             tried: course.tried,
             cylinders,
             bound: bound.map(|bound| Bound { level: bound.level.max(LEAST_BOUND), ..bound }),
-            remarks: origin.remarks.iter().cloned().chain(configured).collect(),
+            remarks: origin.remarks.iter().cloned().chain(configured).chain(unsupplied).collect(),
+            supply,
         })
     }
 

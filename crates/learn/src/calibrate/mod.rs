@@ -47,8 +47,9 @@ pub use scatter::{Scatter, Scattering};
 pub use spreading::{ResidualSpread, Spreading};
 pub use trying::{TriedBand, Trying};
 
-use crate::relate::LearntProcess;
+use crate::relate::{LearntProcess, ProcessRefusal};
 use crate::survey::{Timeline, Window};
+use tertius_config::settings::SupplyTable;
 
 /// Result for a machine.
 #[derive(Clone, Debug)]
@@ -66,6 +67,8 @@ pub struct Calibration {
     pub cylinders: Vec<CylinderCalibration>,
     /// Proposed bound of R3; `None` where there are not enough data.
     pub bound: Option<Bound>,
+    /// What the supply's pressure does by what all rods take; `None` where the configuration does not name it.
+    pub supply: Option<Result<SupplyTable, ProcessRefusal>>,
     pub remarks: Vec<String>,
 }
 

@@ -12,10 +12,12 @@ mod pieces;
 mod rows;
 mod scatter;
 mod spool;
+mod supply;
 
 use crate::survey::Ranking;
 pub use rows::{ProcessRow, ProcessRows};
 use std::fmt;
+pub use supply::SupplyRows;
 use tertius_config::settings::{
     ChambersTable, CylinderProcess, FlowTable, FrictionTable, Settings, SpoolTable,
 };
@@ -99,7 +101,7 @@ impl LearntProcess {
 }
 
 impl ProcessRows {
-    /// Whether `settings` name what a relation is made of.
+    /// Whether `settings` name what a relation of a cylinder is made of.
     pub fn are_named(settings: &Settings) -> bool {
         has_spool(settings) || has_chambers(settings) || has_friction(settings)
     }
@@ -131,6 +133,13 @@ impl ProcessRows {
             }),
         };
         (1..=settings.machine.cylinders).map(learn).collect()
+    }
+}
+
+impl SupplyRows {
+    /// Whether `settings` name the supply's pressure.
+    pub const fn are_named(settings: &Settings) -> bool {
+        settings.signals.supply.is_some()
     }
 }
 

@@ -109,7 +109,7 @@ fn deviation([rest, timing]: [f64; 2], one: &Left) -> f64 {
 
 /// How many dependent samples carry as much as one, in mean and mean square, by the width of the window: what the
 /// variance over windows next to each other is of that of independent samples.
-fn dependence(left: &[Left], parts: [f64; 2]) -> [[f64; WIDTHS.len()]; 2] {
+pub(super) fn dependence(left: &[Left], parts: [f64; 2]) -> [[f64; WIDTHS.len()]; 2] {
     let mut found = [[1.0_f64; WIDTHS.len()]; 2];
     let mut last = [1.0_f64; 2];
     for (index, width) in WIDTHS.into_iter().enumerate().filter(|(_, width)| *width <= WIDEST) {

@@ -75,6 +75,9 @@ pub fn of(result: &Calibration, version: &str) -> Option<String> {
     if let Some(day) = provenance::day(end) {
         _ = writeln!(text, "\n[calibration]\nrecorded = \"{day}\"");
     }
+    if let Some(Ok(supply)) = &result.supply {
+        text += &process::of_supply(supply);
+    }
     for cylinder in result.cylinders.iter().filter_map(CylinderCalibration::table) {
         let Cylinder { n, c2_gain, c2_offset, sequential, process, .. } = cylinder;
         _ = writeln!(

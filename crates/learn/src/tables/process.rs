@@ -1,9 +1,9 @@
-//! The tables of a process detector, as the configuration reads them.
+//! The tables of the process detectors, as the configuration reads them.
 
 use super::calibration::six;
 use std::fmt::Write as _;
 use tertius_config::settings::{
-    ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable,
+    ChambersTable, CylinderProcess, FlowTable, FrictionTable, SpoolTable, SupplyTable,
 };
 
 /// `[cylinder.process]` and its parts.
@@ -23,6 +23,20 @@ pub(super) fn table(process: &CylinderProcess) -> String {
         text += &of_friction(friction);
     }
     text
+}
+
+/// `[process.supply]`.
+pub(super) fn of_supply(table: &SupplyTable) -> String {
+    let SupplyTable { sample_time, reference, taught, pump, taken, deviation, mean_dependence } =
+        table;
+    format!(
+        "\n[process.supply]\nsample_time = {sample_time:?}\nreference = {reference:.3}\ntaught = {}\npump = {}\n\
+         taken = {}\ndeviation = {deviation:e}\nmean_dependence = {}\n",
+        six(taught),
+        six(pump),
+        six(taken),
+        six(mean_dependence),
+    )
 }
 
 fn of_spool(table: &SpoolTable) -> String {

@@ -94,6 +94,16 @@ pub struct SupplyTable {
     pub pump_flow: f64,
     /// Volume of the accumulator's gas at the set point, m³.
     pub gas_volume: f64,
+    /// n: the gas keeps P Vⁿ, 1 where it keeps its temperature.
+    #[serde(default = "one")]
+    pub exponent: f64,
+    /// Time constant of the pump's flow, s; 0: it follows at once.
+    #[serde(default)]
+    pub pump_lag: f64,
+}
+
+const fn one() -> f64 {
+    1.0
 }
 
 /// Differences between the cylinders, each value a part of the common one.

@@ -106,6 +106,8 @@ fn plant(tables: &Tables) -> Result<(), TableError> {
         ("supply.pump_gain", supply.pump_gain, [0.0, 1.0]),
         ("supply.pump_flow", supply.pump_flow, [0.0, 10.0]),
         ("supply.gas_volume", supply.gas_volume, [0.01, 1000.0]),
+        ("supply.exponent", supply.exponent, [1.0, 1.7]),
+        ("supply.pump_lag", supply.pump_lag, [0.0, 10.0]),
     ])?;
     valve("valve", &tables.valve)?;
     if let Some(chambers) = &tables.chambers {

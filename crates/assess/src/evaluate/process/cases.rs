@@ -34,7 +34,7 @@ const fn of_the_machine(
     ProcessCase { label, sensor: "machine", wanted, expected: Some(expected), size, watch: WATCH }
 }
 
-/// A fault that shows in the flow or in the friction alone: it takes longer.
+/// A fault that shows in the flow or in the friction alone, or of which the size does: it takes longer.
 const fn by_flow(
     label: &'static str,
     ailment: Ailment,
@@ -56,6 +56,11 @@ const fn leakage(speed: f64) -> Ailment {
 }
 
 impl ProcessCase {
+    /// Whether a machine has one of it, and not each cylinder.
+    pub(super) const fn is_of_all(&self) -> bool {
+        matches!(self.wanted, Wanted::Machine(Ailment::SupplyLoss { .. }))
+    }
+
     /// The case on the machine of `tables`: with the same oil past the piston, and its size in the unit of the
     /// machine's spool.
     pub(super) fn on(&self, tables: &Tables) -> Self {
@@ -70,10 +75,16 @@ impl ProcessCase {
             Some(Fault::ValveSticking | Fault::ValveOffset) => {
                 tables.sensors.spool_full / SPOOL_FULL
             }
+            Some(Fault::Supply) => tables.supply.pressure,
             _ => 1.0,
         };
         Self { wanted, size: self.size.map(|size| size * unit), ..*self }
     }
+}
+
+/// The pump's set point lower by a part of it: its size is of a pressure of 1 bar, see [`ProcessCase::on`].
+const fn of_supply(label: &'static str, part: f64) -> ProcessCase {
+    by_flow(label, Ailment::SupplyLoss { part }, Fault::Supply, Some(-part))
 }
 
 const fn of_pressure(label: &'static str, shape: Shape, size: Option<f64>) -> ProcessCase {
@@ -93,7 +104,7 @@ const fn of_c1(label: &'static str, shape: Shape) -> ProcessCase {
 }
 
 /// Sizes of spools are in % of their stroke.
-pub const CASES: [ProcessCase; 33] = [
+pub const CASES: [ProcessCase; 35] = [
     of_the_machine(
         "sticking 0.5 %",
         Ailment::Sticking { band: 0.005 },
@@ -166,6 +177,8 @@ pub const CASES: [ProcessCase; 33] = [
     by_flow("friction × 1.5", Ailment::Friction { factor: 1.5 }, Fault::Friction, None),
     by_flow("friction × 2", Ailment::Friction { factor: 2.0 }, Fault::Friction, None),
     by_flow("friction × 3", Ailment::Friction { factor: 3.0 }, Fault::Friction, None),
+    of_supply("supply −10 %", 0.1),
+    of_supply("supply −20 %", 0.2),
     of_pressure("pressure 3 bar off", Shape::Step { size: 3.0 }, Some(3.0)),
     of_pressure("pressure 10 bar off", Shape::Step { size: 10.0 }, Some(10.0)),
     of_pressure("pressure drifts 0.2 bar/s", Shape::Drift { rate: 0.2 }, None),

@@ -98,9 +98,9 @@ impl ProcessStudy {
         }
     }
 
-    /// Number of machines with the same fault.
-    pub const fn repeats(&self) -> u32 {
-        self.trials.div_ceil(self.cylinders as u32)
+    /// Number of machines with the fault of `case`.
+    pub const fn repeats(&self, case: &ProcessCase) -> u32 {
+        if case.is_of_all() { self.trials } else { self.trials.div_ceil(self.cylinders as u32) }
     }
 
     /// All jobs, the longest first.
@@ -112,7 +112,7 @@ impl ProcessStudy {
         });
         let faulty = machines().flat_map(|machine| {
             (0..CASES.len()).flat_map(move |case| {
-                let numbers = 0..self.repeats();
+                let numbers = 0..self.repeats(&CASES[case]);
                 numbers.map(move |number| ProcessJob::Faulty { machine, case, number })
             })
         });
@@ -176,6 +176,10 @@ impl ProcessStudy {
 
 /// Whether every cylinder has learnt every relation: figures of the others would be of nothing.
 fn is_complete(design: &MonitorDesign) -> Result<(), StandError> {
+    if design.supply.is_none() {
+        let why = "process detectors: nothing was learnt by the supply".to_owned();
+        return Err(StandError::Untaught(why));
+    }
     for (number, cylinder) in (1..).zip(&design.cylinders) {
         let process = cylinder.process.as_ref();
         let learnt = [
@@ -202,11 +206,25 @@ mod tests {
     #[test]
     fn a_cylinder_that_lacks_a_relation_is_not_evaluated_but_told() {
         let config = include_str!("../../../../../config/e-type.toml");
-        let (settings, _) = tertius_config::parse("e-type.toml", config).expect("it is sound");
+        let (mut settings, _) = tertius_config::parse("e-type.toml", config).expect("it is sound");
         let dbc = text::from_bytes(include_bytes!("../../../../../dbc/e-type.dbc"));
         let database = Database::parse(&dbc).expect("it is sound");
         let design = design::judging(&settings, &database).expect("they fit");
-        let error = is_complete(&design).expect_err("it has no process detectors").to_string();
+        let told =
+            |design: &MonitorDesign| is_complete(design).expect_err("it lacks one").to_string();
+        assert!(told(&design).contains("nothing was learnt by the supply"), "{}", told(&design));
+        let table = tertius_config::settings::SupplyTable {
+            sample_time: 0.02,
+            reference: 230.0,
+            taught: [220.0, 238.0],
+            pump: vec![16.0, 1.6],
+            taken: [-7.5, -3.5],
+            deviation: 0.15,
+            mean_dependence: [1.0; 20],
+        };
+        settings.process.supply = Some(table);
+        let design = design::judging(&settings, &database).expect("they fit");
+        let error = told(&design);
         assert!(error.contains("cylinder 1 has learnt nothing by the spool"), "{error}");
     }
 }

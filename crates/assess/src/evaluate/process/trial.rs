@@ -78,8 +78,12 @@ impl Stand<'_> {
             (at, if rng.random::<bool>() { 1.0 } else { -1.0 })
         });
         // Pressures that are off everywhere are the supply's.
-        let every =
-            |n: &u8| case.expected != Some(Kind::PressureSensor) || seed % 2 == u64::from(*n) % 2;
+        let count = u64::from(self.settings.machine.cylinders);
+        let every = |n: &u8| match case.expected {
+            Some(Kind::PressureSensor) => seed % 2 == u64::from(*n) % 2,
+            _ if case.is_of_all() => seed % count == u64::from(*n) - 1,
+            _ => true,
+        };
         let cylinders = 1..=self.settings.machine.cylinders;
         let chosen = || cylinders.clone().zip(&drawn).filter(|(n, _)| every(n));
         let faults: Vec<Fault> = chosen().map(|(n, drawn)| fault(case, n, *drawn)).collect();
@@ -162,7 +166,7 @@ fn outcome(
     (at, sign): (f64, f64),
 ) -> ProcessOutcome {
     let onset = EPOCH.after(Span::from_seconds(at));
-    let own = || warnings.iter().filter(|it| it.cylinder == cylinder);
+    let own = || warnings.iter().filter(|it| it.cylinder == cylinder || case.is_of_all());
     let after = |it: &&Warning, from: Timestamp| it.timestamp >= from;
     let process = || own().filter(|it| is_process(it) && it.state != State::Cleared);
     let found = process().find(|it| after(it, onset));

@@ -49,6 +49,11 @@ impl Cylinder {
         self.process.as_deref()
     }
 
+    /// The same, to be told of the machine's supply.
+    pub(in crate::monitor) fn process_mut(&mut self) -> Option<&mut Process> {
+        self.process.as_deref_mut()
+    }
+
     /// Restores the dwells of an earlier monitor, if the cylinder has a detector that reads them.
     pub fn restore(&mut self, dwells: &DwellHistory) {
         if let Some(sequential) = &mut self.sequential {

@@ -138,6 +138,7 @@ impl Cylinder {
             Malfunction::Sticking => Fault::ValveSticking,
             Malfunction::Offset | Malfunction::Null => Fault::ValveOffset,
             Malfunction::Late | Malfunction::OtherCommand => Fault::Command,
+            Malfunction::Supply => Fault::Supply,
             Malfunction::Chambers if self.supply_is_odd => Fault::Supply,
             Malfunction::Chambers => Fault::PressureSensor,
         };
