@@ -1,11 +1,16 @@
 //! The way of a page's signals to the inputs of cylinders, to the platform's state and to the attitudes.
 
+use super::cylinder::Cylinder;
 use super::page::Destination;
 use super::sink::Sink;
 use super::{Monitor, Place, tilt};
 use crate::decode::{Decoded, Value};
 use crate::frame::Frame;
+use crate::sample::{Field, Pressure};
 use crate::time::Timestamp;
+
+/// What all cylinders share.
+const SUPPLY: Field = Field::Pressure(Pressure::Supply);
 
 impl Monitor {
     /// Decodes the signals of a page into their places, and evaluates the cylinders that are now
@@ -18,7 +23,7 @@ impl Monitor {
         sink: &mut impl Sink,
     ) {
         let intake = self.stations[page.0].pages[page.1].intake.as_ref();
-        let touched = match intake.and_then(|intake| Some((intake, intake.word(frame)?))) {
+        let mut touched = match intake.and_then(|intake| Some((intake, intake.word(frame)?))) {
             Some((intake, word)) => {
                 let index = intake.cylinder();
                 intake.fill(word, &mut self.cylinders[index].inputs);
@@ -26,7 +31,9 @@ impl Monitor {
             }
             None => self.fill_each(page, now, frame),
         };
-        for index in cylinders_of(touched) {
+        while touched != 0 {
+            let index = touched.trailing_zeros() as usize;
+            touched &= touched - 1;
             if self.cylinders[index].pending && self.cylinders[index].is_done() {
                 self.evaluate(index, now, sink);
             }
@@ -53,11 +60,16 @@ impl Monitor {
                 Destination::Inclination(which) => {
                     counts.bad_signals += tilt::put(tilt.as_deref_mut(), which, value);
                 }
+                Destination::Cylinders(bits, SUPPLY) if value.physical.is_finite() => {
+                    touched |= bits;
+                    for cylinder in of_bits(cylinders, bits) {
+                        cylinder.inputs.supply(value.physical);
+                    }
+                }
                 Destination::Cylinders(bits, field) => {
                     touched |= bits;
-                    for index in cylinders_of(bits) {
-                        let taken = cylinders[index].put(field, value);
-                        counts.bad_signals += u64::from(!taken);
+                    for cylinder in of_bits(cylinders, bits) {
+                        counts.bad_signals += u64::from(!cylinder.put(field, value));
                     }
                 }
             }
@@ -66,15 +78,11 @@ impl Monitor {
     }
 }
 
-/// Indices of the cylinders that have a bit in `bits`.
+/// The cylinders that have a bit in `bits`.
 #[inline]
-fn cylinders_of(mut bits: u8) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let index = bits.trailing_zeros() as usize;
-        let is_there = bits != 0;
-        bits &= bits.wrapping_sub(1);
-        is_there.then_some(index)
-    })
+fn of_bits(cylinders: &mut [Cylinder], bits: u8) -> impl Iterator<Item = &mut Cylinder> {
+    let has = move |(index, _): &(usize, &mut Cylinder)| bits >> index & 1 != 0;
+    cylinders.iter_mut().enumerate().filter(has).map(|(_, cylinder)| cylinder)
 }
 
 fn state_number(value: Value) -> i64 {

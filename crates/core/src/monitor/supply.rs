@@ -3,7 +3,7 @@
 use super::Monitor;
 use super::cylinder::Cylinder;
 use super::gate::Opening;
-use crate::process::{OilSample, ProcessParameters, SupplyWatch};
+use crate::process::{OilSample, Process, ProcessParameters, SupplyWatch};
 use crate::time::Timestamp;
 
 /// Fewer cylinders than this are no many.
@@ -17,7 +17,11 @@ impl Monitor {
 
     /// Takes what all cylinders say of their supply at the end of a cycle.
     pub(super) fn follow_supply(&mut self, at: Timestamp) {
-        self.follow_chambers();
+        let odd = |cylinder: &Cylinder| cylinder.process().is_some_and(Process::has_odd_chambers);
+        let odd = self.cylinders.iter().filter(|cylinder| odd(cylinder)).count();
+        if odd > 0 || self.supply_is_odd {
+            self.follow_chambers(odd);
+        }
         if self.supply.is_some() {
             self.watch_supply(at);
         }
@@ -29,9 +33,10 @@ impl Monitor {
         let is_open = self.gate.opening(at) == Opening::Open;
         let Self { supply: Some(supply), cylinders, .. } = self else { return };
         supply.step(read(cylinders).as_ref(), is_open, at);
-        let (alarm, is_judging) = (supply.alarm().copied(), supply.is_judging());
-        for process in cylinders.iter_mut().filter_map(Cylinder::process_mut) {
-            process.take_supply(alarm, is_judging);
+        if let Some((alarm, is_judging)) = supply.news() {
+            for process in cylinders.iter_mut().filter_map(Cylinder::process_mut) {
+                process.take_supply(alarm, is_judging);
+            }
         }
     }
 
@@ -45,16 +50,15 @@ impl Monitor {
         self.supply.iter_mut().for_each(|supply| supply.interrupt());
     }
 
-    /// Lays pressures that do not add up in most cylinders at once on the supply, which is what they have in
-    /// common.
-    fn follow_chambers(&mut self) {
-        let comparing = || self.cylinders.iter().filter_map(Cylinder::process);
-        let odd = comparing().filter(|process| process.has_odd_chambers()).count();
-        let is_many = || {
-            let known = comparing().filter(|process| process.knows_chambers()).count();
-            odd as f64 >= ProcessParameters::DEFAULT.many * known as f64
-        };
-        let is_odd = odd >= LEAST && is_many();
+    /// Lays pressures that do not add up in most cylinders at once, of which `odd` are, on the supply, which is what they
+    /// have in common.
+    #[cold]
+    fn follow_chambers(&mut self, odd: usize) {
+        let comparing = self.cylinders.iter().filter_map(Cylinder::process);
+        let known = comparing.filter(|process| process.knows_chambers()).count();
+        let is_many = odd as f64 >= ProcessParameters::DEFAULT.many * known as f64;
+        self.supply_is_odd = odd >= LEAST && is_many;
+        let is_odd = self.supply_is_odd;
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.supply_is_odd = is_odd);
     }
 }

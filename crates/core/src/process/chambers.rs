@@ -37,10 +37,10 @@ impl ChambersDesign {
         Some(chambers[0] + chambers[1] - expected)
     }
 
-    /// Standard deviation of the residual with the spool there, bar.
-    pub fn deviation(&self, spool: Option<f64>) -> f64 {
+    /// Variance of the residual with the spool there, bar².
+    pub fn variance(&self, spool: Option<f64>) -> f64 {
         let grown = self.growth * spool.map_or(0.0, |spool| spool * spool);
-        libm::sqrt(self.deviation * self.deviation + grown * grown)
+        self.deviation * self.deviation + grown * grown
     }
 }
 
@@ -59,9 +59,10 @@ mod tests {
         let read = |by_spool, spool| of(by_spool).residual([110.0, 90.0], 190.0, spool);
         assert_eq!(read(0.1, Some(20.0)), Some(-3.0));
         assert_eq!(read(0.1, None), None);
-        let deviations = [None, Some(0.0)].map(|spool| of(0.1).deviation(spool));
+        let deviation = |spool| libm::sqrt(of(0.1).variance(spool));
+        let deviations = [None, Some(0.0)].map(deviation);
         assert!(deviations.iter().all(|it| (it - 0.3).abs() < 1e-12));
-        assert!((of(0.1).deviation(Some(-libm::sqrt(40.0))) - 0.5).abs() < 1e-12);
+        assert!((deviation(Some(-libm::sqrt(40.0))) - 0.5).abs() < 1e-12);
         assert_eq!([read(0.0, None), read(0.0, Some(20.0))], [Some(-1.0); 2]);
     }
 }

@@ -12,7 +12,7 @@ pub struct Curve {
     /// Place of the last knot, m/s or a unit of the spool; that of the first one is its negative.
     limit: f64,
     values: Vec<f64>,
-    /// Both ends and the slope of each piece, which every cycle asks for.
+    /// What every cycle asks of each piece.
     pieces: Vec<Piece>,
     /// Half their number.
     half: f64,
@@ -21,6 +21,8 @@ pub struct Curve {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Piece {
     ends: [f64; 2],
+    /// Values at both.
+    values: [f64; 2],
     slope: f64,
 }
 
@@ -31,8 +33,9 @@ impl Curve {
         let count = values.len() - 1;
         let piece = |index: usize| {
             let [from, to] = [index, index + 1].map(|index| knot(limit, count, index));
-            let slope = (values[index + 1] - values[index]) / (to - from);
-            Piece { ends: ends(limit, count, index), slope }
+            let [low, high] = [values[index], values[index + 1]];
+            let slope = (high - low) / (to - from);
+            Piece { ends: ends(limit, count, index), values: [low, high], slope }
         };
         let half = 0.5 * count as f64;
         Self { limit, pieces: (0..count).map(piece).collect(), half, values }
@@ -63,7 +66,7 @@ impl Curve {
     /// The value at a place among its own pieces.
     #[inline]
     pub fn at_place(&self, (piece, part): PiecePart) -> f64 {
-        let [low, high] = [self.values[piece], self.values[piece + 1]];
+        let [low, high] = self.pieces[piece].values;
         low + part * (high - low)
     }
 

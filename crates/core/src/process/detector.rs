@@ -5,7 +5,7 @@ mod standing;
 use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
-use super::flow::{self, FlowDesign, FlowWatch};
+use super::flow::{self, FlowDesign, FlowSample, FlowWatch};
 use super::friction::{FrictionDesign, FrictionWatch};
 use super::input::{OilReading, ProcessInput};
 use super::parameters::ProcessParameters;
@@ -50,6 +50,8 @@ pub struct Process {
     /// Of spool and chambers.
     weighings: [Option<Weighing>; FLOW],
     counts: Counts,
+    /// α of (3-5).
+    area_ratio: f64,
     spool: Option<Spool>,
     of_spool: EvidenceWindows,
     of_chambers: EvidenceWindows,
@@ -61,15 +63,18 @@ pub struct Process {
     /// Whether the newest cycle was judged.
     judged: [bool; RELATIONS],
     alarms: [Option<ProcessAlarm>; RELATIONS],
+    /// Whether there is any.
+    is_raised: bool,
     /// What the newest cycle told of the supply, and whether the supply was judged in the one before.
     oil: OilReading,
     is_supply_judged: bool,
 }
 
 state! {
-    Process { of_spool, of_chambers, trace, open, alarms, oil, is_supply_judged }
+    Process { of_spool, of_chambers, trace, open, alarms, is_raised, oil, is_supply_judged }
     parts { spool, flow, friction }
-    but { design, levels, weighings, counts, judged }
+    but { design, levels, weighings, counts, area_ratio, judged }
+    sound |it| it.is_raised == it.alarms.iter().any(Option::is_some)
 }
 
 /// Times of [`ProcessParameters`] in cycles.
@@ -97,7 +102,10 @@ impl Process {
         let of_spool = design.spool.as_ref();
         let of_chambers = design.chambers.as_ref();
         let (flow, friction) = (design.flow.clone(), design.friction.clone());
+        let of_flow = flow.as_ref().map(|it| it.area_ratio);
+        let area_ratio = of_flow.or(friction.as_ref().map(|it| it.area_ratio)).unwrap_or(0.0);
         Self {
+            area_ratio,
             levels: design.levels(),
             weighings: [
                 of_spool.map(|it| weighing(by.spool_band * it.largest, it.dependence)),
@@ -117,6 +125,7 @@ impl Process {
             open: 0,
             judged: [false; RELATIONS],
             alarms: [None; RELATIONS],
+            is_raised: false,
             oil: OilReading::default(),
             is_supply_judged: false,
             design,
@@ -158,6 +167,8 @@ impl Process {
 
     /// Takes a cycle. Where it is asked, returns the evidence of whose reading has moved, nats, as far as the oil tells:
     /// positive for C1, negative for C2.
+    // Of its caller, so that the inputs need not go through memory.
+    #[inline(always)]
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
         self.judged = [false; RELATIONS];
         self.judged[SUPPLY] = self.is_supply_judged;
@@ -170,13 +181,13 @@ impl Process {
             return None;
         }
         if input.held {
-            return self.step_held(input);
+            return self.step_held(input.passage(input.load(self.area_ratio)), input.asked);
         }
         match stand {
             Some(stand) => {
                 self.trace.push(&stand);
                 if stand.is_settled {
-                    self.of_spool.push(stand.residual(), stand.deviation);
+                    self.of_spool.push(stand.residual(), stand.variance);
                     self.judged[SPOOL] = true;
                     if self.is_asked(SPOOL, &self.of_spool) {
                         self.weigh(SPOOL, input.at);
@@ -189,39 +200,40 @@ impl Process {
         let residual = self.design.chambers.as_ref().zip(chambers).and_then(|(design, read)| {
             let ((bottom, rod), supply) = read;
             let residual = design.residual([bottom, rod], supply, input.spool)?;
-            Some((residual, design.deviation(input.spool)))
+            Some((residual, design.variance(input.spool)))
         });
-        if let Some((residual, deviation)) = residual {
-            self.of_chambers.push(residual, deviation);
+        if let Some((residual, variance)) = residual {
+            self.of_chambers.push(residual, variance);
             self.judged[CHAMBERS] = true;
             if self.is_asked(CHAMBERS, &self.of_chambers) {
                 self.weigh(CHAMBERS, input.at);
             }
         }
-        self.step_flow(input);
-        self.step_friction(input);
+        let load = input.load(self.area_ratio);
+        self.step_flow(input, load);
+        self.step_friction(input, load);
         None
     }
 
     /// Takes a cycle in which a transducer is under suspicion. Of a cylinder that has a fault of its own the oil tells
     /// nothing.
     #[cold]
-    fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
+    fn step_held(&mut self, sample: Option<FlowSample>, is_asked: bool) -> Option<f64> {
         self.forget_cycles();
         self.forget_friction();
-        let asked = input.asked && self.alarms[..SUPPLY] == [None; SUPPLY];
-        let flow = self.flow.as_mut()?;
-        flow.step_held(input.passage(flow.area_ratio()), asked)
+        let is_asked = is_asked && self.alarms[..SUPPLY] == [None; SUPPLY];
+        self.flow.as_mut()?.step_held(sample, is_asked)
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.
-    fn step_flow(&mut self, input: &ProcessInput) {
+    #[inline(always)]
+    fn step_flow(&mut self, input: &ProcessInput, load: Option<f64>) {
         if self.alarms[CHAMBERS].is_some() {
             self.forget_flow();
             return;
         }
         let Some(flow) = &mut self.flow else { return };
-        let sample = input.passage(flow.area_ratio());
+        let sample = input.passage(load);
         let is_complete = flow.step(sample);
         self.judged[FLOW] = flow.is_judging();
         if !is_complete {
@@ -239,10 +251,11 @@ impl Process {
     }
 
     /// Takes a cycle of forces; pressures that do not add up prove nothing of them.
-    fn step_friction(&mut self, input: &ProcessInput) {
+    #[inline(always)]
+    fn step_friction(&mut self, input: &ProcessInput, load: Option<f64>) {
         let Some(friction) = &mut self.friction else { return };
         let is_odd = self.alarms[CHAMBERS].is_some();
-        let sample = input.forces(friction.area_ratio()).filter(|_| !is_odd);
+        let sample = input.forces(load).filter(|_| !is_odd);
         let is_complete = friction.step(sample);
         self.judged[FRICTION] = friction.is_judging();
         if !is_complete {
@@ -301,6 +314,7 @@ impl Process {
         } else {
             self.look(which, peak.width);
         }
+        self.is_raised = self.alarms.iter().any(Option::is_some);
     }
 
     fn raised(&self, which: usize, peak: Peak, cycles: u32, at: Timestamp) -> ProcessAlarm {

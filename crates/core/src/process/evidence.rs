@@ -11,6 +11,9 @@ const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 /// Samples of the widest window.
 pub const WIDEST: usize = 1024;
 
+/// Windows of the widest after which sums are restarted.
+pub const RESTART: usize = 16;
+
 /// Samples between two turns.
 const TURN: usize = 4;
 
@@ -77,7 +80,7 @@ pub const fn in_turn(count: usize) -> usize {
 #[derive(Clone, Debug, Default)]
 pub struct EvidenceWindows {
     /// y/s², 1/s² and (y/s)², y being a residual as far as it is evidence; and the whole residual.
-    sums: Sums<WIDEST>,
+    sums: Sums<WIDEST, VALUES, RESTART>,
 }
 
 state! { EvidenceWindows { sums } }
@@ -87,21 +90,23 @@ impl EvidenceWindows {
         self.sums.clear();
     }
 
-    /// Takes a residual with its standard deviation; nothing that is not finite, which no sum would ever forget.
+    /// Takes a residual with its variance; nothing that is not finite, which no sum would ever forget.
     #[inline]
-    pub fn push(&mut self, residual: f64, deviation: f64) {
-        let weight = 1.0 / (deviation * deviation);
+    pub fn push(&mut self, residual: f64, variance: f64) {
+        let weight = 1.0 / variance;
         let weighed = residual * weight;
-        if residual.abs() <= P.farthest * deviation && weighed.is_finite() {
-            self.sums.push([weighed, weight, residual * weighed, residual]);
+        let square = residual * weighed;
+        // Of weights that are not finite this is no number, or too large.
+        if square <= P.farthest * P.farthest && weighed.is_finite() {
+            self.sums.push([weighed, weight, square, residual]);
         } else {
-            self.push_far(residual, deviation);
+            self.push_far(residual, variance);
         }
     }
 
     #[cold]
-    fn push_far(&mut self, residual: f64, deviation: f64) {
-        let weight = 1.0 / (deviation * deviation);
+    fn push_far(&mut self, residual: f64, variance: f64) {
+        let (weight, deviation) = (1.0 / variance, libm::sqrt(variance));
         if !(residual.is_finite() && weight.is_finite()) {
             return;
         }
@@ -184,7 +189,7 @@ mod tests {
 
     fn peaks(by: &Weighing, residuals: impl Iterator<Item = f64>) -> [Peak; 2] {
         let mut evidence = EvidenceWindows::default();
-        residuals.for_each(|residual| evidence.push(residual, 0.5));
+        residuals.for_each(|residual| evidence.push(residual, 0.25));
         evidence.peaks(by)
     }
 
@@ -216,8 +221,8 @@ mod tests {
         let by = Weighing::new(0.0, ONE, 0.02);
         let after = |absurd: f64, deviation: f64| {
             let mut evidence = EvidenceWindows::default();
-            evidence.push(absurd, deviation);
-            (0..2000).for_each(|_| evidence.push(0.6, 0.5));
+            evidence.push(absurd, deviation * deviation);
+            (0..2000).for_each(|_| evidence.push(0.6, 0.25));
             let [mean, _] = evidence.peaks(&by);
             let right = (512.0 * 0.6_f64.powi(2) / (2.0 * 0.25), 0.6);
             let found = (mean.nats, evidence.mean(64).unwrap_or(f64::NAN));
@@ -236,7 +241,7 @@ mod tests {
         let by = Weighing::new(0.1, ONE, 0.02);
         let (mut evidence, mut seen) = (EvidenceWindows::default(), [0; WIDTHS.len()]);
         for k in 1..=3000 {
-            evidence.push(0.6, 0.5);
+            evidence.push(0.6, 0.25);
             let [first, end] = by.widths;
             let turns = if k % TURN == 0 { in_turn(k / TURN) } else { 0 };
             for index in first..end.min(first + turns) {
@@ -258,7 +263,7 @@ mod tests {
         let (by, mut evidence) = (Weighing::new(0.5, ONE, 0.02), EvidenceWindows::default());
         for (residual, is_evidence) in [(0.0, false), (0.6, true)] {
             let samples = if is_evidence { 4 } else { 96 };
-            (0..samples).for_each(|_| evidence.push(residual, 0.5));
+            (0..samples).for_each(|_| evidence.push(residual, 0.25));
             assert_eq!(evidence.has_evidence_in_turn(&by), is_evidence);
         }
         assert_eq!(evidence.peaks_in_turn(&by)[0].width, 4);

@@ -175,7 +175,7 @@ impl Flow {
     }
 
     /// One cycle; `None` without all of it, which ends the block. Returns a block when it is complete.
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, sample: Option<FlowSample>) -> Option<FlowBlock> {
         let Some(sample) = sample else {
             self.reset();

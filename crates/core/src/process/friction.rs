@@ -76,10 +76,6 @@ impl FrictionWatch {
         Some(Self { design, forces, windows: FrictionWindows::default(), weighing, looks })
     }
 
-    pub const fn area_ratio(&self) -> f64 {
-        self.design.area_ratio
-    }
-
     /// Cycles of a block.
     pub const fn block(&self) -> u32 {
         self.forces.block()

@@ -50,23 +50,22 @@ impl ProcessInput {
         OilReading { pressure: self.supply, length }
     }
 
-    /// What the balance of forces needs, on a cylinder with α of (3-5); `None` without all of it.
-    pub(super) fn forces(&self, area_ratio: f64) -> Option<ForceSample> {
-        let load = self.load(area_ratio)?;
+    /// What the balance of forces needs, beside [`Self::load`]; `None` without all of it.
+    pub(super) fn forces(&self, load: Option<f64>) -> Option<ForceSample> {
         let [c1, c2] = self.lengths;
-        Some(ForceSample { length: 0.5 * (c1? + c2?), load })
+        Some(ForceSample { length: 0.5 * (c1? + c2?), load: load? })
     }
 
-    /// What the balance of oil and rod needs, on a cylinder with α of (3-5); `None` without all of it.
-    pub(super) fn passage(&self, area_ratio: f64) -> Option<FlowSample> {
-        let load = self.load(area_ratio)?;
+    /// What the balance of oil and rod needs, beside [`Self::load`]; `None` without all of it.
+    pub(super) fn passage(&self, load: Option<f64>) -> Option<FlowSample> {
+        let load = load?;
         let [c1, c2] = self.lengths;
         let (lengths, apart) = ([c1?, c2?], self.apart);
         Some(FlowSample { lengths, spool: self.spool?, load, supply: self.supply?, apart })
     }
 
-    /// P_L as the machine sends it, or by the chambers' pressures, bar.
-    fn load(&self, area_ratio: f64) -> Option<f64> {
+    /// P_L as the machine sends it, or by the chambers' pressures on a cylinder with α of (3-5), bar.
+    pub(super) fn load(&self, area_ratio: f64) -> Option<f64> {
         let [bottom, rod] = self.chambers;
         self.load.or_else(|| Some(bottom? - area_ratio * rod?))
     }

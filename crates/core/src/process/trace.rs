@@ -220,7 +220,7 @@ mod tests {
             trace.push(&Stand {
                 position,
                 expected: expected(k),
-                deviation: 0.05,
+                variance: 2.5e-3,
                 is_settled: true,
             });
         }
@@ -266,7 +266,7 @@ mod tests {
             trace.push(&Stand {
                 position: expected + 0.4,
                 expected,
-                deviation: 0.05,
+                variance: 2.5e-3,
                 is_settled: true,
             });
         }

@@ -189,6 +189,12 @@ impl Inputs {
         self.number(Field::Command)
     }
 
+    /// Takes the supply's pressure, bar, which is finite.
+    #[inline]
+    pub fn supply(&mut self, bar: f64) {
+        self.note(Field::Pressure(Pressure::Supply), bar);
+    }
+
     /// Takes a pressure, bar; one that is not finite is bad data.
     #[must_use]
     pub fn pressure(&mut self, pressure: Pressure, bar: f64) -> bool {

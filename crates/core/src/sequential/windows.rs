@@ -12,9 +12,10 @@ pub const WIDTHS: [usize; 20] =
 pub const VALUES: usize = 4;
 
 /// Running sums of `V` values over at most the newest `N` samples, in constant time; `N` is a
-/// power of two, so that a place in the ring is a few bits of a number.
+/// power of two, so that a place in the ring is a few bits of a number. They are restarted after `R` times as many samples,
+/// which costs as much each time as to add up all that are held; in so many they lose a digit for each factor of ten.
 #[derive(Clone, Debug)]
-pub struct Sums<const N: usize, const V: usize = VALUES> {
+pub struct Sums<const N: usize, const V: usize = VALUES, const R: usize = 1> {
     /// Sums of everything before each of the newest samples; a ring.
     before: Box<[[f64; V]; N]>,
     total: [f64; V],
@@ -22,11 +23,11 @@ pub struct Sums<const N: usize, const V: usize = VALUES> {
     count: usize,
 }
 
-state! { Sums<N, V> [const N: usize, const V: usize] { before, total, count } }
+state! { Sums<N, V, R> [const N: usize, const V: usize, const R: usize] { before, total, count } }
 
-impl<const N: usize, const V: usize> Sums<N, V> {
+impl<const N: usize, const V: usize, const R: usize> Sums<N, V, R> {
     pub fn new() -> Self {
-        const { assert!(N.is_power_of_two()) };
+        const { assert!(N.is_power_of_two() && R.is_power_of_two()) };
         Self { before: Box::new([[0.0; V]; N]), total: [0.0; V], count: 0 }
     }
 
@@ -54,7 +55,7 @@ impl<const N: usize, const V: usize> Sums<N, V> {
             *total += value;
         }
         self.count += 1;
-        if self.count.is_multiple_of(N) {
+        if self.count.is_multiple_of(R * N) {
             self.rebase();
         }
     }
@@ -85,7 +86,7 @@ impl<const N: usize, const V: usize> Sums<N, V> {
     }
 }
 
-impl<const N: usize, const V: usize> Default for Sums<N, V> {
+impl<const N: usize, const V: usize, const R: usize> Default for Sums<N, V, R> {
     fn default() -> Self {
         Self::new()
     }

@@ -91,7 +91,7 @@ pub(super) fn measure(
         if !one.follows {
             evidence.clear();
         }
-        evidence.push(one.residual, deviation(parts, one));
+        evidence.push(one.residual, variance(parts, one));
         let nats = evidence.peaks(&weighing).iter().map(|peak| peak.nats).fold(0.0, f64::max);
         if nats > worst {
             (worst, at) = (nats, one.t);
@@ -103,8 +103,9 @@ pub(super) fn measure(
     Ok(Scatter { parts: measured, dependence })
 }
 
-fn deviation([rest, timing]: [f64; 2], one: &Left) -> f64 {
-    rest.hypot(timing * one.way)
+fn variance([rest, timing]: [f64; 2], one: &Left) -> f64 {
+    let way = timing * one.way;
+    rest * rest + way * way
 }
 
 /// How many dependent samples carry as much as one, in mean and mean square, by the width of the window: what the
@@ -146,7 +147,7 @@ fn windows(left: &[Left], parts: [f64; 2], width: usize) -> Vec<[f64; VALUES]> {
         if !one.follows {
             evidence.clear();
         }
-        evidence.push(one.residual, deviation(parts, one));
+        evidence.push(one.residual, variance(parts, one));
         if let Some(sums) = evidence.sums(width) {
             all.push(sums);
             evidence.clear();

@@ -30,11 +30,8 @@ impl Cylinder {
     /// What the deck's attitude is compared by in the newest cycle.
     pub fn tilt_leg(&self) -> TiltLeg {
         let parted = || self.sequential.as_deref().and_then(Sequential::residual);
-        TiltLeg {
-            length: self.length,
-            is_healthy: !self.is_doubted(),
-            parted: self.has_parted().then(parted),
-        }
+        let (is_doubted, has_parted) = self.doubts();
+        TiltLeg { length: self.length, is_healthy: !is_doubted, parted: has_parted.then(parted) }
     }
 
     /// Takes the evidence of whose reading has moved that the deck's attitude gives, nats.

@@ -94,23 +94,22 @@ impl Cylinder {
         self.implausible[..2].iter().any(Implausible::raised)
     }
 
-    /// Whether a transducer is under suspicion.
-    pub(super) fn is_doubted(&self) -> bool {
+    /// Whether a transducer is under suspicion, and whether the readings have parted that are both plausible.
+    #[inline]
+    pub(super) fn doubts(&self) -> (bool, bool) {
         let doubted = |suspect: Suspect| suspect != Suspect::Process;
         let difference = self.bank.any_found()
             && self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
-        let sequential = self.sequential.as_deref().and_then(Sequential::alarm);
-        difference || sequential.is_some_and(|it| doubted(it.suspect)) || self.is_implausible()
-    }
-
-    /// Whether the readings have parted, and both are plausible.
-    pub(super) fn has_parted(&self) -> bool {
-        self.sequential.as_deref().is_some_and(Sequential::is_displaced) && !self.is_implausible()
+        let (sequential, is_implausible) = (self.sequential.as_deref(), self.is_implausible());
+        let alarm = sequential.and_then(Sequential::alarm);
+        let is_doubted =
+            difference || is_implausible || alarm.is_some_and(|it| doubted(it.suspect));
+        (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
     }
 
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
-        let (held, asked) = (self.is_doubted(), self.has_parted());
+        let (held, asked) = self.doubts();
         let Some(process) = &mut self.process else { return };
         let monitored = now.gate == Opening::Open;
         let [bottom, rod, load] = self.inputs.pressures();

@@ -9,6 +9,9 @@ impl Process {
     /// short, all of them what the oil does, and that the rod goes harder; not the other way round.
     #[inline]
     pub fn alarm(&self) -> Option<&ProcessAlarm> {
+        if !self.is_raised {
+            return None;
+        }
         let [spool, chambers, flow, friction, supply] = &self.alarms;
         let chambers = chambers.as_ref().filter(|alarm| alarm.age >= self.counts.company);
         let [spool, supply, flow, friction] = [spool, supply, flow, friction].map(Option::as_ref);
@@ -20,10 +23,12 @@ impl Process {
         self.oil
     }
 
-    /// Takes what is known of the machine's supply at the end of a cycle: its alarm, and whether it was judged.
+    /// Takes what is known of the machine's supply at the end of a cycle in which it has changed: its alarm, and whether it
+    /// is judged.
     #[inline]
-    pub const fn take_supply(&mut self, alarm: Option<ProcessAlarm>, is_judged: bool) {
+    pub fn take_supply(&mut self, alarm: Option<ProcessAlarm>, is_judged: bool) {
         self.alarms[SUPPLY] = alarm;
+        self.is_raised = self.alarms.iter().any(Option::is_some);
         self.is_supply_judged = is_judged;
     }
 

@@ -157,7 +157,7 @@ fn friction_is_not_judged_while_a_transducer_is_suspected_nor_by_what_went_befor
 }
 
 #[test]
-fn pressures_spool_and_oil_come_before_friction() {
+fn pressures_spool_supply_and_oil_come_before_friction() {
     let mut process = of_friction();
     let alarm = |malfunction, age| {
         let onset = Timestamp::default();
@@ -165,10 +165,11 @@ fn pressures_spool_and_oil_come_before_friction() {
     };
     let named = |process: &Process| process.alarm().map(|alarm| alarm.malfunction);
     let old = process.counts.company;
-    process.alarms[FRICTION] = alarm(Malfunction::Friction, old);
+    (process.alarms[FRICTION], process.is_raised) = (alarm(Malfunction::Friction, old), true);
     assert_eq!(named(&process), Some(Malfunction::Friction));
     for (which, malfunction) in [
         (FLOW, Malfunction::Leakage),
+        (SUPPLY, Malfunction::Supply),
         (SPOOL, Malfunction::Sticking),
         (CHAMBERS, Malfunction::Chambers),
     ] {

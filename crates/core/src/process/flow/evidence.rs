@@ -5,7 +5,7 @@
 //! (|θ̂| − ε)² mᵀC⁻¹m / 2. Λ holds what else may have changed without being a fault. Both transducers have to say the
 //! same: what only one of them says is its own.
 
-use super::super::evidence::in_turn;
+use super::super::evidence::{RESTART, in_turn};
 use super::super::parameters::ProcessParameters;
 use super::directions::{CANDIDATES, DIRECTIONS, Direction, FAULTS, HALF, upper};
 use super::{FlowBlock, FlowDesign};
@@ -34,16 +34,17 @@ const SUMMED: usize = 2 * DIRECTIONS + HALF;
 /// By what evidence is weighed.
 #[derive(Clone, Debug)]
 pub struct FlowWeighing {
-    /// Ω of C1 and of C2, and its inverse.
+    /// Ω of C1 and of C2, and the upper half of its inverse, row by row, what is beside the diagonal twice: by these alone
+    /// a square is half as long a sum.
     scatter: [Matrix; 2],
-    inverse: [Matrix; 2],
+    inverse: [[f64; HALF]; 2],
 }
 
 impl FlowWeighing {
     /// For the scatter of `design`; `None` if that is no covariance.
     pub fn new(design: &FlowDesign) -> Option<Self> {
         let scatter = design.scatter.map(|rows| Matrix::from_fn(|i, j| rows[i][j]));
-        let [one, two] = scatter.map(|it| it.cholesky().map(|it| it.inverse()));
+        let [one, two] = scatter.map(|it| it.cholesky().map(|it| half(&it.inverse())));
         Some(Self { scatter, inverse: [one?, two?] })
     }
 
@@ -51,10 +52,12 @@ impl FlowWeighing {
     fn may_reach(&self, sums: &[f64; SUMMED], width: usize, nats: f64) -> bool {
         self.inverse.iter().zip([0, DIRECTIONS]).all(|(inverse, from)| {
             let products = &sums[from..from + DIRECTIONS];
-            let mut square = 0.0;
-            for (column, product) in inverse.column_iter().zip(products) {
-                let along = column.iter().zip(products).fold(0.0, |sum, (a, b)| sum + a * b);
-                square += along * product;
+            let (mut square, mut row) = (0.0, &inverse[..]);
+            for i in 0..DIRECTIONS {
+                let (here, next) = row.split_at(DIRECTIONS - i);
+                let along = here.iter().zip(&products[i..]).fold(0.0, |sum, (a, b)| sum + a * b);
+                square += along * products[i];
+                row = next;
             }
             square > 2.0 * nats * width as f64
         })
@@ -76,6 +79,15 @@ impl FlowWeighing {
     }
 }
 
+/// The upper half of a symmetric matrix, row by row, with what is beside the diagonal twice.
+fn half(matrix: &Matrix) -> [f64; HALF] {
+    let mut half = [0.0; HALF];
+    for (value, (i, j)) in half.iter_mut().zip(upper()) {
+        *value = if i == j { matrix[(i, j)] } else { 2.0 * matrix[(i, j)] };
+    }
+    half
+}
+
 /// What the hydraulics have, by the flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowKind {
@@ -87,7 +99,7 @@ pub struct FlowKind {
 /// The newest blocks.
 #[derive(Clone, Debug, Default)]
 pub struct FlowWindows {
-    sums: Sums<MOST_BLOCKS, SUMMED>,
+    sums: Sums<MOST_BLOCKS, SUMMED, RESTART>,
 }
 
 state! { FlowWindows { sums } }
@@ -137,7 +149,8 @@ impl FlowWindows {
     /// Takes a block; nothing that is not finite, which no sum would ever forget.
     pub fn push(&mut self, block: &FlowBlock) {
         let FlowBlock { left, directions, .. } = block;
-        if !left.iter().chain(directions).all(|it| it.is_finite()) {
+        // Of one that is not finite no sum is.
+        if !left.iter().chain(directions).sum::<f64>().is_finite() {
             return;
         }
         let mut values = [0.0; SUMMED];

@@ -37,10 +37,6 @@ impl FlowWatch {
         Some(Self { flow, windows: FlowWindows::default(), side, was_held: false, weighing, looks })
     }
 
-    pub const fn area_ratio(&self) -> f64 {
-        self.flow.design().area_ratio
-    }
-
     /// Cycles of a block.
     pub const fn block(&self) -> u32 {
         self.flow.block()

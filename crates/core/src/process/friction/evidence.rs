@@ -5,7 +5,7 @@
 //! temperature may change; θ̂ = mᵀC⁻¹G / mᵀC⁻¹m, and the evidence is (θ̂ − ε)² mᵀC⁻¹m / 2 where θ̂ is above ε. Less friction
 //! is no fault.
 
-use super::super::evidence::in_turn;
+use super::super::evidence::{RESTART, in_turn};
 use super::super::parameters::ProcessParameters;
 use super::{FrictionBlock, FrictionDesign};
 use crate::sequential::statistic::Peak;
@@ -71,7 +71,7 @@ impl FrictionWeighing {
 /// The newest blocks.
 #[derive(Clone, Debug, Default)]
 pub struct FrictionWindows {
-    sums: Sums<MOST_BLOCKS, SUMMED>,
+    sums: Sums<MOST_BLOCKS, SUMMED, RESTART>,
 }
 
 state! { FrictionWindows { sums } }

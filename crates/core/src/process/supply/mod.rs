@@ -108,12 +108,12 @@ impl SupplyDesign {
 pub struct Shortfall {
     windows: EvidenceWindows,
     weighing: Weighing,
-    deviation: f64,
+    variance: f64,
 }
 
 state! {
     Shortfall { windows }
-    but { weighing, deviation }
+    but { weighing, variance }
 }
 
 impl Shortfall {
@@ -121,8 +121,8 @@ impl Shortfall {
     pub fn new(design: &SupplyDesign, seconds: f64) -> Self {
         let band = ProcessParameters::DEFAULT.supply_band * seconds;
         let weighing = Weighing::new(band, design.dependence, seconds);
-        let deviation = design.deviation;
-        Self { windows: EvidenceWindows::default(), weighing, deviation }
+        let variance = design.deviation * design.deviation;
+        Self { windows: EvidenceWindows::default(), weighing, variance }
     }
 
     pub const fn clear(&mut self) {
@@ -131,7 +131,7 @@ impl Shortfall {
 
     /// Takes what a block leaves, bar.
     pub fn push(&mut self, residual: f64) {
-        self.windows.push(residual, self.deviation);
+        self.windows.push(residual, self.variance);
     }
 
     /// The most evidence that the newest blocks fell short: a pump that gives more is no fault.
@@ -190,10 +190,12 @@ pub struct SupplyWatch {
     expected: Option<f64>,
     size: Size,
     alarm: Option<ProcessAlarm>,
+    /// What [`Self::news`] told.
+    told: [bool; 2],
 }
 
 state! {
-    SupplyWatch { oil, shortfall, open, expected, size, alarm }
+    SupplyWatch { oil, shortfall, open, expected, size, alarm, told }
     but { design, seconds, level, opening, blocks }
 }
 
@@ -213,6 +215,7 @@ impl SupplyWatch {
             expected: None,
             size: Size::default(),
             alarm: None,
+            told: [false; 2],
             design,
         }
     }
@@ -232,6 +235,15 @@ impl SupplyWatch {
 
     pub const fn alarm(&self) -> Option<&ProcessAlarm> {
         self.alarm.as_ref()
+    }
+
+    /// The alarm and [`Self::is_judging`], if there is or was an alarm, or the latter has changed, since they were last
+    /// asked for.
+    #[inline]
+    pub fn news(&mut self) -> Option<(Option<ProcessAlarm>, bool)> {
+        let says = [self.alarm.is_some(), self.is_judging()];
+        let told = core::mem::replace(&mut self.told, says);
+        (says[0] || says != told).then_some((self.alarm, says[1]))
     }
 
     /// Whether the newest cycle belongs to a block that is judged.
