@@ -152,6 +152,28 @@ fn a_drift_near_its_bound_is_one_that_comes_and_goes() {
     assert_eq!(story.newest().end, Some((at(125.1), Ending::Returned)));
 }
 
+/// Friction is found before anybody knows how much of it there is.
+#[test]
+fn an_incident_is_told_anew_when_its_size_is_known_and_not_with_every_size() {
+    let mut story = Story::new();
+    let sized = |size: Option<f64>| {
+        let evidence =
+            Evidence { fault: 30.0, location: None, by: None, onset: at(9.0), gain: None, size };
+        let finding = finding(Fault::Friction, Suspect::Process, 0.0);
+        Finding { residual: None, threshold: None, evidence: Some(evidence), ..finding }
+    };
+    for (t, state, size, told) in [
+        (10.0, State::Raised, None, 1),
+        (20.0, State::Changed, Some(1.5), 2),
+        (30.0, State::Changed, Some(1.6), 2),
+    ] {
+        story.say(t, WarningPlace::Process, state, sized(size));
+        story.cycle(t, [0.1; 3]);
+        assert_eq!(story.told.len(), told, "{t} s");
+    }
+    assert_eq!(story.newest().progress, Progress::Revised);
+}
+
 #[test]
 fn what_is_quiet_for_long_is_over_but_not_proved_to_be_gone() {
     let mut story = Story::new();

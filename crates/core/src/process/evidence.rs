@@ -129,6 +129,13 @@ impl EvidenceWindows {
         self.among(by, first..end)
     }
 
+    /// The same of the widths up to `most`.
+    pub fn peaks_within(&self, by: &Weighing, most: usize) -> [Peak; 2] {
+        let [first, end] = by.widths;
+        let within = WIDTHS[first..end].iter().take_while(|width| **width <= most).count();
+        self.among(by, first..first + within)
+    }
+
     /// The same of the widths whose turn it is: the two shortest at every fourth sample, the next two at every eighth
     /// one, and so on, so that its width is the longest that one waits.
     pub fn peaks_in_turn(&self, by: &Weighing) -> [Peak; 2] {

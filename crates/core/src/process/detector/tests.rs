@@ -156,6 +156,21 @@ fn friction_is_not_judged_while_a_transducer_is_suspected_nor_by_what_went_befor
     assert_eq!(last + 1, 240 * 50);
 }
 
+/// A controller that follows a transducer which lies may take all the oil there is.
+#[test]
+fn a_rod_is_as_long_as_either_reading_says_and_of_no_length_under_suspicion() {
+    let mut process = of_friction();
+    let mut told = |lengths, held| {
+        process.step(&ProcessInput { lengths, supply: Some(230.0), ..swing(0, 0.0, held) });
+        process.oil()
+    };
+    let reading = |length| OilReading { pressure: Some(230.0), length };
+    assert_eq!(told([Some(0.1), Some(0.2)], false), reading(Some(0.1)));
+    assert_eq!(told([None, Some(0.2)], false), reading(Some(0.2)));
+    assert_eq!(told([Some(0.1), Some(0.2)], true), reading(None));
+    assert_eq!(told([None; 2], false), reading(None));
+}
+
 #[test]
 fn pressures_spool_supply_and_oil_come_before_friction() {
     let mut process = of_friction();

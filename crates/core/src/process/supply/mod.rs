@@ -136,13 +136,17 @@ impl Shortfall {
 
     /// The most evidence that the newest blocks fell short: a pump that gives more is no fault.
     pub fn peak(&self) -> Peak {
-        let [mean, _] = self.windows.peaks(&self.weighing);
-        if self.mean(mean.width).is_some_and(|mean| mean < 0.0) { mean } else { Peak::default() }
+        self.short(self.windows.peaks(&self.weighing))
     }
 
-    /// Mean of the newest `width` blocks, bar.
-    pub fn mean(&self, width: usize) -> Option<f64> {
-        self.windows.mean(width.max(1))
+    /// The same of at most so many `blocks`.
+    fn peak_within(&self, blocks: usize) -> Peak {
+        self.short(self.windows.peaks_within(&self.weighing, blocks))
+    }
+
+    fn short(&self, [mean, _]: [Peak; 2]) -> Peak {
+        let is_short = self.windows.mean(mean.width.max(1)).is_some_and(|mean| mean < 0.0);
+        if is_short { mean } else { Peak::default() }
     }
 }
 
@@ -181,6 +185,8 @@ pub struct SupplyWatch {
     level: f64,
     /// Cycles that are not judged after the platform came into a monitored state.
     opening: u32,
+    /// Blocks of the longest window that keeps an alarm.
+    longest: usize,
     /// Blocks over which a size is measured.
     blocks: u32,
     oil: Oil,
@@ -196,7 +202,7 @@ pub struct SupplyWatch {
 
 state! {
     SupplyWatch { oil, shortfall, open, expected, size, alarm, told }
-    but { design, seconds, level, opening, blocks }
+    but { design, seconds, level, opening, longest, blocks }
 }
 
 impl SupplyWatch {
@@ -208,6 +214,7 @@ impl SupplyWatch {
             seconds,
             level: flow::level(design.level, design.sample_time),
             opening: time::cycles(by.opening, design.sample_time),
+            longest: time::cycles(by.windows[1], seconds) as usize,
             blocks: time::cycles(by.supply_look, seconds),
             shortfall: Shortfall::new(&design, seconds),
             oil,
@@ -268,7 +275,11 @@ impl SupplyWatch {
     #[inline(never)]
     fn judge(&mut self, block: &OilBlock, at: Timestamp) {
         self.shortfall.push(self.design.residual(block, self.seconds));
-        let peak = self.shortfall.peak();
+        // What is long over ends no alarm later than a fault of anything else.
+        let peak = match self.alarm {
+            None => self.shortfall.peak(),
+            Some(_) => self.shortfall.peak_within(self.longest),
+        };
         let cycles = self.oil.block();
         let expected = self.follow(block);
         match &mut self.alarm {

@@ -81,7 +81,8 @@ fn a_pump_that_gives_less_pressure_is_found_with_its_size_and_ends_with_it() {
     let size = alarm.size.expect("it is known");
     assert!((size + 24.0).abs() < 1.5, "{size} bar");
     plant.set_point += 24.0;
-    let over = (0..3000).find(|_| {
+    // Ten seconds of evidence, one in which it is over, and some in which the pressure comes back.
+    let over = (0..800).find(|_| {
         watch.step(Some(&plant.sample()), true, Timestamp::default());
         watch.alarm().is_none()
     });
@@ -127,4 +128,27 @@ fn nothing_is_judged_before_its_time_and_over_a_gap() {
     assert_eq!(judged(&mut watch, &mut plant, true, 1), 1);
     watch.interrupt();
     assert_eq!(judged(&mut watch, &mut plant, true, 508), 0);
+}
+
+#[test]
+fn a_pump_gives_no_less_below_what_was_taught_and_goes_on_above() {
+    let design = design();
+    for (pressure, expected) in
+        [(238.0, 1.6), (229.0, 8.8), (220.0, 16.0), (200.0, 16.0), (241.0, -0.8)]
+    {
+        let pumped = design.pumped(pressure);
+        assert!((pumped - expected).abs() < 1e-9, "{pressure} bar: {pumped} bar/s");
+    }
+}
+
+/// P V is constant: as much oil makes as much of 1/P, whatever the pressure.
+#[test]
+fn as_much_oil_counts_as_much_at_any_pressure() {
+    let (gas, oil) = (240.0 * 0.6, 2e-3);
+    for pressure in [240.0, 200.0, 150.0] {
+        let after = gas / (gas / pressure + oil);
+        let block = OilBlock { pressures: [pressure, after], ways: [0.0; 2], follows: true };
+        let expected = -230.0 * 230.0 * oil / gas;
+        assert!((block.rise(230.0) - expected).abs() < 1e-9, "{pressure} bar");
+    }
 }
