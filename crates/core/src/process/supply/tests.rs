@@ -152,3 +152,16 @@ fn as_much_oil_counts_as_much_at_any_pressure() {
         assert!((block.rise(230.0) - expected).abs() < 1e-9, "{pressure} bar");
     }
 }
+
+#[test]
+fn what_came_before_a_gap_is_no_evidence_after_it() {
+    let mut plant = Plant::new(1.0);
+    let mut watch = warm(&mut plant);
+    plant.set_point -= 24.0;
+    for _ in 0..20 {
+        watch.lose();
+        // Three blocks, one less than the shortest window has.
+        assert_eq!(raised(&mut watch, &mut plant, 40), None);
+    }
+    assert!(raised(&mut watch, &mut plant, 100).is_some());
+}
