@@ -15,7 +15,8 @@ pub fn page(result: &Calibration, with: &Fingerprints) -> String {
     let Calibration { machine, inputs, .. } = result;
     let mut text = format!("{machine}: {inputs} with {with}\n{}\n\n", parts(result));
     let coverage = coverage::section(result);
-    for section in [lines(result), bands(result), sequential(result), process(result), coverage] {
+    let (process, supply) = (process(result), supply(result));
+    for section in [lines(result), bands(result), sequential(result), process, supply, coverage] {
         let section = section.text();
         if !section.is_empty() {
             text += &section;
@@ -128,6 +129,27 @@ pub fn process(result: &Calibration) -> Section {
         "for the process detectors: the deviation of the spool beside what its command says and its largest position, \
          in the signal's unit, the deviation of the sum of the chambers' \
          pressures, what leaks of the flow, and the pressure that Coulomb's friction takes",
+    )
+}
+
+/// Basis of the process detector of the supply.
+pub fn supply(result: &Calibration) -> Section {
+    let mut table = Sheet::new(&["from", "to", "the pump adds", "a metre out", "in", "deviation"]);
+    if let Some(Ok(learnt)) = &result.supply {
+        let [lowest, highest] = learnt.taught;
+        let ends = [learnt.pump.first(), learnt.pump.last()].map(|it| it.map_or(0.0, |it| *it));
+        table.add_row([
+            format!("{lowest:.1} bar"),
+            format!("{highest:.1} bar"),
+            format!("{:.1} to {:.1} bar/s", ends[0], ends[1]),
+            format!("{:.2} bar", learnt.taken[0]),
+            format!("{:.2} bar", learnt.taken[1]),
+            format!("{:.2} bar", learnt.deviation),
+        ]);
+    }
+    table.about(
+        "for the process detector of the supply: the pressures that were taught, what the pump adds at them, what the \
+         rods take, and the deviation of the pressure beside both after 0.2 s",
     )
 }
 

@@ -8,7 +8,6 @@ use crate::commission::{Commissioned, Fitness, Trial, coverage};
 use crate::config::Fingerprints;
 use crate::evaluate::{CONFIDENCE, poisson_upper};
 use crate::extremes::four_digits;
-use crate::process::detector::RELATIONS;
 use crate::tables::tuning::length;
 use crate::tune::{OF_A_LEVEL, WOULD_HAVE_WARNED};
 use std::fmt::Write as _;
@@ -81,10 +80,9 @@ pub fn tables(result: &Commissioned) -> Section {
         add("levels, sequential", format!("{} nats", range(low, high, 1)), of);
     }
     let process = cylinders().filter_map(|it| it.process.as_ref()?.table(it.sample_time));
-    let learnt: Vec<[bool; RELATIONS]> = process
+    let learnt: Vec<[bool; 4]> = process
         .map(|it| {
-            let (flow, friction) = (it.flow.is_some(), it.friction.is_some());
-            [it.spool.is_some(), it.chambers.is_some(), flow, friction, false]
+            [it.spool.is_some(), it.chambers.is_some(), it.flow.is_some(), it.friction.is_some()]
         })
         .collect();
     let of_supply = taught.calibration.iter().any(|it| matches!(it.supply, Some(Ok(_))));

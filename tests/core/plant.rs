@@ -235,6 +235,34 @@ fn the_supply_sags_under_flow_and_recovers() {
     assert!((supply.pressure() - table.pressure).abs() < 0.5, "{} bar", supply.pressure());
 }
 
+/// Gas that exchanges no heat is stiffer, and a pump that lags is late.
+#[test]
+fn the_accumulator_s_gas_keeps_its_exponent_and_the_pump_its_lag() {
+    let table = parameters().supply;
+    let alone = |exponent: f64| {
+        let of = tertius::plant::SupplyTable { exponent, pump_gain: 0.0, ..table };
+        let mut supply = Supply::new(&of);
+        (0..1000).for_each(|_| supply.step(0.03, [0.0; 2], 2e-3));
+        supply.pressure()
+    };
+    for exponent in [1.0, 1.25, 1.4] {
+        let grown = (table.gas_volume + 0.06) / table.gas_volume;
+        let expected = table.pressure / grown.powf(exponent);
+        assert!((alone(exponent) - expected).abs() < 0.1, "{exponent}: {} bar", alone(exponent));
+    }
+    // So much gas that the pressure stays where it is: after one time constant the pump gives 1 − 1/e.
+    let pump_lag = 0.2;
+    let of = tertius::plant::SupplyTable { pump_lag, gas_volume: 1e6, ..table };
+    let mut supply = Supply::new(&of);
+    let (before, too_low) = (supply.pressure(), [0.0, -0.01]);
+    (0..200).for_each(|_| supply.step(0.0, too_low, 1e-3));
+    let after = supply.pressure();
+    supply.step(0.0, too_low, 1e-3);
+    let pumped = (supply.pressure() - after) * 1e6 / (1e-3 * before);
+    let whole = table.pump_gain * 0.01 * before;
+    assert!((pumped / whole - 0.632).abs() < 0.01, "{} of the whole", pumped / whole);
+}
+
 /// All share one supply: what five cylinders take, the sixth lacks.
 #[test]
 fn a_cylinder_feels_what_the_others_take() {

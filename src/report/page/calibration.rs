@@ -41,6 +41,7 @@ pub fn add(page: &mut Page, result: &Calibration, differences: &Differences, con
     page.section(&text::bands(result));
     page.section(&text::sequential(result));
     page.section(&text::process(result));
+    page.section(&text::supply(result));
     page.section(&covered::section(result));
     page.lines(&capitalised(&text::bound(result)));
     let figures: Vec<(Figure, String)> = result

@@ -294,7 +294,8 @@ mod tests {
     use super::*;
     use tertius_core::alarm::Detector;
     use tertius_learn::calibrate::CalibrationRefusal;
-    use tertius_learn::relate::LearntProcess;
+    use tertius_learn::relate::{LearntProcess, ProcessRefusal};
+    use tertius_learn::survey::{Timeline, Window};
 
     fn cylinder(number: u8) -> CylinderCalibration {
         CylinderCalibration {
@@ -315,6 +316,52 @@ mod tests {
             left_out: Vec::new(),
             remarks: Vec::new(),
         }
+    }
+
+    /// One fault of the supply, which all cylinders tell: they keep their detectors.
+    #[test]
+    fn a_supply_that_warns_in_the_trial_is_left_out_and_the_cylinders_are_not() {
+        let own = "[[cylinder]]\nn = 2\n[cylinder.process]\nlevel = 2\n";
+        let text =
+            format!("[process]\nlevel = 30.0\n\n[process.supply]\nreference = 230.0\n\n{own}");
+        let calibration = Calibration {
+            machine: String::new(),
+            inputs: String::new(),
+            timeline: Timeline::default(),
+            fitted: Window::ALL,
+            tried: Window::ALL,
+            cylinders: vec![cylinder(1), cylinder(2)],
+            bound: None,
+            supply: Some(Err(ProcessRefusal::Undetermined)),
+            remarks: Vec::new(),
+        };
+        let mut taught = Taught {
+            machine: String::new(),
+            text,
+            identification: None,
+            calibration: Some(calibration),
+            tuning: None,
+            refused: Vec::new(),
+            failed: None,
+        };
+        let alarm =
+            |cylinder, fault| FalseAlarm { t: 61.25, cylinder, detector: Detector::Process, fault };
+        taught.without_process(&Trial {
+            held: 300.0,
+            false_alarms: Vec::new(),
+            of_process: vec![alarm(1, Fault::Supply), alarm(2, Fault::Supply)],
+            of_supply: Some(61.25),
+            known: Vec::new(),
+            kinds: Vec::new(),
+        });
+        assert_eq!(taught.text, format!("[process]\nlevel = 30.0\n\n{own}"));
+        let calibration = taught.calibration.expect("it is there");
+        assert!(calibration.supply.is_none());
+        assert!(
+            calibration.cylinders.iter().all(|it| it.process.is_some() && it.remarks.is_empty())
+        );
+        let [remark] = &calibration.remarks[..] else { panic!("{:?}", calibration.remarks) };
+        assert!(remark.contains("by the supply") && remark.contains("61.2 s"), "{remark}");
     }
 
     #[test]

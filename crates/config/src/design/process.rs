@@ -9,7 +9,7 @@ use tertius_core::process::flow::directions::{DIRECTIONS, HALF, upper};
 use tertius_core::process::friction::FrictionWeighing;
 use tertius_core::process::{
     ChambersDesign, Curve, FlowDesign, FrictionDesign, ProcessDesign, ProcessParameters,
-    SpoolDesign, SupplyDesign,
+    SpoolDesign, SupplyDesign, SupplyRelation,
 };
 
 /// Least number of samples with which the commands between two knots are taught.
@@ -58,12 +58,14 @@ impl Connector<'_> {
             ));
         }
         Some(SupplyDesign {
-            reference,
-            taught,
-            pump: fitted.pump.clone(),
-            taken,
-            deviation: deviation.max(ProcessParameters::DEFAULT.supply_deviation),
-            dependence: [mean_dependence; 2],
+            relation: SupplyRelation {
+                reference,
+                taught,
+                pump: fitted.pump.clone(),
+                taken,
+                deviation: deviation.max(ProcessParameters::DEFAULT.supply_deviation),
+                dependence: [mean_dependence; 2],
+            },
             level: settings.process_level(),
             sample_time: settings.machine.sample_time,
             clear: settings.warning_cycles(),

@@ -89,8 +89,6 @@ pub struct Monitor {
     tilt: Option<Box<Tilt>>,
     /// `None` without a table of the supply.
     supply: Option<Box<SupplyWatch>>,
-    /// Whether the sums of the chambers' pressures are off in many cylinders.
-    supply_is_odd: bool,
     clock: CycleClock,
     gap_cycles: u64,
     gate: Gate,
@@ -143,7 +141,6 @@ impl Monitor {
             has_process: cylinders.iter().any(|cylinder| cylinder.process().is_some()),
             tilt: design.tilt.as_ref().map(|design| Box::new(Tilt::new(design))),
             supply: design.supply.map(|design| Box::new(SupplyWatch::new(design))),
-            supply_is_odd: false,
             incidents,
             cylinders,
             sampling: Sampling::default(),

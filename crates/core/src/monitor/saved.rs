@@ -28,8 +28,8 @@ use thiserror::Error;
 
 state! {
     Monitor {
-        keeps, clock, gate, sampling, supply_is_odd, pending, incomplete, missing_run, heard, monitored_once, opened_once,
-        register, incidents, encoder, counts, last, next_status, last_status, next_due,
+        keeps, clock, gate, sampling, pending, incomplete, missing_run, heard, monitored_once, opened_once, register,
+        incidents, encoder, counts, last, next_status, last_status, next_due,
     }
     parts { stations, cylinders, silence, tilt, supply }
     but { subscriptions, by_timers, has_process, gap_cycles, sends_estimates }

@@ -19,7 +19,8 @@ impl Monitor {
     pub(super) fn follow_supply(&mut self, at: Timestamp) {
         let odd = |cylinder: &Cylinder| cylinder.process().is_some_and(Process::has_odd_chambers);
         let odd = self.cylinders.iter().filter(|cylinder| odd(cylinder)).count();
-        if odd > 0 || self.supply_is_odd {
+        // All of them know the same.
+        if odd > 0 || self.cylinders.first().is_some_and(|cylinder| cylinder.supply_is_odd) {
             self.follow_chambers(odd);
         }
         if self.supply.is_some() {
@@ -57,8 +58,7 @@ impl Monitor {
         let comparing = self.cylinders.iter().filter_map(Cylinder::process);
         let known = comparing.filter(|process| process.knows_chambers()).count();
         let is_many = odd as f64 >= ProcessParameters::DEFAULT.many * known as f64;
-        self.supply_is_odd = odd >= LEAST && is_many;
-        let is_odd = self.supply_is_odd;
+        let is_odd = odd >= LEAST && is_many;
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.supply_is_odd = is_odd);
     }
 }

@@ -11,7 +11,7 @@ const P: &ProcessParameters = &ProcessParameters::DEFAULT;
 /// Samples of the widest window.
 pub const WIDEST: usize = 1024;
 
-/// Windows of the widest after which sums are restarted.
+/// After how many times the widest window the sums are restarted.
 pub const RESTART: usize = 16;
 
 /// Samples between two turns.
@@ -96,8 +96,8 @@ impl EvidenceWindows {
         let weight = 1.0 / variance;
         let weighed = residual * weight;
         let square = residual * weighed;
-        // Of weights that are not finite this is no number, or too large.
-        if square <= P.farthest * P.farthest && weighed.is_finite() {
+        // Where anything is not finite this is no number, or too large.
+        if square <= P.farthest * P.farthest {
             self.sums.push([weighed, weight, square, residual]);
         } else {
             self.push_far(residual, variance);

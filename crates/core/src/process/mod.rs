@@ -44,4 +44,4 @@ pub use friction::{ForceSample, Forces, FrictionDesign};
 pub use input::{OilReading, ProcessInput};
 pub use parameters::ProcessParameters;
 pub use spool::{Spool, SpoolDesign};
-pub use supply::{OilSample, SupplyDesign, SupplyWatch};
+pub use supply::{OilSample, SupplyDesign, SupplyRelation, SupplyWatch};

@@ -13,7 +13,7 @@ pub const VALUES: usize = 4;
 
 /// Running sums of `V` values over at most the newest `N` samples, in constant time; `N` is a
 /// power of two, so that a place in the ring is a few bits of a number. They are restarted after `R` times as many samples,
-/// which costs as much each time as to add up all that are held; in so many they lose a digit for each factor of ten.
+/// which costs as much as to add up all that are held; ten times as many cost the sums a digit.
 #[derive(Clone, Debug)]
 pub struct Sums<const N: usize, const V: usize = VALUES, const R: usize = 1> {
     /// Sums of everything before each of the newest samples; a ring.

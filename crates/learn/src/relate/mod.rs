@@ -7,6 +7,7 @@
 mod chambers;
 pub mod flow;
 mod friction;
+mod kept;
 mod long_run;
 mod pieces;
 mod rows;

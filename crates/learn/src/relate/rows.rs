@@ -1,5 +1,6 @@
 //! What is kept of a recording.
 
+use super::kept::{Consecutive, Pieces};
 use crate::survey::{Lull, Ranking, Row, Surveyor};
 use tertius_config::settings::Settings;
 use tertius_core::alarm::status::MAX_CYLINDERS;
@@ -12,6 +13,12 @@ const MOST: usize = 540_000;
 
 /// Rows of a piece: a minute at 50 Hz.
 const PIECE: usize = 3000;
+
+impl Consecutive for ProcessRow {
+    fn part(&mut self) {
+        self.follows = false;
+    }
+}
 
 /// One cylinder in one cycle, after the platform has been in a monitored state for a while. Seven digits are more than
 /// any of its signals has.
@@ -44,7 +51,7 @@ pub struct FlowRow {
 /// The rows of all cylinders.
 #[derive(Clone, Debug)]
 pub struct ProcessRows {
-    cylinders: [Pieces; MAX_CYLINDERS],
+    cylinders: [Pieces<ProcessRow>; MAX_CYLINDERS],
     /// Cycles of the present stay in a monitored state.
     open: [u32; MAX_CYLINDERS],
     opening: u32,
@@ -57,74 +64,12 @@ pub struct ProcessRows {
     supply: Option<f64>,
 }
 
-/// Every n-th piece of the rows of one cylinder, counted anew after each pause, so that what is kept
-/// of a file does not depend on what was recorded before it.
-#[derive(Clone, Debug)]
-struct Pieces {
-    most: usize,
-    rows: Vec<ProcessRow>,
-    /// Number of each piece that is kept, and the index of its first row.
-    begun: Vec<(u64, usize)>,
-    stride: u64,
-    /// Number of the newest piece, from 0, and the rows that it has had.
-    newest: Option<(u64, usize)>,
-}
-
-impl Default for Pieces {
-    fn default() -> Self {
-        Self { most: MOST, rows: Vec::new(), begun: Vec::new(), stride: 1, newest: None }
-    }
-}
-
-impl Pieces {
-    fn pause(&mut self) {
-        self.newest = None;
-    }
-
-    fn push(&mut self, mut row: ProcessRow) {
-        let (number, had) = match self.newest {
-            None => (0, 0),
-            Some((number, PIECE)) => (number + 1, 0),
-            Some(newest) => newest,
-        };
-        self.newest = Some((number, had + 1));
-        if number.is_multiple_of(self.stride) && self.rows.len() == self.most {
-            self.halve();
-        }
-        // Of more pauses than there is room for, the first.
-        if !number.is_multiple_of(self.stride) || self.rows.len() == self.most {
-            return;
-        }
-        if had == 0 {
-            self.begun.push((number, self.rows.len()));
-            // The piece before it may be missing.
-            row.follows &= self.stride == 1;
-        }
-        self.rows.push(row);
-    }
-
-    fn halve(&mut self) {
-        self.stride = self.stride.saturating_mul(2);
-        let ends = self.begun.iter().skip(1).map(|(_, begin)| *begin).chain([self.rows.len()]);
-        let spans: Vec<_> = self.begun.iter().copied().zip(ends).collect();
-        let (mut rows, mut begun) = (Vec::with_capacity(self.rows.len()), Vec::new());
-        for ((number, begin), end) in spans {
-            if number.is_multiple_of(self.stride) {
-                begun.push((number, rows.len()));
-                rows.extend_from_slice(&self.rows[begin..end]);
-            }
-        }
-        begun.iter().for_each(|(_, begin)| rows[*begin].follows = false);
-        (self.rows, self.begun) = (rows, begun);
-    }
-}
-
 impl ProcessRows {
     /// Rows of the machine of `settings`.
     pub fn new(settings: &Settings) -> Self {
         let opening = ProcessParameters::DEFAULT.opening;
         Self {
-            cylinders: Default::default(),
+            cylinders: std::array::from_fn(|_| Pieces::new(MOST, PIECE)),
             open: [0; MAX_CYLINDERS],
             opening: time::cycles(opening, settings.machine.sample_time),
             lulls: Default::default(),
@@ -142,7 +87,7 @@ impl ProcessRows {
     /// Puts the stretches of the recording into the order of this `ranking`.
     pub(super) fn rank(&mut self, ranking: &Ranking) {
         for cylinder in &mut self.cylinders {
-            cylinder.rows.sort_by_key(|row| ranking.rank(row.t));
+            cylinder.rank(ranking, |row| row.t);
         }
     }
 
@@ -158,7 +103,7 @@ impl ProcessRows {
 
     /// Those of cylinder `n`.
     pub fn of(&self, n: u8) -> &[ProcessRow] {
-        &self.cylinders[usize::from(n) - 1].rows
+        self.cylinders[usize::from(n) - 1].rows()
     }
 }
 
@@ -195,45 +140,5 @@ impl Surveyor for ProcessRows {
         let index = usize::from(cylinder) - 1;
         // The first row after it has none before, and the spool has moved on by less than a cycle or two.
         self.open[index] = self.open[index].min(self.opening - 1);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The rows that are kept of files in this order, each with the numbers of its rows.
-    fn kept(most: usize, files: &[std::ops::Range<u32>]) -> Vec<ProcessRow> {
-        let mut pieces = Pieces { most, ..Pieces::default() };
-        for file in files {
-            pieces.pause();
-            for number in file.clone() {
-                let follows = number != file.start;
-                let command = number as f32;
-                let (spool, pressures, flow) = (None, None, None);
-                pieces.push(ProcessRow { t: 0.0, command, spool, pressures, flow, follows });
-            }
-        }
-        assert!(pieces.rows.len() <= most);
-        pieces.rows
-    }
-
-    #[test]
-    fn files_in_either_order_keep_the_same_pieces() {
-        let (one, other) = (0..40_000_u32, 100_000..125_500);
-        for most in [100_000, 40_000, 20_000] {
-            let mut there = kept(most, &[one.clone(), other.clone()]);
-            let mut back = kept(most, &[other.clone(), one.clone()]);
-            let by_command = |a: &ProcessRow, b: &ProcessRow| a.command.total_cmp(&b.command);
-            there.sort_by(by_command);
-            back.sort_by(by_command);
-            assert_eq!(there, back);
-            assert!(there.len() >= most.min(65_500) / 2, "{} of {most}", there.len());
-            // A row follows the one before where that is kept, too.
-            for (last, row) in there.iter().zip(&there[1..]) {
-                let next = row.command == last.command + 1.0;
-                assert!(next || !row.follows, "{row:?}");
-            }
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! What the supply's pressure does by what all rods take.
 
+use super::kept::{Consecutive, Pieces};
 use super::scatter::{self, Left};
 use super::{LEAST_TIME, ProcessRefusal};
 use crate::survey::{Lull, Ranking, Row, Surveyor};
@@ -7,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use tertius_config::settings::{Settings, SupplyTable};
 use tertius_core::process::flow::{block_cycles, level};
 use tertius_core::process::supply::{Oil, OilBlock, Shortfall, place};
-use tertius_core::process::{OilSample, ProcessParameters, SupplyDesign};
+use tertius_core::process::{OilSample, ProcessParameters, SupplyRelation};
+use tertius_core::sequential::windows::WIDTHS;
 use tertius_core::time;
 
 /// Pieces of q.
@@ -19,8 +21,9 @@ const SMOOTH: f64 = 1e-3;
 /// Part of the blocks beyond the outermost knots of q, on either side.
 const BEYOND: f64 = 1e-3;
 
-/// Blocks that are kept: 30 hours, 25 MB. More teach nothing new.
-const MOST: usize = 540_000;
+/// Blocks that are kept: three hours, as of the rows of cylinders; and those of a piece, a minute.
+const MOST: usize = 54_000;
+const PIECE: usize = 300;
 
 /// A block of the recording.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +31,12 @@ struct Told {
     /// Seconds since the recording's first frame.
     t: f64,
     block: OilBlock,
+}
+
+impl Consecutive for Told {
+    fn part(&mut self) {
+        self.block.follows = false;
+    }
 }
 
 /// The supply of a machine in a recording, in blocks of cycles.
@@ -38,13 +47,13 @@ pub struct SupplyRows {
     cylinders: u8,
     oil: Oil,
     /// The cycle that is being read, and which cylinders it has.
-    cycle: u64,
+    cycle: Option<u64>,
     sample: OilSample,
     read: u8,
     /// Cycles of the present stay in a monitored state.
     open: u32,
     lull: Lull,
-    blocks: Vec<Told>,
+    blocks: Pieces<Told>,
 }
 
 impl SupplyRows {
@@ -56,12 +65,12 @@ impl SupplyRows {
             opening: time::cycles(ProcessParameters::DEFAULT.opening, sample_time),
             cylinders: settings.machine.cylinders,
             oil: Oil::new(sample_time),
-            cycle: 0,
+            cycle: None,
             sample: OilSample::default(),
             read: 0,
             open: 0,
             lull: Lull::default(),
-            blocks: Vec::new(),
+            blocks: Pieces::new(MOST, PIECE),
         }
     }
 
@@ -71,29 +80,29 @@ impl SupplyRows {
     /// # Errors
     /// They are too few, or do not determine it, or contradict it.
     pub fn learn(mut self, ranking: &Ranking, nats: f64) -> Result<SupplyTable, ProcessRefusal> {
-        self.blocks.sort_by_key(|told| ranking.rank(told.t));
+        self.blocks.rank(ranking, |told| told.t);
+        let blocks = self.blocks.rows();
         let seconds = f64::from(block_cycles(self.sample_time)) * self.sample_time;
-        let known = self.blocks.len() as f64 * seconds;
+        let known = blocks.len() as f64 * seconds;
         if known < LEAST_TIME {
             return Err(ProcessRefusal::Short { seconds: known, least: LEAST_TIME });
         }
-        let mut design = fit(&self.blocks, seconds).ok_or(ProcessRefusal::Undetermined)?;
-        (design.level, design.sample_time) = (nats, self.sample_time);
-        let left = self.blocks.iter().map(|told| Left {
+        let sample_time = self.sample_time;
+        let mut relation = fit(blocks, seconds).ok_or(ProcessRefusal::Undetermined)?;
+        let left = blocks.iter().map(|told| Left {
             t: told.t,
-            residual: design.residual(&told.block, seconds),
+            residual: relation.residual(&told.block, seconds),
             way: 0.0,
             follows: told.block.follows,
         });
         let left: Vec<Left> = left.collect();
         let parts = [scatter::parts(&left)[0], 0.0];
         let believed = parts[0].max(ProcessParameters::DEFAULT.supply_deviation);
-        design.dependence = scatter::dependence(&left, [believed, 0.0]);
-        design.deviation = believed;
-        verify(&left, &design, seconds)?;
-        let SupplyDesign { reference, taught, pump, taken, dependence, .. } = design;
-        let (sample_time, deviation) = (self.sample_time, parts[0]);
-        let [mean_dependence, _] = dependence;
+        relation.dependence = scatter::dependence(&left, [believed, 0.0]);
+        relation.deviation = believed;
+        verify(&left, &relation, seconds, level(nats, sample_time))?;
+        let SupplyRelation { reference, taught, pump, taken, dependence, .. } = relation;
+        let ([mean_dependence, _], [deviation, _]) = (dependence, parts);
         Ok(SupplyTable { sample_time, reference, taught, pump, taken, deviation, mean_dependence })
     }
 
@@ -102,37 +111,27 @@ impl SupplyRows {
         self.read.count_ones() == self.cylinders as u32
     }
 
-    /// Ends the cycle that is being read.
-    fn close(&mut self, t: f64) {
-        if self.read == 0 {
-            return;
-        }
-        let is_whole = self.is_whole();
-        self.read = 0;
-        let sample = Some(&self.sample).filter(|_| is_whole && self.open >= self.opening);
-        if let Some(block) = self.oil.step(sample).filter(|_| self.blocks.len() < MOST) {
-            self.blocks.push(Told { t, block });
-        }
-    }
-
-    /// Begins a cycle.
+    /// Begins a cycle; one that does not follow a whole one begins anew.
     fn begin(&mut self, row: &Row) {
-        let is_next = row.cycle == self.cycle + 1;
-        if self.lull.ends(row.t) || !row.monitored {
+        let follows = self.cycle.is_some_and(|cycle| cycle + 1 == row.cycle) && self.is_whole();
+        let is_after_pause = self.lull.ends(row.t);
+        if is_after_pause {
+            self.blocks.pause();
+        }
+        if is_after_pause || !row.monitored {
             self.open = 0;
         }
-        if !is_next || self.open == 0 {
+        if !follows || self.open == 0 {
             self.oil.reset();
         }
-        self.open = if row.monitored { self.open.saturating_add(1) } else { 0 };
-        self.cycle = row.cycle;
+        self.open = self.open.saturating_add(row.monitored.into());
+        (self.cycle, self.read) = (Some(row.cycle), 0);
     }
 }
 
 impl Surveyor for SupplyRows {
     fn row(&mut self, row: &Row) {
-        if self.read == 0 || row.cycle != self.cycle {
-            self.close(row.t);
+        if self.cycle != Some(row.cycle) {
             self.begin(row);
         }
         let index = usize::from(row.cylinder) - 1;
@@ -140,14 +139,16 @@ impl Surveyor for SupplyRows {
             (self.sample.lengths[index], self.sample.pressure) = (length, pressure);
             self.read |= 1 << index;
         }
-        if self.is_whole() {
-            self.close(row.t);
+        if !self.is_whole() || self.open < self.opening {
+            return;
+        }
+        if let Some(block) = self.oil.step(Some(&self.sample)) {
+            self.blocks.push(Told { t: row.t, block });
         }
     }
 
     fn gap(&mut self, _: u8) {
         self.read = 0;
-        self.oil.reset();
     }
 }
 
@@ -163,7 +164,7 @@ fn ends(blocks: &[Told]) -> Option<[f64; 2]> {
 
 /// Least squares of the pressure's rise; `None` where the recording does not determine it, or has no pump that gives more
 /// to a lower pressure.
-fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyDesign> {
+fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyRelation> {
     const TERMS: usize = PIECES + 3;
     let taught = ends(blocks)?;
     let sum: f64 = blocks.iter().map(|told| told.block.pressure()).sum();
@@ -191,25 +192,27 @@ fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyDesign> {
         }
     }
     let solved = normal.cholesky()?.solve(&right);
-    let design = SupplyDesign {
+    let relation = SupplyRelation {
         reference,
         taught,
         pump: solved.iter().take(PIECES + 1).copied().collect(),
         taken: [solved[PIECES + 1], solved[PIECES + 2]],
         deviation: 1.0,
-        dependence: Default::default(),
-        level: 0.0,
-        sample_time: 0.0,
-        clear: 0,
+        dependence: [[1.0; WIDTHS.len()]; 2],
     };
     let is_a_pump =
-        design.pump.first() > design.pump.last() && design.taken.iter().all(|it| *it < 0.0);
-    (is_a_pump && solved.iter().all(|it| it.is_finite())).then_some(design)
+        relation.pump.first() > relation.pump.last() && relation.taken.iter().all(|it| *it < 0.0);
+    (is_a_pump && solved.iter().all(|it| it.is_finite())).then_some(relation)
 }
 
-/// Tries the detector on its own lesson.
-fn verify(left: &[Left], design: &SupplyDesign, seconds: f64) -> Result<(), ProcessRefusal> {
-    let mut shortfall = Shortfall::new(design, seconds);
+/// Tries the detector on its own lesson, at its `level`, nats.
+fn verify(
+    left: &[Left],
+    relation: &SupplyRelation,
+    seconds: f64,
+    level: f64,
+) -> Result<(), ProcessRefusal> {
+    let mut shortfall = Shortfall::new(relation, seconds);
     let (mut nats, mut at) = (0.0, 0.0);
     for one in left {
         if !one.follows {
@@ -221,6 +224,9 @@ fn verify(left: &[Left], design: &SupplyDesign, seconds: f64) -> Result<(), Proc
             (nats, at) = (peak, one.t);
         }
     }
-    let most = ProcessParameters::DEFAULT.doubtful * level(design.level, design.sample_time);
-    if nats < most { Ok(()) } else { Err(ProcessRefusal::Contradicted { at, nats }) }
+    if nats < ProcessParameters::DEFAULT.doubtful * level {
+        Ok(())
+    } else {
+        Err(ProcessRefusal::Contradicted { at, nats })
+    }
 }

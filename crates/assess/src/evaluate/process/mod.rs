@@ -176,10 +176,6 @@ impl ProcessStudy {
 
 /// Whether every cylinder has learnt every relation: figures of the others would be of nothing.
 fn is_complete(design: &MonitorDesign) -> Result<(), StandError> {
-    if design.supply.is_none() {
-        let why = "process detectors: nothing was learnt by the supply".to_owned();
-        return Err(StandError::Untaught(why));
-    }
     for (number, cylinder) in (1..).zip(&design.cylinders) {
         let process = cylinder.process.as_ref();
         let learnt = [
@@ -187,6 +183,7 @@ fn is_complete(design: &MonitorDesign) -> Result<(), StandError> {
             ("chambers", process.is_some_and(|it| it.chambers.is_some())),
             ("flow", process.is_some_and(|it| it.flow.is_some())),
             ("friction", process.is_some_and(|it| it.friction.is_some())),
+            ("supply", process.is_some_and(|it| it.supply)),
         ];
         if let Some((name, _)) = learnt.into_iter().find(|(_, is_known)| !is_known) {
             let why =
@@ -206,25 +203,11 @@ mod tests {
     #[test]
     fn a_cylinder_that_lacks_a_relation_is_not_evaluated_but_told() {
         let config = include_str!("../../../../../config/e-type.toml");
-        let (mut settings, _) = tertius_config::parse("e-type.toml", config).expect("it is sound");
+        let (settings, _) = tertius_config::parse("e-type.toml", config).expect("it is sound");
         let dbc = text::from_bytes(include_bytes!("../../../../../dbc/e-type.dbc"));
         let database = Database::parse(&dbc).expect("it is sound");
         let design = design::judging(&settings, &database).expect("they fit");
-        let told =
-            |design: &MonitorDesign| is_complete(design).expect_err("it lacks one").to_string();
-        assert!(told(&design).contains("nothing was learnt by the supply"), "{}", told(&design));
-        let table = tertius_config::settings::SupplyTable {
-            sample_time: 0.02,
-            reference: 230.0,
-            taught: [220.0, 238.0],
-            pump: vec![16.0, 1.6],
-            taken: [-7.5, -3.5],
-            deviation: 0.15,
-            mean_dependence: [1.0; 20],
-        };
-        settings.process.supply = Some(table);
-        let design = design::judging(&settings, &database).expect("they fit");
-        let error = told(&design);
+        let error = is_complete(&design).expect_err("it has no process detectors").to_string();
         assert!(error.contains("cylinder 1 has learnt nothing by the spool"), "{error}");
     }
 }

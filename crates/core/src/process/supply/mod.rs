@@ -25,7 +25,7 @@ pub use oil::{Oil, OilBlock, OilSample};
 
 /// What is known of a supply.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SupplyDesign {
+pub struct SupplyRelation {
     /// P, bar.
     pub reference: f64,
     /// Least and largest pressure that were taught, bar, at which the outermost knots of `pump` stand; the others stand
@@ -39,6 +39,12 @@ pub struct SupplyDesign {
     pub deviation: f64,
     /// Numbers of dependent samples of mean and spread, see [`Weighing`].
     pub dependence: [[f64; WIDTHS.len()]; 2],
+}
+
+/// What the watch of a supply is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SupplyDesign {
+    pub relation: SupplyRelation,
     /// h of a relation with a sample in each cycle, nats.
     pub level: f64,
     /// s.
@@ -70,7 +76,7 @@ impl OilBlock {
     }
 }
 
-impl SupplyDesign {
+impl SupplyRelation {
     /// q, bar/s. Below the pressures that were taught a pump gives no less than at the least of them; above them it goes on
     /// as before.
     pub fn pumped(&self, pressure: f64) -> f64 {
@@ -81,17 +87,21 @@ impl SupplyDesign {
 
     /// What a block leaves, bar: below 0 the pressure falls short.
     pub fn residual(&self, block: &OilBlock, seconds: f64) -> f64 {
-        let taken: f64 = self.taken.iter().zip(block.ways).map(|(of, way)| of * way).sum();
-        block.rise(self.reference) - seconds * self.pumped(block.pressure()) - taken
+        block.rise(self.reference) - seconds * self.pumped(block.pressure()) - self.taken(block)
     }
 
-    /// The pressure to which a sound pump brings `pressure`, bar, over a block.
-    fn next(&self, pressure: f64, block: &OilBlock, seconds: f64) -> f64 {
-        let taken: f64 = self.taken.iter().zip(block.ways).map(|(of, way)| of * way).sum();
+    /// c₁ w₁ + c₂ w₂, bar.
+    fn taken(&self, block: &OilBlock) -> f64 {
+        self.taken.iter().zip(block.ways).map(|(of, way)| of * way).sum()
+    }
+
+    /// The pressure to which a sound pump brings `pressure`, bar, over a block; `None` if there is none.
+    fn next(&self, pressure: f64, block: &OilBlock, seconds: f64) -> Option<f64> {
         // As if with the slope of q at its end, so that no pump is too stiff for the blocks.
         let damped = 1.0 + seconds * self.stiffness().max(0.0);
-        let rise = (seconds * self.pumped(pressure) + taken) / damped;
-        1.0 / (1.0 / pressure - rise / (self.reference * self.reference))
+        let rise = (seconds * self.pumped(pressure) + self.taken(block)) / damped;
+        let next = 1.0 / (1.0 / pressure - rise / (self.reference * self.reference));
+        (next > 0.0 && next.is_finite()).then_some(next)
     }
 
     /// How much more the pump gives a bar lower, 1/s: its mean over what was taught.
@@ -118,10 +128,10 @@ state! {
 
 impl Shortfall {
     /// Of blocks of so many `seconds`.
-    pub fn new(design: &SupplyDesign, seconds: f64) -> Self {
+    pub fn new(relation: &SupplyRelation, seconds: f64) -> Self {
         let band = ProcessParameters::DEFAULT.supply_band * seconds;
-        let weighing = Weighing::new(band, design.dependence, seconds);
-        let variance = design.deviation * design.deviation;
+        let weighing = Weighing::new(band, relation.dependence, seconds);
+        let variance = relation.deviation * relation.deviation;
         Self { windows: EvidenceWindows::default(), weighing, variance }
     }
 
@@ -216,7 +226,7 @@ impl SupplyWatch {
             opening: time::cycles(by.opening, design.sample_time),
             longest: time::cycles(by.windows[1], seconds) as usize,
             blocks: time::cycles(by.supply_look, seconds),
-            shortfall: Shortfall::new(&design, seconds),
+            shortfall: Shortfall::new(&design.relation, seconds),
             oil,
             open: 0,
             expected: None,
@@ -237,7 +247,7 @@ impl SupplyWatch {
     pub fn lose(&mut self) {
         self.oil.reset();
         self.shortfall.clear();
-        self.expected = None;
+        (self.expected, self.size) = (None, Size::default());
     }
 
     pub const fn alarm(&self) -> Option<&ProcessAlarm> {
@@ -274,7 +284,7 @@ impl SupplyWatch {
 
     #[inline(never)]
     fn judge(&mut self, block: &OilBlock, at: Timestamp) {
-        self.shortfall.push(self.design.residual(block, self.seconds));
+        self.shortfall.push(self.design.relation.residual(block, self.seconds));
         // What is long over ends no alarm later than a fault of anything else.
         let peak = match self.alarm {
             None => self.shortfall.peak(),
@@ -312,9 +322,8 @@ impl SupplyWatch {
     /// The pressure that a sound pump would have brought about since the platform came into a monitored state, bar.
     fn follow(&mut self, block: &OilBlock) -> f64 {
         let [from, _] = block.pressures;
-        let expected = self.expected.map_or(from, |it| self.design.next(it, block, self.seconds));
-        self.expected = Some(expected);
-        expected
+        let next = self.expected.and_then(|it| self.design.relation.next(it, block, self.seconds));
+        *self.expected.insert(next.unwrap_or(from))
     }
 
     fn raised(&self, peak: Peak, at: Timestamp) -> ProcessAlarm {

@@ -7,19 +7,21 @@ const SAMPLE_TIME: f64 = 0.02;
 const STIFFNESS: f64 = 0.8;
 const TAKEN: [f64; 2] = [-7.5, -3.5];
 
-fn design() -> SupplyDesign {
+fn relation() -> SupplyRelation {
     let q = |pressure: f64| STIFFNESS * (240.0 - pressure);
-    SupplyDesign {
+    SupplyRelation {
         reference: 230.0,
         taught: [220.0, 238.0],
         pump: [220.0, 226.0, 232.0, 238.0].map(q).to_vec(),
         taken: TAKEN,
         deviation: 0.15,
         dependence: [[1.0; WIDTHS.len()]; 2],
-        level: 26.0,
-        sample_time: SAMPLE_TIME,
-        clear: 50,
     }
+}
+
+fn watch() -> SupplyWatch {
+    let (relation, sample_time) = (relation(), SAMPLE_TIME);
+    SupplyWatch::new(SupplyDesign { relation, level: 26.0, sample_time, clear: 50 })
 }
 
 /// An accumulator with a pump that gives up to `most` bar/s towards its set point, and one rod that swings by `swing` m.
@@ -63,7 +65,7 @@ fn raised(watch: &mut SupplyWatch, plant: &mut Plant, most: u32) -> Option<u32> 
 
 /// A watch that has seen this plant in health, for a minute.
 fn warm(plant: &mut Plant) -> SupplyWatch {
-    let mut watch = SupplyWatch::new(design());
+    let mut watch = watch();
     assert_eq!(raised(&mut watch, plant, 3000), None);
     watch
 }
@@ -94,7 +96,7 @@ fn a_pump_that_gives_less_pressure_is_found_with_its_size_and_ends_with_it() {
 fn what_the_rods_take_is_no_fault_and_a_pump_that_gives_more_is_none() {
     let mut plant = Plant::new(4.0);
     plant.most = 16.0;
-    let mut watch = SupplyWatch::new(design());
+    let mut watch = watch();
     let mut lowest = f64::INFINITY;
     for _ in 0..10_000 {
         let sample = plant.sample();
@@ -112,7 +114,7 @@ fn what_the_rods_take_is_no_fault_and_a_pump_that_gives_more_is_none() {
 #[test]
 fn nothing_is_judged_before_its_time_and_over_a_gap() {
     let mut plant = Plant::new(1.0);
-    let mut watch = SupplyWatch::new(design());
+    let mut watch = watch();
     let judged = |watch: &mut SupplyWatch, plant: &mut Plant, monitored, cycles: u32| {
         let count = (0..cycles).filter(|_| {
             watch.step(Some(&plant.sample()), monitored, Timestamp::default());
@@ -132,11 +134,11 @@ fn nothing_is_judged_before_its_time_and_over_a_gap() {
 
 #[test]
 fn a_pump_gives_no_less_below_what_was_taught_and_goes_on_above() {
-    let design = design();
+    let relation = relation();
     for (pressure, expected) in
         [(238.0, 1.6), (229.0, 8.8), (220.0, 16.0), (200.0, 16.0), (241.0, -0.8)]
     {
-        let pumped = design.pumped(pressure);
+        let pumped = relation.pumped(pressure);
         assert!((pumped - expected).abs() < 1e-9, "{pressure} bar: {pumped} bar/s");
     }
 }
