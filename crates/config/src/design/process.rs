@@ -114,6 +114,7 @@ impl Connector<'_> {
             leakage: fitted.leakage,
             compression: fitted.compression,
             area_ratio: self.settings.machine.area_ratio,
+            supplies: fitted.supplies.unwrap_or(ANY_SUPPLY),
             scatter: [&fitted.scatter_c1, &fitted.scatter_c2].map(symmetric),
         };
         let is_sound = design.slope() > 0.0 && FlowWeighing::new(&design).is_some();
@@ -171,10 +172,14 @@ fn spool(fitted: &SpoolTable) -> SpoolDesign {
     }
 }
 
+/// P_S where a table does not say what was taught, bar.
+const ANY_SUPPLY: [f64; 2] = [0.0, f64::INFINITY];
+
 fn chambers(fitted: &ChambersTable) -> ChambersDesign {
     let [_, least] = ProcessParameters::DEFAULT.least_deviations;
     ChambersDesign {
         coefficients: fitted.coefficients,
+        supplies: fitted.supplies.unwrap_or(ANY_SUPPLY),
         deviation: fitted.deviation.max(least),
         growth: fitted.growth,
         dependence: [fitted.mean_dependence, fitted.square_dependence],

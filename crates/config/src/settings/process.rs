@@ -92,6 +92,8 @@ table! {
     pub struct ChambersTable = CHAMBERS {
         coefficients: [f64; TERMS] => fitted(TERMS, TERMS),
             "[0.0, 1.0, 0.02, 0.0]", "what each of them counts, bar, bar/bar, bar/bar, bar per unit of the spool";
+        supplies: Option<[f64; 2]> = None => numbers(2, Limits::least(0.0, FITTED)),
+            "[220.0, 238.0]", "the least and the largest P_S that were taught, bar; absent: any";
         deviation: f64 => number(Limits::above(0.0, FITTED)),
             "0.5", "the standard deviation of the sum beside it, bar";
         growth: f64 = 0.0 => number(Limits::least(0.0, FITTED)),
@@ -121,6 +123,8 @@ table! {
             "-0.00014", "c₁, m/s per bar";
         compression: f64 => number(Limits::finite(FITTED)),
             "-0.00014", "c₂, m per bar";
+        supplies: Option<[f64; 2]> = None => numbers(2, Limits::least(0.0, FITTED)),
+            "[220.0, 238.0]", "the least and the largest P_S that were taught, bar; absent: any";
         scatter_c1: [f64; HALF] => fitted(HALF, HALF),
             "[1e-9, 0, 0, 0, 0, 0, 1e-9, 0, 0, 0, 0, 1e-9, 0, 0, 0, 1e-9, 0, 0, 1e-9, 0, 1e-9]",
             "the scatter of what is left by C1 along each two directions of a fault: the upper half, row by row";

@@ -5,7 +5,7 @@ mod standing;
 use super::alarm::{Malfunction, ProcessAlarm};
 use super::chambers::ChambersDesign;
 use super::evidence::{EvidenceWindows, Weighing};
-use super::flow::{self, FlowDesign, FlowSample, FlowWatch};
+use super::flow::{self, FlowDesign, FlowWatch};
 use super::friction::{FrictionDesign, FrictionWatch};
 use super::input::{OilReading, ProcessInput};
 use super::parameters::ProcessParameters;
@@ -181,7 +181,7 @@ impl Process {
             return None;
         }
         if input.held {
-            return self.step_held(input.passage(input.load(self.area_ratio)), input.asked);
+            return self.step_held(input);
         }
         match stand {
             Some(stand) => {
@@ -218,11 +218,12 @@ impl Process {
     /// Takes a cycle in which a transducer is under suspicion. Of a cylinder that has a fault of its own the oil tells
     /// nothing.
     #[cold]
-    fn step_held(&mut self, sample: Option<FlowSample>, is_asked: bool) -> Option<f64> {
+    fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
         self.forget_cycles();
         self.forget_friction();
-        let is_asked = is_asked && self.alarms[..SUPPLY] == [None; SUPPLY];
-        self.flow.as_mut()?.step_held(sample, is_asked)
+        let sample = input.passage(input.load(self.area_ratio));
+        let is_asked = input.asked && self.alarms[..SUPPLY] == [None; SUPPLY];
+        self.flow.as_mut()?.step_held(sample, is_asked, input.is_gain)
     }
 
     /// Takes a cycle of oil and rod; pressures that do not add up prove nothing of either.

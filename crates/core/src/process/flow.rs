@@ -38,6 +38,8 @@ pub struct FlowDesign {
     pub compression: f64,
     /// α of (3-5).
     pub area_ratio: f64,
+    /// Least and largest P_S that were taught, bar.
+    pub supplies: [f64; 2],
     /// Ω for C1 and for C2: the long-run covariance of a block's residual times its directions.
     pub scatter: [[[f64; DIRECTIONS]; DIRECTIONS]; 2],
 }
@@ -89,6 +91,12 @@ impl FlowDesign {
         };
         let piece = |i: usize| enough(Some(i)) && enough(i.checked_sub(1)) && enough(Some(i + 1));
         (0..samples.len()).map(piece).collect()
+    }
+
+    /// Whether f was taught at about this P_S, bar.
+    pub fn knows(&self, supply: f64) -> bool {
+        let ([lowest, highest], beyond) = (self.supplies, ProcessParameters::DEFAULT.flow_untaught);
+        supply >= lowest * (1.0 - beyond) && supply <= highest * (1.0 + beyond)
     }
 
     /// Mean slope of f, m/s per unit of the spool's position.
@@ -253,6 +261,7 @@ mod tests {
             leakage: -1e-4,
             compression: -2e-4,
             area_ratio: 0.5,
+            supplies: [200.0, 240.0],
             scatter: [[[0.0; DIRECTIONS]; DIRECTIONS]; 2],
         }
     }

@@ -27,6 +27,8 @@ pub struct ProcessInput {
     pub held: bool,
     /// Whether it is asked whose reading has moved.
     pub asked: bool,
+    /// Whether it looks like a gain that is off.
+    pub is_gain: bool,
     pub at: Timestamp,
 }
 

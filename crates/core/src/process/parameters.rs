@@ -20,6 +20,9 @@ pub struct ProcessParameters {
     pub spool_band: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
     pub chambers_band: f64,
+    /// What it may be off for each bar that P_S is beyond what was taught, bar/bar: a supply that fails is no fault of
+    /// the sensors in chambers.
+    pub chambers_untaught: f64,
     /// Least standard deviations that a calibration is believed, of the spool as a part of its largest position, and
     /// of the chambers' sum, bar: below it is not noise that sets the limit, but the relation's own form.
     pub least_deviations: [f64; 2],
@@ -41,6 +44,8 @@ pub struct ProcessParameters {
     pub many: f64,
     /// Least number of samples with which the spool's positions between two knots of f are taught.
     pub flow_samples: u64,
+    /// Part of P_S by which it may be beyond what was taught where f is believed of a gain.
+    pub flow_untaught: f64,
     /// Time of a block of rod and oil, s.
     pub flow_block: f64,
     /// Time of an alarm by the flow after which its kind is sought, each time anew, s, and until it is sought, s.
@@ -85,6 +90,7 @@ impl ProcessParameters {
         farthest: 6.0,
         spool_band: 3e-3,
         chambers_band: 1.0,
+        chambers_untaught: 0.05,
         least_deviations: [1.2e-3, 0.15],
         doubtful: 0.6,
         spread_band: 2.0,
@@ -95,6 +101,7 @@ impl ProcessParameters {
         company: 0.1,
         many: 0.6,
         flow_samples: 400,
+        flow_untaught: 0.1,
         flow_block: 0.2,
         flow_looks: [10.0, 50.0],
         flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],

@@ -1,5 +1,6 @@
 //! What the pressures of both chambers add up to.
 
+use super::pieces::ends;
 use super::rows::ProcessRow;
 use super::scatter::{self, Left, Scatter};
 use super::{LEAST_TIME, ProcessRefusal, enough};
@@ -22,7 +23,9 @@ pub(super) fn learn(
     enough(known.len(), sample_time, LEAST_TIME)?;
     let coefficients = fit(&known).ok_or(ProcessRefusal::Undetermined)?;
     let (deviation, growth, dependence) = (1.0, 0.0, [[1.0; WIDTHS.len()]; 2]);
-    let design = ChambersDesign { coefficients, deviation, growth, dependence };
+    let supplies = known.iter().filter_map(|row| row.pressures.map(|[.., supply]| supply.into()));
+    let supplies = ends(supplies.collect()).ok_or(ProcessRefusal::Undetermined)?;
+    let design = ChambersDesign { coefficients, supplies, deviation, growth, dependence };
     let left = |row: &&ProcessRow| {
         let ([bottom, rod, supply], spool) = values(row)?;
         let residual = design.residual([bottom, rod], supply, spool)?;
@@ -34,7 +37,15 @@ pub(super) fn learn(
     let (least, band) = (by.least_deviations[1], by.chambers_band);
     let Scatter { parts: [deviation, growth], dependence: [mean_dependence, square_dependence] } =
         scatter::measure(&left, least, band, sample_time, level)?;
-    Ok(ChambersTable { coefficients, deviation, growth, mean_dependence, square_dependence })
+    let supplies = Some(supplies);
+    Ok(ChambersTable {
+        coefficients,
+        supplies,
+        deviation,
+        growth,
+        mean_dependence,
+        square_dependence,
+    })
 }
 
 /// P_bot, P_rod and P_S, bar, and the spool's position.

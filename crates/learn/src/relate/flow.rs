@@ -44,6 +44,8 @@ pub(super) fn learn(
     let (mut design, samples) = lesson.best(LEAST_TIME)?;
     let limit = design.limit;
     design.taught = FlowDesign::taught(&samples);
+    let supplies = (0..rows.len()).filter_map(|index| Some(lesson.sample(index)?.supply));
+    design.supplies = pieces::ends(supplies.collect()).ok_or(ProcessRefusal::Undetermined)?;
     let blocks = lesson.blocks(&design);
     design.scatter = [0, 1].map(|of| scatter(&blocks, of));
     lesson.verify(&blocks, &design, level)?;
@@ -54,6 +56,7 @@ pub(super) fn learn(
         between: design.between,
         leakage: design.leakage,
         compression: design.compression,
+        supplies: Some(design.supplies),
         scatter_c1: half(&design.scatter[0]),
         scatter_c2: half(&design.scatter[1]),
     })
@@ -131,6 +134,7 @@ impl Lesson<'_> {
             leakage: values[PIECES + 1],
             compression: values[PIECES + 2],
             area_ratio: self.area_ratio,
+            supplies: [0.0, f64::INFINITY],
             scatter: [[[0.0; DIRECTIONS]; DIRECTIONS]; 2],
         };
         values.iter().all(|it| it.is_finite()).then_some((left, design))

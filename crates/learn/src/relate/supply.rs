@@ -1,6 +1,7 @@
 //! What the supply's pressure does by what all rods take.
 
 use super::kept::{Consecutive, Pieces};
+use super::pieces::ends;
 use super::scatter::{self, Left};
 use super::{LEAST_TIME, ProcessRefusal};
 use crate::survey::{Lull, Ranking, Row, Surveyor};
@@ -17,9 +18,6 @@ const PIECES: usize = 8;
 
 /// What keeps neighbouring pieces of q of the same slope, as a part of what a block of every knot teaches.
 const SMOOTH: f64 = 1e-3;
-
-/// Part of the blocks beyond the outermost knots of q, on either side.
-const BEYOND: f64 = 1e-3;
 
 /// Blocks that are kept: three hours, as of the rows of cylinders; and those of a piece, a minute.
 const MOST: usize = 54_000;
@@ -152,21 +150,15 @@ impl Surveyor for SupplyRows {
     }
 }
 
-/// The pressures at the outermost knots, bar; `None` where it hardly moves.
-fn ends(blocks: &[Told]) -> Option<[f64; 2]> {
-    let mut pressures: Vec<f64> = blocks.iter().map(|told| told.block.pressure()).collect();
-    pressures.sort_unstable_by(f64::total_cmp);
-    let last = pressures.len().checked_sub(1)?;
-    let beyond = (BEYOND * last as f64) as usize;
-    let [lowest, highest] = [pressures[beyond], pressures[last - beyond]];
-    (highest - lowest > ProcessParameters::DEFAULT.supply_band).then_some([lowest, highest])
-}
-
 /// Least squares of the pressure's rise; `None` where the recording does not determine it, or has no pump that gives more
 /// to a lower pressure.
 fn fit(blocks: &[Told], seconds: f64) -> Option<SupplyRelation> {
     const TERMS: usize = PIECES + 3;
-    let taught = ends(blocks)?;
+    let [lowest, highest] = ends(blocks.iter().map(|told| told.block.pressure()).collect())?;
+    let taught = [lowest, highest];
+    if highest - lowest <= ProcessParameters::DEFAULT.supply_band {
+        return None;
+    }
     let sum: f64 = blocks.iter().map(|told| told.block.pressure()).sum();
     let reference = sum / blocks.len() as f64;
     let (mut normal, mut right) = (DMatrix::zeros(TERMS, TERMS), DVector::zeros(TERMS));

@@ -67,9 +67,16 @@ fn of_spool(table: &SpoolTable) -> String {
 }
 
 fn of_chambers(table: &ChambersTable) -> String {
-    let ChambersTable { coefficients, deviation, growth, mean_dependence, square_dependence } =
-        table;
+    let ChambersTable {
+        coefficients,
+        supplies,
+        deviation,
+        growth,
+        mean_dependence,
+        square_dependence,
+    } = table;
     let mut text = "\n[cylinder.process.chambers]\n".to_owned();
+    text.push_str(&of_supplies(supplies.as_ref()));
     _ = write!(
         text,
         "coefficients = {}\ndeviation = {deviation:e}\ngrowth = {growth:e}\nmean_dependence = {}\nsquare_dependence = {}\n",
@@ -81,18 +88,32 @@ fn of_chambers(table: &ChambersTable) -> String {
 }
 
 fn of_flow(table: &FlowTable) -> String {
-    let FlowTable { limit, curve, samples, between, leakage, compression, scatter_c1, scatter_c2 } =
-        table;
+    let FlowTable {
+        limit,
+        curve,
+        samples,
+        between,
+        leakage,
+        compression,
+        supplies,
+        scatter_c1,
+        scatter_c2,
+    } = table;
     let mut text = "\n[cylinder.process.flow]\n".to_owned();
     _ = write!(
         text,
         "limit = {limit:?}\ncurve = {}\nsamples = {samples:?}\nbetween = {between:?}\nleakage = {leakage:e}\n\
-         compression = {compression:e}\nscatter_c1 = {}\nscatter_c2 = {}\n",
+         compression = {compression:e}\n{}scatter_c1 = {}\nscatter_c2 = {}\n",
         six(curve),
+        of_supplies(supplies.as_ref()),
         six(scatter_c1),
         six(scatter_c2),
     );
     text
+}
+
+fn of_supplies(supplies: Option<&[f64; 2]>) -> String {
+    supplies.map_or_else(String::new, |it| format!("supplies = {}\n", six(it)))
 }
 
 fn of_friction(table: &FrictionTable) -> String {

@@ -110,6 +110,7 @@ impl Cylinder {
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
         let (held, asked) = self.doubts();
+        let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
         let Some(process) = &mut self.process else { return };
         let monitored = now.gate == Opening::Open;
         let [bottom, rod, load] = self.inputs.pressures();
@@ -126,6 +127,7 @@ impl Cylinder {
             apart: self.sequential.as_deref().and_then(Sequential::residual),
             held,
             asked,
+            is_gain,
             at: now.opened,
         });
         if let (Some(nats), Some(sequential)) = (side, &mut self.sequential) {

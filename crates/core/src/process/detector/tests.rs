@@ -15,6 +15,7 @@ fn process() -> Process {
         leakage: 0.0,
         compression: 0.0,
         area_ratio: 0.5,
+        supplies: [200.0, 220.0],
         scatter: [scatter; 2],
     };
     Process::new(ProcessDesign {
@@ -31,13 +32,15 @@ fn process() -> Process {
 }
 
 /// What is said of a rod that moves as its oil does, the readings of which drift from the second minute on by `drifts`,
-/// m/s. A second later somebody is suspected, and the oil `asked`.
-fn said(drifts: [f64; 2], asked: bool) -> Option<f64> {
+/// m/s, in the form of a gain or not, the supply's pressure being so high from then on, bar. A second later somebody is
+/// suspected, and the oil `asked`.
+fn said_at(drifts: [f64; 2], asked: bool, is_gain: bool, pressure: f64) -> Option<f64> {
     let (mut process, mut length, mut last, mut newest) = (process(), 0.0, 0.0, None);
     for k in 0..80 * 50 {
         let time = SAMPLE_TIME * f64::from(k);
         let spool = 20.0 * libm::sin(0.05 * f64::from(k));
-        length += SAMPLE_TIME * 0.5 * (last + spool) / 100.0;
+        let root = if time < 60.0 { 1.0 } else { libm::sqrt(pressure / 210.0) };
+        length += SAMPLE_TIME * root * 0.5 * (last + spool) / 100.0;
         last = spool;
         let [c1, c2] = drifts.map(|drift| length + drift * (time - 60.0).max(0.0));
         let held = time > 61.0;
@@ -46,12 +49,13 @@ fn said(drifts: [f64; 2], asked: bool) -> Option<f64> {
             spool: Some(spool),
             chambers: [None; 2],
             load: Some(0.0),
-            supply: Some(210.0),
+            supply: Some(if time < 60.0 { 210.0 } else { pressure }),
             lengths: [Some(c1), Some(c2)],
             apart: Some(c1 - c2),
             monitored: true,
             held,
             asked: held && asked,
+            is_gain,
             at: Timestamp::default(),
         });
         assert!(held || said.is_none(), "nobody has asked");
@@ -59,6 +63,23 @@ fn said(drifts: [f64; 2], asked: bool) -> Option<f64> {
         assert_eq!(process.alarm(), None);
     }
     newest
+}
+
+fn said(drifts: [f64; 2], asked: bool) -> Option<f64> {
+    said_at(drifts, asked, false, 210.0)
+}
+
+/// There a curve that is off looks like a gain, but not like a drift.
+#[test]
+fn at_a_supply_that_was_not_taught_the_oil_tells_nothing_of_a_gain() {
+    let of = |is_gain, pressure| said_at([2e-3, 0.0], true, is_gain, pressure);
+    for pressure in [181.0, 210.0, 241.0] {
+        assert!(of(true, pressure).is_some_and(|nats| nats > 8.0), "{pressure}");
+    }
+    for pressure in [179.0, 243.0] {
+        assert_eq!(of(true, pressure), None, "{pressure}");
+        assert!(of(false, pressure).is_some_and(|nats| nats > 8.0), "{pressure}");
+    }
 }
 
 #[test]
@@ -110,6 +131,7 @@ fn swing(k: u32, more: f64, held: bool) -> ProcessInput {
         monitored: true,
         held,
         asked: false,
+        is_gain: false,
         at: Timestamp::default(),
     }
 }

@@ -293,6 +293,7 @@ mod tests {
             leakage: 0.0,
             compression: 0.0,
             area_ratio: 0.5,
+            supplies: [0.0, f64::INFINITY],
             scatter: [scatter; 2],
         };
         FlowWeighing::new(&design).expect("it is a covariance")

@@ -70,14 +70,22 @@ impl FlowWatch {
 
     /// Takes a cycle in which a transducer is under suspicion, which proves nothing of the hydraulics. If it `is_asked`
     /// whose reading has moved, returns the evidence of it; see [`FlowSide::weigh`]. Until then what cannot be read ends
-    /// what is remembered.
-    pub fn step_held(&mut self, sample: Option<FlowSample>, is_asked: bool) -> Option<f64> {
+    /// what is remembered. At a P_S far from what was taught f may be off by as much as a gain is, so that there it says
+    /// nothing `of_gain`.
+    pub fn step_held(
+        &mut self,
+        sample: Option<FlowSample>,
+        is_asked: bool,
+        of_gain: bool,
+    ) -> Option<f64> {
         self.was_held = true;
         self.windows.clear();
-        if sample.is_none() && !is_asked {
+        let knows = |sample: &FlowSample| !of_gain || self.flow.design().knows(sample.supply);
+        let known = sample.filter(knows);
+        if known.is_none() && (sample.is_some() || !is_asked) {
             self.side.rest();
         }
-        let block = self.flow.step(sample)?;
+        let block = self.flow.step(known)?;
         self.side.weigh(&block, is_asked)
     }
 

@@ -190,6 +190,11 @@ impl Sequential {
             .is_some_and(|it| it.fault != Fault::Noise && !it.of_timing && it.cause != Cause::Dwell)
     }
 
+    /// Whether an alarm stands that looks like a gain that is off.
+    pub fn is_gain(&self) -> bool {
+        self.alarm.is_some_and(|it| it.scale.is_some())
+    }
+
     /// Takes the evidence of whose reading has moved that something beside the readings and the command gives, nats,
     /// where these alone have not told.
     pub fn take_evidence(&mut self, by: Testimony, nats: f64) {
