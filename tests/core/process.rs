@@ -1,5 +1,6 @@
 //! Process detectors, taught by one recording of a simulated machine with imperfect hydraulics, on others of it.
 
+use crate::sequential_support::setup;
 use std::sync::LazyLock;
 use tertius::alarm::{Detector, State, Warning};
 use tertius::config;
@@ -49,8 +50,13 @@ fn simulator(
 }
 
 impl Taught {
-    /// By `seconds` of a recording with these faults.
+    /// By `seconds` of a recording with these faults, in the plant's own sea.
     fn by(faults: &[&str], seconds: f64) -> Self {
+        Self::in_a_sea(None, faults, seconds)
+    }
+
+    /// The same in a sea of a significant height in m and a peak period in s.
+    fn in_a_sea(sea: Option<[f64; 2]>, faults: &[&str], seconds: f64) -> Self {
         let loaded = config::load(&top().join("config/e-type-simulated.toml")).expect("it ships");
         let database = Database::parse(&text::from_bytes(&loaded.dbc_text)).expect("it ships");
         let plant = std::fs::read_to_string(top().join("config/e-type-hydraulic-plant.toml"));
@@ -60,7 +66,10 @@ impl Taught {
         let mut rows = (ProcessRows::new(&settings), SupplyRows::new(&settings));
         let (mut monitor, mut survey) =
             (Monitor::new(surveying), Survey::new(EPOCH, Window::ALL, &mut rows));
-        let mut simulator = simulator(&tables, &settings, &database, 7, faults);
+        let mut lesson = tables.clone();
+        [lesson.sea.height, lesson.sea.period] =
+            sea.unwrap_or([tables.sea.height, tables.sea.period]);
+        let mut simulator = simulator(&lesson, &settings, &database, 7, faults);
         for _ in 0..(seconds / 0.02) as u64 {
             simulator.step(&mut |frame: &Frame| monitor.take(frame, &mut survey));
         }
@@ -83,8 +92,19 @@ impl Taught {
 
     /// Warnings of `seconds` of another recording with these faults.
     fn warnings(&self, seed: u64, faults: &[&str], seconds: f64) -> Vec<Warning> {
+        self.by_design(self.design.clone(), seed, faults, seconds)
+    }
+
+    /// The same by another monitor.
+    fn by_design(
+        &self,
+        design: MonitorDesign,
+        seed: u64,
+        faults: &[&str],
+        seconds: f64,
+    ) -> Vec<Warning> {
         let mut simulator = simulator(&self.tables, &self.settings, &self.database, seed, faults);
-        let (mut monitor, mut warnings) = (Monitor::new(self.design.clone()), Vec::new());
+        let (mut monitor, mut warnings) = (Monitor::new(design), Vec::new());
         for _ in 0..(seconds / 0.02) as u64 {
             simulator.step(&mut |frame| monitor.take(frame, &mut warnings));
         }
@@ -168,12 +188,40 @@ fn pressures_that_are_off_everywhere_are_the_supply_s() {
     assert!(of_process(&four).iter().all(|it| it.finding.fault == Kind::PressureSensor));
 }
 
+/// The controller follows a C1 that drifts until the end of the rod's way holds it. C2, which stands there as the rod does,
+/// has only C1 against it, and C1 is known to lie.
+#[test]
+fn a_rod_that_a_drifting_c1_has_driven_to_its_end_is_no_frozen_c2() {
+    let mut settings = setup().settings.clone();
+    settings.process.supply.clone_from(&TAUGHT.settings.process.supply);
+    for own in &mut settings.cylinder {
+        let taught = TAUGHT.settings.cylinder.iter().find(|it| it.n == own.n);
+        own.process = taught.and_then(|it| it.process.clone());
+    }
+    let design = design::judging(&settings, &TAUGHT.database).expect("they fit");
+    let faults = [
+        "drift,cylinder=2,at=40,rate=0.02",
+        "drift,cylinder=5,at=40,rate=-0.02",
+        "freeze,cylinder=4,sensor=c2,at=60",
+    ];
+    let warnings = TAUGHT.by_design(design, 31, &faults, 240.0);
+    let blames = |n: u8, detector, suspect| {
+        let mut of_it = warnings.iter().filter(|it| it.cylinder == n && it.detector == detector);
+        of_it.any(|it| it.finding.suspect == suspect)
+    };
+    for n in [2, 5] {
+        assert!(blames(n, Detector::Sequential, Suspect::C1), "{n}");
+        assert!(!blames(n, Detector::Plausibility, Suspect::C2), "{n}");
+    }
+    assert!(blames(4, Detector::Plausibility, Suspect::C2));
+}
+
 /// One fault of the machine, which every cylinder tells, and no transducer's.
 #[test]
 fn a_supply_that_falls_is_found_with_its_size_and_accuses_no_transducer() {
-    for (part, size) in [(0.1, -24.0), (0.2, -48.0)] {
+    for (part, size) in [(0.1, -24.0), (0.2, -48.0), (0.3, -72.0)] {
         let fault = format!("supply_loss,cylinder=1,at=25,part={part}");
-        let warnings = TAUGHT.warnings(27, &[&fault], 60.0);
+        let warnings = TAUGHT.warnings(27, &[&fault], 90.0);
         let found = of_process(&warnings);
         assert!(found.iter().all(|it| it.finding.fault == Kind::Supply), "{found:?}");
         for n in 1..=6 {
@@ -187,6 +235,18 @@ fn a_supply_that_falls_is_found_with_its_size_and_accuses_no_transducer() {
         let blamed = |it: &&Warning| matches!(it.finding.suspect, Suspect::C1 | Suspect::C2);
         assert_eq!(warnings.iter().find(blamed), None, "{part}");
     }
+}
+
+/// What a calm sea teaches of the chambers at 230 bar says little of them at 200.
+#[test]
+fn a_supply_that_falls_out_of_what_was_taught_is_no_fault_of_the_sensors_in_chambers() {
+    let calm = Taught::in_a_sea(Some([1.3, 6.8]), &[], 700.0);
+    let warnings = calm.warnings(27, &["supply_loss,cylinder=1,at=25,part=0.25"], 60.0);
+    let found = of_process(&warnings);
+    assert!(
+        !found.is_empty() && found.iter().all(|it| it.finding.fault == Kind::Supply),
+        "{found:?}"
+    );
 }
 
 #[test]

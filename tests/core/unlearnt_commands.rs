@@ -68,12 +68,18 @@ impl Day {
     /// Machine-readable lines of a replay of it until 20 s after its time, with `fault` in it, and with its limits or
     /// without.
     fn warnings(&self, fault: &[&str], limits: &[&str]) -> Vec<Value> {
+        self.simulated(fault, limits, &[])
+    }
+
+    /// The same of a machine that is simulated with these options.
+    fn simulated(&self, fault: &[&str], limits: &[&str], options: &[&str]) -> Vec<Value> {
         let scratch = Scratch::new();
         let log = scratch.path("day.log");
         let duration = (self.at + 20.0).to_string();
         let mut call = vec!["simulate", "--config", CONFIG, "--duration", &duration];
         call.extend(["--seed", self.seed, "--sea", self.sea, "--output", &log]);
         call.extend(fault.iter().flat_map(|spec| ["--fault", spec]));
+        call.extend(options);
         call.extend(set(self.learnt.iter()));
         tertius(&call, b"").ok();
         let mut call = vec!["replay", &log, "--config", CONFIG, "--format", "jsonl"];
@@ -105,5 +111,18 @@ fn a_step_in_the_middle_of_it_is_found_and_blamed_right() {
             assert_eq!(raised["suspect"], sensor, "{raised}");
             assert!(raised["t"].as_f64().is_some_and(|t| (at..at + 0.2).contains(&t)), "{raised}");
         }
+    }
+}
+
+/// The controller has driven the rod to its stop without a C1, and takes it back at full speed once C1 reads again. C2's
+/// observer has what the model makes of a stop, and C1's, which starts anew, has not.
+#[test]
+fn an_observer_that_starts_in_the_middle_of_it_accuses_nobody() {
+    for (cylinder, until) in [(1, 14.0), (3, 12.0), (6, 14.0)] {
+        let spec = format!("out_of_range,cylinder={cylinder},sensor=c1,at=5,until={until}");
+        let found = ROUGH.simulated(&[&spec], ROUGH.limits, &["--in-loop"]);
+        assert!(found.iter().any(|w| w["suspect"] == "c1"), "{found:?}");
+        let wrong: Vec<&Value> = found.iter().filter(|w| w["suspect"] == "c2").collect();
+        assert_eq!(wrong, Vec::<&Value>::new(), "{spec}");
     }
 }

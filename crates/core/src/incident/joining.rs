@@ -5,8 +5,8 @@
 //! they say: a fault of one transducer reaches the other observer through the machine's controller.
 
 use super::{Ending, Incident, Progress};
-use crate::alarm::detector::{Basis, DETECTORS};
-use crate::alarm::{Detector, Level, Warning};
+use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
+use crate::alarm::{Detector, Finding, Level, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -20,6 +20,10 @@ const COME_AGAIN: Span = Span::from_nanos(4_000_000_000);
 
 /// Time after the begin within which the plausibility checks find out what is wrong with a reading.
 const FACT_WITHIN: Span = Span::from_nanos(2_000_000_000);
+
+/// Places of detectors that see C1 and C2 part.
+const PARTING: [WarningPlace; 3] =
+    [WarningPlace::Fde3, WarningPlace::Sequential, WarningPlace::Hexapod];
 
 /// Part of R3 that may be left when the fault behind it has gone.
 const LEFT: f64 = 0.5;
@@ -75,6 +79,9 @@ impl Open {
         if !self.incident.stands() && warning.timestamp >= self.due() {
             return false;
         }
+        if self.is_of_another_kind(warning) {
+            return false;
+        }
         let (said, suspect) = (warning.finding.suspect, self.incident.suspect);
         if said == suspect || said == Suspect::Undecided {
             return true;
@@ -84,6 +91,22 @@ impl Open {
         }
         let at_once = warning.timestamp.since(self.newest) <= coincidence;
         at_once && !(is_fact(warning) && self.has_facts())
+    }
+
+    /// Whether one of them is of the hydraulics and the other of readings that have parted: no valve, pump or seal makes
+    /// C1 and C2 differ, and no reading makes oil.
+    fn is_of_another_kind(&self, warning: &Warning) -> bool {
+        let has_parted = |part: &Finding| part.suspect != Suspect::Process;
+        match warning.detector {
+            Detector::Process => {
+                let mut parts = PARTING.iter().filter_map(|place| self.incident.part(*place));
+                parts.any(|part| has_parted(&part.finding))
+            }
+            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => {
+                has_parted(&warning.finding) && self.incident.part(WarningPlace::Process).is_some()
+            }
+            Detector::Fde1 | Detector::Fde2 | Detector::Plausibility => false,
+        }
     }
 
     /// Whether a warning that names a suspect is about this fault, whose suspect is open: one near its begin, one that

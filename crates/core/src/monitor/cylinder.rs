@@ -30,7 +30,7 @@ use crate::sample::plausibility::{Moment, Other, Plausibility, Push};
 use crate::sample::{DeviceRole, Field, Inputs, Quality, Reading, Transducer};
 use crate::sequential::{DwellHistory, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::{Bank, Thresholds, Trigger};
+use crate::verdict::{Bank, Suspect, Thresholds, Trigger};
 use agreement::Agreement;
 use alloc::boxed::Box;
 use blanks::Blanks;
@@ -316,18 +316,34 @@ impl Cylinder {
         }
         // Nearly always: what is good and stands for nothing changes nothing.
         if !quality.is_good() || self.implausible[i].raised() {
-            self.doubt(i, reading, quality, at);
+            quality = self.doubt(i, reading, quality, at);
         }
         quality.is_good()
     }
 
     #[inline(never)]
-    fn doubt(&mut self, i: usize, reading: Option<&Reading>, quality: Quality, at: Timestamp) {
+    fn doubt(
+        &mut self,
+        i: usize,
+        reading: Option<&Reading>,
+        mut quality: Quality,
+        at: Timestamp,
+    ) -> Quality {
+        if quality == Quality::Frozen && self.blames(1 - i) && !self.plausibility[i].is_driven() {
+            quality = self.plausibility[i].acquit();
+        }
         let checks = &self.plausibility[i];
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
         let report = self.report(i);
         self.implausible[i].judge(at, Checked { quality, beyond, report });
         self.tally.implausible[i] += u64::from(reading.is_some() && !quality.is_good());
+        quality
+    }
+
+    /// Whether the sequential detector blames the transducer of index `i`.
+    fn blames(&self, i: usize) -> bool {
+        let alarm = self.sequential.as_ref().and_then(|it| it.alarm());
+        alarm.is_some_and(|it| it.suspect == [Suspect::C1, Suspect::C2][i])
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {

@@ -22,6 +22,9 @@ impl LearntCommands {
     pub const ANY: Self = Self { size: f64::INFINITY, change: f64::INFINITY };
 }
 
+/// Times that an observer takes to settle after which nothing is left of what it began with.
+const FORGOTTEN: u32 = 5;
+
 /// Follows one cylinder's command.
 #[derive(Clone, Debug)]
 pub struct CommandWatch {
@@ -31,17 +34,26 @@ pub struct CommandWatch {
     lasts: u32,
     newest: Option<f64>,
     left: u32,
+    /// Cycles since the first of the commands beyond, see [`Self::is_shared_by`].
+    lasted: u32,
 }
 
 state! {
-    CommandWatch { newest, left }
+    CommandWatch { newest, left, lasted }
     but { learnt, is_limited, lasts }
 }
 
 impl CommandWatch {
     /// `lasts` in cycles, as an observer takes to settle.
     pub fn new(learnt: LearntCommands, lasts: u32) -> Self {
-        Self { learnt, is_limited: learnt != LearntCommands::ANY, lasts, newest: None, left: 0 }
+        Self {
+            learnt,
+            is_limited: learnt != LearntCommands::ANY,
+            lasts,
+            newest: None,
+            left: 0,
+            lasted: 0,
+        }
     }
 
     /// Takes the command of a cycle, m/s, which is in the innovations from the next cycle on. Where it is absent, the
@@ -52,10 +64,14 @@ impl CommandWatch {
             return;
         }
         self.left = self.left.saturating_sub(1);
+        self.lasted = self.lasted.saturating_add(1);
         let Some(command) = command else { return };
         let before = self.newest.replace(command).unwrap_or(command);
         let change = (command - before).abs();
         if command.abs() > self.learnt.size || change > self.learnt.change {
+            if self.left == 0 {
+                self.lasted = 0;
+            }
             self.left = self.lasts;
         }
     }
@@ -65,9 +81,15 @@ impl CommandWatch {
         self.left > 0
     }
 
+    /// Whether an observer that has followed for so many cycles has in its innovation what these commands did, as the other
+    /// one has it: it has followed since before the first of them, or for so long that nothing is left of that.
+    pub fn is_shared_by(&self, followed: u32) -> bool {
+        followed >= self.lasted.saturating_add(2).min(self.lasts.saturating_mul(FORGOTTEN))
+    }
+
     /// Forgets the command, because the observers begin anew.
     pub const fn reset(&mut self) {
-        (self.newest, self.left) = (None, 0);
+        (self.newest, self.left, self.lasted) = (None, 0, 0);
     }
 }
 
@@ -107,6 +129,27 @@ mod tests {
         assert_eq!([0.0, 0.3, -0.3].map(&mut beyond), [false; 3], "it leaps, and was learnt");
         assert_eq!([0.31, 0.4, 0.3, 0.2].map(&mut beyond), [true, true, true, false]);
         assert_eq!([-0.31, -0.2, -0.1].map(&mut beyond), [true, true, false]);
+    }
+
+    #[test]
+    fn an_observer_shares_what_began_while_it_followed_and_what_it_has_followed_for_long() {
+        let mut watch = CommandWatch::new(LearntCommands { size: 0.3, ..LearntCommands::ANY }, 2);
+        watch.take(Some(0.1));
+        // It began in the cycle of the first command beyond, or in the one after it.
+        watch.take(Some(0.5));
+        assert!(watch.is_shared_by(2) && !watch.is_shared_by(1));
+        for _ in 0..5 {
+            watch.take(Some(0.5));
+        }
+        assert!(watch.is_shared_by(7) && !watch.is_shared_by(6));
+        for _ in 0..100 {
+            watch.take(Some(0.5));
+        }
+        assert!(watch.is_shared_by(10) && !watch.is_shared_by(9), "nothing is left of it");
+        // The next one begins anew.
+        (0..3).for_each(|_| watch.take(Some(0.1)));
+        watch.take(Some(-0.5));
+        assert!(watch.is_shared_by(2) && !watch.is_shared_by(1));
     }
 
     #[test]

@@ -165,6 +165,11 @@ impl Observer {
         stepped
     }
 
+    /// Number of readings that it has followed since it started.
+    pub const fn followed(&self) -> u32 {
+        self.followed
+    }
+
     /// Stops the observer; the next measurement restarts it and reports `reason`.
     pub fn stop(&mut self, reason: Restart) {
         if self.running {

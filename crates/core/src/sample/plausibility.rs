@@ -196,6 +196,17 @@ impl Plausibility {
         self.held.travelled >= self.limits.travel
     }
 
+    /// Whether the command has moved both ways while the reading was held, so that no stop holds the rod.
+    pub fn is_driven(&self) -> bool {
+        self.held.pushed.into_iter().all(|pushed| pushed >= self.limits.frozen)
+    }
+
+    /// Takes a frozen reading for a rod at rest, because nobody else can witness that it is not.
+    pub const fn acquit(&mut self) -> Quality {
+        self.quality = Quality::Good;
+        self.quality
+    }
+
     /// Number of cycles without a new reading: with none, or with the same.
     pub fn idle(&self) -> u32 {
         self.still.cycles.saturating_add(self.missing)
@@ -227,13 +238,12 @@ impl Plausibility {
     /// other reading changes and yet goes nowhere, the rod is at rest.
     fn is_frozen(&self) -> bool {
         let frozen = self.limits.frozen;
-        let Stillness { cycles, pushed, stirred, .. } = self.held;
+        let Stillness { cycles, stirred, .. } = self.held;
         // Nearly always it moves, and nothing else is asked.
         if cycles < frozen || self.is_witnessed() {
             return cycles >= frozen;
         }
-        let either_way = pushed.into_iter().all(|pushed| pushed >= frozen);
-        !stirred && either_way && cycles >= frozen.saturating_mul(UNWITNESSED)
+        !stirred && self.is_driven() && cycles >= frozen.saturating_mul(UNWITNESSED)
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {

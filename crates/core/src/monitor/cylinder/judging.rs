@@ -39,9 +39,13 @@ impl Cylinder {
         residuals
     }
 
-    /// After a command that the thresholds were not made for, only what one observer alone sees is a fault.
+    /// After a command that the thresholds were not made for, only what one observer alone sees is a fault. One that
+    /// started meanwhile does not have what the other one has from before, and proves nothing.
     #[cold]
-    fn keep_lonely(&self, residuals: &mut Residuals, judged: [Option<f64>; 2]) {
+    fn keep_lonely(&self, residuals: &mut Residuals, mut judged: [Option<f64>; 2]) {
+        if !self.observers.iter().all(|it| self.commands.is_shared_by(it.followed())) {
+            judged = [None; 2];
+        }
         let high = self.design.bank.observer.high;
         for (i, residual) in residuals.r.iter_mut().take(judged.len()).enumerate() {
             *residual = residual.filter(|it| it.abs() <= high || is_alone(*it, judged[1 - i]));

@@ -178,3 +178,22 @@ fn not_a_number_is_out_of_range() {
     let nan = Reading { code: None, ..reading(f64::NAN) };
     assert_eq!(checks.judge(Some(&nan), MOVING), Quality::OutOfRange);
 }
+
+/// A stop holds a rod against one direction only.
+#[test]
+fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted() {
+    let mut checks = Plausibility::new(limits());
+    let mut judge = |push, cycles: u32| {
+        for cycle in 0..cycles {
+            let moment = Moment { push: Some(push), ..passing(1e-3 * f64::from(cycle)) };
+            checks.judge(Some(&reading(0.5)), moment);
+        }
+        (checks.quality(), checks.is_driven())
+    };
+    assert_eq!(judge(Push::Positive, 8), (Quality::Frozen, false));
+    assert_eq!(judge(Push::Negative, 3), (Quality::Frozen, false));
+    assert_eq!(judge(Push::Negative, 1), (Quality::Frozen, true));
+    assert_eq!((checks.acquit(), checks.quality()), (Quality::Good, Quality::Good));
+    checks.judge(Some(&reading(0.6)), MOVING);
+    assert!(!checks.is_driven());
+}
