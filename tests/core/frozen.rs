@@ -49,6 +49,25 @@ fn a_frozen_c1_that_the_controller_reads_is_nobody_elses_fault_to_the_end() {
     }
 }
 
+/// It drives the rod to its end by a C1 that drifts, too: there C2 stands, and C1, which is all that says that the rod moves,
+/// was apart from it before.
+#[test]
+fn a_c1_that_drifts_on_while_the_rod_is_at_its_end_does_not_make_c2_frozen() {
+    let setup = machine(fine(&[], ""));
+    let drift = |n: u8| {
+        let rate = if n.is_multiple_of(2) { 0.03 } else { -0.03 };
+        format!("drift,cylinder={n},sensor=c1,at=10,rate={rate},until=85")
+    };
+    let faults: Vec<String> = (1..=6).map(drift).collect();
+    let options = Options { in_loop: true, ..setup.options(3, &faults) };
+    let heard = setup.play(84.0, &options);
+    for cylinder in 1..=6 {
+        let suspected = suspected(&heard, cylinder, 10.0);
+        assert!(suspected.iter().any(|it| it.0 == Detector::Fde3), "{cylinder}: {suspected:?}");
+        assert!(!suspected.contains(&(Detector::Plausibility, Suspect::C2)), "{cylinder}");
+    }
+}
+
 /// Runs machines of `sample_time` s, whose models these are, with both faults on a cylinder.
 fn after(
     sample_time: f64,

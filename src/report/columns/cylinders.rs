@@ -136,8 +136,11 @@ mod tests {
         for (many, why) in (1..).zip(Unknown::ALL) {
             sequential.unknown[why as usize] = 100 * many + 100;
         }
-        let mut process = ProcessCoverage::new([true, false, true, true]);
-        (0..20).for_each(|k| process.count([k < 12, false, k < 14, k < 16]));
+        let mut process = ProcessCoverage::new([true, false, true, true, true]);
+        // Chambers, which it does not know, are no part of it.
+        let judged = |k: u8| [k < 12, k < 13, k < 14, k < 16, k < 17];
+        let bits = |k| judged(k).into_iter().rev().fold(0, |bits, it| bits << 1 | u8::from(it));
+        (0..20).for_each(|k| process.count(bits(k)));
         let row = CylinderRow {
             begin: Timestamp::from_nanos(1_700_000_000_000_000_001),
             cylinder: 3,
@@ -163,7 +166,7 @@ mod tests {
             "worst_r1": 0.25, "worst_r2": 0.5, "worst_r3": 0.75,
             "judged_seconds": 50.0, "process_monitored_seconds": 10.0,
             "process_spool_seconds": 6.0, "process_flow_seconds": 7.0,
-            "process_friction_seconds": 8.0,
+            "process_friction_seconds": 8.0, "process_supply_seconds": 8.5,
         });
         for (why, name) in [
             (Unknown::NotMonitored, "not_monitored_seconds"),

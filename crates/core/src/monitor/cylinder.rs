@@ -98,6 +98,8 @@ pub struct Cylinder {
     apart: f64,
     was_critical: bool,
     command_missing: u32,
+    /// What lost readings add up to, see [`Self::loses`].
+    losses: u32,
     /// Whether no command came because its bus is silent.
     command_silent: bool,
     push: Option<Push>,
@@ -141,6 +143,7 @@ impl Cylinder {
             apart: 0.0,
             was_critical: false,
             command_missing: 0,
+            losses: 0,
             command_silent: false,
             push: None,
             judged: [false; 2],
@@ -329,7 +332,7 @@ impl Cylinder {
         mut quality: Quality,
         at: Timestamp,
     ) -> Quality {
-        if quality == Quality::Frozen && self.blames(1 - i) && !self.plausibility[i].is_driven() {
+        if quality == Quality::Frozen && self.may_be_at_rest(i) {
             quality = self.plausibility[i].acquit();
         }
         let checks = &self.plausibility[i];
@@ -340,10 +343,16 @@ impl Cylinder {
         quality
     }
 
-    /// Whether the sequential detector blames the transducer of index `i`.
-    fn blames(&self, i: usize) -> bool {
-        let alarm = self.sequential.as_ref().and_then(|it| it.alarm());
-        alarm.is_some_and(|it| it.suspect == [Suspect::C1, Suspect::C2][i])
+    /// Whether nothing but the other reading says that the rod moves, which was apart from that of index `i` long before
+    /// this came to stand, and it is not known to be right.
+    fn may_be_at_rest(&self, i: usize) -> bool {
+        let alarm = self.sequential.as_deref().and_then(Sequential::alarm);
+        let (reading, own) = (&self.plausibility[i], [Suspect::C1, Suspect::C2][i]);
+        let alarm = alarm.map(|it| (it.suspect, it.age));
+        let mut apart = [alarm, self.bank.difference()].into_iter().flatten();
+        let before = reading.idle().saturating_add(self.design.observers[i].settle);
+        let is_older = |(suspect, age)| suspect != own && age > before;
+        apart.any(is_older) && !reading.is_driven()
     }
 
     fn follow_command(&mut self, command: Option<f64>, now: Evaluation) {

@@ -8,28 +8,30 @@ use crate::state::whole;
 pub struct ProcessCoverage {
     pub monitored: u64,
     knows: [bool; RELATIONS],
-    judged: [u64; RELATIONS],
+    /// Monitored cycles by the bits of the relations by which they were judged, so that a cycle is counted once.
+    by: [u64; 1 << RELATIONS],
 }
 
-whole! { ProcessCoverage { monitored, knows, judged } }
+whole! { ProcessCoverage { monitored, knows, by } }
 
 impl ProcessCoverage {
     /// Of a detector that knows these relations, before any cycle.
     pub const fn new(knows: [bool; RELATIONS]) -> Self {
-        Self { monitored: 0, knows, judged: [0; RELATIONS] }
+        Self { monitored: 0, knows, by: [0; 1 << RELATIONS] }
     }
 
-    /// Counts a monitored cycle, in which each relation was judged or not.
+    /// Counts a monitored cycle, with a bit for each relation by which it was judged.
     #[inline]
-    pub fn count(&mut self, judged: [bool; RELATIONS]) {
+    pub fn count(&mut self, judged: u8) {
         self.monitored += 1;
-        for (count, judged) in self.judged.iter_mut().zip(judged) {
-            *count += u64::from(judged);
-        }
+        self.by[usize::from(judged) % self.by.len()] += 1;
     }
 
     /// Cycles that were judged by spool, chambers, flow, friction and supply; `None` without the relation.
     pub fn judged(&self) -> [Option<u64>; RELATIONS] {
-        core::array::from_fn(|which| self.knows[which].then_some(self.judged[which]))
+        core::array::from_fn(|which| {
+            let cycles = self.by.iter().enumerate().filter(|(bits, _)| bits >> which & 1 != 0);
+            self.knows[which].then(|| cycles.map(|(_, count)| count).sum())
+        })
     }
 }

@@ -60,8 +60,8 @@ pub struct Process {
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
-    /// Whether the newest cycle was judged.
-    judged: [bool; RELATIONS],
+    /// A bit for each relation by which the newest cycle was judged.
+    judged: u8,
     alarms: [Option<ProcessAlarm>; RELATIONS],
     /// Whether there is any.
     is_raised: bool,
@@ -123,7 +123,7 @@ impl Process {
             friction: friction.and_then(|it| FrictionWatch::new(it, by, sample_time)),
             trace: Trace::default(),
             open: 0,
-            judged: [false; RELATIONS],
+            judged: 0,
             alarms: [None; RELATIONS],
             is_raised: false,
             oil: OilReading::default(),
@@ -170,8 +170,7 @@ impl Process {
     // Of its caller, so that the inputs need not go through memory.
     #[inline(always)]
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
-        self.judged = [false; RELATIONS];
-        self.judged[SUPPLY] = self.is_supply_judged;
+        self.judged = u8::from(self.is_supply_judged) << SUPPLY;
         self.oil = input.oil();
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.
@@ -188,7 +187,7 @@ impl Process {
                 self.trace.push(&stand);
                 if stand.is_settled {
                     self.of_spool.push(stand.residual(), stand.variance);
-                    self.judged[SPOOL] = true;
+                    self.judged |= 1 << SPOOL;
                     if self.is_asked(SPOOL, &self.of_spool) {
                         self.weigh(SPOOL, input.at);
                     }
@@ -204,7 +203,7 @@ impl Process {
         });
         if let Some((residual, variance)) = residual {
             self.of_chambers.push(residual, variance);
-            self.judged[CHAMBERS] = true;
+            self.judged |= 1 << CHAMBERS;
             if self.is_asked(CHAMBERS, &self.of_chambers) {
                 self.weigh(CHAMBERS, input.at);
             }
@@ -236,7 +235,7 @@ impl Process {
         let Some(flow) = &mut self.flow else { return };
         let sample = input.passage(load);
         let is_complete = flow.step(sample);
-        self.judged[FLOW] = flow.is_judging();
+        self.judged |= u8::from(flow.is_judging()) << FLOW;
         if !is_complete {
             return;
         }
@@ -258,7 +257,7 @@ impl Process {
         let is_odd = self.alarms[CHAMBERS].is_some();
         let sample = input.forces(load).filter(|_| !is_odd);
         let is_complete = friction.step(sample);
-        self.judged[FRICTION] = friction.is_judging();
+        self.judged |= u8::from(friction.is_judging()) << FRICTION;
         if !is_complete {
             return;
         }

@@ -31,6 +31,9 @@ pub struct PlausibilityLimits {
 /// where a slow stroke turns. The command must have moved both ways: a stop holds against one only.
 const UNWITNESSED: u32 = 5;
 
+/// Times [`PlausibilityLimits::travel`] that a leap is no rod's that starts to move.
+const FAR: f64 = 5.0;
+
 /// Direction in which a command moves the cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Push {
@@ -47,12 +50,14 @@ pub struct Other {
     pub position: f64,
     /// Whether it is in motion, see [`ReadingMotion::goes_on`].
     pub goes_on: bool,
+    /// How far it has leapt, m, see [`ReadingMotion::leap`].
+    pub leap: f64,
 }
 
 impl Other {
     /// The other transducer at `position`, m, whose `motion` was followed up to it.
     pub fn new(position: f64, motion: &ReadingMotion) -> Self {
-        Self { position, goes_on: motion.goes_on() }
+        Self { position, goes_on: motion.goes_on(), leap: motion.leap() }
     }
 }
 
@@ -75,30 +80,44 @@ struct Stillness {
     cycles: u32,
     /// Number of cycles under a command that moves, by its [`Push`].
     pushed: [u32; 2],
-    /// Reading of the other transducer at the beginning, m.
+    /// Reading of the other transducer at the beginning, or where its way began anew, m.
     beside: Option<f64>,
+    /// Cycles without the other transducer.
+    unseen: u32,
     /// Whether the other transducer has read anything else since.
     stirred: bool,
     /// Distance that the other transducer has moved since in a continuous motion, m.
     travelled: f64,
 }
 
-whole! { Stillness { cycles, pushed, beside, stirred, travelled } }
+whole! { Stillness { cycles, pushed, beside, unseen, stirred, travelled } }
 
 impl Stillness {
     fn begin(other: Option<Other>) -> Self {
         Self { beside: other.map(|other| other.position), ..Self::default() }
     }
 
-    fn go_on(&mut self, push: Option<Push>, other: Option<Other>) {
+    /// Another cycle of it. Where the other transducer was not there for longer than what is frozen takes, or has leapt
+    /// far, its way begins anew: what it reads after a fault may be anywhere.
+    fn go_on(&mut self, push: Option<Push>, other: Option<Other>, limits: &PlausibilityLimits) {
         self.cycles = self.cycles.saturating_add(1);
         if let Some(push) = push {
             let pushed = &mut self.pushed[push as usize];
             *pushed = pushed.saturating_add(1);
         }
-        let Some((then, now)) = self.beside.zip(other) else { return };
+        let Some(now) = other else {
+            self.unseen = self.unseen.saturating_add(1);
+            return;
+        };
+        let Some(then) = self.beside else { return };
+        self.stirred |= now.position != then;
+        let is_elsewhere = self.unseen > limits.frozen || now.leap > FAR * limits.travel;
+        self.unseen = 0;
+        if is_elsewhere {
+            self.beside = Some(now.position);
+            return;
+        }
         let travel = (now.position - then).abs();
-        self.stirred |= travel > 0.0;
         if now.goes_on {
             self.travelled = self.travelled.max(travel);
         }
@@ -196,9 +215,15 @@ impl Plausibility {
         self.held.travelled >= self.limits.travel
     }
 
-    /// Whether the command has moved both ways while the reading was held, so that no stop holds the rod.
+    /// Whether the command has moved both ways while the reading was held, for so long that no stop holds the rod.
     pub fn is_driven(&self) -> bool {
-        self.held.pushed.into_iter().all(|pushed| pushed >= self.limits.frozen)
+        self.is_pushed(UNWITNESSED)
+    }
+
+    /// Whether the command has moved both ways while the reading was held, each for so many times what a frozen one takes.
+    fn is_pushed(&self, times: u32) -> bool {
+        let least = self.limits.frozen.saturating_mul(times);
+        self.held.pushed.into_iter().all(|pushed| pushed >= least)
     }
 
     /// Takes a frozen reading for a rod at rest, because nobody else can witness that it is not.
@@ -225,7 +250,7 @@ impl Plausibility {
         self.last = Some(position);
         let follow = |stillness: &mut Stillness, goes_on: bool| {
             if goes_on {
-                stillness.go_on(moment.push, moment.other);
+                stillness.go_on(moment.push, moment.other, &self.limits);
             } else {
                 *stillness = Stillness::begin(moment.other);
             }
@@ -243,7 +268,7 @@ impl Plausibility {
         if cycles < frozen || self.is_witnessed() {
             return cycles >= frozen;
         }
-        !stirred && self.is_driven() && cycles >= frozen.saturating_mul(UNWITNESSED)
+        !stirred && self.is_pushed(1) && cycles >= frozen.saturating_mul(UNWITNESSED)
     }
 
     fn of_new(&self, reading: &Reading) -> Quality {

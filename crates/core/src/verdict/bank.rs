@@ -158,6 +158,11 @@ impl Bank {
         })
     }
 
+    /// Whom FDE3 suspects, and for how many cycles it has been raised.
+    pub fn difference(&self) -> Option<(Suspect, u32)> {
+        self.found[FDE3].map(|found| (found.suspect, found.age))
+    }
+
     pub const fn any_found(&self) -> bool {
         self.any_found
     }

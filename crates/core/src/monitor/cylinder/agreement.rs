@@ -30,22 +30,31 @@ pub fn is_alone(own: f64, other: Option<f64>) -> bool {
 pub struct Agreement {
     raised: [bool; 2],
     process: [bool; 2],
+    /// Whether R1 and R2 agreed when C1 and C2 had parted already.
+    shared: [bool; 2],
 }
 
-whole! { Agreement { raised, process } }
+whole! { Agreement { raised, process, shared } }
 
 impl Agreement {
     /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and the difference `apart` of
     /// the readings, m, where it is known and healthy. `contradicted`: the readings do not agree
-    /// after all.
+    /// after all. Where they had `parted` before, what R1 and R2 have in common is not their difference.
     pub fn judge(
         &mut self,
         raised: [bool; 2],
         residuals: [Option<f64>; 2],
         apart: Option<f64>,
         contradicted: bool,
+        parted: bool,
     ) {
         for i in 0..2 {
+            let shared = || {
+                let [own, other] = [residuals[i], residuals[1 - i]];
+                own.zip(other).is_some_and(|(own, other)| other * own.signum() > PART * own.abs())
+            };
+            self.shared[i] =
+                raised[i] && if self.raised[i] { self.shared[i] } else { parted && shared() };
             let agree = || {
                 let [own, other] = [residuals[i], residuals[1 - i]];
                 own.zip(other).zip(apart).is_some_and(|((own, other), apart)| {
@@ -59,6 +68,12 @@ impl Agreement {
             };
         }
         self.raised = raised;
+    }
+
+    /// Whether the finding of FDE1 (0) or FDE2 (1) is what the controller, or a rod at its stop, makes of a difference that was
+    /// there before, and not its transducer.
+    pub const fn is_shared(&self, i: usize) -> bool {
+        self.shared[i]
     }
 
     /// Whether the finding of FDE1 (0) or FDE2 (1) is the process, and not its transducer.
@@ -75,12 +90,12 @@ mod tests {
     fn what_both_readings_share_is_the_process_until_they_part() {
         let mut agreement = Agreement::default();
         let r = [Some(1.1e-3), Some(0.9e-3)];
-        agreement.judge([true, false], r, Some(2e-4), false);
+        agreement.judge([true, false], r, Some(2e-4), false, false);
         assert!(agreement.is_process(0) && !agreement.is_process(1));
         // Not known any more, and then contradicted.
-        agreement.judge([true, false], r, None, false);
+        agreement.judge([true, false], r, None, false, false);
         assert!(agreement.is_process(0));
-        agreement.judge([true, false], r, None, true);
+        agreement.judge([true, false], r, None, true, false);
         assert!(!agreement.is_process(0));
     }
 
@@ -100,7 +115,7 @@ mod tests {
     fn what_only_one_observer_sees_is_not_the_process() {
         for other in [Some(4e-4), Some(-4e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, false], [Some(-2e-3), other], Some(9.8e-4), false);
+            agreement.judge([true, false], [Some(-2e-3), other], Some(9.8e-4), false, false);
             assert!(!agreement.is_process(0), "{other:?}");
         }
     }
@@ -109,11 +124,28 @@ mod tests {
     fn a_reading_that_left_the_other_one_is_not_the_process() {
         for apart in [Some(1.1e-3), Some(6e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, true], [Some(-1.1e-3), Some(1e-3)], apart, false);
+            agreement.judge([true, true], [Some(-1.1e-3), Some(1e-3)], apart, false, false);
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{apart:?}");
             // It was raised then; what comes later is what the observer made of it.
-            agreement.judge([true, true], [Some(2e-3), Some(2e-3)], Some(1e-4), false);
+            agreement.judge([true, true], [Some(2e-3), Some(2e-3)], Some(1e-4), false, false);
             assert!(!agreement.is_process(0) && !agreement.is_process(1), "{apart:?}");
         }
+    }
+
+    /// The rod is at its stop, or the controller does what nobody was taught, because C1 has drifted off.
+    #[test]
+    fn what_both_observers_see_of_readings_that_had_parted_is_shared_until_it_clears() {
+        let mut agreement = Agreement::default();
+        let mut judge = |raised, residuals: [f64; 2], parted| {
+            agreement.judge([false, raised], residuals.map(Some), None, parted, parted);
+            agreement.is_shared(1)
+        };
+        assert!(!judge(true, [1.6e-3, 1.7e-3], false), "they part with it");
+        assert!(!judge(true, [1.6e-3, 1.7e-3], true));
+        assert!(!judge(false, [0.0; 2], true));
+        assert!(!judge(true, [0.8e-3, 1.7e-3], true) && !judge(false, [0.0; 2], true));
+        assert!(!judge(true, [-1.6e-3, 1.7e-3], true) && !judge(false, [0.0; 2], true));
+        assert!(judge(true, [1.6e-3, 1.7e-3], true) && judge(true, [0.0, 3e-3], true));
+        assert!(!judge(false, [0.0; 2], true));
     }
 }

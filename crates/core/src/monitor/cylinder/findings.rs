@@ -53,6 +53,9 @@ impl Cylinder {
         let is_apart = self.bank.verdicts()[2] == Verdict::Faulty
             || self.sequential.as_ref().is_some_and(|it| it.alarm().is_some());
         let is_explained = self.process.as_ref().is_some_and(|it| it.alarm().is_some());
+        if self.agreement.is_shared(i) && detection.suspect == [Suspect::C1, Suspect::C2][i] {
+            return Detection { suspect: Suspect::Undecided, ..detection };
+        }
         if self.agreement.is_process(i) || is_explained && !is_apart {
             return Detection { suspect: Suspect::Process, ..detection };
         }

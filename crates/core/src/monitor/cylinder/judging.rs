@@ -2,7 +2,7 @@
 
 use super::agreement::{Agreement, is_alone};
 use super::precedence::{DETECTORS, Standing};
-use super::{Cylinder, Evaluation, Implausible};
+use super::{Cylinder, Evaluation, Implausible, TRANSDUCERS};
 use crate::monitor::gate::Opening;
 use crate::observe::observer::{Innovation, Measurement};
 use crate::process::{ProcessCoverage, ProcessInput};
@@ -10,6 +10,13 @@ use crate::sample::{Quality, Reading};
 use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Residuals, Suspect, Testimony, Verdict};
+
+/// Cycles with every reading that weigh as much as one without: where more than one in 17 is lost, that adds up, …
+const LOSS: u32 = 16;
+/// … from the third one on it is many, …
+const MANY_LOSSES: u32 = 2 * LOSS;
+/// … and it stays so for 96 cycles after them at the most.
+const MOST_LOSSES: u32 = 8 * LOSS;
 
 impl Cylinder {
     /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
@@ -111,9 +118,22 @@ impl Cylinder {
         (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
     }
 
+    /// Takes the readings of a cycle; returns whether so many are lost that what the controller commands tells nothing of
+    /// valve and rod.
+    #[inline]
+    fn loses(&mut self, good: [Option<Measurement>; 2]) -> bool {
+        let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
+        self.losses = match is_lost {
+            true => self.losses.saturating_add(LOSS).min(MOST_LOSSES),
+            false => self.losses.saturating_sub(1),
+        };
+        self.losses > MANY_LOSSES
+    }
+
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
-        let (held, asked) = self.doubts();
+        let (doubted, asked) = self.doubts();
+        let held = self.loses(good) || doubted;
         let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
         let Some(process) = &mut self.process else { return };
         let monitored = now.gate == Opening::Open;
@@ -170,8 +190,8 @@ impl Cylinder {
             // Nearly always: nobody disagrees.
             self.agreement = Agreement::default();
         } else {
-            let alarm = sequential.alarm().is_some();
-            self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm);
+            let (alarm, parted) = (sequential.alarm().is_some(), sequential.is_displaced());
+            self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm, parted);
         }
     }
 }

@@ -50,9 +50,9 @@ impl Process {
         [spool.is_some(), chambers.is_some(), flow, friction, self.design.supply]
     }
 
-    /// Whether each relation judged the newest cycle, and that of the supply the one before.
+    /// A bit for each relation that judged the newest cycle, and for that of the supply if it judged the one before.
     #[inline]
-    pub const fn judged(&self) -> [bool; RELATIONS] {
+    pub const fn judged(&self) -> u8 {
         self.judged
     }
 }

@@ -21,7 +21,7 @@ const STILL: Moment = Moment { push: None, ..MOVING };
 
 /// The other transducer in motion, at `position`.
 fn passing(position: f64) -> Moment {
-    Moment { other: Some(Other { position, goes_on: true }), ..MOVING }
+    Moment { other: Some(Other { position, goes_on: true, leap: 0.0 }), ..MOVING }
 }
 
 #[test]
@@ -110,6 +110,9 @@ fn at_rest_is_not_frozen() {
     assert_eq!(frozen_in(|_| Some(0.2), out), None, "it stands, too");
     assert_eq!(frozen_in(|cycle| Some(4.34e-4 * (cycle % 3) as f64), out), None, "it flickers");
     assert_eq!(frozen_in(|cycle| Some(if cycle < 9 { 0.1 } else { 0.2 }), out), None, "it jumps");
+    let flickers =
+        |cycle: u64| Some(if cycle < 9 { 0.1 } else { 0.2 + 1e-4 * (cycle.min(12) - 9) as f64 });
+    assert_eq!(frozen_in(flickers, out), None, "it jumps, and flickers on");
     let noise = |cycle: u64| Some(1e-3 * [0.0, 1.0, -1.0, -1.0, 0.0, 1.0][(cycle % 6) as usize]);
     assert_eq!(frozen_in(noise, out), None, "it is noisy");
 }
@@ -179,6 +182,19 @@ fn not_a_number_is_out_of_range() {
     assert_eq!(checks.judge(Some(&nan), MOVING), Quality::OutOfRange);
 }
 
+/// C2 stands with the rod. C1 was elsewhere while it was out of range, and flickers.
+#[test]
+fn a_reading_that_comes_back_from_elsewhere_has_not_moved() {
+    for (unseen, expected) in [(4, Quality::Frozen), (5, Quality::Good)] {
+        let mut checks = Plausibility::new(limits());
+        let mut judge = |moment| checks.judge(Some(&reading(0.5)), moment);
+        judge(passing(0.1));
+        (0..unseen).for_each(|_| _ = judge(MOVING));
+        judge(passing(0.5));
+        assert_eq!(judge(passing(0.500_1)), expected, "{unseen}");
+    }
+}
+
 /// A stop holds a rod against one direction only.
 #[test]
 fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted() {
@@ -190,8 +206,8 @@ fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted
         }
         (checks.quality(), checks.is_driven())
     };
-    assert_eq!(judge(Push::Positive, 8), (Quality::Frozen, false));
-    assert_eq!(judge(Push::Negative, 3), (Quality::Frozen, false));
+    assert_eq!(judge(Push::Positive, 24), (Quality::Frozen, false));
+    assert_eq!(judge(Push::Negative, 19), (Quality::Frozen, false));
     assert_eq!(judge(Push::Negative, 1), (Quality::Frozen, true));
     assert_eq!((checks.acquit(), checks.quality()), (Quality::Good, Quality::Good));
     checks.judge(Some(&reading(0.6)), MOVING);
