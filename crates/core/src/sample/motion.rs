@@ -38,18 +38,13 @@ impl ReadingMotion {
         self.recent = [self.newest, first, second];
     }
 
-    /// Size of the newest step, m, if it is none of a rod that has been in motion, which has a mass; otherwise 0.
-    pub fn leap(&self) -> f64 {
-        let [newest, first, second] = self.recent;
-        let is_leap = self.newest != 0.0 && newest.abs() > STEEPEST * (first + second).abs();
-        if is_leap { newest.abs() } else { 0.0 }
-    }
-
     /// Whether the reading moves, and has moved in this direction for a few steps, the newest of
     /// which is no leap. A reading that steps once, or to and fro, has a fault and is not in
     /// motion.
     pub fn goes_on(&self) -> bool {
-        self.newest != 0.0 && self.steps >= STEPS && self.leap() == 0.0
+        let [newest, first, second] = self.recent;
+        let is_leap = newest.abs() > STEEPEST * (first + second).abs();
+        self.newest != 0.0 && self.steps >= STEPS && !is_leap
     }
 }
 

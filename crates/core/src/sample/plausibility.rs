@@ -50,14 +50,12 @@ pub struct Other {
     pub position: f64,
     /// Whether it is in motion, see [`ReadingMotion::goes_on`].
     pub goes_on: bool,
-    /// How far it has leapt, m, see [`ReadingMotion::leap`].
-    pub leap: f64,
 }
 
 impl Other {
     /// The other transducer at `position`, m, whose `motion` was followed up to it.
     pub fn new(position: f64, motion: &ReadingMotion) -> Self {
-        Self { position, goes_on: motion.goes_on(), leap: motion.leap() }
+        Self { position, goes_on: motion.goes_on() }
     }
 }
 
@@ -82,7 +80,8 @@ struct Stillness {
     pushed: [u32; 2],
     /// Reading of the other transducer at the beginning, or where its way began anew, m.
     beside: Option<f64>,
-    /// Cycles without the other transducer.
+    /// Newest reading of the other transducer, m, and cycles without one.
+    seen: Option<f64>,
     unseen: u32,
     /// Whether the other transducer has read anything else since.
     stirred: bool,
@@ -90,11 +89,16 @@ struct Stillness {
     travelled: f64,
 }
 
-whole! { Stillness { cycles, pushed, beside, unseen, stirred, travelled } }
+whole! { Stillness { cycles, pushed, beside, seen, unseen, stirred, travelled } }
 
 impl Stillness {
-    fn begin(other: Option<Other>) -> Self {
-        Self { beside: other.map(|other| other.position), ..Self::default() }
+    /// A reading that has changed, as nearly every one has: nothing else was written since the last one that had.
+    #[inline]
+    fn begin(&mut self, other: Option<Other>) {
+        if self.cycles > 0 {
+            *self = Self::default();
+        }
+        self.beside = other.map(|other| other.position);
     }
 
     /// Another cycle of it. Where the other transducer was not there for longer than what is frozen takes, or has leapt
@@ -111,8 +115,10 @@ impl Stillness {
         };
         let Some(then) = self.beside else { return };
         self.stirred |= now.position != then;
-        let is_elsewhere = self.unseen > limits.frozen || now.leap > FAR * limits.travel;
-        self.unseen = 0;
+        let leap = (now.position - self.seen.unwrap_or(then)).abs();
+        let leaps = !now.goes_on && leap > FAR * limits.travel;
+        let is_elsewhere = self.unseen > limits.frozen || leaps;
+        (self.seen, self.unseen) = (Some(now.position), 0);
         if is_elsewhere {
             self.beside = Some(now.position);
             return;
@@ -252,7 +258,7 @@ impl Plausibility {
             if goes_on {
                 stillness.go_on(moment.push, moment.other, &self.limits);
             } else {
-                *stillness = Stillness::begin(moment.other);
+                stillness.begin(moment.other);
             }
         };
         follow(&mut self.still, same);

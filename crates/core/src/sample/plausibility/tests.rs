@@ -21,7 +21,7 @@ const STILL: Moment = Moment { push: None, ..MOVING };
 
 /// The other transducer in motion, at `position`.
 fn passing(position: f64) -> Moment {
-    Moment { other: Some(Other { position, goes_on: true, leap: 0.0 }), ..MOVING }
+    Moment { other: Some(Other { position, goes_on: true }), ..MOVING }
 }
 
 #[test]
