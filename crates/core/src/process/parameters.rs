@@ -101,7 +101,7 @@ impl ProcessParameters {
         company: 0.1,
         many: 0.6,
         flow_samples: 400,
-        flow_untaught: 0.1,
+        flow_untaught: 0.15,
         flow_block: 0.2,
         flow_looks: [10.0, 50.0],
         flow_tolerances: [0.3e-3, 0.25e-3, 0.012, 0.45e-3, 0.4e-3, 3e-4],

@@ -73,10 +73,10 @@ fn said(drifts: [f64; 2], asked: bool) -> Option<f64> {
 #[test]
 fn at_a_supply_that_was_not_taught_the_oil_tells_nothing_of_a_gain() {
     let of = |is_gain, pressure| said_at([2e-3, 0.0], true, is_gain, pressure);
-    for pressure in [181.0, 210.0, 241.0] {
+    for pressure in [171.0, 210.0, 252.0] {
         assert!(of(true, pressure).is_some_and(|nats| nats > 8.0), "{pressure}");
     }
-    for pressure in [179.0, 243.0] {
+    for pressure in [169.0, 254.0] {
         assert_eq!(of(true, pressure), None, "{pressure}");
         assert!(of(false, pressure).is_some_and(|nats| nats > 8.0), "{pressure}");
     }
