@@ -98,8 +98,6 @@ pub struct Cylinder {
     apart: f64,
     was_critical: bool,
     command_missing: u32,
-    /// What lost readings add up to, see [`Self::loses`].
-    losses: u32,
     /// Whether no command came because its bus is silent.
     command_silent: bool,
     push: Option<Push>,
@@ -143,7 +141,6 @@ impl Cylinder {
             apart: 0.0,
             was_critical: false,
             command_missing: 0,
-            losses: 0,
             command_silent: false,
             push: None,
             judged: [false; 2],

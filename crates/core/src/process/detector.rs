@@ -8,6 +8,7 @@ use super::evidence::{EvidenceWindows, Weighing};
 use super::flow::{self, FlowDesign, FlowWatch};
 use super::friction::{FrictionDesign, FrictionWatch};
 use super::input::{OilReading, ProcessInput};
+use super::losses::Losses;
 use super::parameters::ProcessParameters;
 use super::spool::{Spool, SpoolDesign};
 use super::trace::{SpoolForm, Trace};
@@ -60,6 +61,7 @@ pub struct Process {
     trace: Trace,
     /// Cycles of the present stay in a monitored state.
     open: u32,
+    losses: Losses,
     /// A bit for each relation by which the newest cycle was judged.
     judged: u8,
     alarms: [Option<ProcessAlarm>; RELATIONS],
@@ -71,7 +73,7 @@ pub struct Process {
 }
 
 state! {
-    Process { of_spool, of_chambers, trace, open, alarms, is_raised, oil, is_supply_judged }
+    Process { of_spool, of_chambers, trace, open, losses, alarms, is_raised, oil, is_supply_judged }
     parts { spool, flow, friction }
     but { design, levels, weighings, counts, area_ratio, judged }
     sound |it| it.is_raised == it.alarms.iter().any(Option::is_some)
@@ -83,6 +85,7 @@ struct Counts {
     opening: u32,
     looks: [u32; 2],
     company: u32,
+    lost: u32,
 }
 
 const SPOOL: usize = 0;
@@ -115,6 +118,7 @@ impl Process {
                 opening: cycles(by.opening),
                 looks: by.looks.map(|seconds| time::samples(seconds, sample_time)),
                 company: cycles(by.company),
+                lost: cycles(by.lost_for),
             },
             spool: design.spool.clone().map(|it| Spool::new(it, sample_time)),
             of_spool: EvidenceWindows::default(),
@@ -123,6 +127,7 @@ impl Process {
             friction: friction.and_then(|it| FrictionWatch::new(it, by, sample_time)),
             trace: Trace::default(),
             open: 0,
+            losses: Losses::default(),
             judged: 0,
             alarms: [None; RELATIONS],
             is_raised: false,
@@ -171,7 +176,8 @@ impl Process {
     #[inline(always)]
     pub fn step(&mut self, input: &ProcessInput) -> Option<f64> {
         self.judged = u8::from(self.is_supply_judged) << SUPPLY;
-        self.oil = input.oil();
+        let is_held = self.losses.take(input.is_lost, self.counts.lost) || input.held;
+        self.oil = input.oil(is_held);
         self.open = if input.monitored { self.open.saturating_add(1) } else { 0 };
         // The prediction runs on in any state, so that it is right when it is asked for.
         let stand = self.spool.as_mut().and_then(|it| it.step(input.command, input.spool));
@@ -179,7 +185,7 @@ impl Process {
             self.forget();
             return None;
         }
-        if input.held {
+        if is_held {
             return self.step_held(input);
         }
         match stand {
@@ -214,8 +220,8 @@ impl Process {
         None
     }
 
-    /// Takes a cycle in which a transducer is under suspicion. Of a cylinder that has a fault of its own the oil tells
-    /// nothing.
+    /// Takes a cycle in which a transducer is under suspicion, or many readings are lost. Of a cylinder that has a fault of
+    /// its own the oil tells nothing.
     #[cold]
     fn step_held(&mut self, input: &ProcessInput) -> Option<f64> {
         self.forget_cycles();

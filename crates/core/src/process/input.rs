@@ -23,6 +23,8 @@ pub struct ProcessInput {
     pub monitored: bool,
     /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
     pub apart: Option<f64>,
+    /// Whether a reading of either transducer is missing.
+    pub is_lost: bool,
     /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
     pub held: bool,
     /// Whether it is asked whose reading has moved.
@@ -45,10 +47,10 @@ pub struct OilReading {
 whole! { OilReading { pressure, length } }
 
 impl ProcessInput {
-    /// What the supply is compared with.
-    pub(super) fn oil(&self) -> OilReading {
+    /// What the supply is compared with, if the rod's length is not to be known where the cylinder `is_held`.
+    pub(super) fn oil(&self, is_held: bool) -> OilReading {
         let [c1, c2] = self.lengths;
-        let length = c1.or(c2).filter(|_| !self.held);
+        let length = c1.or(c2).filter(|_| !is_held);
         OilReading { pressure: self.supply, length }
     }
 

@@ -28,6 +28,7 @@ pub mod evidence;
 pub mod flow;
 pub mod friction;
 mod input;
+mod losses;
 pub mod parameters;
 pub mod spool;
 pub mod supply;

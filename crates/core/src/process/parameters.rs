@@ -18,6 +18,11 @@ pub struct ProcessParameters {
     pub farthest: f64,
     /// Displacement of the spool that is no fault, as a part of the largest position that was taught.
     pub spool_band: f64,
+    /// Cycles with every reading that weigh as much as one without: where more than one in 17 is lost that adds up, and from
+    /// the third one on they are many, …
+    pub loss: u32,
+    /// … and that many for so long after them at the most, s.
+    pub lost_for: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
     pub chambers_band: f64,
     /// What it may be off for each bar that P_S is beyond what was taught, bar/bar: a supply that fails is no fault of
@@ -89,6 +94,8 @@ impl ProcessParameters {
         windows: [0.08, 10.24],
         farthest: 6.0,
         spool_band: 3e-3,
+        loss: 16,
+        lost_for: 2.0,
         chambers_band: 1.0,
         chambers_untaught: 0.05,
         least_deviations: [1.2e-3, 0.15],

@@ -11,13 +11,6 @@ use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
 use crate::verdict::{Residuals, Suspect, Testimony, Verdict};
 
-/// Cycles with every reading that weigh as much as one without: where more than one in 17 is lost, that adds up, …
-const LOSS: u32 = 16;
-/// … from the third one on it is many, …
-const MANY_LOSSES: u32 = 2 * LOSS;
-/// … and it stays so for 96 cycles after them at the most.
-const MOST_LOSSES: u32 = 8 * LOSS;
-
 impl Cylinder {
     /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
     #[inline(always)]
@@ -118,22 +111,10 @@ impl Cylinder {
         (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
     }
 
-    /// Takes the readings of a cycle; returns whether so many are lost that what the controller commands tells nothing of
-    /// valve and rod.
-    #[inline]
-    fn loses(&mut self, good: [Option<Measurement>; 2]) -> bool {
-        let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
-        self.losses = match is_lost {
-            true => self.losses.saturating_add(LOSS).min(MOST_LOSSES),
-            false => self.losses.saturating_sub(1),
-        };
-        self.losses > MANY_LOSSES
-    }
-
     #[inline(never)]
     pub(super) fn judge_process(&mut self, now: Evaluation, good: [Option<Measurement>; 2]) {
-        let (doubted, asked) = self.doubts();
-        let held = self.loses(good) || doubted;
+        let (held, asked) = self.doubts();
+        let is_lost = TRANSDUCERS.into_iter().any(|t| self.has(t) && good[t as usize].is_none());
         let is_gain = asked && self.sequential.as_deref().is_some_and(Sequential::is_gain);
         let Some(process) = &mut self.process else { return };
         let monitored = now.gate == Opening::Open;
@@ -149,6 +130,7 @@ impl Cylinder {
             supply: self.inputs.supply_value(),
             monitored,
             apart: self.sequential.as_deref().and_then(Sequential::residual),
+            is_lost,
             held,
             asked,
             is_gain,
