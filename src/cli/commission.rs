@@ -7,12 +7,10 @@ use super::survey::{Field, Surveyed};
 use super::tables;
 use super::update::{Study, Update};
 use crate::commission::{Commissioned, Fitness, Stage, Step, Task, Taught};
-use crate::config::design;
-use crate::config::edit;
+use crate::config::{self, design};
 use crate::report::{commission, page};
 use crate::survey::Recording;
 use clap::Args;
-use std::fmt::Write as _;
 use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -158,26 +156,16 @@ impl Commission {
     }
 }
 
-/// The configuration `text` of `config` as it has to be in the file `path`: relative paths in it
-/// are adjusted.
-fn moved(config: &Path, path: &Path, text: &str) -> Result<String, Failure> {
-    let (from, to) = (files::folder(config), files::folder(path));
+/// The configuration `text` of the file `original` as it has to be in the file `path`.
+fn moved(original: &Path, path: &Path, text: &str) -> Result<String, Failure> {
+    let (from, to) = (files::folder(original), files::folder(path));
     if files::is_same_folder(from, to) {
         return Ok(text.to_owned());
     }
-    let table: toml::Table = text.parse().map_err(|error| {
-        Failure::Failed(format!("{} cannot be edited: {error}", config.display()))
-    })?;
-    let mut tables = String::new();
-    for (table_of, key) in [("bus", "dbc"), ("sequential", "history")] {
-        let named = table.get(table_of).and_then(|it| it.get(key)).and_then(toml::Value::as_str);
-        let Some(named) = named.filter(|named| Path::new(named).is_relative()) else { continue };
-        let folder = fs::canonicalize(from).map_err(|error| Failure::creating(path, &error))?;
-        let whole = toml::Value::String(folder.join(named).display().to_string());
-        _ = writeln!(tables, "[{table_of}]\n{key} = {whole}");
-    }
-    edit::put(text, &tables, &[])
-        .map_err(|error| Failure::Failed(format!("{} cannot be edited: {error}", config.display())))
+    let folder = fs::canonicalize(from).map_err(|error| Failure::creating(path, &error))?;
+    config::relocate(text, &folder.display().to_string()).map_err(|error| {
+        Failure::Failed(format!("{} cannot be edited: {error}", original.display()))
+    })
 }
 
 /// The page of HTML.

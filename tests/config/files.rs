@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use tertius::config::{ConfigError, Fingerprints, MACHINE_FILE, MAX_SIZE, load};
+use tertius::config::{ConfigError, Fingerprints, MACHINE_FILE, MAX_SIZE, load, relocate};
 use tertius_testing::top;
 
 const EXAMPLE: &str = include_str!("example.toml");
@@ -180,4 +180,55 @@ fn a_day_that_is_none_is_refused() {
         let said = refusal(folder.path(), "config/machine.toml");
         assert!(said.contains("a day as YYYY-MM-DD") && said.contains("2026-03-14"), "{said}");
     }
+}
+
+#[test]
+fn in_another_folder_a_configuration_names_the_same_files() {
+    let old = top().join("config");
+    let text = fs::read_to_string(old.join("e-type-canopen.toml")).expect("it is there");
+    let moved = relocate(&text, &old.display().to_string()).expect("it is TOML");
+    let new = folder(moved.as_bytes(), None);
+    let [before, after] = [old.join("e-type-canopen.toml"), new.path().join("config/machine.toml")]
+        .map(|path| load(&path).expect("all is found"));
+    let sheets = before.sheets.iter().map(|it| &it.path);
+    assert!(sheets.eq(after.sheets.iter().map(|it| &it.path)));
+    assert_eq!(before.dbc_path, after.dbc_path);
+}
+
+#[test]
+fn only_relative_paths_change_with_the_folder() {
+    let text = "\
+[bus]
+dbc = \"../dbc/e-type.dbc\" # of the maker
+[sequential]
+history = \"/var/lib/tertius/e-type.dwells\"
+[store]
+file = 'events'
+[http]
+listen = \"127.0.0.1:9481\"
+certificate = \"page.crt\"
+key = \"page.key\"
+[mqtt]
+authority = \"system\"
+password = \"secret\"
+[recorder]
+folder = \"recordings\"
+[canopen]
+device = [{ eds = \"a.eds\" }, { eds = \"/b.eds\" }]
+";
+    let moved = relocate(text, "/etc/tertius").expect("it is TOML");
+    let changes = [
+        ("\"../dbc/e-type.dbc\"", "\"/etc/tertius/../dbc/e-type.dbc\""),
+        ("'events'", "\"/etc/tertius/events\""),
+        ("\"page.crt\"", "\"/etc/tertius/page.crt\""),
+        ("\"page.key\"", "\"/etc/tertius/page.key\""),
+        ("\"secret\"", "\"/etc/tertius/secret\""),
+        ("\"recordings\"", "\"/etc/tertius/recordings\""),
+        ("\"a.eds\"", "\"/etc/tertius/a.eds\""),
+    ];
+    let expected = changes.iter().fold(text.to_owned(), |text, (a, b)| text.replace(a, b));
+    assert_eq!(moved, expected);
+    let authority = "[mqtt]\nauthority = \"ca.crt\"\n";
+    let moved = relocate(authority, "/").expect("it is TOML");
+    assert_eq!(moved, "[mqtt]\nauthority = \"/ca.crt\"\n");
 }

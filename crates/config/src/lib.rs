@@ -20,6 +20,7 @@ mod portable;
 mod problem;
 pub mod reference;
 mod relations;
+mod relocate;
 mod resolve;
 mod schema;
 pub mod settings;
@@ -36,6 +37,7 @@ pub use loader::{Loaded, MAX_DBC_SIZE, Sheet, load, load_text, load_with};
 pub use overrides::{Override, OverrideOrigin, Overrides};
 pub use portable::{MACHINE_FILE, PortableFile};
 pub use problem::{ConfigError, MAX_PROBLEMS, Place, Problem};
+pub use relocate::relocate;
 pub use settings::Settings;
 
 use problem::Problems;

@@ -50,7 +50,7 @@ use signals::SIGNALS;
 pub use signals::{CylinderSignals, Signals};
 
 use super::schema::{Kind, table};
-pub use super::text::{LISTEN_OFF, PLACEHOLDER, bus_of, object_of};
+pub use super::text::{LISTEN_OFF, PLACEHOLDER, SYSTEM, bus_of, object_of};
 
 table! {
     /// The whole file.

@@ -9,6 +9,9 @@ pub const PLACEHOLDER: &str = "{n}";
 /// Value of `http.listen`, `modbus.listen` and `opcua.listen` for no server, and of `mqtt.broker` for no broker.
 pub const LISTEN_OFF: &str = "off";
 
+/// Value of `mqtt.authority` for whom the computer trusts.
+pub const SYSTEM: &str = "system";
+
 /// The longest name that a DBC file may hold.
 pub(super) const LONGEST_NAME: usize = 128;
 /// Longest interface name: IFNAMSIZ of Linux without the closing zero.
@@ -26,7 +29,10 @@ pub(super) enum TextRule {
     Name,
     /// A network interface.
     Interface,
+    /// A path, relative to the folder of the file.
     Path,
+    /// A path of certificates, or "system".
+    Authority,
     /// `MESSAGE` of the DBC, or `second:MESSAGE` on another bus than the first.
     Message,
     /// `MESSAGE.SIGNAL` of the DBC, or `second:MESSAGE.SIGNAL`.
@@ -92,7 +98,9 @@ impl TextRule {
     pub fn check(self, text: &str) -> Result<(), TextFault> {
         match self {
             Self::Name => bounded(text, LONGEST_TEXT, "it is shown to people"),
-            Self::Path => bounded(text, LONGEST_PATH, "a path relative to this file"),
+            Self::Path | Self::Authority => {
+                bounded(text, LONGEST_PATH, "a path relative to this file")
+            }
             Self::Interface => interface(text),
             Self::Message if bus_of(text).is_some_and(|(_, name)| is_name(name)) => Ok(()),
             Self::Message => fault("the bare name of a message", MESSAGE_HELP),

@@ -1,6 +1,7 @@
 //! Where and as whom the publisher connects.
 
 use super::sparkplug::EdgeNode;
+use crate::config::settings::SYSTEM;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
@@ -108,7 +109,7 @@ impl MqttPlan {
 impl Authority {
     /// The authority that a configuration in `folder` calls `name`: a file, or `system`.
     pub fn named(name: &str, folder: &Path) -> Self {
-        if name == "system" { Self::System } else { Self::File(folder.join(name)) }
+        if name == SYSTEM { Self::System } else { Self::File(folder.join(name)) }
     }
 
     /// The certificates, read anew for each connection.

@@ -67,7 +67,8 @@ table! {
             "\"gateway\"", "the user by whose name the broker knows the gateway";
         password: Option<String> = None => text(TextRule::Path),
             "\"/etc/tertius/mqtt-password\"", "the file with the user's password in a line, relative to this file, which others must not be able to read";
-        authority: Option<String> = None => text(TextRule::Path),
+        /// [`SYSTEM`](super::SYSTEM) is the word for whom the computer trusts.
+        authority: Option<String> = None => text(TextRule::Authority),
             "\"/etc/tertius/mqtt-ca.crt\"", "who certifies the broker (PEM), relative to this file, or system for whom the computer trusts; without it nothing is encrypted";
         period: f64 = 10.0 => number(Limits::least(1.0, DURATION).most(3600.0)),
             "10.0", "s, the longest time from one published state to the next";
