@@ -37,7 +37,8 @@
 //! - [`inject`]: puts faults into frames, to test whether they are found.
 //! - [`survey`]: the readings of a recording, cycle by cycle, for learning. [`identify`]: the
 //!   model (4-1) from a healthy recording (chapter 4): census, streaming QR, validation on data held
-//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`relate`]: spool and pressures by what they follow. [`extremes`]: extremes of healthy
+//!   back. [`calibrate`]: a and b of (5-20), and the band of R3. [`relate`]: the relations between spool, pressures, rods and
+//!   supply, for the process detectors. [`extremes`]: extremes of healthy
 //!   residuals. [`tune`]: Q, R, δ_l and δ_h for a wanted rate of false alarms, and
 //!   the smallest faults that follow. [`commission`]: all of them in turn, a trial on what was held
 //!   back, and a verdict on whether the result is fit for use. [`tables`]: what was learnt, as text that the

@@ -134,7 +134,7 @@ pub fn process(result: &Calibration) -> Section {
 
 /// Basis of the process detector of the supply.
 pub fn supply(result: &Calibration) -> Section {
-    let mut table = Sheet::new(&["from", "to", "the pump adds", "a metre out", "in", "deviation"]);
+    let mut table = Sheet::new(&["from", "to", "the pump adds", "rods out", "rods in", "scatter"]);
     if let Some(Ok(learnt)) = &result.supply {
         let [lowest, highest] = learnt.taught;
         let ends = [learnt.pump.first(), learnt.pump.last()].map(|it| it.map_or(0.0, |it| *it));
@@ -142,14 +142,15 @@ pub fn supply(result: &Calibration) -> Section {
             format!("{lowest:.1} bar"),
             format!("{highest:.1} bar"),
             format!("{:.1} to {:.1} bar/s", ends[0], ends[1]),
-            format!("{:.2} bar", learnt.taken[0]),
-            format!("{:.2} bar", learnt.taken[1]),
+            format!("{:.2} bar/m", learnt.taken[0]),
+            format!("{:.2} bar/m", learnt.taken[1]),
             format!("{:.2} bar", learnt.deviation),
         ]);
     }
     table.about(
         "for the process detector of the supply: the pressures that were taught, what the pump adds at them, what the \
-         rods take, and the deviation of the pressure beside both after 0.2 s",
+         rods take as they go out and in, and the scatter of the pressure about both after a block of 0.2 s (ten \
+         samples below 50 Hz)",
     )
 }
 

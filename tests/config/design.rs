@@ -1,6 +1,6 @@
 //! What a configuration makes of the monitor.
 
-use tertius::config::settings::{Settings, SupplyTable};
+use tertius::config::settings::{ChambersTable, CylinderProcess, Settings, SupplyTable};
 use tertius::config::{self, design};
 use tertius::dbc::{Database, text};
 use tertius::sequential::wild::Outliers;
@@ -105,6 +105,28 @@ fn a_supply_that_was_learnt_is_watched_and_one_of_another_machine_is_refused() {
     assert!(other_time[0].starts_with("process.supply.sample_time: "), "{other_time:?}");
     let falling = flaws_of_supply(|it| table(it, |it| it.taught = [238.0, 220.0]));
     assert!(falling[0].starts_with("process.supply.taught: "), "{falling:?}");
+    let chambers = flaws_of_supply(|it| {
+        let table = ChambersTable {
+            coefficients: [0.0, 1.0, 0.0, 0.0],
+            supplies: Some([238.0, 220.0]),
+            deviation: 0.5,
+            growth: 0.0,
+            mean_dependence: [1.0; 20],
+            square_dependence: [1.0; 20],
+        };
+        let process = CylinderProcess {
+            sample_time: 0.02,
+            spool: None,
+            chambers: Some(table),
+            flow: None,
+            friction: None,
+        };
+        it.cylinder[2].process = Some(process);
+    });
+    assert_eq!(
+        chambers,
+        ["cylinder.process.chambers: cylinder 3: `supplies` do not rise: [238, 220]"]
+    );
     let unnamed = flaws_of_supply(|it| it.signals.supply = None);
     assert!(unnamed[0].contains("signals.supply"), "{unnamed:?}");
 }

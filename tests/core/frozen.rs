@@ -1,9 +1,9 @@
 //! Readings that stand: in the controller's loop until the rod has come to its end, and shortly after
 //! something else, on machines of any sample time.
 
-use crate::sequential_support::{Bench, Heard, Setup, fine};
+use crate::sequential_support::{Bench, Heard, Setup, fine, setup};
 use std::path::Path;
-use tertius::alarm::{Detector, State as Said};
+use tertius::alarm::{Detector, State as Said, Warning};
 use tertius::dbc::{Database, text};
 use tertius::simulator::{EPOCH, Options, Tables};
 use tertius::verdict::Suspect;
@@ -65,6 +65,28 @@ fn a_c1_that_drifts_on_while_the_rod_is_at_its_end_does_not_make_c2_frozen() {
         let suspected = suspected(&heard, cylinder, 10.0);
         assert!(suspected.iter().any(|it| it.0 == Detector::Fde3), "{cylinder}: {suspected:?}");
         assert!(!suspected.contains(&(Detector::Plausibility, Suspect::C2)), "{cylinder}");
+    }
+}
+
+/// Noise is no difference: C1, which has it, says as well as before that the rod moves.
+#[test]
+fn beside_a_noisy_one_a_frozen_reading_is_found_as_soon() {
+    let at = |n: u8| 55.0 + 0.7 * f64::from(n);
+    let fault = |n: u8| {
+        let noise = format!("noise,cylinder={n},sensor=c1,at=30,size=0.0004");
+        [noise, format!("freeze,cylinder={n},sensor=c2,at={}", at(n))]
+    };
+    let faults: Vec<String> = (1..=6).flat_map(fault).collect();
+    let heard = setup().play(60.0, &setup().options(5, &faults));
+    for cylinder in 1..=6 {
+        let (after, _) = heard.of(cylinder, 30.0).expect("the noise is found");
+        assert!(after < 20.0, "{cylinder}: after {after} s");
+        let is_frozen =
+            |it: &&Warning| it.cylinder == cylinder && it.detector == Detector::Plausibility;
+        let frozen = heard.others.iter().find(is_frozen).expect("it is found");
+        let after = frozen.timestamp.since(EPOCH).as_seconds() - at(cylinder);
+        assert_eq!(frozen.finding.suspect, Suspect::C2);
+        assert!((0.0..1.0).contains(&after), "{cylinder}: after {after} s");
     }
 }
 

@@ -1,13 +1,16 @@
 //! A monitor that takes up a saved state goes on as the one that saved it, whatever the frames were and wherever the
 //! cut is; and whatever a file has in it, it is refused or goes on without a panic.
 
+use crate::process::TAUGHT;
 use crate::sequential_support::setup;
 use crc::{CRC_64_XZ, Crc};
 use std::fmt::{self, Write as _};
+use tertius::alarm::Warning;
 use tertius::config::design;
 use tertius::frame::{BusNumber, Frame, Id, Kind};
 use tertius::monitor::{Estimates, MAX_STATE, Monitor, MonitorDesign, SavedState, StateRefusal};
 use tertius::time::Timestamp;
+use tertius::verdict::Fault;
 use tertius_testing::candump::read;
 use tertius_testing::machine::{self, Collected, Cycle, design_of_default, design_without};
 use tertius_testing::support::{Scratch, Seeded, between, recorded, tertius};
@@ -124,6 +127,29 @@ fn a_tilting_deck_is_cut_anywhere() {
     let tilt = format!("{:?}", monitor.tilt());
     assert!(tilt.contains("since: Some") && tilt.contains("healthy: Some"), "{tilt}");
     cut(&design, &frames, 12, 3000);
+}
+
+/// Spool, pressures and supply that are judged, while nothing is wrong, while a cylinder has a fault and the supply falls
+/// short, and while a transducer drifts in the loop.
+#[test]
+fn a_machine_with_process_detectors_is_cut_anywhere() {
+    let faults = [
+        "leakage,cylinder=2,at=20,rate=2.2",
+        "loss,cylinder=4,at=30,probability=0.1",
+        "supply_loss,cylinder=1,at=24,part=0.2",
+        "drift,cylinder=5,at=33,rate=0.005",
+    ];
+    let frames = TAUGHT.frames(41, &faults, 45.0);
+    let design = MonitorDesign { estimates: Estimates::Sent, ..TAUGHT.design.clone() };
+    let (before, after) = frames.split_at(frames.len() - 500);
+    let (mut monitor, mut seen) = (Monitor::new(design.clone()), Collected::default());
+    before.iter().for_each(|frame| monitor.take(frame, &mut seen));
+    for (n, fault) in [(2, Fault::Unclassified), (1, Fault::Supply)] {
+        let told = |it: &Warning| it.cylinder == n && it.finding.fault == fault;
+        assert!(seen.warnings.iter().any(told), "{fault:?}: {:?}", seen.warnings);
+    }
+    assert!(forge(&design, &monitor, after, 60) > 10);
+    cut(&design, &frames[frames.len() / 3..], 12, 3000);
 }
 
 /// Frames that are lost, late, repeated and out of order, so that places wait and hold; with Sync, with transducers that

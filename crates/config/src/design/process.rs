@@ -15,6 +15,9 @@ use tertius_core::process::{
 /// Least number of samples with which the commands between two knots are taught.
 const LEAST_SAMPLES: u64 = 100;
 
+/// What to do about a table that nothing can be made of.
+const ANEW: &str = "let `tertius calibrate` write the table anew, or leave it out";
+
 impl Connector<'_> {
     /// The process detector of cylinder `n`; `None` where nothing of it was fitted.
     pub(super) fn process(&mut self, n: u8) -> Option<ProcessDesign> {
@@ -22,6 +25,7 @@ impl Connector<'_> {
         let (fitted, supply) = (settings.process_of(n), settings.process.supply.is_some());
         if let Some(fitted) = fitted {
             self.refuse_absent(n, fitted);
+            self.refuse_falling(n, fitted);
         }
         (fitted.is_some() || supply).then(|| ProcessDesign {
             spool: fitted.and_then(|it| it.spool.as_ref()).map(spool),
@@ -51,11 +55,8 @@ impl Connector<'_> {
             ));
         }
         if taught[0] >= taught[1] {
-            self.flaws.push(Flaw::new(
-                "process.supply.taught",
-                format!("its pressures do not rise: {taught:?}"),
-                "let `tertius calibrate` write the table anew, or leave it out",
-            ));
+            let found = format!("its pressures do not rise: {taught:?}");
+            self.flaws.push(Flaw::new("process.supply.taught", found, ANEW));
         }
         Some(SupplyDesign {
             relation: SupplyRelation {
@@ -105,6 +106,21 @@ impl Connector<'_> {
         }
     }
 
+    /// Refuses supply pressures of which the least is above the largest.
+    fn refuse_falling(&mut self, n: u8, fitted: &CylinderProcess) {
+        let supplies = [
+            ("cylinder.process.chambers", fitted.chambers.as_ref().and_then(|it| it.supplies)),
+            ("cylinder.process.flow", fitted.flow.as_ref().and_then(|it| it.supplies)),
+        ];
+        for (table, supplies) in supplies {
+            let Some([least, largest]) = supplies.filter(|[least, largest]| least > largest) else {
+                continue;
+            };
+            let found = format!("cylinder {n}: `supplies` do not rise: [{least}, {largest}]");
+            self.flaws.push(Flaw::new(table, found, ANEW));
+        }
+    }
+
     fn flow(&mut self, n: u8, fitted: &FlowTable) -> Option<FlowDesign> {
         let design = FlowDesign {
             limit: fitted.limit,
@@ -122,7 +138,7 @@ impl Connector<'_> {
             self.flaws.push(Flaw::new(
                 "cylinder.process.flow",
                 format!("cylinder {n}: `curve` does not rise, or `scatter_c1` or `scatter_c2` is no covariance"),
-                "let `tertius calibrate` write the table anew, or leave it out",
+                ANEW,
             ));
         }
         is_sound.then_some(design)
@@ -139,7 +155,7 @@ impl Connector<'_> {
             self.flaws.push(Flaw::new(
                 "cylinder.process.friction",
                 format!("cylinder {n}: `scatter` is no covariance"),
-                "let `tertius calibrate` write the table anew, or leave it out",
+                ANEW,
             ));
         }
         is_sound.then_some(design)

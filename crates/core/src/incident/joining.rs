@@ -1,12 +1,13 @@
 //! Which warnings have one cause.
 //!
 //! Of one cylinder, warnings belong together that do not contradict each other about whom to
-//! suspect and between which the fault is not known to have gone, and those of one moment, whatever
-//! they say: a fault of one transducer reaches the other observer through the machine's controller.
+//! suspect and between which the fault is not known to have gone, and those of one moment: a fault of
+//! one transducer reaches the other observer through the machine's controller. A fault of the
+//! hydraulics and readings that have parted are never one incident.
 
 use super::{Ending, Incident, Progress};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
-use crate::alarm::{Detector, Finding, Level, Warning};
+use crate::alarm::{Detector, Level, Warning};
 use crate::state::whole;
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
@@ -96,14 +97,10 @@ impl Open {
     /// Whether one of them is of the hydraulics and the other of readings that have parted: no valve, pump or seal makes
     /// C1 and C2 differ, and no reading makes oil.
     fn is_of_another_kind(&self, warning: &Warning) -> bool {
-        let has_parted = |part: &Finding| part.suspect != Suspect::Process;
         match warning.detector {
-            Detector::Process => {
-                let mut parts = PARTING.iter().filter_map(|place| self.incident.part(*place));
-                parts.any(|part| has_parted(&part.finding))
-            }
+            Detector::Process => PARTING.iter().any(|it| self.incident.part(*it).is_some()),
             Detector::Fde3 | Detector::Sequential | Detector::Hexapod => {
-                has_parted(&warning.finding) && self.incident.part(WarningPlace::Process).is_some()
+                self.incident.part(WarningPlace::Process).is_some()
             }
             Detector::Fde1 | Detector::Fde2 | Detector::Plausibility => false,
         }

@@ -316,13 +316,14 @@ impl Cylinder {
         }
         // Nearly always: what is good and stands for nothing changes nothing.
         if !quality.is_good() || self.implausible[i].raised() {
-            quality = self.doubt(i, reading, quality, at);
+            quality = self.judge_implausible(i, reading, quality, at);
         }
         quality.is_good()
     }
 
+    /// Judges what is not good, or was not; returns the quality that it is taken for.
     #[inline(never)]
-    fn doubt(
+    fn judge_implausible(
         &mut self,
         i: usize,
         reading: Option<&Reading>,
@@ -330,7 +331,7 @@ impl Cylinder {
         at: Timestamp,
     ) -> Quality {
         if quality == Quality::Frozen && self.may_be_at_rest(i) {
-            quality = self.plausibility[i].acquit();
+            quality = self.plausibility[i].take_for_rest();
         }
         let checks = &self.plausibility[i];
         let beyond = reading.map_or(0.0, |reading| checks.beyond(reading.position));
@@ -340,12 +341,13 @@ impl Cylinder {
         quality
     }
 
-    /// Whether nothing but the other reading says that the rod moves, which was apart from that of index `i` long before
-    /// this came to stand, and it is not known to be right.
+    /// Whether reading `i`, which seems frozen, may be that of a rod at rest: the only witness is the other reading, which
+    /// had parted from it long before it came to stand, and is not known to be right.
     fn may_be_at_rest(&self, i: usize) -> bool {
-        let alarm = self.sequential.as_deref().and_then(Sequential::alarm);
+        let parted = self.sequential.as_deref().filter(|it| it.is_displaced());
+        let alarm = parted.and_then(Sequential::alarm);
         let (reading, own) = (&self.plausibility[i], [Suspect::C1, Suspect::C2][i]);
-        let alarm = alarm.map(|it| (it.suspect, it.age));
+        let alarm = alarm.map(|it| (it.suspect, it.stood));
         let mut apart = [alarm, self.bank.difference()].into_iter().flatten();
         let before = reading.idle().saturating_add(self.design.observers[i].settle);
         let is_older = |(suspect, age)| suspect != own && age > before;

@@ -118,6 +118,8 @@ impl Monitor {
             }
         }
         self.cylinders.iter_mut().for_each(|cylinder| cylinder.lose(bus));
+        // Its pressure and the rods' lengths may have come by this bus.
+        self.interrupt_supply();
     }
 
     fn start_anew(&mut self, reason: Restart) {

@@ -55,3 +55,14 @@ pub struct ProcessAlarm {
 }
 
 whole! { ProcessAlarm { malfunction, size, nats, onset, age, quiet } }
+
+impl ProcessAlarm {
+    /// Takes evidence of `nats` of so many `cycles`, which is for it from `least` nats on; returns whether it has not been
+    /// for more than `clear` cycles.
+    pub(super) fn follow(&mut self, nats: f64, least: f64, cycles: u32, clear: u32) -> bool {
+        self.age = self.age.saturating_add(cycles);
+        self.nats = self.nats.max(nats);
+        self.quiet = if nats < least { self.quiet.saturating_add(cycles) } else { 0 };
+        self.quiet > clear
+    }
+}

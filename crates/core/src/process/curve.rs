@@ -63,12 +63,6 @@ impl Curve {
         (piece, part_of(self.pieces[piece].ends, command))
     }
 
-    /// Whether a place among the pieces of `other` is one among its own.
-    #[inline]
-    pub fn has_knots_of(&self, other: &Self) -> bool {
-        self.pieces.len() == other.pieces.len() && self.limit == other.limit
-    }
-
     /// The value at a place among its own pieces.
     #[inline]
     pub fn at_place(&self, (piece, part): PiecePart) -> f64 {

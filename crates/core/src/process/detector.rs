@@ -73,9 +73,9 @@ pub struct Process {
 }
 
 state! {
-    Process { of_spool, of_chambers, trace, open, losses, alarms, is_raised, oil, is_supply_judged }
+    Process { of_spool, of_chambers, trace, open, losses, judged, alarms, is_raised, oil, is_supply_judged }
     parts { spool, flow, friction }
-    but { design, levels, weighings, counts, area_ratio, judged }
+    but { design, levels, weighings, counts, area_ratio }
     sound |it| it.is_raised == it.alarms.iter().any(Option::is_some)
 }
 
@@ -308,11 +308,8 @@ impl Process {
                 false
             }
             Some(alarm) => {
-                alarm.age = alarm.age.saturating_add(cycles);
-                alarm.nats = alarm.nats.max(peak.nats);
-                let over = peak.nats < self.design.parameters.over * self.levels[which];
-                alarm.quiet = if over { alarm.quiet + cycles } else { 0 };
-                alarm.quiet > self.design.clear
+                let least = self.design.parameters.over * self.levels[which];
+                alarm.follow(peak.nats, least, cycles, self.design.clear)
             }
         };
         if ended {

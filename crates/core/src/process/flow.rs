@@ -202,7 +202,7 @@ impl Flow {
         for (sum, speed) in open.speeds.iter_mut().zip(along.speeds()) {
             *sum += speed;
         }
-        open.cycles += 1;
+        open.cycles = open.cycles.saturating_add(1);
         if open.cycles < self.block {
             return None;
         }

@@ -23,7 +23,7 @@ pub struct ProcessInput {
     pub monitored: bool,
     /// C1 beyond what C2 has it at, m, where a calibration along the stroke tells.
     pub apart: Option<f64>,
-    /// Whether a reading of either transducer is missing.
+    /// Whether C1 or C2 has no good reading in this cycle.
     pub is_lost: bool,
     /// Whether a transducer is under suspicion: what the controller then commands proves nothing.
     pub held: bool,
@@ -39,15 +39,15 @@ pub struct ProcessInput {
 pub struct OilReading {
     /// P_S, bar.
     pub pressure: Option<f64>,
-    /// Length of its rod by C1, or else by the corrected C2, m; `None` while one of them is under suspicion, since the
-    /// controller may then take oil that no reading shows.
+    /// Length of its rod by C1, or else by the corrected C2, m; `None` while one of them is under suspicion or many of
+    /// their readings are lost, since the controller may then take oil that no reading shows.
     pub length: Option<f64>,
 }
 
 whole! { OilReading { pressure, length } }
 
 impl ProcessInput {
-    /// What the supply is compared with, if the rod's length is not to be known where the cylinder `is_held`.
+    /// Pressure of the supply and length of the rod; no length while the cylinder `is_held`.
     pub(super) fn oil(&self, is_held: bool) -> OilReading {
         let [c1, c2] = self.lengths;
         let length = c1.or(c2).filter(|_| !is_held);

@@ -22,7 +22,7 @@ impl Losses {
     #[cold]
     fn count(&mut self, is_lost: bool, cycles: u32) -> bool {
         const LOSS: u32 = ProcessParameters::DEFAULT.loss;
-        const MANY: u32 = 2 * LOSS;
+        const MANY: u32 = (ProcessParameters::DEFAULT.losses - 1) * LOSS;
         self.sum = match is_lost {
             true => self.sum.saturating_add(LOSS).min(MANY + cycles),
             false => self.sum.saturating_sub(1),
@@ -40,7 +40,7 @@ mod tests {
         let mut losses = Losses::default();
         let mut are_many = |is_lost| losses.take(is_lost, 100);
         assert!(!(1..=1020).any(|k| are_many(k % 17 == 1)), "one in 17");
-        assert_eq!((0..).find(|_| are_many(true)), Some(2), "the third one in a row");
+        assert_eq!((0..).find(|_| are_many(true)), Some(5), "the sixth one in a row");
         (0..500).for_each(|k| _ = are_many(k % 10 == 0));
         assert!(are_many(true));
         assert_eq!((0..1000).filter(|_| are_many(false)).count(), 99);

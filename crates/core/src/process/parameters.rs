@@ -18,9 +18,10 @@ pub struct ProcessParameters {
     pub farthest: f64,
     /// Displacement of the spool that is no fault, as a part of the largest position that was taught.
     pub spool_band: f64,
-    /// Cycles with every reading that weigh as much as one without: where more than one in 17 is lost that adds up, and from
-    /// the third one on they are many, …
+    /// Cycles with both readings that weigh as much as one without: where more than one in 17 is without, that adds up.
     pub loss: u32,
+    /// From so many in a row on they are many, …
+    pub losses: u32,
     /// … and that many for so long after them at the most, s.
     pub lost_for: f64,
     /// Displacement of the chambers' sum that is no fault, bar.
@@ -95,6 +96,7 @@ impl ProcessParameters {
         farthest: 6.0,
         spool_band: 3e-3,
         loss: 16,
+        losses: 6,
         lost_for: 2.0,
         chambers_band: 1.0,
         chambers_untaught: 0.05,

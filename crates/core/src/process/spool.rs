@@ -104,11 +104,7 @@ impl Spool {
             return None;
         };
         let at = design.curve.place(command);
-        // Their knots stand at the same commands, unless somebody has written the tables.
-        let own = match design.before.has_knots_of(&design.curve) {
-            true => design.before.at_place(at),
-            false => design.before.at(command),
-        };
+        let own = design.before.at(command);
         let before = run.before.replace(own).unwrap_or(own);
         if run.expected.is_none() {
             run.unsettled = *settling;

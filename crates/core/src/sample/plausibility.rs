@@ -31,7 +31,8 @@ pub struct PlausibilityLimits {
 /// where a slow stroke turns. The command must have moved both ways: a stop holds against one only.
 const UNWITNESSED: u32 = 5;
 
-/// Times [`PlausibilityLimits::travel`] that a leap is no rod's that starts to move.
+/// A change of the other reading by more than this many times [`PlausibilityLimits::travel`] in one cycle is a jump where
+/// it was not in motion.
 const FAR: f64 = 5.0;
 
 /// Direction in which a command moves the cylinder.
@@ -92,7 +93,8 @@ struct Stillness {
 whole! { Stillness { cycles, pushed, beside, seen, unseen, stirred, travelled } }
 
 impl Stillness {
-    /// A reading that has changed, as nearly every one has: nothing else was written since the last one that had.
+    /// The reading has changed, as it nearly always has: begins anew. Unless it stood before, only `beside` is not as in
+    /// the default.
     #[inline]
     fn begin(&mut self, other: Option<Other>) {
         if self.cycles > 0 {
@@ -113,7 +115,8 @@ impl Stillness {
             self.unseen = self.unseen.saturating_add(1);
             return;
         };
-        let Some(then) = self.beside else { return };
+        // If it was not there at the beginning, its way begins here.
+        let then = *self.beside.get_or_insert(now.position);
         self.stirred |= now.position != then;
         let leap = (now.position - self.seen.unwrap_or(then)).abs();
         let leaps = !now.goes_on && leap > FAR * limits.travel;
@@ -232,8 +235,8 @@ impl Plausibility {
         self.held.pushed.into_iter().all(|pushed| pushed >= least)
     }
 
-    /// Takes a frozen reading for a rod at rest, because nobody else can witness that it is not.
-    pub const fn acquit(&mut self) -> Quality {
+    /// Takes a reading that seems frozen for that of a rod at rest.
+    pub const fn take_for_rest(&mut self) -> Quality {
         self.quality = Quality::Good;
         self.quality
     }

@@ -43,8 +43,10 @@ pub struct Alarm {
     pub scale: Option<Scale>,
     /// Onset of the fault, as far as the residuals show it.
     pub onset: Timestamp,
-    /// Cycles since the alarm.
+    /// Cycles since the alarm that were judged.
     pub age: u32,
+    /// Cycles since the alarm, whether judged or not.
+    pub stood: u32,
     /// Cycles without evidence.
     pub calm: u32,
     /// Whether all cylinders were found to be sampled differently when the alarm had just been
@@ -53,7 +55,7 @@ pub struct Alarm {
 }
 
 whole! {
-    Alarm { cause, peak, back, fault, suspect, evidence, by, size, scale, onset, age, calm, of_timing }
+    Alarm { cause, peak, back, fault, suspect, evidence, by, size, scale, onset, age, stood, calm, of_timing }
     sound |it| it.age < MOST_CYCLES && it.calm < MOST_CYCLES
 }
 
@@ -72,9 +74,15 @@ impl Alarm {
             scale: None,
             onset,
             age: 0,
+            stood: 0,
             calm: 0,
             of_timing: false,
         }
+    }
+
+    /// Takes another cycle of it.
+    pub(super) const fn stand(&mut self) {
+        self.stood = self.stood.saturating_add(1);
     }
 
     /// Clears the suspect and the evidence for it.

@@ -230,6 +230,9 @@ impl Sequential {
             if core::mem::take(&mut self.was_monitored) {
                 self.leave();
             }
+            if let Some(alarm) = &mut self.alarm {
+                alarm.stand();
+            }
             self.verdict = Verdict::Unknown;
             self.unknown = Some(Unknown::NotMonitored);
             return;
@@ -350,8 +353,11 @@ impl Sequential {
     /// Notes that there is no evidence in this cycle; an alarm stands.
     const fn go_without(&mut self, reason: Unknown) {
         self.witness.push(0.0, 0.0);
-        (self.verdict, self.unknown) = match self.alarm {
-            Some(_) => (Verdict::Faulty, None),
+        (self.verdict, self.unknown) = match &mut self.alarm {
+            Some(alarm) => {
+                alarm.stand();
+                (Verdict::Faulty, None)
+            }
             None => (Verdict::Unknown, Some(reason)),
         };
     }

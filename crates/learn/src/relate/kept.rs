@@ -67,6 +67,10 @@ impl<R: Consecutive> Pieces<R> {
     }
 
     fn halve(&mut self) {
+        // Where there are only first pieces, no stride leaves any of them out.
+        if self.begun.iter().all(|(number, _)| *number == 0) {
+            return;
+        }
         self.stride = self.stride.saturating_mul(2);
         let ends = self.begun.iter().skip(1).map(|(_, begin)| *begin).chain([self.rows.len()]);
         let spans: Vec<_> = self.begun.iter().copied().zip(ends).collect();

@@ -57,7 +57,7 @@ impl fmt::Display for ProcessRefusal {
         match self {
             Self::Short { seconds, least } => write!(
                 f,
-                "{seconds:.0} s of spool and pressures in monitored states, and it takes {least:.0} s"
+                "{seconds:.0} s of usable data in monitored states, and it takes {least:.0} s"
             ),
             Self::Undetermined => f.write_str("its signals hardly move, and do not determine it"),
             Self::Contradicted { at, nats } => write!(

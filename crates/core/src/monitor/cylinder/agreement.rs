@@ -29,6 +29,23 @@ pub fn is_alone(own: f64, other: Option<f64>) -> bool {
     other.is_some_and(|other| other.abs() < PART * own.abs())
 }
 
+/// Whether the observer with the residual `other`, m, sees more than this `part` of the residual `own`, m, in the same
+/// direction.
+fn sees(own: f64, other: f64, part: f64) -> bool {
+    other * own.signum() > part * own.abs()
+}
+
+/// What is known of C1 and C2 beside R1 and R2.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Readings {
+    /// Their difference, m, where it is known and healthy.
+    pub apart: Option<f64>,
+    /// Whether they do not agree after all.
+    pub contradicted: bool,
+    /// Whether they had parted before: what R1 and R2 have in common is then not their difference.
+    pub parted: bool,
+}
+
 /// Agreement for FDE1 and FDE2.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Agreement {
@@ -41,34 +58,21 @@ pub struct Agreement {
 whole! { Agreement { raised, process, shared } }
 
 impl Agreement {
-    /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and the difference `apart` of
-    /// the readings, m, where it is known and healthy. `contradicted`: the readings do not agree
-    /// after all. Where they had `parted` before, what R1 and R2 have in common is not their difference.
-    pub fn judge(
-        &mut self,
-        raised: [bool; 2],
-        residuals: [Option<f64>; 2],
-        apart: Option<f64>,
-        contradicted: bool,
-        parted: bool,
-    ) {
+    /// Takes a cycle: whether FDE1 and FDE2 are raised, R1 and R2, m, and what is known of C1 and C2.
+    pub fn judge(&mut self, raised: [bool; 2], residuals: [Option<f64>; 2], readings: Readings) {
+        let Readings { apart, contradicted, parted } = readings;
         for i in 0..2 {
-            let shared = || {
-                let [own, other] = [residuals[i], residuals[1 - i]];
-                own.zip(other).is_some_and(|(own, other)| other * own.signum() > ALIKE * own.abs())
-            };
-            self.shared[i] =
-                raised[i] && if self.raised[i] { self.shared[i] } else { parted && shared() };
+            let both = residuals[i].zip(residuals[1 - i]);
+            let shared = || both.is_some_and(|(own, other)| sees(own, other, ALIKE));
             let agree = || {
-                let [own, other] = [residuals[i], residuals[1 - i]];
-                own.zip(other).zip(apart).is_some_and(|((own, other), apart)| {
-                    apart < PART * own.abs() && other * own.signum() > SHARED * own.abs()
+                both.zip(apart).is_some_and(|((own, other), apart)| {
+                    apart < PART * own.abs() && sees(own, other, SHARED)
                 })
             };
-            self.process[i] = match (self.raised[i], raised[i]) {
-                (_, false) => false,
-                (false, true) => agree(),
-                (true, true) => self.process[i] && !contradicted,
+            (self.shared[i], self.process[i]) = match (self.raised[i], raised[i]) {
+                (_, false) => (false, false),
+                (false, true) => (parted && shared(), agree()),
+                (true, true) => (self.shared[i], self.process[i] && !contradicted),
             };
         }
         self.raised = raised;
@@ -90,16 +94,21 @@ impl Agreement {
 mod tests {
     use super::*;
 
+    /// Readings that differ by so much and have not parted.
+    fn apart(apart: Option<f64>) -> Readings {
+        Readings { apart, ..Readings::default() }
+    }
+
     #[test]
     fn what_both_readings_share_is_the_process_until_they_part() {
         let mut agreement = Agreement::default();
         let r = [Some(1.1e-3), Some(0.9e-3)];
-        agreement.judge([true, false], r, Some(2e-4), false, false);
+        agreement.judge([true, false], r, apart(Some(2e-4)));
         assert!(agreement.is_process(0) && !agreement.is_process(1));
         // Not known any more, and then contradicted.
-        agreement.judge([true, false], r, None, false, false);
+        agreement.judge([true, false], r, apart(None));
         assert!(agreement.is_process(0));
-        agreement.judge([true, false], r, None, true, false);
+        agreement.judge([true, false], r, Readings { contradicted: true, ..apart(None) });
         assert!(!agreement.is_process(0));
     }
 
@@ -119,37 +128,43 @@ mod tests {
     fn what_only_one_observer_sees_is_not_the_process() {
         for other in [Some(4e-4), Some(-4e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, false], [Some(-2e-3), other], Some(9.8e-4), false, false);
+            agreement.judge([true, false], [Some(-2e-3), other], apart(Some(9.8e-4)));
             assert!(!agreement.is_process(0), "{other:?}");
         }
     }
 
     #[test]
     fn a_reading_that_left_the_other_one_is_not_the_process() {
-        for apart in [Some(1.1e-3), Some(6e-4), None] {
+        for difference in [Some(1.1e-3), Some(6e-4), None] {
             let mut agreement = Agreement::default();
-            agreement.judge([true, true], [Some(-1.1e-3), Some(1e-3)], apart, false, false);
-            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{apart:?}");
+            agreement.judge([true, true], [Some(-1.1e-3), Some(1e-3)], apart(difference));
+            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
             // It was raised then; what comes later is what the observer made of it.
-            agreement.judge([true, true], [Some(2e-3), Some(2e-3)], Some(1e-4), false, false);
-            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{apart:?}");
+            agreement.judge([true, true], [Some(2e-3), Some(2e-3)], apart(Some(1e-4)));
+            assert!(!agreement.is_process(0) && !agreement.is_process(1), "{difference:?}");
         }
     }
 
     /// The rod is at its stop, or the controller does what nobody was taught, because C1 has drifted off.
     #[test]
     fn what_both_observers_see_of_readings_that_had_parted_is_shared_until_it_clears() {
-        let mut agreement = Agreement::default();
-        let mut judge = |raised, residuals: [f64; 2], parted| {
-            agreement.judge([false, raised], residuals.map(Some), None, parted, parted);
-            agreement.is_shared(1)
-        };
-        assert!(!judge(true, [1.6e-3, 1.7e-3], false), "they part with it");
-        assert!(!judge(true, [1.6e-3, 1.7e-3], true));
-        assert!(!judge(false, [0.0; 2], true));
-        assert!(!judge(true, [1.2e-3, 1.7e-3], true) && !judge(false, [0.0; 2], true));
-        assert!(!judge(true, [-1.6e-3, 1.7e-3], true) && !judge(false, [0.0; 2], true));
-        assert!(judge(true, [1.6e-3, 1.7e-3], true) && judge(true, [0.0, 3e-3], true));
-        assert!(!judge(false, [0.0; 2], true));
+        for (i, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+            let mut agreement = Agreement::default();
+            let mut judge = |raised: bool, [own, other]: [f64; 2], parted| {
+                let mut residuals = [Some(sign * own); 2];
+                residuals[1 - i] = Some(sign * other);
+                let readings = Readings { apart: None, contradicted: parted, parted };
+                agreement.judge([0, 1].map(|k| raised && k == i), residuals, readings);
+                assert!(!agreement.is_shared(1 - i));
+                agreement.is_shared(i)
+            };
+            assert!(!judge(true, [1.7e-3, 1.6e-3], false), "they part with it");
+            assert!(!judge(true, [1.7e-3, 1.6e-3], true));
+            assert!(!judge(false, [0.0; 2], true));
+            assert!(!judge(true, [1.7e-3, 1.2e-3], true) && !judge(false, [0.0; 2], true));
+            assert!(!judge(true, [1.7e-3, -1.6e-3], true) && !judge(false, [0.0; 2], true));
+            assert!(judge(true, [1.7e-3, 1.6e-3], true) && judge(true, [3e-3, 0.0], true));
+            assert!(!judge(false, [0.0; 2], true));
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Inputs of the detectors of a cylinder in a cycle.
 
-use super::agreement::{Agreement, is_alone};
+use super::agreement::{Agreement, Readings, is_alone};
 use super::precedence::{DETECTORS, Standing};
 use super::{Cylinder, Evaluation, Implausible, TRANSDUCERS};
 use crate::monitor::gate::Opening;
@@ -9,7 +9,7 @@ use crate::process::{ProcessCoverage, ProcessInput};
 use crate::sample::{Quality, Reading};
 use crate::sequential::{self, Sequential};
 use crate::time::Timestamp;
-use crate::verdict::{Residuals, Suspect, Testimony, Verdict};
+use crate::verdict::{Residuals, Testimony, Verdict};
 
 impl Cylinder {
     /// The part of [`Cylinder::evaluate`] that is not compiled again with a sink in another crate.
@@ -101,13 +101,10 @@ impl Cylinder {
     /// Whether a transducer is under suspicion, and whether the readings have parted that are both plausible.
     #[inline]
     pub(super) fn doubts(&self) -> (bool, bool) {
-        let doubted = |suspect: Suspect| suspect != Suspect::Process;
-        let difference = self.bank.any_found()
-            && self.bank.detections()[2].is_some_and(|it| doubted(it.suspect));
+        let difference = self.bank.any_found() && self.bank.difference().is_some();
         let (sequential, is_implausible) = (self.sequential.as_deref(), self.is_implausible());
-        let alarm = sequential.and_then(Sequential::alarm);
         let is_doubted =
-            difference || is_implausible || alarm.is_some_and(|it| doubted(it.suspect));
+            difference || is_implausible || sequential.is_some_and(|it| it.alarm().is_some());
         (is_doubted, !is_implausible && sequential.is_some_and(Sequential::is_displaced))
     }
 
@@ -172,8 +169,12 @@ impl Cylinder {
             // Nearly always: nobody disagrees.
             self.agreement = Agreement::default();
         } else {
-            let (alarm, parted) = (sequential.alarm().is_some(), sequential.is_displaced());
-            self.agreement.judge(raised, [r1, r2], sequential.apart(), alarm, parted);
+            let readings = Readings {
+                apart: sequential.apart(),
+                contradicted: sequential.alarm().is_some(),
+                parted: sequential.is_displaced(),
+            };
+            self.agreement.judge(raised, [r1, r2], readings);
         }
     }
 }

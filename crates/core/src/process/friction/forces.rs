@@ -122,7 +122,7 @@ impl Forces {
             return None;
         };
         open.load += sample.load;
-        open.cycles += 1;
+        open.cycles = open.cycles.saturating_add(1);
         if open.cycles < self.block { None } else { self.close(sample.length) }
     }
 

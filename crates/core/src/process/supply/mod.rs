@@ -296,11 +296,8 @@ impl SupplyWatch {
             None if peak.nats < self.level => return,
             None => self.alarm = Some(self.raised(peak, at)),
             Some(alarm) => {
-                alarm.age = alarm.age.saturating_add(cycles);
-                alarm.nats = alarm.nats.max(peak.nats);
-                let over = peak.nats < ProcessParameters::DEFAULT.over * self.level;
-                alarm.quiet = if over { alarm.quiet + cycles } else { 0 };
-                if alarm.quiet > self.design.clear {
+                let least = ProcessParameters::DEFAULT.over * self.level;
+                if alarm.follow(peak.nats, least, cycles, self.design.clear) {
                     self.alarm = None;
                 }
             }
@@ -319,7 +316,7 @@ impl SupplyWatch {
         alarm.size = self.size.take(beside, self.blocks);
     }
 
-    /// The pressure that a sound pump would have brought about since the platform came into a monitored state, bar.
+    /// The pressure that a sound pump would have brought about since the evidence began, bar.
     fn follow(&mut self, block: &OilBlock) -> f64 {
         let [from, _] = block.pressures;
         let next = self.expected.and_then(|it| self.design.relation.next(it, block, self.seconds));

@@ -195,6 +195,18 @@ fn a_reading_that_comes_back_from_elsewhere_has_not_moved() {
     }
 }
 
+/// The other reading was lost in the cycle in which this one took its last value.
+#[test]
+fn the_way_of_one_that_was_lost_at_the_beginning_begins_when_it_comes() {
+    let mut checks = Plausibility::new(limits());
+    let mut judge = |moment| checks.judge(Some(&reading(0.5)), moment);
+    judge(MOVING);
+    (0..3).for_each(|_| assert_eq!(judge(passing(0.1)), Quality::Good));
+    assert_eq!(judge(passing(0.100_9)), Quality::Good, "less than the distance");
+    assert_eq!(judge(passing(0.101_1)), Quality::Frozen);
+    assert!(checks.is_witnessed() && checks.stands_alone());
+}
+
 /// A stop holds a rod against one direction only.
 #[test]
 fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted() {
@@ -209,7 +221,7 @@ fn a_reading_is_driven_once_the_command_has_moved_both_ways_and_can_be_acquitted
     assert_eq!(judge(Push::Positive, 24), (Quality::Frozen, false));
     assert_eq!(judge(Push::Negative, 19), (Quality::Frozen, false));
     assert_eq!(judge(Push::Negative, 1), (Quality::Frozen, true));
-    assert_eq!((checks.acquit(), checks.quality()), (Quality::Good, Quality::Good));
+    assert_eq!((checks.take_for_rest(), checks.quality()), (Quality::Good, Quality::Good));
     checks.judge(Some(&reading(0.6)), MOVING);
     assert!(!checks.is_driven());
 }

@@ -84,6 +84,7 @@ impl Sequential {
             }
             _ => calm,
         };
+        alarm.stand();
         alarm.age = alarm.age.saturating_add(1);
         alarm.calm = if calm { alarm.calm + 1 } else { 0 };
         if self.cycles.looks.contains(&alarm.age)
