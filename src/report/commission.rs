@@ -119,7 +119,7 @@ fn name(detector: Detector) -> String {
 
 /// Warnings on the healthy machine in the blocks held back.
 pub fn trial(result: &Commissioned) -> Section {
-    let header = ["detector", "false alarms", "at most an hour (95 %)", "judged"];
+    let header = ["detector", "false alarms", "at most, per hour (95 %)", "judged"];
     let mut table = Sheet::new(&header);
     let Some(trial) = &result.trial else { return table.about("") };
     for detector in DETECTORS {

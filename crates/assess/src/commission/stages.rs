@@ -344,8 +344,13 @@ mod tests {
             refused: Vec::new(),
             failed: None,
         };
-        let alarm =
-            |cylinder, fault| FalseAlarm { t: 61.25, cylinder, detector: Detector::Process, fault };
+        let alarm = |cylinder, fault| FalseAlarm {
+            t: 61.25,
+            cylinder,
+            detector: Detector::Process,
+            fault,
+            stands: false,
+        };
         taught.without_process(&Trial {
             held: 300.0,
             false_alarms: Vec::new(),
@@ -370,8 +375,13 @@ mod tests {
             |n: u8| format!("[[cylinder]] # the {n}\nn = {n}\n[cylinder.process]\nlevel = {n}\n\n");
         let mut text = own(1) + &own(2);
         let mut cylinders = [cylinder(1), cylinder(2)];
-        let alarm =
-            |t| FalseAlarm { t, cylinder: 2, detector: Detector::Process, fault: Fault::Leakage };
+        let alarm = |t| FalseAlarm {
+            t,
+            cylinder: 2,
+            detector: Detector::Process,
+            fault: Fault::Leakage,
+            stands: false,
+        };
         leave_out(&mut text, &mut cylinders, &[alarm(61.25), alarm(75.0)]);
         assert!(text.starts_with(&own(1)), "{text}");
         assert!(text.contains("\nn = 2") && !text.contains("level = 2"), "{text}");

@@ -33,7 +33,13 @@ pub struct FalseAlarm {
     pub cylinder: u8,
     pub detector: Detector,
     pub fault: Fault,
+    /// Whether it was raised before the block that is held back, and stands there.
+    pub stands: bool,
 }
+
+/// Time for which a warning stands in blocks that are held back, s, from which on it counts there, wherever it was raised: a
+/// fault that begins in a block of the lesson does not end with it.
+const LASTING: f64 = 10.0;
 
 /// What became of the faults of one kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -280,21 +286,47 @@ impl Trying<'_> {
     }
 
     fn false_alarms(&self) -> Vec<FalseAlarm> {
-        let Course { blocks, cuts, .. } = self.course;
-        let raised = self.heard.warnings.iter().filter(|it| it.state == State::Raised);
-        let alarm = |it: &Warning| {
-            let t = it.timestamp.since(self.first).as_seconds();
-            let (cylinder, detector, fault) = (it.cylinder, it.detector, it.finding.fault);
-            FalseAlarm { t, cylinder, detector, fault }
-        };
         let counts = |it: &FalseAlarm| {
             DETECTORS.contains(&it.detector)
-                && blocks.hold(it.t)
                 && self.cylinders.contains(&it.cylinder)
-                && !cuts.hold(it.cylinder, it.t)
+                && !self.course.cuts.hold(it.cylinder, it.t)
         };
-        raised.map(alarm).filter(counts).collect()
+        let seconds = |at: Timestamp| at.since(self.first).as_seconds();
+        let alarms =
+            alarms_in(self.course.blocks, &self.heard.warnings, seconds(self.newest), seconds);
+        alarms.into_iter().filter(counts).collect()
     }
+}
+
+/// The warnings that are raised in the `blocks`, or stand there for long; `seconds` gives the time of the trial, which ends at
+/// `end`, s.
+fn alarms_in(
+    blocks: &Blocks,
+    warnings: &[Warning],
+    end: f64,
+    seconds: impl Fn(Timestamp) -> f64,
+) -> Vec<FalseAlarm> {
+    let spans = blocks.spans();
+    let alarm = |(i, warning): (usize, &Warning)| {
+        let Warning { cylinder, detector, place, .. } = *warning;
+        let is_its = |it: &&Warning| {
+            it.state == State::Cleared && (it.cylinder, it.place) == (cylinder, place)
+        };
+        let t = seconds(warning.timestamp);
+        let until = warnings[i..].iter().find(is_its).map_or(end, |it| seconds(it.timestamp));
+        let stands_in = spans.iter().map(|[from, to]| (from.max(t), to.min(until)));
+        let stands_in = stands_in.filter(|(from, to)| to > from);
+        let alarm =
+            FalseAlarm { t, cylinder, detector, fault: warning.finding.fault, stands: false };
+        if blocks.hold(t) {
+            return Some(alarm);
+        }
+        let (first, _) = stands_in.clone().next()?;
+        let lasts: f64 = stands_in.map(|(from, to)| to - from).sum();
+        (lasts >= LASTING).then_some(FalseAlarm { t: first, stands: true, ..alarm })
+    };
+    let all = warnings.iter().enumerate();
+    all.filter(|(_, it)| it.state == State::Raised).filter_map(alarm).collect()
 }
 
 fn result(kind: FaultKind, entries: &[(FaultKind, Option<Outcome>)]) -> KindResult {

@@ -130,7 +130,8 @@ fn wrongs(
     if beyond(heard, wanted * trial.held / 3600.0 / HOURS_PER_YEAR) {
         reasons.extend(trial.false_alarms.iter().take(TOLD).map(|alarm| {
             let (detector, cylinder, t) = (alarm.detector.name(), alarm.cylinder, alarm.t);
-            format!("{detector} of cylinder {cylinder} warns at {t:.1} s")
+            let verb = if alarm.stands { "has a standing warning" } else { "warns" };
+            format!("{detector} of cylinder {cylinder} {verb} at {t:.1} s")
         }));
         advice.push(
             "look there (`replay --report`): is it a fault, or are readings off now and then? \
@@ -175,7 +176,8 @@ fn poisson_lower(events: u64) -> f64 {
 fn finds(trial: &Trial) -> String {
     let found = |it: &KindResult| {
         let median = it.median().map_or("rarely".to_owned(), |delay| format!("{delay:.2} s"));
-        format!("{} {median} ({} of {})", it.kind, it.delays.len(), it.tried)
+        let KindResult { kind, delays, tried, right, .. } = it;
+        format!("{kind} {median} ({} of {tried} found, {right} named)", delays.len())
     };
     let kinds: Vec<String> = trial.kinds.iter().filter(|it| it.tried > 0).map(found).collect();
     let alarms = match trial.false_alarms.len() {
@@ -183,7 +185,10 @@ fn finds(trial: &Trial) -> String {
         some => counted(some as u64),
     };
     let held = trial.held / 60.0;
-    format!("{alarms} in {held:.1} min that were held back; found after {}", kinds.join(", "))
+    format!(
+        "{alarms} in {held:.1} min that were held back; warns after (median): {}",
+        kinds.join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -241,8 +246,8 @@ mod tests {
         assert_eq!(sound.fitness, Fitness::Fit);
         assert_eq!(
             sound.sentence,
-            "It is fit for use: no false alarm in 5.0 min that were held back; found after step of 1 mm \
-             0.04 s (12 of 12)"
+            "It is fit for use: no false alarm in 5.0 min that were held back; warns after (median): \
+             step of 1 mm 0.04 s (12 of 12 found, 12 named)"
         );
         assert!(sound.reasons.is_empty() && sound.advice.is_empty());
         let mut heard = trial(12);
@@ -252,6 +257,7 @@ mod tests {
             cylinder: 4,
             detector,
             fault: Fault::Abrupt,
+            stands: false,
         });
         let unfit = Verdict::of(&taught(), Some(&taught()), Some(&heard));
         assert_eq!(unfit.fitness, Fitness::Unfit);
