@@ -191,6 +191,27 @@ fn a_silent_transducer_on_a_living_bus_is_stale() {
     assert_eq!(after, 4 * 20 * MS + 16 * MS, "at the deadline of the fifth cycle without it");
 }
 
+/// A clock that is set forward in the middle of a cycle: every frame has come, though for no cycle that is still open.
+#[test]
+fn frames_that_find_no_cycle_for_a_while_are_not_missing() {
+    for by in [30, 40, 100, 300, 500] {
+        for within in [0.5, 1.8, 5.0, 12.0] {
+            let step = machine::START + 80 * 20 * MS + (within * MS as f64) as i64;
+            let mut frames: Vec<Frame> =
+                (0..160).flat_map(|k| Cycle { command: 300, ..Cycle::new(k) }.frames()).collect();
+            for frame in &mut frames {
+                let nanos = frame.timestamp.as_nanos();
+                let late = if nanos >= step { by * MS } else { 0 };
+                frame.timestamp = Timestamp::from_nanos(nanos + late);
+            }
+            let (_, seen) = play(frames);
+            assert!(seen.warnings.is_empty(), "{by} ms, {within} ms: {:?}", seen.warnings);
+            let last = seen.records.last().expect("there are many");
+            assert!(last.c1.is_some() && last.c2.is_some(), "{by} ms, {within} ms");
+        }
+    }
+}
+
 #[test]
 fn frames_out_of_order_are_taken_and_a_set_clock_starts_anew() {
     let (monitor, seen) = play((0..100).flat_map(|k| {

@@ -141,10 +141,18 @@ class Observer:
         self.x = None
         self.started = False
         self.u = 0.0
+        # Cycles until a loss has decayed to a part of its first effect, and until the present one has.
+        error, shown, self.recovery = self.l[:, 0], 0.1 * abs(self.l[0, 0]), 0
+        while self.recovery < self.settle and abs(error[0]) >= shown and error[0] != 0.0:
+            error, self.recovery = (self.a - self.l @ c) @ error, self.recovery + 1
+        self.recovering = self.broken = 0
 
     def step(self, reading, u):
         """C x, the innovation and whether it may be judged; and whether it began anew."""
         self.u = self.u if u is None else u
+        recovering = self.recovering
+        lost = reading is None or u is None
+        self.recovering = self.recovery if lost else max(self.recovering - 1, 0)
         if reading is None:
             if self.x is not None:
                 self.coasted += 1
@@ -156,7 +164,8 @@ class Observer:
             speed = reading["velocity"] if self.velocity else 0.0
             self.x = numpy.array([reading["position"], speed, 0.0])
             self.followed, self.started = 0, True
-        settled = self.followed >= self.settle
+        self.broken = self.broken + 1 if recovering > 0 else 0
+        settled = self.followed >= self.settle and self.broken <= self.max_gap
         self.followed += 1
         self.coasted = 0
         estimate = float(self.x[0])

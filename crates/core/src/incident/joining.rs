@@ -3,9 +3,9 @@
 //! Of one cylinder, warnings belong together that do not contradict each other about whom to
 //! suspect and between which the fault is not known to have gone, and those of one moment: a fault of
 //! one transducer reaches the other observer through the machine's controller. A fault of the
-//! hydraulics and readings that have parted are never one incident.
+//! hydraulics, or a command that does not come, and readings that have parted are never one incident.
 
-use super::{Ending, Incident, Progress};
+use super::{Ending, Incident, Progress, Quantities};
 use crate::alarm::detector::{Basis, DETECTORS, WarningPlace};
 use crate::alarm::{Detector, Level, Warning};
 use crate::state::whole;
@@ -94,16 +94,35 @@ impl Open {
         at_once && !(is_fact(warning) && self.has_facts())
     }
 
-    /// Whether one of them is of the hydraulics and the other of readings that have parted: no valve, pump or seal makes
-    /// C1 and C2 differ, and no reading makes oil.
+    /// Whether one of them is of hydraulics or command and the other of a reading that has parted: no valve, pump or seal,
+    /// and no command that does not come, makes C1 and C2 differ, and no reading makes oil.
     fn is_of_another_kind(&self, warning: &Warning) -> bool {
+        let has = |place: WarningPlace| self.incident.part(place).is_some();
+        let names = |suspect: Suspect| matches!(suspect, Suspect::C1 | Suspect::C2);
         match warning.detector {
-            Detector::Process => PARTING.iter().any(|it| self.incident.part(*it).is_some()),
-            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => {
-                self.incident.part(WarningPlace::Process).is_some()
+            Detector::Process => PARTING.into_iter().any(has),
+            Detector::Plausibility if is_of_command(warning) => {
+                PARTING.into_iter().any(has) || names(self.incident.suspect)
             }
-            Detector::Fde1 | Detector::Fde2 | Detector::Plausibility => false,
+            Detector::Plausibility => has(WarningPlace::PlausibilityOfCommand),
+            Detector::Fde3 | Detector::Sequential | Detector::Hexapod => {
+                has(WarningPlace::Process) || has(WarningPlace::PlausibilityOfCommand)
+            }
+            Detector::Fde1 | Detector::Fde2 => {
+                names(warning.finding.suspect) && has(WarningPlace::PlausibilityOfCommand)
+            }
         }
+    }
+
+    /// What of the `quantities` is its: of hydraulics or command only what an observer sees of it. The difference is another
+    /// fault's.
+    pub fn own(&self, quantities: &Quantities) -> Quantities {
+        let has = |place: WarningPlace| self.incident.part(place).is_some();
+        if !has(WarningPlace::Process) && !has(WarningPlace::PlausibilityOfCommand) {
+            return *quantities;
+        }
+        let [r1, r2, ..] = *quantities;
+        [r1.filter(|_| has(WarningPlace::Fde1)), r2.filter(|_| has(WarningPlace::Fde2)), None, None]
     }
 
     /// Whether a warning that names a suspect is about this fault, whose suspect is open: one near its begin, one that
@@ -188,6 +207,10 @@ impl Open {
         self.newest = warning.timestamp;
         self.has_returned |= is_fact(warning);
     }
+}
+
+fn is_of_command(warning: &Warning) -> bool {
+    warning.place == WarningPlace::PlausibilityOfCommand as usize
 }
 
 fn is_fact(warning: &Warning) -> bool {

@@ -5,9 +5,9 @@ use crate::alarm::detector::{DETECTORS, WarningPlace};
 use crate::alarm::{Evidence, Finding, Level, State, Warning};
 use crate::time::{Span, Timestamp};
 use crate::verdict::{Fault, Suspect};
-use WarningPlace::{
-    Fde1, Fde2, Fde3, Hexapod, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential,
-};
+use WarningPlace::{Fde1, Fde2, Fde3, PlausibilityOfC1, PlausibilityOfC2, Process, Sequential};
+
+mod kinds;
 
 const COINCIDENCE: Span = Span::from_nanos(100_000_000);
 const LIMITS: [f64; 4] = [1e-3, 1e-3, 1.5e-3, 0.05];
@@ -365,36 +365,4 @@ fn contradictions_are_bounded() {
     story.cycle(4000.0, [0.1; 3]);
     assert!(!story.goes_on);
     assert_eq!(story.numbers(Progress::Opened).len(), story.numbers(Progress::Closed).len());
-}
-
-/// A supply that is short is no reading's fault, nor does it make C1 and C2 differ.
-#[test]
-fn what_is_of_the_hydraulics_and_readings_that_part_are_two_stories_in_either_order() {
-    let mut story = Story::new();
-    story.raise(10.0, Process, Fault::Supply, Suspect::Process, 0.0);
-    story.cycle(10.0, [0.1; 3]);
-    // What the observers see of it is its.
-    story.raise(12.0, Fde1, Fault::Incipient, Suspect::Undecided, 1.2);
-    story.cycle(12.0, [1.2, 0.9, 0.1]);
-    assert_eq!(story.numbers(Progress::Opened), [1]);
-    for (t, place) in [(200.0, Sequential), (201.0, Fde3)] {
-        story.raise(t, place, Fault::Incipient, Suspect::Undecided, 1.6);
-        story.cycle(t, [0.1, 0.1, 1.6]);
-    }
-    assert_eq!(story.numbers(Progress::Opened), [1, 2]);
-    assert_eq!((story.newest().suspect, story.newest().begin), (Suspect::Undecided, at(200.0)));
-
-    let process = (Process, Fault::Leakage, Suspect::Process, 0.0);
-    for place in [Fde3, Sequential, Hexapod] {
-        let parted = (place, Fault::Incipient, Suspect::Undecided, 1.6);
-        for raised in [[process, parted], [parted, process]] {
-            let mut story = Story::new();
-            for (t, (place, fault, suspect, residual)) in [10.0, 10.05].into_iter().zip(raised) {
-                story.raise(t, place, fault, suspect, residual);
-            }
-            story.cycle(10.05, [0.1, 0.1, 1.6]);
-            assert_eq!(story.numbers(Progress::Opened), [1, 2], "{raised:?}");
-            assert_eq!(story.newest().suspect, raised[1].2);
-        }
-    }
 }

@@ -80,7 +80,7 @@ impl Incidents {
             open.difference = quantities[Quantity::R3 as usize];
             let stands = open.incident.stands();
             if stands || open.newest == at {
-                open.incident.reach(opened, quantities);
+                open.incident.reach(opened, &open.own(quantities));
             }
             if let Some(incident) = open.news(at) {
                 say(incident);

@@ -1,6 +1,7 @@
 //! Admission of frames: those of the open cycle, once each, and those that were kept for it.
 
-use super::page::{Page, Station, StationKind};
+use super::cylinder::Cylinder;
+use super::page::{Destination, Page, Station, StationKind};
 use super::sink::Sink;
 use super::{Monitor, Place};
 use crate::frame::Frame;
@@ -101,9 +102,25 @@ impl Monitor {
                 self.keeps = true;
             }
             Fate::Repeated => self.counts.repeated += 1,
-            Fate::Late => self.counts.late += 1,
+            Fate::Late => {
+                self.counts.late += 1;
+                self.refuse(place);
+            }
             // The counter's own tally has it.
-            Fate::Jumped => {}
+            Fate::Jumped => self.refuse(place),
+        }
+    }
+
+    /// Notes that a frame came whose readings are not those of the open cycle.
+    #[cold]
+    fn refuse(&mut self, place: Place) {
+        let Self { stations, cylinders, .. } = self;
+        for signal in &stations[place.0].pages[place.1].signals {
+            let Destination::Cylinders(bits, field) = signal.destination else { continue };
+            let Some(transducer) = field.transducer() else { continue };
+            let own = |(index, _): &(usize, &mut Cylinder)| bits & 1 << index != 0;
+            let cylinders = cylinders.iter_mut().enumerate().filter(own);
+            cylinders.for_each(|(_, it)| it.inputs.refuse(transducer));
         }
     }
 

@@ -220,6 +220,7 @@ impl Cylinder {
         let command = self.inputs.command_value().map(|u| u - self.design.command_offset);
         let moment = Moment {
             live: true,
+            refused: false,
             push: self.push.filter(|_| now.gate == Opening::Open),
             other: None,
         };
@@ -283,7 +284,9 @@ impl Cylinder {
             return Followed::default();
         }
         let other = self.relied_on(1 - I, readings);
-        let moment = Moment { live: now.heard.has(self.design.buses[I]), other, ..moment };
+        let live = now.heard.has(self.design.buses[I]);
+        let refused = self.inputs.is_refused(TRANSDUCERS[I]);
+        let moment = Moment { live, refused, other, ..moment };
         let reading = readings[I].as_ref();
         let is_good = self.check(I, reading, moment, now.at);
         let good = reading

@@ -79,7 +79,8 @@ pub struct Innovation {
     pub estimate: f64,
     /// Innovation y − C x̂ before the correction, m.
     pub residual: f64,
-    /// Whether the observer has followed for long enough for the residual to be judged.
+    /// Whether the observer has followed for long enough for the residual to be judged, and one of its latest innovations
+    /// was whole: not longer ago than it predicts over a gap.
     pub settled: bool,
     /// Whether nothing that the prediction depends on was missing: neither a command nor a reading
     /// of the last cycles ([`ObserverDesign::recovery`]). Otherwise the residual is that of a longer
@@ -114,12 +115,14 @@ pub struct Observer {
     /// Number of cycles until the innovations are whole again, see [`Innovation::whole`].
     recovering: u32,
     recovery: u32,
+    /// Number of innovations in a row that were not whole.
+    broken: u32,
     running: bool,
     stopped_by: Option<Restart>,
 }
 
 state! {
-    Observer { x, u, followed, coasted, recovering, running, stopped_by }
+    Observer { x, u, followed, coasted, recovering, broken, running, stopped_by }
     but { design, recovery }
     sound |it| it.coasted <= it.design.max_gap.saturating_add(1)
 }
@@ -129,6 +132,7 @@ impl Observer {
         Self {
             recovery: design.recovery(),
             recovering: 0,
+            broken: 0,
             design,
             x: [0.0; 3],
             u: 0.0,
@@ -191,11 +195,13 @@ impl Observer {
         let estimate = self.x[0];
         let residual = y.position - estimate;
         let velocity = y.velocity.map_or(0.0, |velocity| velocity - self.x[1]);
-        let settled = self.followed >= self.design.settle;
+        let whole = self.recovering == 0;
+        self.broken = if whole { 0 } else { self.broken.saturating_add(1) };
+        let settled = self.followed >= self.design.settle && self.broken <= self.design.max_gap;
         self.followed = self.followed.saturating_add(1);
         self.coasted = 0;
         self.predict([residual, velocity]);
-        Innovation { estimate, residual, settled, whole: self.recovering == 0 }
+        Innovation { estimate, residual, settled, whole }
     }
 
     #[cold]
@@ -261,6 +267,26 @@ mod tests {
             let whole: Vec<bool> = follow(&mut observer, 6).iter().map(|it| it.whole).collect();
             assert_eq!(whole, [false, false, false, false, true, true]);
         }
+    }
+
+    /// A command in every fifth cycle is none that a residual can be judged by.
+    #[test]
+    fn an_observer_that_always_lacks_something_does_not_judge() {
+        let mut observer = observer();
+        follow(&mut observer, 8);
+        let mut step = |k: u32| {
+            let command = k.is_multiple_of(5).then_some(0.0);
+            observer.step(READ, command).0.expect("it was read").settled
+        };
+        let settled: Vec<bool> = (1..12).map(&mut step).collect();
+        assert_eq!(
+            settled[..3],
+            [true; 3],
+            "the first one lacked nothing, and two are predicted over"
+        );
+        assert_eq!(settled[3..], [false; 8]);
+        assert!(!follow(&mut observer, 4).iter().any(|it| it.settled));
+        assert!(follow(&mut observer, 3)[2].settled);
     }
 
     #[test]

@@ -35,6 +35,10 @@ const UNWITNESSED: u32 = 5;
 /// it was not in motion.
 const FAR: f64 = 5.0;
 
+/// Most cycles in a row in which a frame came for another cycle and that do not age a reading: after a clock was set, or a bus
+/// stood still, places find their cycle anew within five.
+const SPARED: u32 = 10;
+
 /// Direction in which a command moves the cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Push {
@@ -66,6 +70,8 @@ pub struct Moment {
     /// Whether anything of the machine was on the bus in this cycle. In silence nothing ages: a
     /// quiet bus is not the fault of a transducer.
     pub live: bool,
+    /// Whether a frame of this reading came, for another cycle: it is not missing, but late, or early.
+    pub refused: bool,
     /// Direction in which the command since the last cycle moves the cylinder, in a platform state
     /// in which it follows; `None` if it does not move it.
     pub push: Option<Push>,
@@ -133,13 +139,24 @@ impl Stillness {
     }
 }
 
+/// Cycles in a row without a reading.
+#[derive(Clone, Copy, Debug, Default)]
+struct Absence {
+    /// Those in which nothing of it came.
+    missing: u32,
+    /// Those in which a frame came for another cycle, at most [`SPARED`].
+    spared: u32,
+}
+
+whole! { Absence { missing, spared } }
+
 /// The plausibility of one transducer's readings.
 #[derive(Clone, Debug)]
 pub struct Plausibility {
     limits: PlausibilityLimits,
     /// Extremes of [`PlausibilityLimits::broken_wire_codes`]: most readings are outside both.
     broken_wire: (i64, i64),
-    missing: u32,
+    absence: Absence,
     last: Option<f64>,
     /// Stillness since the reading changed.
     still: Stillness,
@@ -149,7 +166,7 @@ pub struct Plausibility {
 }
 
 state! {
-    Plausibility { missing, last, still, held, quality }
+    Plausibility { absence, last, still, held, quality }
     but { limits, broken_wire }
 }
 
@@ -160,7 +177,7 @@ impl Plausibility {
         Self {
             broken_wire: broken().min().zip(broken().max()).unwrap_or((i64::MAX, i64::MIN)),
             limits,
-            missing: 0,
+            absence: Absence::default(),
             last: None,
             still: Stillness::default(),
             held: Stillness::default(),
@@ -182,9 +199,9 @@ impl Plausibility {
     /// Judges what arrived in the cycle of `moment`.
     pub fn judge(&mut self, reading: Option<&Reading>, moment: Moment) -> Quality {
         self.quality = match reading {
-            None => self.without_reading(moment.live),
+            None => self.without_reading(moment),
             Some(reading) => {
-                self.missing = 0;
+                self.absence = Absence::default();
                 self.follow(reading.position, moment);
                 self.of_new(reading)
             }
@@ -199,7 +216,7 @@ impl Plausibility {
             DeviceWord::Lost => self.quality = Quality::Stale,
             DeviceWord::NotOperational if !reads => {
                 // The time in which a reading is missed begins when the device is operational again.
-                self.missing = 0;
+                self.absence = Absence::default();
                 self.quality = Quality::NotOperational;
             }
             DeviceWord::NotOperational | DeviceWord::Nothing => {}
@@ -243,12 +260,17 @@ impl Plausibility {
 
     /// Number of cycles without a new reading: with none, or with the same.
     pub fn idle(&self) -> u32 {
-        self.still.cycles.saturating_add(self.missing)
+        self.still.cycles.saturating_add(self.absence.missing)
     }
 
-    fn without_reading(&mut self, live: bool) -> Quality {
-        self.missing = self.missing.saturating_add(u32::from(live));
-        if self.missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
+    fn without_reading(&mut self, moment: Moment) -> Quality {
+        let Absence { missing, spared } = &mut self.absence;
+        if moment.refused && *spared < SPARED {
+            *spared += 1;
+        } else {
+            *missing = missing.saturating_add(u32::from(moment.live));
+        }
+        if *missing >= self.limits.stale { Quality::Stale } else { Quality::Missing }
     }
 
     /// Follows a reading. Once frozen it stays so until it changes, even if the command comes to

@@ -94,16 +94,18 @@ const CODED: [u16; 2] = [1 << 14, 1 << 15];
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs {
     got: u16,
+    /// Whether a frame of C1, or of C2, came that belongs to no cycle that is still open.
+    refused: [bool; 2],
     counts: [i64; PLACES],
     numbers: [f64; PLACES],
 }
 
-whole! { Inputs { got, counts, numbers } }
+whole! { Inputs { got, refused, counts, numbers } }
 
 impl Inputs {
     /// Forgets everything, for the next cycle.
     pub fn clear(&mut self) {
-        self.got = 0;
+        (self.got, self.refused) = (0, [false; 2]);
     }
 
     /// The fields that have arrived, by [`Field::bit`].
@@ -171,6 +173,16 @@ impl Inputs {
 
     pub fn status(&mut self, transducer: Transducer, status: u64) {
         self.note_bits(Field::Status(transducer), status);
+    }
+
+    /// Notes that a frame of the transducer came that belongs to no cycle that is still open.
+    pub const fn refuse(&mut self, transducer: Transducer) {
+        self.refused[transducer as usize] = true;
+    }
+
+    /// See [`Self::refuse`].
+    pub const fn is_refused(&self, transducer: Transducer) -> bool {
+        self.refused[transducer as usize]
     }
 
     /// Notes that the alive counter has confirmed the reading as new.

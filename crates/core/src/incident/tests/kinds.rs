@@ -1,0 +1,50 @@
+//! Faults of hydraulics or command beside readings that part.
+
+use super::*;
+use WarningPlace::{Hexapod, PlausibilityOfCommand};
+
+/// A supply that is short is no reading's fault, nor does it make C1 and C2 differ.
+#[test]
+fn what_is_of_the_hydraulics_and_readings_that_part_are_two_stories_in_either_order() {
+    let mut story = Story::new();
+    story.raise(10.0, Process, Fault::Supply, Suspect::Process, 0.0);
+    story.cycle(10.0, [0.1; 3]);
+    // What the observers see of it is its.
+    story.raise(12.0, Fde1, Fault::Incipient, Suspect::Undecided, 1.2);
+    story.cycle(12.0, [1.2, 0.9, 0.1]);
+    assert_eq!(story.numbers(Progress::Opened), [1]);
+    for (t, place) in [(200.0, Sequential), (201.0, Fde3)] {
+        story.raise(t, place, Fault::Incipient, Suspect::Undecided, 1.6);
+        story.cycle(t, [0.1, 0.1, 1.6]);
+    }
+    assert_eq!(story.numbers(Progress::Opened), [1, 2]);
+    assert_eq!((story.newest().suspect, story.newest().begin), (Suspect::Undecided, at(200.0)));
+
+    let hydraulics = [(Process, Fault::Leakage), (PlausibilityOfCommand, Fault::Stale)];
+    let parting = [(Fde3, Suspect::Undecided), (Fde1, Suspect::C1), (Fde2, Suspect::C2)];
+    let parting =
+        parting.into_iter().chain([(Sequential, Suspect::C1), (Hexapod, Suspect::Undecided)]);
+    for ((place, fault), (other, suspect)) in
+        hydraulics.into_iter().flat_map(|one| parting.clone().map(move |other| (one, other)))
+    {
+        // An observer that is raised with a fault of the hydraulics sees it, too.
+        if place == Process && matches!(other, Fde1 | Fde2) {
+            continue;
+        }
+        let (own, of_reading) =
+            ((place, fault, Suspect::Process, 0.0), (other, Fault::Incipient, suspect, 60.0));
+        for raised in [[own, of_reading], [of_reading, own]] {
+            let mut story = Story::new();
+            for (t, (place, fault, suspect, residual)) in [10.0, 10.05].into_iter().zip(raised) {
+                story.raise(t, place, fault, suspect, residual);
+            }
+            story.follow(10.05, [Some(0.06); 4]);
+            assert_eq!(story.numbers(Progress::Opened), [1, 2], "{raised:?}");
+            for incident in &story.told {
+                let of_oil = incident.suspect == Suspect::Process;
+                assert_eq!(incident.peaks.iter().all(Option::is_none), of_oil, "{incident:?}");
+                assert!(of_oil || incident.suspect == suspect, "{raised:?} {incident:?}");
+            }
+        }
+    }
+}
