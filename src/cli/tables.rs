@@ -4,16 +4,17 @@ use super::Failure;
 use super::files::{self, Claimed, Inputs, Mark, Overwriting};
 use super::machine::{Designer, Machine};
 use super::survey::{Field, Surveyed};
-use crate::config::{self, edit};
+use crate::config::{self, Loaded, edit};
 use clap::Args;
 use similar::TextDiff;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Claims the files for the tables and the page of `command`, which reads `surveyed`.
+/// Claims the files for the tables and the page of `command`, which reads `surveyed`, before minutes are spent on them.
 ///
 /// # Errors
-/// A file is an input, must not be overwritten, or cannot be written.
+/// A file is an input, must not be overwritten, or cannot be written; or tables would go into the
+/// configuration of another machine.
 pub fn claim(
     command: &str,
     [tables, page]: [&Option<PathBuf>; 2],
@@ -36,6 +37,7 @@ pub fn claim(
         (into, Mark::Judged),
     ];
     let [tables, page, _] = inputs.claim(wanted, overwriting)?;
+    place.is_of(&surveyed.machine.loaded)?;
     Ok([tables, page])
 }
 
@@ -61,6 +63,43 @@ impl InPlace {
     pub fn is(&self, config: &Path) -> bool {
         self.into.as_deref().is_some_and(|into| files::is_same(into, config))
     }
+
+    /// Checks that the tables go into a configuration of the machine `learnt`, by which the recording is read.
+    ///
+    /// # Errors
+    /// What differs; or the configuration cannot be read.
+    fn is_of(&self, learnt: &Loaded) -> Result<(), Failure> {
+        let Some(path) = self.into.as_deref() else { return Ok(()) };
+        let differs = differences(&config::load(path)?, learnt);
+        if differs.is_empty() {
+            return Ok(());
+        }
+        let (name, config) = (path.display(), learnt.title());
+        Err(Failure::Wrong(format!(
+            "{name} is not of the machine of {config}, and would get its tables: {}. Nothing was changed; \
+             name a configuration of one machine in --config and --into",
+            differs.join("; ")
+        )))
+    }
+}
+
+/// What tells the machine of `found` from that of `expected`, in words; empty where nothing does.
+fn differences(found: &Loaded, expected: &Loaded) -> Vec<String> {
+    let [own, others] = [found, expected].map(|it| &it.settings.machine);
+    let mut differences = Vec::new();
+    if own.sample_time != others.sample_time {
+        let [own, others] = [own, others].map(|it| it.sample_time);
+        differences.push(format!("machine.sample_time is {own} s, expected {others} s"));
+    }
+    if own.cylinders != others.cylinders {
+        let [own, others] = [own, others].map(|it| it.cylinders);
+        differences.push(format!("machine.cylinders is {own}, expected {others}"));
+    }
+    if found.layout() != expected.layout() {
+        let [own, others] = [found, expected].map(|it| it.dbc_path.display());
+        differences.push(format!("{own} is another layout of frames than {others}"));
+    }
+    differences
 }
 
 /// Most previous files that are kept beside a configuration.

@@ -110,3 +110,34 @@ fn only_a_configuration_is_written_into() {
     let call = ["calibrate", &desk.log, "--config", &desk.config, "--dry-run"];
     tertius(&call).failed(2, &["--into"]);
 }
+
+/// The beginning of the recording is enough: they refuse before they learn.
+#[test]
+fn tables_of_one_machine_do_not_go_into_another_ones_configuration() {
+    let desk = Desk::new();
+    let short = between(&recorded("e-type-healthy.log.zst"), 200.0, 205.0);
+    let log = desk.scratch.write("short.log", short);
+    let slower = desk.text().replace("sample_time = 0.02 ", "sample_time = 0.025 ");
+    let fewer = desk.text().replace("cylinders = 6", "cylinders = 5");
+    let dbc = fs::read_to_string(top().join("dbc/e-type.dbc")).expect("it ships");
+    let dbc =
+        desk.scratch.write("elsewhere.dbc", dbc.replace("BO_ 385 Cyl1_C1", "BO_ 1234 Cyl1_C1"));
+    let dbc = format!("{dbc:?}");
+    let elsewhere = desk.text().replace(&format!("{:?}", top().join("dbc/e-type.dbc")), &dbc);
+    for (text, found) in [
+        (slower, "machine.sample_time is 0.025 s, expected 0.02 s"),
+        (fewer, "machine.cylinders is 5, expected 6"),
+        (elsewhere, "elsewhere.dbc is another layout of frames than"),
+    ] {
+        assert_ne!(text, desk.text(), "{found}");
+        let other = desk.scratch.write("other.toml", &text);
+        for command in ["identify", "calibrate", "tune"] {
+            let call = [command, &log, "--config", &desk.config, "--into", &other];
+            for more in [&[] as &[&str], &["--dry-run"]] {
+                let words = [&other, &desk.config, found, "Nothing was changed"];
+                tertius(&[&call[..], more].concat()).failed(2, &words);
+            }
+            assert_eq!(fs::read_to_string(&other).expect("it is there"), text);
+        }
+    }
+}
