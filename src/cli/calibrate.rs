@@ -93,8 +93,8 @@ impl Calibrate {
             usable.is_ok().then(|| learnt::calibration::of(&result, env!("CARGO_PKG_VERSION")));
         let written = written.flatten();
         tables::publish(&page, output, written.as_deref())?;
-        // What is kept has no cylinder that contradicts it, and no damage.
-        let whole = result.refusals().is_empty() && study.surveyed.damage().is_ok();
+        // What is kept has no cylinder that contradicts it.
+        let whole = result.refusals().is_empty();
         if let Some(tables) = written.filter(|_| whole || !self.update) {
             self.put(&study, &result, &tables)?;
         }

@@ -63,11 +63,7 @@ impl Commission {
     /// A wrong call or file, or a machine or cylinder that is not fit for use.
     pub fn run(self) -> Result<(), Failure> {
         let surveyed = self.field.open()?;
-        surveyed.damage().map_err(|damage| {
-            Failure::Failed(format!(
-                "{damage}; nothing is learnt from a recording that cannot be read completely"
-            ))
-        })?;
+        surveyed.whole()?;
         let [output, report] = self.claim(&surveyed)?;
         let config = &self.field.config;
         let study = if self.update {

@@ -298,6 +298,19 @@ impl Surveyed {
             None => Ok(()),
         }
     }
+
+    /// Fails if a part of an input could not be read, before anything is learnt that is kept.
+    ///
+    /// # Errors
+    /// The first damage.
+    pub fn whole(&self) -> Result<(), Failure> {
+        self.damage().map_err(|damage| {
+            Failure::Failed(format!(
+                "{damage}; nothing is learnt from a recording that cannot be read completely: record again, or \
+                 take what can be read of it by `tertius convert`"
+            ))
+        })
+    }
 }
 
 impl Frames for Surveyed {

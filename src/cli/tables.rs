@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Claims the files for the tables and the page of `command`, which reads `surveyed`, before minutes are spent on them.
 ///
 /// # Errors
-/// A file is an input, must not be overwritten, or cannot be written; or tables would go into the
-/// configuration of another machine.
+/// A file is an input, must not be overwritten, or cannot be written; tables would go into the
+/// configuration of another machine; or tables are wanted of a recording that is damaged.
 pub fn claim(
     command: &str,
     [tables, page]: [&Option<PathBuf>; 2],
@@ -38,6 +38,9 @@ pub fn claim(
     ];
     let [tables, page, _] = inputs.claim(wanted, overwriting)?;
     place.is_of(&surveyed.machine.loaded)?;
+    if tables.is_some() || place.is_wanted() {
+        surveyed.whole()?;
+    }
     Ok([tables, page])
 }
 

@@ -1,6 +1,7 @@
 //! Tables that are learnt, put into the configuration itself.
 
 use std::fs;
+use std::io::Write;
 use tertius_testing::support::{self, Run, Scratch, between, merge, recorded, top};
 use toml::Table;
 
@@ -140,4 +141,35 @@ fn tables_of_one_machine_do_not_go_into_another_ones_configuration() {
             assert_eq!(fs::read_to_string(&other).expect("it is there"), text);
         }
     }
+}
+
+#[test]
+fn a_recording_that_is_cut_off_changes_no_configuration() {
+    let desk = Desk::new();
+    let cut = |bytes: Vec<u8>| bytes[..bytes.len() * 9 / 10].to_vec();
+    let text = fs::read(&desk.log).expect("it is there");
+    let packed = zstd::encode_all(&text[..], 1).expect("it can be compressed");
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gzip.write_all(&text).expect("there is room");
+    let gzip = gzip.finish().expect("there is room");
+    let logs = [("cut.log.zst", cut(packed)), ("cut.log.gz", cut(gzip))];
+    let logs = logs.map(|(name, bytes)| desk.scratch.write(name, bytes));
+    let (before, output) = (desk.text(), desk.scratch.path("tables.toml"));
+    for command in ["identify", "calibrate", "tune", "commission"] {
+        let wanted: &[&[&str]] = match command {
+            "commission" => &[&[]],
+            _ => &[&["--into", &desk.config], &["--output", &output]],
+        };
+        for (log, wanted) in logs.iter().flat_map(|log| wanted.iter().map(move |it| (log, it))) {
+            let call = [&[command, log, "--config", &desk.config], *wanted].concat();
+            let words = [log, "truncated", "nothing is learnt", "tertius convert"];
+            let run = tertius(&call).failed(1, &words);
+            assert_eq!(run.stdout, "", "it refuses before it learns");
+        }
+    }
+    assert_eq!(desk.text(), before);
+    assert!(!fs::exists(&output).expect("it can be looked for"));
+    // Figures to look at are none to keep.
+    let page = tertius(&["calibrate", &logs[0], "--config", &desk.config]);
+    assert!(page.failed(1, &["truncated"]).stdout.contains("cylinder"));
 }
