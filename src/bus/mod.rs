@@ -41,7 +41,7 @@ pub use formats::{names as format_names, written};
 pub use listening::ListeningPort;
 pub(crate) use merge::Sorter;
 pub use options::Options;
-pub use order::sorted as in_order;
+pub use order::{later as later_beginnings, sorted as in_order};
 pub use port::{Identifiers, Port, PortCounts, PortError, Received, Sent, Stamps};
 pub use progress::Progress;
 pub use reason::{Found, Reason};

@@ -45,6 +45,14 @@ pub fn check(places: &[&InputPlace], interfaces: &Interfaces) -> Result<(), Sour
     Err(SourceError::Order { ahead: ahead.0, at: ahead.1, later: later.0, before: later.1, advice })
 }
 
+/// Where each of `paths` begins that is named after another one: its name and its first frame's time stamp, if that has
+/// no origin of its own.
+pub fn later(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<(String, Timestamp)> {
+    let places = paths.iter().skip(1).map(|path| InputPlace::of(path));
+    let begins = |place: InputPlace| Some((place.name(), beginning(&place, interfaces)?));
+    places.filter_map(begins).collect()
+}
+
 /// `paths` in the order in which they begin, by their time stamps; unchanged where one of them has
 /// none. Files that cannot be opened are reported when they are read.
 pub fn sorted(paths: &[PathBuf], interfaces: &Interfaces) -> Vec<PathBuf> {

@@ -156,7 +156,7 @@ impl Replay {
         let interfaces = machine.interfaces(self.interface.as_deref())?;
         let time_stamps = self.time_stamps.into();
         let options = Options { time_stamps, interfaces: interfaces.clone() };
-        let mut recording = Recording::open(&inputs.logs, options)?;
+        let mut recording = Recording::open(&inputs.logs, options.clone())?;
         let Claims { residuals, estimates, frames, report, state, columns } =
             self.claim(&machine, &inputs)?;
         let threads = self.threads.unwrap_or_else(processors);
@@ -171,8 +171,9 @@ impl Replay {
         let history =
             self.history.as_deref().map(|path| History::read(path, &machine)).transpose()?;
         let (mut monitor, mut kept) = self.monitor(&machine, state, &inputs, history.as_ref())?;
+        let read = (&inputs, &options);
         let duration =
-            feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), &inputs)?;
+            feed(&mut recording, threads, &mut monitor, &mut output, kept.as_mut(), read)?;
         if output.failed() {
             return broken_off(output);
         }

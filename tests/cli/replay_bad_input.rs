@@ -428,6 +428,32 @@ fn recordings_in_the_wrong_order_are_refused_or_put_in_order() {
     assert!(page.contains(told), "{page}");
 }
 
+#[test]
+fn recordings_that_overlap_are_refused_and_those_of_other_interfaces_do_not() {
+    let scratch = Scratch::new();
+    let log = recorded("e-type-faults.log.zst");
+    let write = |name: &str, begin, end| scratch.write(name, between(&log, begin, end));
+    let (a, b) = (write("a.log", 88.0, 92.0), write("b.log", 90.5, 94.0));
+    let html = scratch.path("page.html");
+    let said = "recordings overlap, one is named twice, or the clock was set back; name each recording once";
+    for (logs, begin) in [([&*a, &*a], "1700000088.000"), ([&*a, &*b], "1700000090.500")] {
+        for threads in ["1", "2"] {
+            let words = [logs[1], begin, "up to 1700000091.98", said];
+            replay(&logs, E_TYPE, &["--threads", threads, "--report", &html]).failed(2, &words);
+        }
+    }
+    assert!(!fs::exists(&html).expect("it can be looked for"));
+    // As one, they are a recording whose clock was set back.
+    let both = scratch.write("both.log", scratch.read("a.log") + &scratch.read("b.log"));
+    let summary = replay(&[&both], E_TYPE, &[]).ok().summary();
+    assert_eq!([&summary["backwards"], &summary["time_jumps"]], [1, 1]);
+    // What is not read does not overlap, and neither do frames that are a little out of order.
+    let other = scratch.write("other.log", scratch.read("b.log").replace(" can0 ", " can1 "));
+    assert_eq!(replay(&[&a, &other], E_TYPE, &[]).ok().summary()["backwards"], 0);
+    let next = write("next.log", 91.5, 94.0);
+    replay(&[&a, &next], E_TYPE, &[]).ok();
+}
+
 /// A page of what was read until the disk was full would look like one of the whole recording.
 #[test]
 fn a_replay_that_broke_off_has_no_page() {

@@ -1,30 +1,38 @@
 //! The frames of a replay, from the recording to the monitor.
 
+mod overlap;
+
 use super::super::Failure;
 use super::super::output::Output;
 use super::super::progress::Bar;
 use super::super::recorded::RecordedInputs;
 use super::super::state::StateFile;
-use crate::bus::{FrameTaker, Progress, Recording, Statistics, read_ahead};
+use crate::bus::{FrameTaker, Options, Progress, Recording, Statistics, read_ahead};
 use crate::frame::Frame;
 use crate::monitor::Monitor;
 use crate::time::{Span, Timestamp};
+use overlap::{Beginnings, STEP_BACK};
 use std::ops::ControlFlow;
 
 /// Feeds the whole recording to the monitor, while the outputs can be written; returns the time
 /// from its first frame to its last. With more than one of `threads` it is read ahead. Where the state
 /// is `kept`, or was recorded with the `inputs`, the machine goes on after the end.
+///
+/// # Errors
+/// The recording cannot be read, or one of the `inputs` begins within those before it.
 pub fn feed(
     recording: &mut Recording,
     threads: usize,
     monitor: &mut Monitor,
     output: &mut Output,
     kept: Option<&mut StateFile>,
-    inputs: &RecordedInputs,
+    (inputs, options): (&RecordedInputs, &Options),
 ) -> Result<Span, Failure> {
     let goes_on = kept.is_some() || inputs.state.is_some();
     let (bar, last) = (Bar::new(recording.progress()), output.first);
-    let mut feeding = Feeding { monitor, output, kept, bar, last, begun: false, failure: None };
+    let later = Beginnings::new(&inputs.logs, options);
+    let (begun, failure) = (false, None);
+    let mut feeding = Feeding { monitor, output, kept, bar, later, last, begun, failure };
     read_ahead(recording, threads, &mut feeding)?;
     let Feeding { monitor, output, bar, last, failure, .. } = feeding;
     if let Some(failure) = failure {
@@ -46,6 +54,7 @@ struct Feeding<'a> {
     output: &'a mut Output,
     kept: Option<&'a mut StateFile>,
     bar: Bar,
+    later: Beginnings<'a>,
     /// Time stamp of the newest frame.
     last: Timestamp,
     begun: bool,
@@ -55,7 +64,13 @@ struct Feeding<'a> {
 impl FrameTaker for Feeding<'_> {
     #[inline(always)]
     fn take(&mut self, frame: &Frame) -> ControlFlow<()> {
-        self.last = frame.timestamp;
+        let before = std::mem::replace(&mut self.last, frame.timestamp);
+        if self.begun && self.last.since(before) < STEP_BACK {
+            self.failure = self.later.refuse(self.last, before).err();
+            if self.failure.is_some() {
+                return ControlFlow::Break(());
+            }
+        }
         if !self.begun {
             let begun = begin(self.last, self.monitor, self.output, self.kept.as_deref_mut());
             self.failure = begun.err();
